@@ -1,0 +1,233 @@
+//! A submission: the envelope around a spec, taken apart so that every error keeps its place.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use serde_json::value::RawValue;
+
+use crate::kinds::{Spec, SpecVisitor};
+use crate::schema::{envelope_violations, escape, spec_violations};
+use crate::{Estimate, JobKind, JobSpec, Problem, Violation};
+
+/// The body of `POST /v1/jobs`, its spec still raw.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Envelope {
+    pub kind: JobKind,
+    /// A name for people; left out, the kind's title.
+    #[serde(default)]
+    #[schemars(length(max = 200))]
+    pub name: String,
+    #[serde(default)]
+    #[schemars(length(max = 10_000))]
+    pub notes: String,
+    #[serde(default)]
+    #[schemars(length(max = 20), inner(length(min = 1, max = 50)))]
+    pub tags: Vec<String>,
+    /// Higher runs first.
+    #[serde(default)]
+    #[schemars(range(min = -1000, max = 1000))]
+    pub priority: i32,
+    /// The kind's spec, see `/v1/kinds/{kind}/schema`.
+    #[schemars(with = "serde_json::Map<String, Value>")]
+    pub spec: Box<RawValue>,
+}
+
+/// A submission that has passed every check.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Submission {
+    pub name: String,
+    pub notes: String,
+    pub tags: Vec<String>,
+    pub priority: i32,
+    pub spec: JobSpec,
+}
+
+/// Why a submission is not accepted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SubmissionError {
+    /// The text is not JSON.
+    #[error("not JSON: {}", .0.detail)]
+    Syntax(Violation),
+    /// It is JSON, but not a job that can be run.
+    #[error("{} violations", .0.len())]
+    Invalid(Vec<Violation>),
+}
+
+/// What a server lets a single job take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    pub wall_s: f64,
+    pub memory_mb: f64,
+    pub disk_mb: f64,
+}
+
+impl Submission {
+    /// Reads and checks a submission.
+    ///
+    /// # Errors
+    /// Every violation found, with pointers into the whole body.
+    pub fn from_slice(body: &[u8]) -> Result<Self, SubmissionError> {
+        let value = parse(body)?;
+        let mut violations = envelope_violations(&value);
+        let kind = value["kind"]
+            .as_str()
+            .and_then(|name| name.parse::<JobKind>().ok());
+        if let (Some(kind), Some(spec)) = (kind, value.get("spec").filter(|spec| spec.is_object()))
+        {
+            violations.extend(spec_violations(kind, spec).into_iter().map(within_spec));
+        }
+        drop(value);
+        if !violations.is_empty() {
+            return Err(SubmissionError::Invalid(violations));
+        }
+        // the schema is content, so what the types refuse now is rare: duplicate keys, 1.0 for 1
+        let envelope: Envelope = typed(body, "")?;
+        let spec = envelope.kind.visit(ReadSpec(envelope.spec.get()))?;
+        let name = match envelope.name.trim() {
+            "" => envelope.kind.title().to_owned(),
+            name => name.to_owned(),
+        };
+        let Envelope {
+            notes,
+            tags,
+            priority,
+            ..
+        } = envelope;
+        Ok(Self {
+            name,
+            notes,
+            tags,
+            priority,
+            spec,
+        })
+    }
+}
+
+/// Reads a kind's spec from its raw text, checks and normalises it.
+struct ReadSpec<'a>(&'a str);
+
+impl SpecVisitor for ReadSpec<'_> {
+    type Output = Result<JobSpec, SubmissionError>;
+
+    fn visit<T: Spec>(self, wrap: fn(T) -> JobSpec) -> Self::Output {
+        let mut spec: T = typed(self.0.as_bytes(), "/spec")?;
+        let mut violations = Vec::new();
+        spec.check(&mut violations);
+        if violations.is_empty() {
+            spec.normalise();
+            Ok(wrap(spec))
+        } else {
+            Err(SubmissionError::Invalid(
+                violations.into_iter().map(within_spec).collect(),
+            ))
+        }
+    }
+}
+
+impl JobSpec {
+    /// Reads a spec that was normalised before, as workers get it.
+    ///
+    /// # Errors
+    /// As [`Submission::from_slice`].
+    pub fn from_json(kind: JobKind, text: &str) -> Result<Self, SubmissionError> {
+        kind.visit(ReadSpec(text))
+    }
+}
+
+impl Limits {
+    /// Refuses a job whose estimate exceeds the limits.
+    pub fn violations(&self, estimate: &Estimate) -> Vec<Violation> {
+        let checks = [
+            ("time", estimate.wall_s, self.wall_s, "s"),
+            ("memory", estimate.memory_mb, self.memory_mb, "MB"),
+            ("disk", estimate.disk_mb, self.disk_mb, "MB"),
+        ];
+        let over = checks
+            .into_iter()
+            .filter(|(_, estimate, limit, _)| estimate > limit);
+        over.map(|(what, estimate, limit, unit)| {
+            Violation::new("/spec", "too_expensive", format!("the job would need about {estimate:.3e} {unit} of {what}; make it smaller or ask for higher limits"))
+                .value(estimate)
+                .allowed(format!("≤ {limit}"))
+                .unit(unit)
+        })
+        .collect()
+    }
+}
+
+impl SubmissionError {
+    /// The answer a client gets.
+    pub fn into_problem(self) -> Problem {
+        match self {
+            Self::Syntax(violation) => Problem {
+                violations: vec![violation.clone()],
+                ..Problem::new(400, "not-json", "The body is not JSON", violation.detail)
+            },
+            Self::Invalid(violations) => {
+                let detail = match violations.len() {
+                    1 => format!("{}", violations[0]),
+                    count => format!("{count} things are wrong; each is listed under violations"),
+                };
+                Problem {
+                    violations,
+                    ..Problem::new(422, "invalid-job", "The job cannot be accepted", detail)
+                }
+            }
+        }
+    }
+}
+
+fn within_spec(mut violation: Violation) -> Violation {
+    violation.pointer.insert_str(0, "/spec");
+    violation
+}
+
+fn parse(body: &[u8]) -> Result<Value, SubmissionError> {
+    let mut reader = serde_json::Deserializer::from_slice(body);
+    let value = serde_path_to_error::deserialize(&mut reader)
+        .map_err(|error| syntax(pointer(error.path()), error.inner()))?;
+    reader
+        .end()
+        .map_err(|error| syntax(String::new(), &error))?;
+    Ok(value)
+}
+
+fn syntax(pointer: String, error: &serde_json::Error) -> SubmissionError {
+    let code = if error.is_eof() {
+        "truncated"
+    } else {
+        "syntax"
+    };
+    SubmissionError::Syntax(
+        Violation::new(pointer, code, error.to_string())
+            .value(format!("line {}, column {}", error.line(), error.column()))
+            .allowed("JSON (RFC 8259): finite numbers within ±1.8e308, at most 127 levels deep"),
+    )
+}
+
+/// Parses into `T`; what is refused is said with its pointer under `prefix`.
+fn typed<'de, T: Deserialize<'de>>(text: &'de [u8], prefix: &str) -> Result<T, SubmissionError> {
+    let mut reader = serde_json::Deserializer::from_slice(text);
+    serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+        let place = format!("{prefix}{}", pointer(error.path()));
+        let detail = error.inner().to_string();
+        let code = if detail.starts_with("duplicate field") {
+            "duplicate_field"
+        } else {
+            "wrong_type"
+        };
+        SubmissionError::Invalid(vec![Violation::new(place, code, detail)])
+    })
+}
+
+fn pointer(path: &serde_path_to_error::Path) -> String {
+    use serde_path_to_error::Segment;
+    path.iter()
+        .filter_map(|segment| match segment {
+            Segment::Seq { index } => Some(format!("/{index}")),
+            Segment::Map { key } => Some(format!("/{}", escape(key))),
+            Segment::Enum { variant } => Some(format!("/{}", escape(variant))),
+            Segment::Unknown => None,
+        })
+        .collect()
+}

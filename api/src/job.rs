@@ -1,0 +1,201 @@
+//! A job as clients see it.
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use uuid::Uuid;
+
+use crate::{JobKind, Quantity, Timestamp};
+
+/// Where a job is in its life; the diagram is in the server's `queue` module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum JobStatus {
+    Queued,
+    Running,
+    /// Set aside with its checkpoint; `resume` queues it again.
+    Paused,
+    Finished,
+}
+
+/// How a finished job ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum JobOutcome {
+    Succeeded,
+    Failed,
+    Cancelled,
+    TimedOut,
+    /// Its worker died while running it three times.
+    Quarantined,
+}
+
+/// Why a job is in its state, for programs; `reason` says it to people.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ReasonCode {
+    /// Submitted, waiting for a worker.
+    Submitted,
+    /// Asked to pause; the worker is leaving a checkpoint.
+    PauseRequested,
+    /// Asked to cancel; the worker is being told.
+    CancelRequested,
+    PausedByUser,
+    ResumedByUser,
+    RetriedByUser,
+    CancelledByUser,
+    /// The worker stopped by plan (shutdown, drain, time limit) and left a checkpoint.
+    WorkerReleased,
+    /// The worker fell silent beyond its lease.
+    WorkerLost,
+    /// Lost too many workers.
+    TooManyLosses,
+    /// The simulation could not give a result.
+    SimulationError,
+    /// The worker could not carry out the job (disk full, files unreadable).
+    WorkerError,
+    TimeLimit,
+    Completed,
+}
+
+/// How an attempt ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AttemptEnd {
+    Completed,
+    Failed,
+    Cancelled,
+    Paused,
+    /// Planned stop of the worker; costs no attempt.
+    Released,
+    /// The lease ran out.
+    Lost,
+    TimedOut,
+}
+
+/// A job.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct JobView {
+    pub id: Uuid,
+    pub kind: JobKind,
+    pub name: String,
+    pub notes: String,
+    pub tags: Vec<String>,
+    /// Higher runs first; equal ones in order of submission.
+    pub priority: i32,
+    pub status: JobStatus,
+    pub outcome: Option<JobOutcome>,
+    pub reason: String,
+    pub reason_code: ReasonCode,
+    /// 0 to 1.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub progress: f64,
+    /// What the simulation is doing.
+    pub phase: String,
+    /// Estimated time to the end [s], while running.
+    pub eta_s: Option<f64>,
+    /// Jobs that will run before this one, plus one, while queued.
+    pub position: Option<u64>,
+    /// Number of the current or last attempt; 0 before the first.
+    pub attempt: u32,
+    pub attempts: Vec<AttemptView>,
+    pub created_at: Timestamp,
+    pub started_at: Option<Timestamp>,
+    pub finished_at: Option<Timestamp>,
+    pub updated_at: Timestamp,
+    pub spec_sha256: String,
+    /// The normalised spec; only on a single job.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spec: Option<Value>,
+    /// Results of a succeeded job, as in `outcome.json`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub summary: Option<IndexMap<String, Quantity>>,
+    pub links: JobLinks,
+}
+
+/// One worker's go at a job.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AttemptView {
+    pub number: u32,
+    /// Label of the worker.
+    pub worker: String,
+    pub host: String,
+    pub started_at: Timestamp,
+    pub ended_at: Option<Timestamp>,
+    pub end_reason: Option<AttemptEnd>,
+}
+
+/// Where to go on from a job.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct JobLinks {
+    #[serde(rename = "self")]
+    pub this: String,
+    pub page: String,
+    pub events: String,
+    pub curve: String,
+    pub files: String,
+    pub archive: String,
+    pub outcome: String,
+    pub log: String,
+}
+
+impl JobLinks {
+    /// Links of the job `id`.
+    pub fn of(id: Uuid) -> Self {
+        let this = format!("/v1/jobs/{id}");
+        Self {
+            page: format!("/jobs/{id}"),
+            events: format!("{this}/events"),
+            curve: format!("{this}/curve"),
+            files: format!("{this}/files"),
+            archive: format!("{this}/archive.zip"),
+            outcome: format!("{this}/outcome"),
+            log: format!("{this}/log"),
+            this,
+        }
+    }
+}
+
+/// A page of a list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Page<T> {
+    pub items: Vec<T>,
+    /// Give this as `cursor` for the next page.
+    pub next: Option<String>,
+}
+
+/// Part of a job's curve.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CurveView {
+    /// Names of the columns, units included.
+    pub columns: Vec<String>,
+    /// The attempt that computed these points; all attempts compute the same ones.
+    pub attempt: u32,
+    pub points: Vec<Vec<f64>>,
+    /// Give this as `since` to go on.
+    pub next: u64,
+    /// No more points will come.
+    pub complete: bool,
+}
+
+/// A line of a job's log.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct LogLine {
+    pub at: Timestamp,
+    pub attempt: u32,
+    pub message: String,
+}
+
+/// A worker process.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct WorkerView {
+    pub id: Uuid,
+    pub name: String,
+    pub host: String,
+    pub threads: u32,
+    pub engine_version: String,
+    /// Whether it was heard of within its lease.
+    pub alive: bool,
+    pub job_id: Option<Uuid>,
+    pub last_seen_at: Timestamp,
+}

@@ -1,0 +1,162 @@
+//! The one list of job kinds. A new kind is a line here, a file in `spec/`, an example in
+//! `api/examples/` and an engine in `loadframe-physics`; the compiler and the tests ask for the rest.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{Calibration, Estimate, Violation, sha256_hex, spec};
+
+/// What the spec of every kind can do beyond being parsed.
+pub trait Spec: Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
+    /// Reports what its JSON Schema cannot say, with pointers relative to the spec.
+    fn check(&self, violations: &mut Vec<Violation>);
+
+    /// Writes out what stands behind names (a preset's knobs).
+    fn normalise(&mut self);
+
+    /// What the job will take on a machine of the measured speed.
+    fn estimate(&self, calibration: &Calibration) -> Estimate;
+
+    /// Seed of the random streams.
+    fn seed(&self) -> u64;
+}
+
+/// An example job of a kind.
+#[derive(Clone, Copy, Debug)]
+pub struct Example {
+    /// File name without `.json`.
+    pub name: &'static str,
+    /// The POST body.
+    pub body: &'static str,
+}
+
+macro_rules! job_kinds {
+    ($($kind:ident($name:literal): $spec:ty, $title:literal, $description:literal, [$($example:literal),+ $(,)?];)+) => {
+        /// Kind of a job.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+        pub enum JobKind {
+            $(#[doc = $title] #[serde(rename = $name)] $kind,)+
+        }
+
+        /// A checked spec of any kind.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum JobSpec {
+            $(#[doc = $title] $kind(Box<$spec>),)+
+        }
+
+        impl JobKind {
+            /// Every kind, in the order of the list.
+            pub const ALL: &[Self] = &[$(Self::$kind),+];
+
+            /// Name on the wire.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$kind => $name,)+ }
+            }
+
+            /// Title for people.
+            pub fn title(self) -> &'static str {
+                match self { $(Self::$kind => $title,)+ }
+            }
+
+            /// A sentence on what the test does.
+            pub fn description(self) -> &'static str {
+                match self { $(Self::$kind => $description,)+ }
+            }
+
+            /// Example jobs; the first is the one to start from.
+            pub fn examples(self) -> &'static [Example] {
+                match self {
+                    $(Self::$kind => &[$(Example {
+                        name: $example,
+                        body: include_str!(concat!("../examples/", $example, ".json")),
+                    }),+],)+
+                }
+            }
+
+            /// Lets `visitor` work with the kind's spec type.
+            pub(crate) fn visit<V: SpecVisitor>(self, visitor: V) -> V::Output {
+                match self {
+                    $(Self::$kind => visitor.visit::<$spec>(|spec| JobSpec::$kind(Box::new(spec))),)+
+                }
+            }
+        }
+
+        impl JobSpec {
+            /// The kind of this spec.
+            pub fn kind(&self) -> JobKind {
+                match self { $(Self::$kind(_) => JobKind::$kind,)+ }
+            }
+
+            /// The spec as JSON, all defaults written out: the text behind `spec_sha256`.
+            pub fn to_json(&self) -> String {
+                match self { $(Self::$kind(spec) => json(&**spec),)+ }
+            }
+
+            /// What the job will take.
+            pub fn estimate(&self, calibration: &Calibration) -> Estimate {
+                match self { $(Self::$kind(spec) => spec.estimate(calibration),)+ }
+            }
+
+            /// Seed of the random streams.
+            pub fn seed(&self) -> u64 {
+                match self { $(Self::$kind(spec) => spec.seed(),)+ }
+            }
+        }
+    };
+}
+
+job_kinds! {
+    NonwovenTensile("nonwoven_tensile"): spec::nonwoven_tensile::NonwovenTensile,
+        "Nonwoven tensile test",
+        "A fabric of bonds is pulled until it parts; every strain step is brought to equilibrium.",
+        ["nonwoven_tensile", "nonwoven_tensile_quick", "nonwoven_tensile_network"];
+}
+
+/// Work that is the same for every kind, given the spec's type.
+pub(crate) trait SpecVisitor {
+    type Output;
+    fn visit<T: Spec>(self, wrap: fn(T) -> JobSpec) -> Self::Output;
+}
+
+fn json<T: Spec>(spec: &T) -> String {
+    // a spec is plain structs and numbers: writing it to memory has no way to fail
+    serde_json::to_string(spec).unwrap_or_default()
+}
+
+impl JobSpec {
+    /// SHA-256 of the normalised spec.
+    pub fn sha256(&self) -> String {
+        sha256_hex(self.to_json().as_bytes())
+    }
+}
+
+impl std::fmt::Display for JobKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl std::str::FromStr for JobKind {
+    type Err = UnknownKind;
+
+    fn from_str(name: &str) -> Result<Self, UnknownKind> {
+        let found = Self::ALL.iter().find(|kind| kind.name() == name);
+        found.copied().ok_or_else(|| UnknownKind {
+            name: name.chars().take(100).collect(),
+        })
+    }
+}
+
+/// There is no kind of this name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no job kind named {name:?}; there are: {}", all_names())]
+pub struct UnknownKind {
+    pub name: String,
+}
+
+fn all_names() -> String {
+    JobKind::ALL
+        .iter()
+        .map(|kind| kind.name())
+        .collect::<Vec<_>>()
+        .join(", ")
+}

@@ -1,0 +1,37 @@
+//! The vocabulary of loadframe: what a job says, what its result says, and the messages between
+//! clients, server and workers.
+//!
+//! A submission is read in this order: [`Submission::from_slice`] takes the envelope apart, finds
+//! the kind in the one list of [`kinds`], holds the spec against the kind's JSON Schema (the one
+//! source of types, units and limits), parses it, and asks the kind's own cross-checks. Every
+//! violation is reported at once, by JSON pointer.
+mod calibration;
+mod digest;
+mod envelope;
+mod event;
+mod file_name;
+mod job;
+pub mod kinds;
+mod outcome;
+mod problem;
+mod schema;
+pub mod spec;
+mod timestamp;
+pub mod worker;
+
+pub use calibration::{Calibration, Estimate};
+pub use digest::sha256_hex;
+pub use envelope::{Envelope, Limits, Submission, SubmissionError};
+pub use event::{Event, JobDeleted, PointsReady, ProgressNow};
+pub use file_name::{FileNameError, check_file_name};
+pub use job::{
+    AttemptEnd, AttemptView, CurveView, JobLinks, JobOutcome, JobStatus, JobView, LogLine, Page,
+    ReasonCode, WorkerView,
+};
+pub use kinds::{Example, JobKind, JobSpec};
+pub use outcome::{
+    Cost, FileEntry, Outcome, OutcomeStatus, Provenance, QualityCheck, Quantity, Report, Warning,
+};
+pub use problem::{Problem, Violation};
+pub use schema::{component_schemas, kind_schema};
+pub use timestamp::Timestamp;

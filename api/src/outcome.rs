@@ -1,0 +1,133 @@
+//! What a finished job says: `outcome.json`.
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::JobKind;
+
+/// `outcome.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Outcome {
+    pub kind: JobKind,
+    pub status: OutcomeStatus,
+    /// Why the test ended, as a word for programs: `max_strain`, `force_dropped`, ...
+    pub stop_reason: String,
+    /// Results by name.
+    pub summary: IndexMap<String, Quantity>,
+    /// What tells whether to believe the results.
+    pub quality: IndexMap<String, QualityCheck>,
+    pub cost: Cost,
+    pub provenance: Provenance,
+    pub warnings: Vec<Warning>,
+    /// Every other file of the result.
+    pub files: Vec<FileEntry>,
+}
+
+/// Whether the simulation ran to its own end. A failed simulation has no outcome file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OutcomeStatus {
+    Succeeded,
+}
+
+/// The part of an outcome that follows from the spec alone: the same on every machine.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    pub stop_reason: String,
+    pub summary: IndexMap<String, Quantity>,
+    pub quality: IndexMap<String, QualityCheck>,
+    pub warnings: Vec<Warning>,
+    /// Work done, by name: `newton_iterations`, `bond_evaluations`, ...
+    pub work: IndexMap<String, u64>,
+}
+
+/// A value with its unit; `"1"` marks a dimensionless one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Quantity {
+    /// `null` where the test did not get far enough to know it.
+    pub value: Option<f64>,
+    pub unit: String,
+    /// A sentence on what it is, for people.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub description: String,
+}
+
+/// A measure of quality, and the bound beyond which a warning is attached.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct QualityCheck {
+    pub value: f64,
+    pub unit: String,
+    /// The value should not exceed this.
+    pub bound: f64,
+    pub ok: bool,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub description: String,
+}
+
+/// Something a reader of the result should know.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Warning {
+    pub code: String,
+    pub detail: String,
+}
+
+/// What the run took.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Cost {
+    /// Wall time [s] over all attempts that contributed.
+    pub wall_s: f64,
+    /// Processor time [s].
+    pub cpu_s: f64,
+    pub threads: u32,
+    /// Largest resident memory of the process that finished the job [MB].
+    pub peak_memory_mb: f64,
+    /// Work counters by name.
+    pub work: IndexMap<String, u64>,
+}
+
+/// Where the result comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Provenance {
+    /// SHA-256 of the normalised spec, all defaults written out.
+    pub spec_sha256: String,
+    pub engine_version: String,
+    pub engine_commit: String,
+    pub seed: u64,
+    pub threads: u32,
+    /// RFC 3339.
+    pub started_at: String,
+    pub host: String,
+}
+
+/// A file of the result.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct FileEntry {
+    /// Relative path with `/`, such as `snapshots/step_00010.vtp`.
+    pub name: String,
+    pub bytes: u64,
+    pub sha256: String,
+}
+
+impl Quantity {
+    /// A known value.
+    pub fn new(value: f64, unit: &str, description: &str) -> Self {
+        Self {
+            value: value.is_finite().then_some(value),
+            unit: unit.to_owned(),
+            description: description.to_owned(),
+        }
+    }
+}
+
+impl QualityCheck {
+    /// A check that is good up to and including `bound`. A value that is not a number is bad.
+    pub fn at_most(value: f64, bound: f64, unit: &str, description: &str) -> Self {
+        Self {
+            value: if value.is_finite() { value } else { f64::MAX },
+            unit: unit.to_owned(),
+            bound,
+            ok: value <= bound,
+            description: description.to_owned(),
+        }
+    }
+}

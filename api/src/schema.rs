@@ -1,0 +1,343 @@
+//! JSON Schema as the one source of types, units, limits and their error messages.
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+use jsonschema::error::{TypeKind, ValidationErrorKind};
+use jsonschema::{ValidationError, Validator};
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, SchemaGenerator};
+use serde_json::{Map, Value};
+
+use crate::kinds::{Spec, SpecVisitor};
+use crate::{Envelope, JobKind, JobSpec, Violation};
+
+/// At most this many violations are listed; a hundred are as clear as a million.
+const LISTED: usize = 100;
+
+/// A schema compiled for checking, with its text for messages.
+struct Checker {
+    schema: Value,
+    validator: Option<Validator>,
+}
+
+/// JSON Schema (2020-12) of a kind's spec, without references, with `x-unit` at every quantity.
+pub fn kind_schema(kind: JobKind) -> &'static Value {
+    &kind_checker(kind).schema
+}
+
+/// Schemas of all types of the wire, by name, for `#/components/schemas`.
+pub fn component_schemas(add: impl FnOnce(&mut SchemaGenerator)) -> Map<String, Value> {
+    let settings = SchemaSettings::draft2020_12().with(|settings| {
+        settings.definitions_path = "/components/schemas".into();
+    });
+    let mut generator = settings.into_generator();
+    add(&mut generator);
+    generator.take_definitions(true)
+}
+
+/// Everything in `spec` that the kind's schema refuses, with pointers relative to the spec.
+pub(crate) fn spec_violations(kind: JobKind, spec: &Value) -> Vec<Violation> {
+    kind_checker(kind).violations(spec)
+}
+
+/// Everything in a submission, its spec aside, that the envelope's schema refuses.
+pub(crate) fn envelope_violations(body: &Value) -> Vec<Violation> {
+    static CHECKER: OnceLock<Checker> = OnceLock::new();
+    CHECKER
+        .get_or_init(Checker::of::<Envelope>)
+        .violations(body)
+}
+
+fn kind_checker(kind: JobKind) -> &'static Checker {
+    struct Compile;
+    impl SpecVisitor for Compile {
+        type Output = Checker;
+        fn visit<T: Spec>(self, _: fn(T) -> JobSpec) -> Checker {
+            Checker::of::<T>()
+        }
+    }
+    static CHECKERS: OnceLock<BTreeMap<&'static str, Checker>> = OnceLock::new();
+    let all = CHECKERS.get_or_init(|| {
+        JobKind::ALL
+            .iter()
+            .map(|kind| (kind.name(), kind.visit(Compile)))
+            .collect()
+    });
+    &all[kind.name()]
+}
+
+impl Checker {
+    fn of<T: JsonSchema>() -> Self {
+        let settings =
+            SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
+        let schema = settings
+            .into_generator()
+            .into_root_schema_for::<T>()
+            .to_value();
+        // a test compiles every schema, so that `None` is not met in service
+        let validator = jsonschema::draft202012::new(&schema).ok();
+        Self { schema, validator }
+    }
+
+    fn violations(&self, value: &Value) -> Vec<Violation> {
+        let Some(validator) = &self.validator else {
+            return vec![Violation::new(
+                "",
+                "internal",
+                "the schema of this kind is not usable",
+            )];
+        };
+        let mut violations = Vec::new();
+        for error in validator.iter_errors(value) {
+            self.translate(&error, &mut violations);
+            if violations.len() >= LISTED {
+                violations.truncate(LISTED);
+                break;
+            }
+        }
+        violations
+    }
+
+    /// Turns a validator's error into violations a user can act on.
+    fn translate(&self, error: &ValidationError<'_>, violations: &mut Vec<Violation>) {
+        let pointer = error.instance_path().to_string();
+        let keyword_path = error.schema_path().to_string();
+        let node_path = keyword_path.rsplit_once('/').map_or("", |(node, _)| node);
+        let node = self.schema.pointer(node_path).unwrap_or(&Value::Null);
+        let given = error.instance();
+        let at = |code: &str, detail: String| {
+            let violation =
+                Violation::new(pointer.clone(), code, detail).value(given.as_ref().clone());
+            let violation = violation.allowed(describe(node));
+            match self.unit(node_path) {
+                Some(unit) => violation.unit(unit),
+                None => violation,
+            }
+        };
+        match error.kind() {
+            ValidationErrorKind::AdditionalProperties { unexpected } => {
+                let known = node["properties"]
+                    .as_object()
+                    .map(names)
+                    .unwrap_or_default();
+                violations.extend(unexpected.iter().map(|name| {
+                    Violation::new(
+                        format!("{pointer}/{}", escape(name)),
+                        "unknown_field",
+                        format!("there is no field {name:?} here"),
+                    )
+                    .value(given.get(name).cloned().unwrap_or_default())
+                    .allowed(format!("fields: {known}"))
+                }));
+            }
+            ValidationErrorKind::Required { property } => {
+                let name = property.as_str().unwrap_or_default();
+                let wanted = &node["properties"][name];
+                let violation = Violation::new(
+                    format!("{pointer}/{}", escape(name)),
+                    "missing_field",
+                    format!("the field {name:?} is missing"),
+                )
+                .allowed(describe(wanted));
+                violations.push(match wanted["x-unit"].as_str() {
+                    Some(unit) => violation.unit(unit),
+                    None => violation,
+                });
+            }
+            ValidationErrorKind::Minimum { .. }
+            | ValidationErrorKind::Maximum { .. }
+            | ValidationErrorKind::ExclusiveMinimum { .. }
+            | ValidationErrorKind::ExclusiveMaximum { .. } => {
+                violations.push(at("out_of_range", format!("{given} is out of range")));
+            }
+            ValidationErrorKind::Type { kind } => {
+                violations.push(at(
+                    "wrong_type",
+                    format!("expected {}, found {}", expected(kind), type_name(given)),
+                ));
+            }
+            ValidationErrorKind::MinItems { .. } | ValidationErrorKind::MaxItems { .. } => {
+                let count = given.as_array().map_or(0, Vec::len);
+                violations.push(at("wrong_length", format!("{count} entries given")));
+            }
+            ValidationErrorKind::MinLength { .. } | ValidationErrorKind::MaxLength { .. } => {
+                let count = given.as_str().map_or(0, |text| text.chars().count());
+                violations.push(at("wrong_length", format!("{count} characters given")));
+            }
+            ValidationErrorKind::OneOfNotValid { context }
+            | ValidationErrorKind::AnyOf { context } => match meant_branch(&pointer, context) {
+                Some(branch) => branch
+                    .iter()
+                    .for_each(|error| self.translate(error, violations)),
+                None => violations.push(at(
+                    "not_allowed",
+                    "this is none of the accepted forms".to_owned(),
+                )),
+            },
+            _ => violations.push(at("not_allowed", error.to_string())),
+        }
+    }
+
+    /// `x-unit` of the quantity at `path`, which an array states once for all its entries.
+    fn unit(&self, path: &str) -> Option<&str> {
+        let mut path = path;
+        loop {
+            let node = self.schema.pointer(path)?;
+            if let Some(unit) = node["x-unit"].as_str() {
+                return Some(unit);
+            }
+            path = path.strip_suffix("/items")?;
+        }
+    }
+}
+
+/// Of several accepted forms, the one the user was writing: the only one that fits at its own
+/// level, its errors lying deeper.
+fn meant_branch<'a>(
+    pointer: &str,
+    context: &'a [Vec<ValidationError<'static>>],
+) -> Option<&'a [ValidationError<'static>]> {
+    let fits_above = |branch: &&Vec<ValidationError<'static>>| {
+        branch.iter().all(|error| {
+            error.instance_path().as_str() != pointer || (is_field_error(error) && !is_tag(error))
+        })
+    };
+    let mut fitting = context.iter().filter(fits_above);
+    let first = fitting.next()?;
+    fitting.next().is_none().then_some(first)
+}
+
+fn is_field_error(error: &ValidationError<'_>) -> bool {
+    matches!(
+        error.kind(),
+        ValidationErrorKind::AdditionalProperties { .. } | ValidationErrorKind::Required { .. }
+    )
+}
+
+/// Whether a missing or unknown field is the one that names an enum's variant.
+fn is_tag(error: &ValidationError<'_>) -> bool {
+    let path = error.schema_path().to_string();
+    path.rsplit('/').nth(2) == Some("oneOf")
+}
+
+/// What a schema accepts, in a few words.
+fn describe(node: &Value) -> String {
+    if let Some(value) = node.get("const") {
+        return value.to_string();
+    }
+    if let Some(options) = node["enum"].as_array() {
+        return join(options.iter().map(Value::to_string));
+    }
+    for keyword in ["oneOf", "anyOf"] {
+        if let Some(branches) = node[keyword].as_array() {
+            return join(branches.iter().map(describe));
+        }
+    }
+    let limit = |keyword: &str| node[keyword].as_f64().map(number);
+    let kind = match &node["type"] {
+        Value::String(kind) => kind.clone(),
+        Value::Array(kinds) => join(kinds.iter().filter_map(Value::as_str).map(str::to_owned)),
+        _ => "value".to_owned(),
+    };
+    let range = |low: Option<String>, high: Option<String>| match (low, high) {
+        (Some(low), Some(high)) if low == high => Some(low),
+        (Some(low), Some(high)) => Some(format!("{low} … {high}")),
+        (Some(low), None) => Some(format!("≥ {low}")),
+        (None, Some(high)) => Some(format!("≤ {high}")),
+        (None, None) => None,
+    };
+    if let Some(range) = range(limit("minimum"), limit("maximum")) {
+        return if kind.contains("integer") {
+            format!("whole numbers {range}")
+        } else {
+            range
+        };
+    }
+    if let Some(range) = range(limit("minItems"), limit("maxItems")) {
+        return format!("{range} entries");
+    }
+    if let Some(range) = range(limit("minLength"), limit("maxLength")) {
+        return format!("{range} characters");
+    }
+    match node["properties"].as_object() {
+        Some(fields) => format!("object with fields: {}", names(fields)),
+        None => kind,
+    }
+}
+
+fn expected(kind: &TypeKind) -> String {
+    match kind {
+        TypeKind::Single(kind) => kind.to_string(),
+        TypeKind::Multiple(kinds) => join(kinds.iter().map(|kind| kind.to_string())),
+    }
+}
+
+fn type_name(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "boolean",
+        Value::Number(_) => "number",
+        Value::String(_) => "string",
+        Value::Array(_) => "array",
+        Value::Object(_) => "object",
+    }
+}
+
+fn names(fields: &Map<String, Value>) -> String {
+    fields
+        .keys()
+        .map(String::as_str)
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+fn join(parts: impl Iterator<Item = String>) -> String {
+    parts.collect::<Vec<_>>().join(" or ")
+}
+
+/// Numbers as people write them: 1e12, 0.01, 100000.
+fn number(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) {
+        format!("{value:e}")
+    } else {
+        format!("{value}")
+    }
+}
+
+/// A field name as a part of a JSON pointer (RFC 6901).
+pub(crate) fn escape(name: &str) -> String {
+    name.replace('~', "~0").replace('/', "~1")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_schema_compiles_and_names_the_unit_of_every_number() {
+        for kind in JobKind::ALL {
+            let checker = kind_checker(*kind);
+            assert!(checker.validator.is_some(), "{kind}");
+            for (name, unit) in [("_mm", "mm"), ("_n", "N"), ("_pa", "Pa")] {
+                each_field(&checker.schema, &mut |field, node| {
+                    if field.ends_with(name) {
+                        assert_eq!(node["x-unit"], unit, "{kind} {field}");
+                    }
+                });
+            }
+        }
+    }
+
+    fn each_field(node: &Value, see: &mut impl FnMut(&str, &Value)) {
+        match node {
+            Value::Object(map) => {
+                if let Some(fields) = map.get("properties").and_then(Value::as_object) {
+                    fields.iter().for_each(|(name, field)| see(name, field));
+                }
+                map.values().for_each(|child| each_field(child, see));
+            }
+            Value::Array(items) => items.iter().for_each(|child| each_field(child, see)),
+            _ => {}
+        }
+    }
+}

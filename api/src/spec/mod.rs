@@ -1,0 +1,3 @@
+//! What users write: one module a kind. Structs with units in their field names, their defaults,
+//! their limits (as JSON Schema, the one source), the cross-checks and the cost.
+pub mod nonwoven_tensile;

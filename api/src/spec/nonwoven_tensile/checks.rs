@@ -1,0 +1,289 @@
+//! What the JSON Schema cannot say: counts that must fit together, bonds that must hold something.
+use super::{Breaking, Fabric, Jaw, Lattice, Network, NonwovenTensile};
+use crate::Violation;
+
+/// More nodes than this are refused: a network of this size takes about 10 GB.
+const MOST_NODES: u64 = 20_000_000;
+/// More strain steps than this are refused.
+const MOST_STEPS: u64 = 10_000_000;
+/// Rest lengths below this [mm] make stiffness overflow.
+const SHORTEST_BOND_MM: f64 = 1e-9;
+/// At most this many violations of one sort are listed.
+const LISTED: usize = 20;
+
+pub(super) fn check(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
+    match &spec.fabric {
+        Fabric::Lattice(lattice) => check_lattice(lattice, violations),
+        Fabric::Network(network) => check_network(network, violations),
+    }
+    check_bond(spec, violations);
+    let steps = spec.test.steps();
+    if spec.test.strain_step > spec.test.max_strain {
+        violations.push(
+            Violation::new(
+                "/test/strain_step",
+                "out_of_range",
+                "the strain step is larger than the whole strain",
+            )
+            .value(spec.test.strain_step)
+            .allowed(format!("≤ max_strain = {}", spec.test.max_strain))
+            .unit("1"),
+        );
+    } else if steps > MOST_STEPS {
+        violations.push(
+            Violation::new(
+                "/test/strain_step",
+                "too_many_steps",
+                format!("max_strain/strain_step gives {steps} steps"),
+            )
+            .value(spec.test.strain_step)
+            .allowed(format!(
+                "at most {MOST_STEPS} steps: ≥ {:e}",
+                spec.test.max_strain / MOST_STEPS as f64
+            ))
+            .unit("1"),
+        );
+    }
+}
+
+fn check_lattice(lattice: &Lattice, violations: &mut Vec<Violation>) {
+    let pointer = "/fabric/lattice";
+    if lattice.rows.is_multiple_of(2) {
+        violations.push(
+            Violation::new(
+                format!("{pointer}/rows"),
+                "not_odd",
+                "the number of rows must be odd, so that both end rows are alike",
+            )
+            .value(lattice.rows)
+            .allowed("odd numbers from 1"),
+        );
+    }
+    if lattice.jaws == super::Jaws::ClampedRows && lattice.rows < 3 {
+        violations.push(
+            Violation::new(
+                format!("{pointer}/rows"),
+                "out_of_range",
+                "clamped end rows need at least one free row between them",
+            )
+            .value(lattice.rows)
+            .allowed("odd numbers from 3"),
+        );
+    }
+    let nodes = lattice.nodes();
+    if nodes > MOST_NODES {
+        violations.push(
+            Violation::new(
+                pointer,
+                "too_large",
+                "points_per_row, rows and layers give too many nodes",
+            )
+            .value(nodes)
+            .allowed(format!("1 … {MOST_NODES} nodes")),
+        );
+    }
+}
+
+fn check_bond(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
+    let bonds = match &spec.fabric {
+        Fabric::Lattice(_) => None,
+        Fabric::Network(network) => Some(&network.bonds),
+    };
+    let all_give = |own: fn(&super::NetworkBond) -> Option<f64>| {
+        bonds.is_some_and(|bonds| bonds.iter().all(|bond| own(bond).is_some()))
+    };
+    if spec.bond.modulus_n.is_none() && !all_give(|bond| bond.modulus_n) {
+        violations.push(missing(
+            "/bond/modulus_n",
+            "the bonds need a modulus",
+            "1e-12 … 1e12",
+        ));
+    }
+    if spec.bond.mean_strength_n.is_none()
+        && spec.test.breaking != Breaking::None
+        && !all_give(|bond| bond.strength_n)
+    {
+        violations.push(missing(
+            "/bond/mean_strength_n",
+            "bonds that may break need a strength (or set /test/breaking to \"none\")",
+            "0 … 1e12",
+        ));
+    }
+}
+
+fn missing(pointer: &str, detail: &str, allowed: &str) -> Violation {
+    Violation::new(pointer, "missing_field", detail)
+        .allowed(allowed)
+        .unit("N")
+}
+
+fn check_network(network: &Network, violations: &mut Vec<Violation>) {
+    let count = network.nodes_mm.len();
+    let pointer = "/fabric/network";
+    if network.jaws.len() != count {
+        violations.push(
+            Violation::new(
+                format!("{pointer}/jaws"),
+                "wrong_length",
+                "jaws needs one entry for each node",
+            )
+            .value(network.jaws.len())
+            .allowed(format!("{count} entries")),
+        );
+        return;
+    }
+    let before = violations.len();
+    for (index, bond) in network.bonds.iter().enumerate() {
+        let place = format!("{pointer}/bonds/{index}");
+        let [a, b] = bond.nodes.map(|node| node as usize);
+        if a >= count || b >= count {
+            violations.push(
+                Violation::new(
+                    format!("{place}/nodes"),
+                    "no_such_node",
+                    "the bond names a node that does not exist",
+                )
+                .value(bond.nodes.to_vec())
+                .allowed(format!("0 … {}", count - 1)),
+            );
+        } else if a == b {
+            violations.push(
+                Violation::new(
+                    format!("{place}/nodes"),
+                    "bond_to_itself",
+                    "a bond joins two different nodes",
+                )
+                .value(bond.nodes.to_vec())
+                .allowed("two different indices"),
+            );
+        } else if bond.rest_length_mm.is_none() {
+            let distance = distance(network.nodes_mm[a], network.nodes_mm[b]);
+            if distance < SHORTEST_BOND_MM {
+                violations.push(
+                    Violation::new(format!("{place}/nodes"), "zero_length", "the nodes are at the same place: give rest_length_mm, move one, or leave the bond out")
+                        .value(distance)
+                        .allowed(format!("≥ {SHORTEST_BOND_MM:e}"))
+                        .unit("mm"),
+                );
+            }
+        }
+        if violations.len() - before >= LISTED {
+            return;
+        }
+    }
+    if violations.len() == before {
+        check_paths(network, violations);
+    }
+}
+
+/// Every free node must hang on a jaw, and the jaws on each other: otherwise nothing holds the
+/// node's place, or there is nothing to pull.
+fn check_paths(network: &Network, violations: &mut Vec<Violation>) {
+    let pointer = "/fabric/network";
+    for (jaw, name) in [(Jaw::Bottom, "bottom"), (Jaw::Top, "top")] {
+        if !network.jaws.contains(&jaw) {
+            violations.push(
+                Violation::new(
+                    format!("{pointer}/jaws"),
+                    "empty_jaw",
+                    format!("no node is held by the {name} jaw"),
+                )
+                .value("0 nodes")
+                .allowed("at least 1 node"),
+            );
+        }
+    }
+    let mean = |jaw| {
+        let held = network
+            .nodes_mm
+            .iter()
+            .zip(&network.jaws)
+            .filter(|(_, j)| **j == jaw);
+        let (sum, count) = held.fold((0.0, 0.0), |(sum, count), (node, _)| {
+            (sum + node[1], count + 1.0)
+        });
+        sum / count
+    };
+    let gauge = mean(Jaw::Top) - mean(Jaw::Bottom);
+    if gauge <= SHORTEST_BOND_MM {
+        violations.push(
+            Violation::new(
+                format!("{pointer}/nodes_mm"),
+                "no_gauge_length",
+                "the top jaw must lie above the bottom jaw along y",
+            )
+            .value(gauge)
+            .allowed(format!("mean y of top − bottom ≥ {SHORTEST_BOND_MM:e}"))
+            .unit("mm"),
+        );
+    }
+    if violations
+        .iter()
+        .any(|violation| violation.code == "empty_jaw")
+    {
+        return;
+    }
+    let mut parts = Parts::new(network.nodes_mm.len());
+    for bond in &network.bonds {
+        parts.join(bond.nodes[0], bond.nodes[1]);
+    }
+    let mut held_by = vec![(false, false); network.nodes_mm.len()];
+    for (node, jaw) in (0_u32..).zip(&network.jaws) {
+        let held = &mut held_by[parts.root(node) as usize];
+        held.0 |= *jaw == Jaw::Bottom;
+        held.1 |= *jaw == Jaw::Top;
+    }
+    if !held_by.contains(&(true, true)) {
+        violations.push(
+            Violation::new(
+                format!("{pointer}/bonds"),
+                "no_load_path",
+                "no chain of bonds joins the bottom jaw to the top jaw",
+            )
+            .value(network.bonds.len())
+            .allowed("at least one chain of bonds from jaw to jaw"),
+        );
+    }
+    let adrift = (0_u32..).zip(&network.jaws).filter(|(node, jaw)| {
+        **jaw == Jaw::Free && held_by[parts.root(*node) as usize] == (false, false)
+    });
+    let adrift: Vec<u32> = adrift.map(|(node, _)| node).take(LISTED).collect();
+    violations.extend(adrift.into_iter().map(|node| {
+        Violation::new(
+            format!("{pointer}/nodes_mm/{node}"),
+            "node_adrift",
+            "no chain of bonds leads from this node to a jaw: bond it or leave it out",
+        )
+        .value(network.nodes_mm[node as usize].to_vec())
+        .allowed("at least one chain of bonds to a jaw")
+    }));
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3)
+        .map(|axis| (a[axis] - b[axis]).powi(2))
+        .sum::<f64>()
+        .sqrt()
+}
+
+/// Connected parts of a network, by union-find with path halving.
+struct Parts(Vec<u32>);
+
+impl Parts {
+    fn new(nodes: usize) -> Self {
+        Self((0..u32::try_from(nodes).unwrap_or(u32::MAX)).collect())
+    }
+
+    fn root(&mut self, mut node: u32) -> u32 {
+        while self.0[node as usize] != node {
+            self.0[node as usize] = self.0[self.0[node as usize] as usize];
+            node = self.0[node as usize];
+        }
+        node
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}

@@ -1,0 +1,239 @@
+//! Spec of a nonwoven tensile test: a fabric of bonds, pulled along y until it parts.
+//!
+//! The model is a three-dimensional network of straight bonds in equilibrium at every strain step
+//! ([Jirsak1993], [Zilka2022]). Lengths are in mm, forces in N, strain is dimensionless; y is the
+//! pulling direction, x the width, z the thickness.
+mod checks;
+mod estimate;
+mod fabric;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{Calibration, Estimate, Violation};
+
+pub use fabric::{Fabric, Jaw, Jaws, Lattice, Network, NetworkBond};
+
+/// A virtual tensile test of a nonwoven fabric.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NonwovenTensile {
+    /// Version of this spec's format.
+    #[schemars(range(min = 1, max = 1))]
+    pub version: u32,
+    /// Seed of every random stream of the test: irregularity, bond strength.
+    #[serde(default = "default_seed")]
+    #[schemars(range(max = 9_007_199_254_740_991_u64))]
+    pub seed: u64,
+    pub fabric: Fabric,
+    #[serde(default)]
+    pub bond: Bond,
+    #[serde(default)]
+    pub test: Test,
+    #[serde(default)]
+    pub accuracy: Accuracy,
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// Bond law and strength. T = e u + f_r u² in tension, T = r_c u in compression, with bond strain
+/// u = (l − l₀)/l₀ ([Zilka2022] eq. 1-2).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Bond {
+    /// e, force per unit bond strain in tension. May be left out when every bond of an explicit
+    /// network gives its own.
+    #[schemars(range(min = 1e-12, max = 1e12), extend("x-unit" = "N"))]
+    pub modulus_n: Option<f64>,
+    /// f_r, coefficient of the squared bond strain in tension.
+    #[schemars(range(min = 0.0, max = 1e12), extend("x-unit" = "N"))]
+    pub friction_modulus_n: f64,
+    /// r_c, force per unit bond strain in compression; 0 makes bonds buckle freely.
+    #[schemars(range(min = 0.0, max = 1e12), extend("x-unit" = "N"))]
+    pub compression_stiffness_n: f64,
+    /// s_bave, scale of the log-normal strength s_bave exp(σ N(0,1)). Needed unless nothing breaks
+    /// or every bond of an explicit network gives its own.
+    #[schemars(range(min = 0.0, max = 1e12), extend("x-unit" = "N"))]
+    pub mean_strength_n: Option<f64>,
+    /// σ of the logarithm of strength; factors above 2 are drawn again.
+    #[schemars(range(min = 0.0, max = 10.0), extend("x-unit" = "1"))]
+    pub strength_sigma: f64,
+}
+
+/// What is done to the specimen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Test {
+    /// Nominal strain added per step.
+    #[schemars(range(min = 1e-8, max = 1.0), extend("x-unit" = "1"))]
+    pub strain_step: f64,
+    /// Nominal strain at which the test ends at the latest.
+    #[schemars(range(min = 1e-8, max = 100.0), extend("x-unit" = "1"))]
+    pub max_strain: f64,
+    /// The test ends once the force falls below this fraction of its maximum.
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "1"))]
+    pub stop_force_fraction: f64,
+    pub breaking: Breaking,
+    /// Jaw speed that turns jaw displacement into the time column of the testing-machine curve;
+    /// it does not change the (quasi-static) result. 100 mm/min is the rate of ISO 9073-3.
+    #[schemars(range(min = 1e-6, max = 1e6), extend("x-unit" = "mm/min"))]
+    pub speed_mm_per_min: f64,
+}
+
+/// Which bonds break in a round of breaking.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Breaking {
+    /// Every bond whose tension exceeds its strength.
+    #[default]
+    AllOverStrength,
+    /// Only the bond with the largest tension over strength.
+    WeakestFirst,
+    /// Bonds never break.
+    None,
+}
+
+/// How exactly equilibrium is solved: a preset's name or its knobs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Accuracy {
+    Preset(Preset),
+    Knobs(Knobs),
+}
+
+/// Named choices of the knobs; their measured error and cost are in the README.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    Draft,
+    Standard,
+    Reference,
+}
+
+/// The knobs of accuracy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Knobs {
+    pub solver: Solver,
+    /// A_cc: equilibrium is reached when every free node's resultant is below
+    /// (e ε + f_r ε²)/A_cc at nominal strain ε ([Zilka2022] eq. 3-4).
+    #[schemars(range(min = 1.0, max = 1e15), extend("x-unit" = "1"))]
+    pub force_accuracy: f64,
+    /// Sweeps (relaxations) or Newton iterations (`newton_cg`) allowed per equilibrium; a step that
+    /// needs more is reported as unconverged. Left out: 100 000 sweeps, 1 000 Newton iterations.
+    #[schemars(range(min = 1, max = 1_000_000_000))]
+    pub iteration_limit: Option<u32>,
+    /// ω, the part of its Newton step a node moves in parallel relaxation.
+    #[schemars(range(min = 0.01, max = 1.0), extend("x-unit" = "1"))]
+    pub relaxation_factor: f64,
+}
+
+/// The way to equilibrium.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Solver {
+    /// Descends the energy of the whole network; reaches the tolerance at every step.
+    #[default]
+    NewtonCg,
+    /// The thesis' relaxation, node after node.
+    Sequential,
+    /// The thesis' relaxation with all displacements computed before any node moves.
+    Parallel,
+}
+
+/// What is written beside the curve.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// A snapshot (`.vtp`) and a force histogram every so many strain steps; 0 writes none.
+    #[schemars(range(min = 0, max = 1_000_000_000))]
+    pub snapshot_every_steps: u32,
+    /// Bins of the bond force histogram.
+    #[schemars(range(min = 1, max = 10_000))]
+    pub histogram_bins: u32,
+}
+
+fn default_seed() -> u64 {
+    1
+}
+
+impl Default for Test {
+    fn default() -> Self {
+        Self {
+            strain_step: 0.01,
+            max_strain: 3.0,
+            stop_force_fraction: 0.1,
+            breaking: Breaking::default(),
+            speed_mm_per_min: 100.0,
+        }
+    }
+}
+
+impl Default for Accuracy {
+    fn default() -> Self {
+        Self::Preset(Preset::Standard)
+    }
+}
+
+impl Default for Knobs {
+    fn default() -> Self {
+        Self {
+            solver: Solver::default(),
+            force_accuracy: 100.0,
+            iteration_limit: None,
+            relaxation_factor: 0.6,
+        }
+    }
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self {
+            snapshot_every_steps: 10,
+            histogram_bins: 40,
+        }
+    }
+}
+
+impl Accuracy {
+    /// The knobs a preset stands for.
+    pub fn knobs(&self) -> Knobs {
+        let force_accuracy = match self {
+            Self::Knobs(knobs) => return knobs.clone(),
+            Self::Preset(Preset::Draft) => 5.0,
+            Self::Preset(Preset::Standard) => 100.0,
+            Self::Preset(Preset::Reference) => 1e6,
+        };
+        Knobs {
+            force_accuracy,
+            ..Knobs::default()
+        }
+    }
+}
+
+impl Test {
+    /// Strain steps until `max_strain`, the last one included.
+    pub fn steps(&self) -> u64 {
+        // a ratio a hair below a whole number is that number: 3.0/0.01 must give 300, not 299
+        let ratio = self.max_strain / self.strain_step;
+        (ratio * (1.0 + 1e-12)).floor().max(1.0) as u64
+    }
+}
+
+impl crate::kinds::Spec for NonwovenTensile {
+    fn check(&self, violations: &mut Vec<Violation>) {
+        checks::check(self, violations);
+    }
+
+    fn normalise(&mut self) {
+        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+    }
+
+    fn estimate(&self, calibration: &Calibration) -> Estimate {
+        estimate::estimate(self, calibration)
+    }
+
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+}

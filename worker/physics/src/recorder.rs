@@ -1,0 +1,59 @@
+//! The way out of a simulation: curve points, files, progress, checkpoints.
+//!
+//! Physics has no clock, no path and no network; whoever runs it brings a [`Recorder`] that has.
+use std::io::{self, Write};
+
+/// Receives what a simulation has to say, in the order it happens.
+pub trait Recorder {
+    /// Names of the curve's columns, units included; called once, before the first point. After a
+    /// resume it is called again, followed by all points up to the checkpoint, so that a recorder
+    /// always ends with the whole curve.
+    fn columns(&mut self, names: &[&str]) -> io::Result<()>;
+
+    /// One point of the curve, in the order of the columns.
+    fn point(&mut self, values: &[f64]) -> io::Result<()>;
+
+    /// Writes (or writes again, after a resume) the result file `name`, a relative path with `/`.
+    fn file(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()>;
+
+    /// How far the run is: `fraction` of the work from 0 to 1, and what it is doing.
+    fn progress(&mut self, fraction: f64, phase: &str);
+
+    /// A line for the job's log.
+    fn log(&mut self, message: &str);
+
+    /// True when enough time has passed since the last checkpoint. Asked between steps.
+    fn checkpoint_due(&self) -> bool;
+
+    /// Keeps a state from which [`crate::simulate`] can go on. Files written before must be kept
+    /// with it: the resumed run does not write them again.
+    fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()>;
+}
+
+/// A request to stop early, seen by the solver within a fraction of a second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interrupt {
+    /// Give up; nothing of the run is wanted.
+    Cancel,
+    /// Leave a checkpoint and stop.
+    Suspend,
+}
+
+/// Where a running simulation looks for an [`Interrupt`].
+pub trait InterruptSource: Sync {
+    fn interrupt(&self) -> Option<Interrupt>;
+}
+
+/// Never interrupts.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Uninterrupted;
+
+impl InterruptSource for Uninterrupted {
+    fn interrupt(&self) -> Option<Interrupt> {
+        None
+    }
+}
