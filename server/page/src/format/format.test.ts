@@ -1,0 +1,74 @@
+import { describe, expect, it } from "vitest";
+import { formatBytes, formatNumber } from "./numbers";
+import { formatAgo, formatDuration, formatEta } from "./time";
+import { showQuantity, showUnit } from "./words";
+
+const plain = (text: string): string => text.replaceAll("\u202f", " ");
+
+describe("numbers", () => {
+  it.each([
+    [403.27, "403.3"],
+    [0.5622, "0.5622"],
+    [90.48, "90.48"],
+    [-12.3456, "−12.35"],
+    [26683, "26 683"],
+    [1234.5, "1235"],
+    [123456.7, "123 457"],
+    [2.1e8, "2.1 × 10⁸"],
+    [3.14159e-6, "3.142 × 10⁻⁶"],
+    [0, "0"],
+    [Number.NaN, "–"],
+  ])("%f reads %s", (value, text) => expect(plain(formatNumber(value))).toBe(text));
+
+  it.each([
+    [0, "0 B"],
+    [999, "999 B"],
+    [1000, "1.0 kB"],
+    [48_200, "48 kB"],
+    [999_600, "1.0 MB"],
+    [2_400_000_000, "2.4 GB"],
+  ])("%d bytes read %s", (bytes, text) => expect(plain(formatBytes(bytes))).toBe(text));
+});
+
+describe("times", () => {
+  it.each([
+    [0.85, "850 ms"],
+    [9.94, "9.9 s"],
+    [59.4, "59 s"],
+    [200, "3 min 20 s"],
+    [3600, "1 h"],
+    [7530, "2 h 6 min"],
+    [90_000, "1 d 1 h"],
+  ])("%f s reads %s", (seconds, text) => expect(plain(formatDuration(seconds))).toBe(text));
+
+  it("rounds an estimate", () => {
+    expect(plain(formatEta(0.4))).toBe("almost done");
+    expect(plain(formatEta(41.2))).toBe("about 42 s left");
+    expect(plain(formatEta(400))).toBe("about 7 min left");
+  });
+
+  it("counts back from now, and never into the future", () => {
+    const now = Date.parse("2026-11-21T12:00:00Z");
+    expect(formatAgo(now + 5000, now)).toBe("just now");
+    expect(plain(formatAgo(now - 190_000, now))).toBe("3 min ago");
+    expect(formatAgo(now - 30 * 86_400_000, now)).toBe("2026-10-22");
+  });
+});
+
+describe("quantities", () => {
+  it("shows strains in % and keeps the exact value", () => {
+    const shown = showQuantity("strain_at_max_force", { value: 1.13, unit: "1" });
+    expect([shown.text, shown.unit, shown.exact]).toEqual(["113.0", "%", "1.13 (dimensionless)"]);
+  });
+
+  it("leaves other pure numbers alone and says when a value is unknown", () => {
+    expect(showQuantity("poisson_ratio", { value: 0.56, unit: "1" }).unit).toBe("");
+    expect(showQuantity("max_force", { value: null, unit: "N" }).text).toBe("–");
+  });
+
+  it("writes products and powers", () => {
+    expect([showUnit("N m/g"), showUnit("J/m2"), showUnit("N"), showUnit("1")]).toEqual(
+      ["N·m/g", "J/m²", "N", ""],
+    );
+  });
+});

@@ -1,0 +1,47 @@
+// Names on the wire as words for people.
+import type { Job, Quantity } from "../api/types";
+import { formatNumber, NARROW } from "./numbers";
+
+/** `strain_at_max_force` as `Strain at max force`. */
+export function humanise(name: string): string {
+  const words = name.replaceAll("_", " ");
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** A job's state in one word: how it ended, once it has. */
+export function stateOf(job: Job): string {
+  if (job.status !== "finished") {
+    if (job.reason_code === "cancel_requested") return "cancelling";
+    if (job.reason_code === "pause_requested") return "pausing";
+    return job.status;
+  }
+  return job.outcome ?? "finished";
+}
+
+export interface Shown {
+  text: string;
+  unit: string;
+  /** The value as it came, for the tooltip. */
+  exact: string;
+}
+
+/** A result as a lab reads it: strains in %, no unit for pure numbers. */
+export function showQuantity(name: string, quantity: Quantity): Shown {
+  const { value, unit } = quantity;
+  const isStrain = unit === "1" && /strain|stretch/.test(name);
+  if (value === null) return { text: "–", unit: "", exact: "The test did not get far enough to know." };
+  const exact = `${value}${unit === "1" ? " (dimensionless)" : ` ${unit}`}`;
+  if (isStrain) return { text: formatNumber(value * 100), unit: "%", exact };
+  return { text: formatNumber(value), unit: showUnit(unit), exact };
+}
+
+/** `N m/g` with real products and powers: `N·m/g`, `J/m²`. */
+export function showUnit(unit: string): string {
+  if (unit === "1") return "";
+  return unit.replaceAll(" ", "·").replace(/(?<=[a-z])\^?2/g, "²").replace(/(?<=[a-z])\^?3/g, "³");
+}
+
+/** Value and unit in one text. */
+export function withUnit(text: string, unit: string): string {
+  return unit === "" ? text : `${text}${NARROW}${unit}`;
+}

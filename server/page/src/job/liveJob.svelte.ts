@@ -1,0 +1,96 @@
+// One job as it stands on the server, with everything its page shows.
+import { getJson, sendJson } from "../api/client";
+import type { ServerEvent } from "../api/sse";
+import type { FileEntry, Job, LogLine, Outcome, Page, PointsReady, Progress } from "../api/types";
+import { LiveCurve } from "./liveCurve.svelte";
+
+/** The log has no event of its own; it is read again at most this often [ms] while events come. */
+const LOG_PAUSE = 3000;
+
+export class LiveJob {
+  job = $state.raw<Job | null>(null);
+  outcome = $state.raw<Outcome | null>(null);
+  files = $state.raw<FileEntry[]>([]);
+  log = $state.raw<LogLine[]>([]);
+  error = $state("");
+  isDeleted = $state(false);
+  readonly curve: LiveCurve;
+  readonly #path: string;
+  #logTimer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(id: string) {
+    this.#path = `/v1/jobs/${encodeURIComponent(id)}`;
+    this.curve = new LiveCurve(`${this.#path}/curve`);
+  }
+
+  /** Fetches everything again. */
+  async refresh(): Promise<void> {
+    if (this.isDeleted) return;
+    try {
+      const job = await getJson<Job>(this.#path);
+      this.error = "";
+      this.#take(job);
+      await Promise.all([this.curve.fetch(), this.#readLog(), this.#readResults()]);
+    } catch (error) {
+      this.error = error instanceof Error ? error.message : String(error);
+    }
+  }
+
+  event(event: ServerEvent): void {
+    if (event.name === "job") {
+      const before = this.job;
+      this.#take(JSON.parse(event.data) as Job);
+      const hasChanged = before?.status !== this.job?.status || before?.attempt !== this.job?.attempt;
+      if (hasChanged) void Promise.all([this.curve.fetch(), this.#readLog(), this.#readResults()]).catch(() => {});
+      else this.#readLogSoon();
+    } else if (event.name === "progress") {
+      const { progress, phase, eta_s } = JSON.parse(event.data) as Progress;
+      if (this.job?.status === "running") this.job = { ...this.job, progress, phase, eta_s };
+      this.#readLogSoon();
+    } else if (event.name === "points") {
+      this.curve.grow(JSON.parse(event.data) as PointsReady);
+    } else if (event.name === "deleted") {
+      this.isDeleted = true;
+    }
+  }
+
+  /** `cancel`, `pause`, `resume` or `retry`. */
+  async act(action: string): Promise<void> {
+    this.#take(await sendJson<Job>("POST", `${this.#path}/${action}`));
+    await this.refresh();
+  }
+
+  async change(changes: Partial<Pick<Job, "name" | "notes" | "tags" | "priority">>): Promise<void> {
+    this.#take(await sendJson<Job>("PATCH", this.#path, changes));
+  }
+
+  stop(): void {
+    clearTimeout(this.#logTimer);
+  }
+
+  /** Takes a job unless a newer state of it is known: answers and events may overtake each other. */
+  #take(job: Job): void {
+    if (this.job && Date.parse(job.updated_at) < Date.parse(this.job.updated_at)) return;
+    this.job = { ...job, spec: job.spec ?? this.job?.spec };
+  }
+
+  async #readResults(): Promise<void> {
+    const succeeded = this.job?.outcome === "succeeded";
+    const [outcome, files] = await Promise.all([
+      succeeded ? getJson<Outcome>(`${this.#path}/outcome`) : null,
+      this.job?.status === "finished" ? getJson<Page<FileEntry>>(`${this.#path}/files`) : null,
+    ]);
+    this.outcome = outcome;
+    this.files = files?.items ?? [];
+  }
+
+  async #readLog(): Promise<void> {
+    clearTimeout(this.#logTimer);
+    this.#logTimer = undefined;
+    this.log = (await getJson<Page<LogLine>>(`${this.#path}/log`)).items;
+  }
+
+  #readLogSoon(): void {
+    this.#logTimer ??= setTimeout(() => void this.#readLog().catch(() => {}), LOG_PAUSE);
+  }
+}

@@ -1,0 +1,108 @@
+// The job list as it stands on the server: fetched in pages, kept true by events.
+import { getJson } from "../api/client";
+import type { ServerEvent } from "../api/sse";
+import type { Job, Page, Progress } from "../api/types";
+
+export interface Filter {
+  status: string;
+  kind: string;
+  tag: string;
+  text: string;
+}
+
+const PAGE = 50;
+/** Events come in bursts when a queue drains; the list is fetched at most this often [ms]. */
+const REFRESH_PAUSE = 700;
+
+export class JobList {
+  jobs = $state.raw<Job[]>([]);
+  next = $state.raw<string | null>(null);
+  isLoaded = $state(false);
+  isLoadingMore = $state(false);
+  error = $state("");
+  #filter: Filter = { status: "", kind: "", tag: "", text: "" };
+  #loading: AbortController | null = null;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+
+  get isFiltered(): boolean {
+    return Object.values(this.#filter).some((value) => value !== "");
+  }
+
+  show(filter: Filter): void {
+    this.#filter = filter;
+    void this.load(PAGE);
+  }
+
+  /** Fetches the first `count` jobs again; a newer call replaces an older one. */
+  async load(count = Math.max(PAGE, this.jobs.length)): Promise<void> {
+    clearTimeout(this.#timer);
+    this.#timer = undefined;
+    this.#loading?.abort();
+    const loading = new AbortController();
+    this.#loading = loading;
+    try {
+      const jobs: Job[] = [];
+      let cursor: string | null = null;
+      do {
+        const page: Page<Job> = await getJson(this.#path(cursor), loading.signal);
+        jobs.push(...page.items);
+        cursor = page.next;
+      } while (cursor !== null && jobs.length < count);
+      this.jobs = jobs;
+      this.next = cursor;
+      this.error = "";
+      this.isLoaded = true;
+    } catch (error) {
+      if (!loading.signal.aborted) this.error = error instanceof Error ? error.message : String(error);
+    }
+  }
+
+  async loadMore(): Promise<void> {
+    if (this.next === null || this.isLoadingMore) return;
+    this.isLoadingMore = true;
+    try {
+      const page = await getJson<Page<Job>>(this.#path(this.next));
+      const known = new Set(this.jobs.map((job) => job.id));
+      this.jobs = [...this.jobs, ...page.items.filter((job) => !known.has(job.id))];
+      this.next = page.next;
+    } catch (error) {
+      this.error = error instanceof Error ? error.message : String(error);
+    }
+    this.isLoadingMore = false;
+  }
+
+  event(event: ServerEvent): void {
+    if (event.name === "progress") {
+      const { job_id, progress, phase, eta_s } = JSON.parse(event.data) as Progress;
+      this.#change(job_id, (job) => ({ ...job, progress, phase, eta_s }));
+    } else if (event.name === "deleted") {
+      const { job_id } = JSON.parse(event.data) as { job_id: string };
+      this.jobs = this.jobs.filter((job) => job.id !== job_id);
+    } else if (event.name === "job") {
+      const news = JSON.parse(event.data) as Job;
+      this.#change(news.id, () => news);
+      // Order, filters and queue positions are the server's to decide.
+      this.#timer ??= setTimeout(() => void this.load(), REFRESH_PAUSE);
+    }
+  }
+
+  stop(): void {
+    clearTimeout(this.#timer);
+    this.#loading?.abort();
+  }
+
+  #change(id: string, change: (job: Job) => Job): void {
+    const index = this.jobs.findIndex((job) => job.id === id);
+    const job = this.jobs[index];
+    if (job) this.jobs = this.jobs.with(index, change(job));
+  }
+
+  #path(cursor: string | null): string {
+    const query = new URLSearchParams({ limit: String(PAGE) });
+    const { status, kind, tag, text } = this.#filter;
+    for (const [name, value] of Object.entries({ status, kind, tag, q: text, cursor: cursor ?? "" })) {
+      if (value !== "") query.set(name, value);
+    }
+    return `/v1/jobs?${query}`;
+  }
+}

@@ -1,0 +1,134 @@
+// The job being written: its text, what is wrong with it, what it will take.
+import { Refusal, request } from "../api/client";
+import type { DryRun, Job, Violation } from "../api/types";
+import { findNode, lineAt, lineStarts } from "./json/pointer";
+import { scan } from "./json/scan";
+
+/** Something wrong, and where. */
+export interface Finding {
+  offset: number;
+  line: number;
+  pointer: string;
+  message: string;
+  allowed: string;
+}
+
+/** How long typing must rest before the text is read and checked [ms]. */
+const REST = 350;
+/** Longer texts (measured networks) are checked when asked, not while typing. */
+const LONGEST_WATCHED = 200_000;
+const KEPT = "loadframe-draft";
+
+export class Draft {
+  text = $state(sessionStorage.getItem(KEPT) ?? "");
+  /** The text as it was when typing last rested; everything below belongs to it. */
+  settled = $state("");
+  isBusy = $state(false);
+  estimate = $state.raw<DryRun | null>(null);
+  #violations = $state.raw<Violation[]>([]);
+  #refusal = $state("");
+  #checking: AbortController | null = null;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #sendKey: { text: string; key: string } | null = null;
+
+  readonly scan = $derived(scan(this.settled));
+  readonly starts = $derived(lineStarts(this.settled));
+
+  readonly findings = $derived.by<Finding[]>(() => {
+    const { root, fault } = this.scan;
+    if (fault) return [this.#finding(fault.offset, "", fault.message, "")];
+    return this.#violations
+      .map(({ pointer, detail, allowed, unit }) => {
+        const range = allowed ? allowed + (unit && unit !== "1" ? ` ${unit}` : "") : "";
+        return this.#finding(root ? findNode(root, pointer).from : 0, pointer, detail, range);
+      })
+      .sort((a, b) => a.offset - b.offset);
+  });
+
+  /** What is wrong as a whole, when no field is to blame. */
+  readonly refusal = $derived(this.findings.length > 0 ? "" : this.#refusal);
+
+  /** Called with every change of the text. */
+  noticeTyping(): void {
+    clearTimeout(this.#timer);
+    if (this.text.length <= LONGEST_WATCHED) {
+      this.#timer = setTimeout(() => void this.check(), REST);
+    } else {
+      this.estimate = null;
+    }
+    try {
+      sessionStorage.setItem(KEPT, this.text);
+    } catch {
+      // A text too large to keep is only lost when the tab closes.
+    }
+  }
+
+  /** Asks the server what is wrong with the text and what it would take; stores nothing. */
+  async check(): Promise<void> {
+    clearTimeout(this.#timer);
+    this.#settle();
+    if (this.scan.fault) return;
+    this.#checking?.abort();
+    const checking = new AbortController();
+    this.#checking = checking;
+    try {
+      const options = { method: "POST", body: this.settled, signal: checking.signal };
+      const response = await request("/v1/jobs?dry_run=true", options);
+      this.estimate = (await response.json()) as DryRun;
+      this.#violations = [];
+      this.#refusal = "";
+    } catch (error) {
+      if (!checking.signal.aborted) this.#refuse(error);
+    }
+  }
+
+  /** Submits the job; returns it, or null when it was refused. */
+  async submit(): Promise<Job | null> {
+    clearTimeout(this.#timer);
+    this.#settle();
+    if (this.scan.fault || this.isBusy) return null;
+    this.#checking?.abort();
+    this.isBusy = true;
+    // The same text sent twice, after a lost answer, must not become two jobs.
+    if (this.#sendKey?.text !== this.settled) this.#sendKey = { text: this.settled, key: randomKey() };
+    try {
+      const headers = { "Idempotency-Key": this.#sendKey.key };
+      const response = await request("/v1/jobs", { method: "POST", body: this.settled, headers });
+      sessionStorage.removeItem(KEPT);
+      return (await response.json()) as Job;
+    } catch (error) {
+      this.#refuse(error);
+      return null;
+    } finally {
+      this.isBusy = false;
+    }
+  }
+
+  stop(): void {
+    clearTimeout(this.#timer);
+    this.#checking?.abort();
+  }
+
+  #settle(): void {
+    if (this.settled === this.text) return;
+    this.settled = this.text;
+    this.estimate = null;
+    this.#violations = [];
+    this.#refusal = "";
+  }
+
+  #refuse(error: unknown): void {
+    this.estimate = null;
+    this.#violations = error instanceof Refusal ? error.violations : [];
+    this.#refusal = error instanceof Error ? error.message : String(error);
+  }
+
+  #finding(offset: number, pointer: string, message: string, allowed: string): Finding {
+    return { offset, line: lineAt(this.starts, offset), pointer, message, allowed };
+  }
+}
+
+// crypto.randomUUID exists only on https and localhost; a lab server is often plain http.
+function randomKey(): string {
+  return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+}

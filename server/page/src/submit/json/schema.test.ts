@@ -1,0 +1,80 @@
+import { describe, expect, it } from "vitest";
+import { describeField } from "./schema";
+
+// The shapes that schemars writes: references with siblings, tagged choices, options, lists.
+const SCHEMA = {
+  type: "object",
+  required: ["fabric"],
+  properties: {
+    fabric: { $ref: "#/$defs/Fabric" },
+    bond: { $ref: "#/$defs/Bond", default: { modulus_n: null } },
+    breaking: {
+      description: "Which bonds break.",
+      oneOf: [
+        { type: "string", const: "weakest_first", description: "Only one." },
+        { type: "string", const: "none", description: "Never." },
+      ],
+    },
+  },
+  $defs: {
+    Fabric: {
+      description: "The specimen.",
+      oneOf: [
+        { type: "object", required: ["lattice"], properties: { lattice: { $ref: "#/$defs/Lattice" } } },
+        { type: "object", required: ["network"], properties: { network: { type: "object" } } },
+      ],
+    },
+    Lattice: {
+      type: "object",
+      properties: {
+        spacing_mm: {
+          description: "Spacing.",
+          type: "array",
+          "x-unit": "mm",
+          items: { type: "number", minimum: 1e-6, maximum: 1e6 },
+        },
+      },
+    },
+    Bond: {
+      type: "object",
+      properties: {
+        modulus_n: { description: "e.", type: ["number", "null"], minimum: 0, maximum: 10, "x-unit": "N" },
+        sigma: { type: "number", exclusiveMinimum: 0, default: 0.5 },
+      },
+    },
+  },
+};
+
+describe("describeField", () => {
+  it("follows references and gives unit, range, type and default", () => {
+    const doc = describeField(SCHEMA, ["bond", "modulus_n"]);
+    expect(doc).toMatchObject({ description: "e.", unit: "N", range: "0 … 10", type: "number" });
+    expect(describeField(SCHEMA, ["bond", "sigma"])).toMatchObject({ range: "> 0", default: "0.5" });
+    expect(describeField(SCHEMA, ["bond"])?.default).toBe('{"modulus_n":null}');
+  });
+
+  it("finds a field in the choice that has it", () => {
+    const doc = describeField(SCHEMA, ["fabric", "lattice", "spacing_mm"]);
+    expect(doc).toMatchObject({ description: "Spacing.", unit: "mm", range: "1e-6 … 1e6" });
+    expect(describeField(SCHEMA, ["fabric"])).toMatchObject({
+      description: "The specimen.",
+      isRequired: true,
+      fields: ["lattice", "network"],
+    });
+  });
+
+  it("gives a list's unit to its numbers", () => {
+    expect(describeField(SCHEMA, ["fabric", "lattice", "spacing_mm", "2"])?.unit).toBe("mm");
+  });
+
+  it("lists the options of a choice with their meaning", () => {
+    expect(describeField(SCHEMA, ["breaking"])?.options).toEqual([
+      { value: '"weakest_first"', description: "Only one." },
+      { value: '"none"', description: "Never." },
+    ]);
+  });
+
+  it("does not know fields that do not exist", () => {
+    expect(describeField(SCHEMA, ["bond", "modulus"])).toBeNull();
+  });
+});

@@ -1,0 +1,137 @@
+// What a JSON Schema says about one field: meaning, unit, range, default.
+
+type Schema = Record<string, unknown>;
+
+export interface Option {
+  value: string;
+  description: string;
+}
+
+export interface FieldDoc {
+  pointer: string;
+  description: string;
+  unit: string;
+  type: string;
+  range: string;
+  /** JSON text of the default; empty when the field must be given. */
+  default: string;
+  isRequired: boolean;
+  options: Option[];
+  /** Fields an object may hold. */
+  fields: string[];
+}
+
+/** What `root` says about the value at `path`, or null when it knows no such field. */
+export function describeField(root: Schema, path: string[]): FieldDoc | null {
+  let here: Schema[] = [root];
+  let isRequired = false;
+  let unit = "";
+  for (const part of path) {
+    const parents = here.flatMap((schema) => expand(root, schema));
+    here = parents.flatMap((parent) => child(parent, part));
+    if (here.length === 0) return null;
+    isRequired = parents.some((parent) => list(parent["required"]).includes(part));
+    // A list gives its unit once, for all of its numbers.
+    unit = first(parents, "x-unit") || unit;
+    if (!/^\d+$/.test(part)) unit = "";
+  }
+  const all = here.flatMap((schema) => expand(root, schema));
+  const given = here.find((schema) => "default" in schema) ?? all.find((schema) => "default" in schema);
+  return {
+    pointer: path.map((part) => `/${part}`).join(""),
+    description: first(here, "description") || first(all, "description"),
+    unit: first(all, "x-unit") || unit,
+    type: typeOf(all),
+    range: rangeOf(all) || all.map((schema) => rangeOfItems(schema)).find(Boolean) || "",
+    default: given ? JSON.stringify(given["default"]) : "",
+    isRequired,
+    options: all.flatMap(options),
+    fields: [...new Set(all.flatMap((schema) => Object.keys(object(schema["properties"]))))],
+  };
+}
+
+/** The schema itself and everything it refers to or chooses from. */
+function expand(root: Schema, schema: Schema): Schema[] {
+  const reference = schema["$ref"];
+  const target = typeof reference === "string" ? lookUp(root, reference) : null;
+  const choices = ["oneOf", "anyOf", "allOf"].flatMap((key) => list(schema[key]) as Schema[]);
+  const own = choices.length > 0 || target ? omit(schema) : schema;
+  return [own, ...(target ? expand(root, target) : []), ...choices.flatMap((choice) => expand(root, choice))];
+}
+
+function omit(schema: Schema): Schema {
+  const { $ref: _reference, oneOf: _one, anyOf: _any, allOf: _all, ...rest } = schema;
+  return rest;
+}
+
+function lookUp(root: Schema, reference: string): Schema | null {
+  let node: unknown = root;
+  for (const part of reference.replace(/^#\/?/, "").split("/")) node = object(node)[part];
+  return node ? object(node) : null;
+}
+
+function child(parent: Schema, part: string): Schema[] {
+  const property = object(parent["properties"])[part];
+  if (property !== undefined) return [object(property)];
+  if (!/^\d+$/.test(part)) return [];
+  const ordered = list(parent["prefixItems"])[Number(part)];
+  const item = ordered ?? parent["items"];
+  return item === undefined ? [] : [object(item)];
+}
+
+function rangeOf(all: Schema[]): string {
+  const low = number(all, "minimum");
+  const high = number(all, "maximum");
+  const above = number(all, "exclusiveMinimum");
+  const below = number(all, "exclusiveMaximum");
+  if (low !== null && low === high) return String(low);
+  if (low !== null && high !== null) return `${plain(low)} … ${plain(high)}`;
+  const bounds = [
+    low !== null ? `≥ ${plain(low)}` : above !== null ? `> ${plain(above)}` : "",
+    high !== null ? `≤ ${plain(high)}` : below !== null ? `< ${plain(below)}` : "",
+  ];
+  return bounds.filter(Boolean).join(", ");
+}
+
+function rangeOfItems(schema: Schema): string {
+  let items = object(schema["items"]);
+  while (items["items"]) items = object(items["items"]);
+  return rangeOf([items]);
+}
+
+function options(schema: Schema): Option[] {
+  const description = typeof schema["description"] === "string" ? schema["description"] : "";
+  if ("const" in schema) return [{ value: JSON.stringify(schema["const"]), description }];
+  const values = list(schema["enum"]);
+  const sole = values.length === 1 ? description : "";
+  return values.map((value) => ({ value: JSON.stringify(value), description: sole }));
+}
+
+function typeOf(all: Schema[]): string {
+  const types = all.flatMap((schema) => (Array.isArray(schema["type"]) ? schema["type"] : [schema["type"]]));
+  const names = types.filter((type): type is string => typeof type === "string" && type !== "null");
+  return [...new Set(names)].join(" or ");
+}
+
+function first(schemas: Schema[], key: string): string {
+  const found = schemas.map((schema) => schema[key]).find((value) => typeof value === "string" && value !== "");
+  return typeof found === "string" ? found : "";
+}
+
+function number(schemas: Schema[], key: string): number | null {
+  const found = schemas.map((schema) => schema[key]).find((value) => typeof value === "number");
+  return typeof found === "number" ? found : null;
+}
+
+function plain(value: number): string {
+  const size = Math.abs(value);
+  return size !== 0 && (size >= 1e6 || size < 1e-3) ? value.toExponential().replace("e+", "e") : String(value);
+}
+
+function object(value: unknown): Schema {
+  return typeof value === "object" && value !== null ? (value as Schema) : {};
+}
+
+function list(value: unknown): unknown[] {
+  return Array.isArray(value) ? value : [];
+}

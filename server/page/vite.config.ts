@@ -1,0 +1,16 @@
+import { svelte } from "@sveltejs/vite-plugin-svelte";
+import { defineConfig } from "vitest/config";
+
+// Names carry a hash of the content, so the server may let browsers keep assets for ever and two
+// builds of the same sources are the same bytes.
+export default defineConfig({
+  plugins: [svelte()],
+  build: {
+    target: "es2022",
+    outDir: "dist",
+    emptyOutDir: true,
+    assetsDir: "assets",
+    modulePreload: false,
+  },
+  test: { include: ["src/**/*.test.ts"] },
+});
