@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { formatBytes, formatNumber } from "./numbers";
+import { formatJson } from "./json";
+import { formatBytes, formatChosen, formatNumber } from "./numbers";
 import { formatAgo, formatDuration, formatEta } from "./time";
 import { showQuantity, showUnit } from "./words";
 
@@ -70,5 +71,20 @@ describe("quantities", () => {
     expect([showUnit("N m/g"), showUnit("J/m2"), showUnit("N"), showUnit("1")]).toEqual(
       ["N·m/g", "J/m²", "N", ""],
     );
+  });
+});
+
+describe("chosen numbers", () => {
+  it.each([[0.01, "0.01"], [1000, "1000"], [12.5, "12.5"], [1e-6, "1 × 10⁻⁶"]])("%f reads %s", (value, text) =>
+    expect(plain(formatChosen(value))).toBe(text));
+});
+
+describe("JSON", () => {
+  it("keeps short lists on a line, and every value", () => {
+    const value = { a: [1, 2.5, 3], b: { c: null, d: [] }, e: [{ nodes: [0, 1] }, { nodes: [1, 2] }], f: "x".repeat(90) };
+    const text = formatJson(value);
+    expect(JSON.parse(text)).toEqual(value);
+    expect(text).toContain('"a": [1, 2.5, 3],');
+    expect(text).toContain('\n  "b": {\n');
   });
 });

@@ -18,9 +18,9 @@ export function formatNumber(value: number, digits = DIGITS): string {
   return group(value.toFixed(Math.min(decimals, 12)));
 }
 
-/** A number with a fixed count of decimals, for columns and readouts that must not jump. */
-export function formatFixed(value: number, decimals: number): string {
-  return Number.isFinite(value) ? group(value.toFixed(decimals)) : "–";
+/** A number that somebody chose, such as a bound: without the zeros that mark measured digits. */
+export function formatChosen(value: number): string {
+  return trimZeros(formatNumber(value));
 }
 
 function formatPower(value: number, digits: number): string {

@@ -15,11 +15,13 @@ export interface PlotInput {
 /** Dashes tell lines apart without colour. */
 const DASHES = [[], [6, 4], [2, 3], [9, 3, 2, 3]];
 export const SERIES_COLOURS = ["--series-1", "--series-2", "--series-3", "--series-4"];
+/** Below this width [px] the axes give up some of theirs. */
+const NARROW_PLOT = 520;
 const FONT = "12px system-ui, sans-serif";
 const MARK_FONT = "600 12px system-ui, sans-serif";
 
 export function plotHeight(width: number): number {
-  return Math.round(Math.min(430, Math.max(270, width * 0.48)));
+  return Math.round(Math.min(430, Math.max(300, width * 0.48)));
 }
 
 export function plotOptions(input: PlotInput): uPlot.Options {
@@ -34,11 +36,11 @@ export function plotOptions(input: PlotInput): uPlot.Options {
     cursor: { drag: { x: true, y: false }, points: { size: 7 }, y: false },
     scales: { x: { time: false }, ...Object.fromEntries(scales.map((name) => [name, { range: fromZero }])) },
     axes: [
-      axis("x", horizontal ? axisLabel(horizontal) : "", colour, true),
+      { ...axis("x", horizontal ? axisLabel(horizontal) : "", colour, true), size: 34, space: 42 },
       ...scales.slice(0, 2).map((scale, index) => ({
         ...axis(scale, scaleLabel(vertical, scale), colour, index === 0),
         side: index === 0 ? 3 : 1,
-        size: 58,
+        size: width < NARROW_PLOT ? 40 : 52,
       })),
     ],
     series: [
@@ -88,7 +90,7 @@ function axis(scale: string, label: string, colour: PlotInput["colour"], hasGrid
     stroke: colour("--muted"),
     font: FONT,
     labelFont: FONT,
-    labelSize: 22,
+    labelSize: 18,
     grid: { show: hasGrid, stroke: colour("--line"), width: 1 },
     ticks: { stroke: colour("--line"), width: 1, size: 5 },
     values: (_, splits) => splits.map((split) => String(Number(split.toPrecision(6))).replace("-", "−")),
@@ -120,6 +122,8 @@ function markMaximum(plot: uPlot, columns: Column[], colour: PlotInput["colour"]
   context.fillStyle = colour("--surface");
   context.strokeStyle = colour(seriesColour(0));
   context.lineWidth = 2 * ratio;
+  // The line drawn last leaves its dashes behind.
+  context.setLineDash([]);
   context.beginPath();
   context.arc(left, top, 4.5 * ratio, 0, 2 * Math.PI);
   context.fill();

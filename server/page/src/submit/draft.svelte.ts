@@ -10,6 +10,7 @@ export interface Finding {
   line: number;
   pointer: string;
   message: string;
+  given: string;
   allowed: string;
 }
 
@@ -36,12 +37,9 @@ export class Draft {
 
   readonly findings = $derived.by<Finding[]>(() => {
     const { root, fault } = this.scan;
-    if (fault) return [this.#finding(fault.offset, "", fault.message, "")];
+    if (fault) return [this.#finding(fault.offset, { pointer: "", code: "syntax", detail: fault.message })];
     return this.#violations
-      .map(({ pointer, detail, allowed, unit }) => {
-        const range = allowed ? allowed + (unit && unit !== "1" ? ` ${unit}` : "") : "";
-        return this.#finding(root ? findNode(root, pointer).from : 0, pointer, detail, range);
-      })
+      .map((violation) => this.#finding(root ? findNode(root, violation.pointer).from : 0, violation))
       .sort((a, b) => a.offset - b.offset);
   });
 
@@ -123,8 +121,15 @@ export class Draft {
     this.#refusal = error instanceof Error ? error.message : String(error);
   }
 
-  #finding(offset: number, pointer: string, message: string, allowed: string): Finding {
-    return { offset, line: lineAt(this.starts, offset), pointer, message, allowed };
+  #finding(offset: number, { pointer, detail, value, allowed = "", unit = "1" }: Violation): Finding {
+    return {
+      offset,
+      line: lineAt(this.starts, offset),
+      pointer,
+      message: detail,
+      given: value === undefined ? "" : JSON.stringify(value),
+      allowed: allowed && unit !== "1" ? `${allowed} ${unit}` : allowed,
+    };
   }
 }
 

