@@ -1,0 +1,76 @@
+//! What can go wrong in the store, by whose fault.
+use std::path::PathBuf;
+
+/// Why the store did not do what it was asked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoreError {
+    /// 404: there is no such job, file, curve, outcome or token.
+    #[error("there is no {0}")]
+    NotFound(String),
+    /// 409: the state of the job does not allow it; the sentence says what would help.
+    #[error("{0}")]
+    Conflict(String),
+    /// 409: the worker no longer holds the lease it writes under.
+    #[error(
+        "the lease is no longer held: the attempt has ended or belongs to another worker; stop the work and claim anew"
+    )]
+    LeaseLost,
+    /// 422: the key was used before with another body.
+    #[error("the Idempotency-Key was used before with another body; use a fresh key")]
+    KeyReused,
+    /// 422: what was sent cannot be taken; the sentence says why.
+    #[error("{0}")]
+    Invalid(String),
+    /// 413: larger than the store takes.
+    #[error("{what} is larger than {limit} bytes")]
+    TooLarge { what: &'static str, limit: u64 },
+    /// 400: the body broke off before its end.
+    #[error("the upload broke off")]
+    Interrupted(#[source] std::io::Error),
+    /// 503: the writer has stopped or its transaction was rolled back; trying again may help.
+    #[error("the store did not take the change; try again")]
+    Unavailable,
+    /// 503: the data folder belongs to a running server.
+    #[error("{} is in use by another loadframe server", .0.display())]
+    InUse(PathBuf),
+    /// 500: the database refused a statement.
+    #[error("the database failed")]
+    Database(#[from] sqlx::Error),
+    /// 500: the database cannot be brought to this version's schema.
+    #[error("the database could not be migrated")]
+    Migration(#[from] sqlx::migrate::MigrateError),
+    /// 500: a file could not be read or written.
+    #[error("{} could not be used", path.display())]
+    File {
+        path: PathBuf,
+        #[source]
+        source: std::io::Error,
+    },
+    /// 500: something stored cannot be read back.
+    #[error("stored {what} cannot be read")]
+    Corrupt {
+        what: &'static str,
+        #[source]
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+}
+
+impl StoreError {
+    /// For `map_err`: a stored thing that cannot be read back.
+    pub(super) fn corrupt<E>(what: &'static str) -> impl FnOnce(E) -> Self
+    where
+        E: Into<Box<dyn std::error::Error + Send + Sync>>,
+    {
+        move |source| Self::Corrupt {
+            what,
+            source: source.into(),
+        }
+    }
+
+    /// For `map_err`: a file that could not be used.
+    pub(super) fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::File { path, source }
+    }
+}

@@ -1,0 +1,120 @@
+//! What goes into the store and comes out of it, beyond the shared vocabulary.
+use std::path::PathBuf;
+use std::time::Duration;
+
+use loadframe_api::{JobKind, JobOutcome, JobStatus, JobView, Timestamp};
+use serde::Serialize;
+use uuid::Uuid;
+
+/// Where the store lives and what it promises.
+#[derive(Clone, Debug)]
+pub struct StoreOptions {
+    /// Folder of the database and the files.
+    pub data: PathBuf,
+    /// How long a silent worker keeps its job.
+    pub lease: Duration,
+    /// Longest wall time of a job over all attempts.
+    pub job_time_limit: Option<Duration>,
+}
+
+impl StoreOptions {
+    /// The usual promises, in `data`.
+    pub fn new(data: impl Into<PathBuf>) -> Self {
+        Self {
+            data: data.into(),
+            lease: Duration::from_secs(30),
+            job_time_limit: None,
+        }
+    }
+}
+
+/// A client's name for one submission, and what it submitted under it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct IdempotencyKey {
+    pub key: String,
+    /// SHA-256 of the body as sent, in hexadecimal digits.
+    pub body_sha256: String,
+}
+
+/// Answer to a submission.
+#[derive(Clone, Debug)]
+pub struct Enqueued {
+    pub job: JobView,
+    /// The job was there already, under the same idempotency key.
+    pub replayed: bool,
+}
+
+/// Which jobs to list; what is `None` does not narrow.
+#[derive(Clone, Debug, Default)]
+pub struct JobFilter {
+    pub status: Option<JobStatus>,
+    pub outcome: Option<JobOutcome>,
+    pub kind: Option<JobKind>,
+    pub tag: Option<String>,
+    /// Text in name, notes, tags or the beginning of the id; case does not matter.
+    pub q: Option<String>,
+    pub created_after: Option<Timestamp>,
+    pub created_before: Option<Timestamp>,
+}
+
+/// What may be changed of a job at any time; what is `None` stays.
+#[derive(Clone, Debug, Default)]
+pub struct JobEdit {
+    pub name: Option<String>,
+    pub notes: Option<String>,
+    pub tags: Option<Vec<String>>,
+    pub priority: Option<i32>,
+}
+
+/// What a user may ask of a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UserAction {
+    Cancel,
+    Pause,
+    Resume,
+    Retry,
+}
+
+/// What a worker's write carries: who it is, and the proof.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LeaseKey {
+    pub id: Uuid,
+    pub token: Uuid,
+}
+
+/// An access token, without its secret.
+#[derive(Clone, Debug, Serialize)]
+pub struct TokenView {
+    pub id: Uuid,
+    pub name: String,
+    pub created_at: Timestamp,
+    pub revoked_at: Option<Timestamp>,
+}
+
+/// A token just made; the only time its secret is seen.
+#[derive(Clone, Debug, Serialize)]
+pub struct NewToken {
+    pub id: Uuid,
+    pub name: String,
+    pub secret: String,
+}
+
+/// The queue in numbers, for `/metrics`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Counts {
+    pub queued: u64,
+    pub running: u64,
+    pub paused: u64,
+    pub succeeded: u64,
+    pub failed: u64,
+    pub cancelled: u64,
+    pub timed_out: u64,
+    pub quarantined: u64,
+    /// How long the oldest queued job has been waiting [s].
+    pub oldest_queued_s: f64,
+    pub workers_alive: u64,
+    /// Attempts that ended because their worker fell silent, ever.
+    pub attempts_lost: u64,
+    /// Bytes of result files and checkpoints that jobs name.
+    pub file_bytes: u64,
+}
