@@ -1,1 +1,2 @@
 //! The loadframe service.
+pub mod store;
