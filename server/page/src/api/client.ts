@@ -28,6 +28,11 @@ export class Unreachable extends Error {
   }
 }
 
+/** What to tell a person about something that went wrong. */
+export function messageOf(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}
+
 export interface RequestOptions {
   method?: string;
   /** Sent as it is, as JSON. */

@@ -11,6 +11,9 @@ const LONGEST_WAIT = 15_000;
 /** A hidden page gives up its stream after this [ms], because browsers allow only six connections
  * to a server and a lab leaves more tabs open than that. */
 const HIDDEN_GRACE = 20_000;
+/** A stream silent for this long [ms] is taken for dead: after a night's sleep a computer may hold a
+ * connection that nobody else does. The server sends a sign of life every 15 s. */
+const LONGEST_SILENCE = 45_000;
 /** How often a hidden page looks instead [ms], so that its title stays true. */
 const HIDDEN_POLL = 20_000;
 
@@ -34,7 +37,7 @@ export function follow(path: string, follower: Follower): () => void {
   return () => stopped.abort();
 }
 
-type Ending = "ended" | "failed" | "refused" | "hidden";
+type Ending = "ended" | "failed" | "refused" | "hidden" | "silent";
 
 async function run(path: string, follower: Follower, stopped: AbortSignal): Promise<void> {
   let wait = FIRST_WAIT;
@@ -49,7 +52,7 @@ async function run(path: string, follower: Follower, stopped: AbortSignal): Prom
       continue;
     }
     // A stream that ends is opened again at once; only silence after that is a lost server.
-    wait = ending === "ended" ? FIRST_WAIT : Math.min(wait * 2, LONGEST_WAIT);
+    wait = ending === "ended" || ending === "silent" ? FIRST_WAIT : Math.min(wait * 2, LONGEST_WAIT);
     if (ending === "failed") {
       connection.isLost = true;
       connection.retryAt = Date.now() + wait;
@@ -60,13 +63,15 @@ async function run(path: string, follower: Follower, stopped: AbortSignal): Prom
 }
 
 async function listen(path: string, follower: Follower, stopped: AbortSignal): Promise<Ending> {
-  const hidden = new AbortController();
-  const stopWatching = abortWhenHidden(hidden);
+  const given = new AbortController();
+  const giveUp = (why: Ending): void => given.abort(why);
+  const stopWatching = watchVisibility(() => giveUp("hidden"));
+  let silence = setTimeout(giveUp, LONGEST_SILENCE, "silent");
   let isOpen = false;
   try {
     const response = await request(path, {
       headers: { Accept: "text/event-stream" },
-      signal: AbortSignal.any([stopped, hidden.signal]),
+      signal: AbortSignal.any([stopped, given.signal]),
     });
     if (!response.body) return "failed";
     isOpen = true;
@@ -78,11 +83,13 @@ async function listen(path: string, follower: Follower, stopped: AbortSignal): P
     for (;;) {
       const { done, value } = await text.read();
       if (done) return "ended";
+      clearTimeout(silence);
+      silence = setTimeout(giveUp, LONGEST_SILENCE, "silent");
       for (const event of reader.read(value)) follower.event(event);
     }
   } catch (error) {
     if (stopped.aborted) return "ended";
-    if (hidden.signal.aborted) return "hidden";
+    if (given.signal.aborted) return given.signal.reason as Ending;
     if (error instanceof Refusal && error.status < 500) {
       // The fetch of the thing itself meets the same refusal and shows it where people look.
       follower.refresh();
@@ -90,16 +97,17 @@ async function listen(path: string, follower: Follower, stopped: AbortSignal): P
     }
     return isOpen ? "ended" : "failed";
   } finally {
+    clearTimeout(silence);
     stopWatching();
   }
 }
 
-/** Aborts once the page has been hidden for the grace time; returns how to stop watching. */
-function abortWhenHidden(hidden: AbortController): () => void {
+/** Reports once the page has been hidden for the grace time; returns how to stop watching. */
+function watchVisibility(onHidden: () => void): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const watch = (): void => {
     clearTimeout(timer);
-    if (document.hidden) timer = setTimeout(() => hidden.abort(), HIDDEN_GRACE);
+    if (document.hidden) timer = setTimeout(onHidden, HIDDEN_GRACE);
   };
   watch();
   document.addEventListener("visibilitychange", watch);

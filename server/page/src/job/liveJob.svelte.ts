@@ -1,5 +1,5 @@
 // One job as it stands on the server, with everything its page shows.
-import { getJson, sendJson } from "../api/client";
+import { getJson, messageOf, sendJson, Unreachable } from "../api/client";
 import type { ServerEvent } from "../api/sse";
 import type { FileEntry, Job, LogLine, Outcome, Page, PointsReady, Progress } from "../api/types";
 import { LiveCurve } from "./liveCurve.svelte";
@@ -32,7 +32,8 @@ export class LiveJob {
       this.#take(job);
       await Promise.all([this.curve.fetch(), this.#readLog(), this.#readResults()]);
     } catch (error) {
-      this.error = error instanceof Error ? error.message : String(error);
+      // That the server is away is said once, by the banner.
+      if (!(error instanceof Unreachable)) this.error = messageOf(error);
     }
   }
 

@@ -1,5 +1,5 @@
 // The job list as it stands on the server: fetched in pages, kept true by events.
-import { getJson } from "../api/client";
+import { getJson, messageOf, Unreachable } from "../api/client";
 import type { ServerEvent } from "../api/sse";
 import type { Job, Page, Progress } from "../api/types";
 
@@ -53,7 +53,8 @@ export class JobList {
       this.error = "";
       this.isLoaded = true;
     } catch (error) {
-      if (!loading.signal.aborted) this.error = error instanceof Error ? error.message : String(error);
+      // That the server is away is said once, by the banner.
+      if (!loading.signal.aborted && !(error instanceof Unreachable)) this.error = messageOf(error);
     }
   }
 
@@ -66,7 +67,7 @@ export class JobList {
       this.jobs = [...this.jobs, ...page.items.filter((job) => !known.has(job.id))];
       this.next = page.next;
     } catch (error) {
-      this.error = error instanceof Error ? error.message : String(error);
+      this.error = messageOf(error);
     }
     this.isLoadingMore = false;
   }

@@ -1,5 +1,5 @@
 // The job being written: its text, what is wrong with it, what it will take.
-import { Refusal, request } from "../api/client";
+import { messageOf, Refusal, request } from "../api/client";
 import type { DryRun, Job, Violation } from "../api/types";
 import { findNode, lineAt, lineStarts } from "./json/pointer";
 import { scan } from "./json/scan";
@@ -118,7 +118,7 @@ export class Draft {
   #refuse(error: unknown): void {
     this.estimate = null;
     this.#violations = error instanceof Refusal ? error.violations : [];
-    this.#refusal = error instanceof Error ? error.message : String(error);
+    this.#refusal = messageOf(error);
   }
 
   #finding(offset: number, { pointer, detail, value, allowed = "", unit = "1" }: Violation): Finding {
