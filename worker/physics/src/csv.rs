@@ -1,0 +1,47 @@
+//! Tables as CSV: one header row with units in the names, dot decimals, full digits.
+use std::io::{self, Write};
+
+/// Writes the row of column names.
+pub(crate) fn header(out: &mut dyn Write, names: &[&str]) -> io::Result<()> {
+    writeln!(out, "{}", names.join(","))
+}
+
+/// Writes a row of numbers in the shortest form that reads back as the same number. Large and
+/// small magnitudes take an exponent, so that no cell grows beyond about 24 characters.
+pub(crate) fn row(out: &mut dyn Write, values: &[f64]) -> io::Result<()> {
+    for (column, value) in values.iter().enumerate() {
+        let separator = if column == 0 { "" } else { "," };
+        let magnitude = value.abs();
+        if magnitude != 0.0 && !(1e-5..1e15).contains(&magnitude) {
+            write!(out, "{separator}{value:e}")?;
+        } else {
+            write!(out, "{separator}{value}")?;
+        }
+    }
+    writeln!(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn text(values: &[f64]) -> String {
+        let mut bytes = Vec::new();
+        row(&mut bytes, values).expect("a Vec takes everything");
+        String::from_utf8(bytes).expect("numbers are ASCII")
+    }
+
+    #[test]
+    fn numbers_keep_their_digits() {
+        assert_eq!(text(&[0.1, 3.0, -1e-7, 2e20]), "0.1,3,-1e-7,2e20\n");
+    }
+
+    proptest! {
+        #[test]
+        fn every_number_reads_back(value in proptest::num::f64::NORMAL | proptest::num::f64::ZERO) {
+            let read: f64 = text(&[value]).trim().parse().expect("a number");
+            prop_assert_eq!(read.to_bits(), value.to_bits());
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Readings from a curve given by points with ascending abscissa.
+
+/// Ordinate at `x` on the straight line between the neighbouring points; `None` outside the curve.
+pub(crate) fn interpolate(points: &[(f64, f64)], x: f64) -> Option<f64> {
+    let after = points.iter().position(|(abscissa, _)| *abscissa >= x)?;
+    let (x1, y1) = points[after];
+    if x1 == x {
+        return Some(y1);
+    }
+    let (x0, y0) = points[after.checked_sub(1)?];
+    Some(y0 + (y1 - y0) * (x - x0) / (x1 - x0))
+}
+
+/// Area under the curve by the trapezoidal rule.
+pub(crate) fn area(points: &[(f64, f64)]) -> f64 {
+    let trapezoid = |pair: &[(f64, f64)]| 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0);
+    points.windows(2).map(trapezoid).sum()
+}
+
+/// Index of the first point with the largest ordinate.
+pub(crate) fn peak(points: &[(f64, f64)]) -> Option<usize> {
+    let indices = 0..points.len();
+    indices.reduce(|best, next| {
+        if points[next].1 > points[best].1 {
+            next
+        } else {
+            best
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CURVE: [(f64, f64); 4] = [(0.0, 1.0), (2.0, 5.0), (3.0, 5.0), (5.0, 1.0)];
+
+    #[test]
+    fn readings_between_points_lie_on_straight_lines() {
+        assert_eq!(interpolate(&CURVE, 0.5), Some(1.0 + 4.0 * 0.25));
+        assert_eq!(interpolate(&CURVE, 2.0), Some(5.0));
+        assert_eq!(interpolate(&CURVE, 0.0), Some(1.0));
+    }
+
+    #[test]
+    fn outside_the_curve_there_is_nothing_to_read() {
+        assert_eq!(interpolate(&CURVE, 5.1), None);
+        assert_eq!(interpolate(&CURVE, -0.1), None);
+        assert_eq!(interpolate(&[], 0.0), None);
+        assert_eq!(peak(&[]), None);
+    }
+
+    #[test]
+    fn area_and_peak() {
+        assert_eq!(area(&CURVE), 6.0 + 5.0 + 6.0);
+        assert_eq!(peak(&CURVE), Some(1));
+    }
+}

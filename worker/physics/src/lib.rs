@@ -1,0 +1,68 @@
+//! The mechanics of loadframe.
+//!
+//! A typed spec, a [`Recorder`] and perhaps a checkpoint go in; curve points and files go to the
+//! recorder and a [`Report`] comes out. Nothing here knows a clock, a path, the network, the
+//! environment or a global: the same spec and seed give the same bytes on any number of threads.
+mod checkpoint;
+mod csv;
+mod curve;
+mod error;
+mod network;
+mod parallel;
+mod recorder;
+mod rng;
+mod vtk;
+
+use std::fmt;
+
+use loadframe_api::{JobSpec, Report};
+
+pub use checkpoint::CheckpointError;
+pub use error::SimulationError;
+pub use recorder::{Interrupt, InterruptSource, Recorder, Uninterrupted};
+
+/// How a simulation ended.
+#[derive(Debug)]
+pub enum Ending {
+    /// It ran to its own end; all files are with the recorder.
+    Finished(Report),
+    /// It was asked to give up.
+    Cancelled,
+    /// It was asked to stop, and its checkpoint is with the recorder.
+    Suspended,
+}
+
+/// What a run is given beside its spec.
+#[derive(Clone, Copy)]
+pub struct RunContext<'a> {
+    /// Threads to use; the result does not depend on it.
+    pub threads: usize,
+    pub interrupt: &'a dyn InterruptSource,
+    /// Bytes an earlier run of the same spec gave to [`Recorder::checkpoint`].
+    pub checkpoint: Option<&'a [u8]>,
+}
+
+impl fmt::Debug for RunContext<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let checkpoint_bytes = self.checkpoint.map(<[u8]>::len);
+        formatter
+            .debug_struct("RunContext")
+            .field("threads", &self.threads)
+            .field("checkpoint_bytes", &checkpoint_bytes)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Runs the simulation of `spec`.
+///
+/// # Errors
+/// What made a result impossible, see [`SimulationError`].
+pub fn simulate(
+    spec: &JobSpec,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<Ending, SimulationError> {
+    match spec {
+        JobSpec::NonwovenTensile(spec) => network::nonwoven::run(spec, context, recorder),
+    }
+}

@@ -1,0 +1,111 @@
+//! Three ways from displacements that are not in equilibrium to displacements that are.
+//!
+//! Equilibrium means that the resultant of every free node is within
+//! F_lim = (e ε + f_r ε²)/A_cc (8) of [Zilka2022] eq. 3-4, or within what rounding alone explains.
+//!
+//! - [`newton_cg`] descends the energy of the whole network (default);
+//! - [`sequential`] moves node after node into its own balance, the thesis' relaxation;
+//! - [`parallel`] computes all moves before it makes any, the thesis' variant.
+//!
+//! The relaxations stop on the same limit, yet their error is larger: what they leave are long
+//! waves with tiny resultants. The difference of the two jaw forces shows it.
+mod block_jacobi;
+mod conjugate_gradients;
+mod line_search;
+mod newton_cg;
+mod node_step;
+mod parallel;
+mod sequential;
+pub(crate) mod work;
+
+use super::{
+    Vector,
+    assembly::Assembly,
+    configuration::{Configuration, Residual, Verdict},
+};
+use crate::{Interrupt, parallel::Team};
+use work::Meter;
+
+/// The way to equilibrium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Method {
+    NewtonCg,
+    Sequential,
+    /// ω, the part of its own step a node moves.
+    Parallel {
+        relaxation_factor: f64,
+    },
+}
+
+/// A method and where it ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Search {
+    pub(crate) method: Method,
+    /// Sweeps or Newton iterations.
+    pub(crate) iteration_limit: u32,
+    /// F_lim [N], (8).
+    pub(crate) force_limit: f64,
+    /// Farthest a node may move at once [mm].
+    pub(crate) step_cap: f64,
+}
+
+/// Where a search ended.
+#[derive(Debug)]
+pub(crate) struct Settled {
+    pub(crate) configuration: Configuration,
+    pub(crate) residual: Residual,
+}
+
+impl Search {
+    /// Moves the free nodes of `assembly` from `displacements` towards equilibrium. A search that
+    /// does not get there says so in the verdict of its residual.
+    ///
+    /// # Errors
+    /// The interrupt that ended it early.
+    pub(crate) fn run(
+        &self,
+        assembly: &Assembly,
+        displacements: Vec<Vector>,
+        team: &Team,
+        meter: &mut Meter<'_>,
+    ) -> Result<Settled, Interrupt> {
+        meter.work.equilibria += 1;
+        match self.method {
+            Method::NewtonCg => newton_cg::solve(self, assembly, displacements, team, meter),
+            Method::Sequential => sequential::solve(self, assembly, displacements, team, meter),
+            Method::Parallel { relaxation_factor } => parallel::solve(
+                self,
+                relaxation_factor,
+                assembly,
+                displacements,
+                team,
+                meter,
+            ),
+        }
+    }
+}
+
+impl Settled {
+    /// The free node that keeps an unbalanced assembly from equilibrium although nothing resists
+    /// its motion along its resultant: it belongs to a mechanism.
+    pub(crate) fn mechanism(&self, assembly: &Assembly) -> Option<usize> {
+        /// Stiffness along the resultant below which a node counts as unresisted, relative to the
+        /// stiffness of its stiffest bond.
+        const UNRESISTED: f64 = 1e-9;
+        if self.residual.verdict != Verdict::Unbalanced {
+            return None;
+        }
+        let node = self.residual.node;
+        let along = self.configuration.resultants[node].normalize();
+        let (mut resistance, mut stiffest) = (0.0, 0.0_f64);
+        for (bond, ends) in assembly.ends.iter().enumerate() {
+            if ends.contains(&(node as u32)) {
+                let state = &self.configuration.bonds[bond];
+                let square = state.direction.dot(&along).powi(2);
+                resistance += state.axial * square + state.transverse.max(0.0) * (1.0 - square);
+                stiffest = stiffest.max(state.axial);
+            }
+        }
+        (resistance <= UNRESISTED * stiffest).then(|| assembly.network_node(node))
+    }
+}

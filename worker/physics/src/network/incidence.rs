@@ -1,0 +1,50 @@
+//! The bonds of each node.
+
+/// For each node its bonds by ascending number: the order in which a loop over bonds would reach
+/// it, so that gathering per node and scattering per bond give the same bits.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Incidence {
+    starts: Vec<u32>,
+    bonds: Vec<u32>,
+}
+
+impl Incidence {
+    pub(crate) fn new(nodes: usize, ends: &[[u32; 2]]) -> Self {
+        let mut starts = vec![0; nodes + 1];
+        for node in ends.iter().flatten() {
+            starts[*node as usize + 1] += 1;
+        }
+        for node in 0..nodes {
+            starts[node + 1] += starts[node];
+        }
+        let mut next = starts.clone();
+        let mut bonds = vec![0; ends.len() * 2];
+        for (bond, ends) in ends.iter().enumerate() {
+            for node in ends {
+                let place = &mut next[*node as usize];
+                bonds[*place as usize] = bond as u32;
+                *place += 1;
+            }
+        }
+        Self { starts, bonds }
+    }
+
+    /// The bonds of `node`, ascending.
+    pub(crate) fn of(&self, node: usize) -> &[u32] {
+        &self.bonds[self.starts[node] as usize..self.starts[node + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_bond_is_found_at_both_ends_in_order() {
+        let incidence = Incidence::new(4, &[[2, 0], [0, 1], [1, 2]]);
+        assert_eq!(incidence.of(0), [0, 1]);
+        assert_eq!(incidence.of(1), [1, 2]);
+        assert_eq!(incidence.of(2), [0, 2]);
+        assert!(incidence.of(3).is_empty());
+    }
+}

@@ -1,0 +1,94 @@
+//! Networks of bonds in equilibrium.
+//!
+//! **Model.** Nodes are points, bonds are straight and carry force along their line only. Some
+//! nodes are held by the bottom jaw, which rests, some by the top jaw, which moves along +y. The
+//! state of a network is the displacement of each node and whether each bond is intact.
+//!
+//! With X the initial vector from a bond's first node to its second, w the difference of their
+//! displacements, l = |X + w| and n = (X + w)/l:
+//!
+//! - strain u = (l − l₀)/l₀; in floating point l − l₀ = (w·(2X + w) + |X|² − l₀²)/(l + l₀) (4),
+//!   which keeps full relative precision however small the strain is;
+//! - energy E = Σ l₀ φ(u) with φ of [`law::BondLaw::energy`] (5);
+//! - force on the second node −T n, on the first +T n; the resultant of a node is −∂E/∂x (6);
+//! - stiffness between the two nodes K = a n nᵀ + b (1 − n nᵀ), a = T'/l₀, b = T/l (7). In
+//!   compression b < 0: bonds buckle, and E is not convex.
+//!
+//! **Data road.** [`Network`] is what a generator or a spec builds once and nothing changes after.
+//! [`load_path`] finds which nodes hang between both jaws. [`assembly`] packs these and their
+//! intact bonds, free nodes first, and holds the kernels: energy, resultants, Hessian times vector.
+//! [`equilibrium`] moves the free nodes of an assembly until their resultants vanish. [`rupture`]
+//! says which bonds break then. The test itself (steps, curve, files) belongs to the material:
+//! [`nonwoven`].
+//!
+//! **Parts without load.** What hangs on one jaw only, or on none, cannot carry force from jaw to
+//! jaw: in equilibrium its pull on the jaw is zero. Such parts keep their shape, follow the jaw
+//! they hang on, count as unloaded, and cost nothing. Bonds between two nodes of one jaw never
+//! change length and count as unloaded as well.
+pub(crate) mod assembly;
+pub(crate) mod configuration;
+pub(crate) mod equilibrium;
+mod incidence;
+pub(crate) mod law;
+pub(crate) mod load_path;
+pub(crate) mod nonwoven;
+pub(crate) mod rupture;
+
+use law::BondLaw;
+
+/// A point or vector in space [mm], a force [N].
+pub(crate) type Vector = nalgebra::Vector3<f64>;
+
+/// What holds a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Hold {
+    /// Nothing: it moves to its equilibrium.
+    Free,
+    /// The jaw at rest.
+    Bottom,
+    /// The jaw that moves along +y.
+    Top,
+}
+
+/// Nodes and bonds before the test.
+#[derive(Clone, Debug)]
+pub(crate) struct Network {
+    /// Initial position of each node [mm].
+    pub(crate) positions: Vec<Vector>,
+    pub(crate) holds: Vec<Hold>,
+    pub(crate) bonds: Bonds,
+}
+
+/// The bonds of a network, one entry per bond in each array.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Bonds {
+    pub(crate) ends: Vec<[u32; 2]>,
+    /// l₀ [mm].
+    pub(crate) rest_lengths: Vec<f64>,
+    pub(crate) laws: Vec<BondLaw>,
+    /// Tension at which the bond breaks [N]; infinite for one that never does.
+    pub(crate) strengths: Vec<f64>,
+}
+
+impl Network {
+    /// Mean y of the nodes of a jaw [mm], `None` when it holds none.
+    pub(crate) fn jaw_height(&self, jaw: Hold) -> Option<f64> {
+        let nodes = self.positions.iter().zip(&self.holds);
+        let heights = nodes
+            .filter(|(_, hold)| **hold == jaw)
+            .map(|(position, _)| position.y);
+        let (sum, count) = heights.fold((0.0, 0), |(sum, count), y| (sum + y, count + 1));
+        (count > 0).then(|| sum / f64::from(count))
+    }
+}
+
+impl Bonds {
+    pub(crate) fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Mean of the rest lengths [mm].
+    pub(crate) fn mean_rest_length(&self) -> f64 {
+        self.rest_lengths.iter().sum::<f64>() / self.len() as f64
+    }
+}

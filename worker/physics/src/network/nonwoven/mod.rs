@@ -1,0 +1,164 @@
+//! Tensile test of a nonwoven.
+//!
+//! In the order in which a run calls them: [`specimen`] builds the network from the spec, from a
+//! [`lattice`] or as given, with drawn [`strength`]; [`experiment`] strains it step by step from
+//! the guess of [`predictor`] and keeps everything that counts in a [`state`]; [`snapshot`],
+//! [`tables`] and [`report`] turn that into files and results. [`width`] measures lateral
+//! contraction. This file holds the loop, which alone talks to the recorder.
+mod experiment;
+mod lattice;
+mod predictor;
+mod report;
+mod snapshot;
+mod specimen;
+mod state;
+mod strength;
+mod tables;
+mod width;
+
+use loadframe_api::spec::nonwoven_tensile::{Breaking, NonwovenTensile};
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    Ending, Interrupt, Recorder, RunContext, SimulationError,
+    checkpoint::{self, CheckpointError},
+    network::equilibrium::work::Meter,
+    parallel::Team,
+};
+use experiment::{Advance, Experiment, Halt, StopReason};
+use specimen::Specimen;
+use state::State;
+
+/// A state and the spec it belongs to.
+#[derive(Serialize, Deserialize)]
+struct Checkpoint {
+    spec: [u8; 32],
+    state: State,
+}
+
+/// Runs the test of `spec`.
+///
+/// # Errors
+/// What made a result impossible, see [`SimulationError`].
+pub(crate) fn run(
+    spec: &NonwovenTensile,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<Ending, SimulationError> {
+    let fingerprint = fingerprint(spec)?;
+    let specimen = Specimen::new(spec)?;
+    let state = match context.checkpoint {
+        Some(bytes) => {
+            let checkpoint: Checkpoint = checkpoint::unpack(bytes)?;
+            if checkpoint.spec != fingerprint {
+                return Err(CheckpointError::OtherSpec.into());
+            }
+            checkpoint.state
+        }
+        None => State::new(specimen.network.positions.len()),
+    };
+    let team = Team::new(context.threads)?;
+    let mut meter = Meter::new(state.work, context.interrupt);
+    let mut experiment = Experiment::new(spec, specimen, state, team);
+    let has_width = experiment.specimen.width_gauge.is_some();
+    recorder.columns(tables::columns(has_width))?;
+    for point in &experiment.state.points {
+        recorder.point(&tables::values(point))?;
+    }
+    let keep = |experiment: &mut Experiment<'_>, meter: &Meter<'_>, recorder: &mut dyn Recorder| {
+        experiment.state.work = meter.work;
+        let checkpoint = Checkpoint {
+            spec: fingerprint,
+            state: experiment.state.clone(),
+        };
+        recorder.checkpoint(&checkpoint::pack(&checkpoint)?)?;
+        Ok::<(), SimulationError>(())
+    };
+    let stop_reason = loop {
+        match experiment.advance(&mut meter) {
+            Ok(Advance::Broke) => {}
+            Ok(Advance::StepDone(stop)) => {
+                record_step(&mut experiment, stop.is_some(), recorder)?;
+                if let Some(reason) = stop {
+                    break reason;
+                }
+                experiment.next_step();
+            }
+            Err(Halt::Interrupted(Interrupt::Cancel)) => return Ok(Ending::Cancelled),
+            Err(Halt::Interrupted(Interrupt::Suspend)) => {
+                keep(&mut experiment, &meter, recorder)?;
+                return Ok(Ending::Suspended);
+            }
+            Err(Halt::Failed(error)) => return Err(error),
+        }
+        let (fraction, phase) = progress(spec, &experiment);
+        recorder.progress(fraction, &phase);
+        if recorder.checkpoint_due() {
+            keep(&mut experiment, &meter, recorder)?;
+        }
+    };
+    experiment.state.work = meter.work;
+    tables::write(spec, &experiment.specimen, &experiment.state, recorder)?;
+    recorder.progress(1.0, "finished");
+    let report = report::report(spec, &experiment.specimen, &experiment.state, stop_reason);
+    Ok(Ending::Finished(report))
+}
+
+/// Hands a finished step to the recorder, with a snapshot when one is due.
+fn record_step(
+    experiment: &mut Experiment<'_>,
+    is_last: bool,
+    recorder: &mut dyn Recorder,
+) -> Result<(), SimulationError> {
+    if let Some(point) = experiment.state.points.last() {
+        recorder.point(&tables::values(point))?;
+    }
+    let every = u64::from(experiment.snapshot_every());
+    let is_due = every > 0 && (is_last || experiment.state.step.is_multiple_of(every));
+    if is_due {
+        snapshot::take(experiment, recorder)?;
+    }
+    Ok(())
+}
+
+/// Fraction of the work done and what is being done.
+fn progress(spec: &NonwovenTensile, experiment: &Experiment<'_>) -> (f64, String) {
+    let strain = experiment.nominal_strain();
+    let broken = experiment.state.events.len();
+    let phase = format!(
+        "straining, {:.4} % strain, {broken} bonds broken",
+        100.0 * strain
+    );
+    let end = spec.test.max_strain;
+    let expected = match spec.test.breaking {
+        Breaking::None => end,
+        _ => experiment.specimen.expected_rupture_strain().min(end),
+    };
+    /// What is kept of the bar for a rupture later than expected.
+    const RESERVE: f64 = 0.1;
+    let expected_part = (strain / expected).min(1.0) * (1.0 - RESERVE);
+    let late = if end > expected {
+        ((strain - expected) / (end - expected)).clamp(0.0, 1.0)
+    } else {
+        strain / end
+    };
+    (expected_part + late * RESERVE, phase)
+}
+
+/// Tells the specs of checkpoints apart.
+fn fingerprint(spec: &NonwovenTensile) -> Result<[u8; 32], CheckpointError> {
+    let bytes =
+        postcard::to_stdvec(spec).map_err(|error| CheckpointError::Form(error.to_string()))?;
+    Ok(*blake3::hash(&bytes).as_bytes())
+}
+
+impl StopReason {
+    /// The word for programs.
+    fn name(self) -> &'static str {
+        match self {
+            Self::ForceDropped => "force_dropped",
+            Self::NoLoadPath => "no_load_path",
+            Self::MaxStrain => "max_strain",
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Work shared among threads so that the result does not know how many there were.
+//!
+//! A floating sum depends on its order. Here every pass is cut into chunks of a fixed size, each
+//! chunk is summed from front to back, and the chunk sums are folded in order; one thread walks
+//! the same chunks. A plain parallel sum would change its bits with the thread count.
+use rayon::prelude::*;
+
+use crate::SimulationError;
+
+/// Items in a chunk: long enough to hide the cost of handing it out (about 10 µs of work for
+/// bonds), short enough to share a few ten thousand bonds among 8 threads.
+const CHUNK: usize = 2048;
+
+/// The threads of a run.
+#[derive(Debug)]
+pub(crate) struct Team {
+    pool: Option<rayon::ThreadPool>,
+}
+
+impl Team {
+    /// A team of `threads`; one thread (or none) works in the caller.
+    ///
+    /// # Errors
+    /// When the operating system refuses the threads.
+    pub(crate) fn new(threads: usize) -> Result<Self, SimulationError> {
+        let pool = if threads > 1 {
+            let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            Some(built.map_err(|error| SimulationError::Threads {
+                threads,
+                reason: error.to_string(),
+            })?)
+        } else {
+            None
+        };
+        Ok(Self { pool })
+    }
+
+    /// Whether there is more than one thread.
+    pub(crate) fn is_parallel(&self) -> bool {
+        self.pool.is_some()
+    }
+
+    /// Lets `work` fill chunk after chunk of `items` and sums what it returns. `work` is given the
+    /// index of its first item.
+    pub(crate) fn fill<T: Send>(
+        &self,
+        items: &mut [T],
+        work: impl Fn(usize, &mut [T]) -> f64 + Sync,
+    ) -> f64 {
+        match &self.pool {
+            Some(pool) if items.len() > CHUNK => {
+                let sums: Vec<f64> = pool.install(|| {
+                    let chunks = items.par_chunks_mut(CHUNK).enumerate();
+                    chunks
+                        .map(|(chunk, items)| work(chunk * CHUNK, items))
+                        .collect()
+                });
+                sums.iter().sum()
+            }
+            _ => {
+                let chunks = items.chunks_mut(CHUNK).enumerate();
+                chunks
+                    .map(|(chunk, items)| work(chunk * CHUNK, items))
+                    .sum()
+            }
+        }
+    }
+}
+
+/// Sum of `term(0) + ... + term(count - 1)` in the order [`Team::fill`] uses.
+pub(crate) fn ordered_sum(count: usize, term: impl Fn(usize) -> f64) -> f64 {
+    let chunk_sum = |start: usize| (start..count.min(start + CHUNK)).map(&term).sum::<f64>();
+    (0..count).step_by(CHUNK).map(chunk_sum).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_have_the_same_bits_on_any_number_of_threads() -> Result<(), SimulationError> {
+        let term = |index: usize| (index as f64 * 0.7).sin() * 1e3_f64.powi(index as i32 % 7);
+        let work = |start: usize, items: &mut [f64]| {
+            for (offset, item) in items.iter_mut().enumerate() {
+                *item = term(start + offset);
+            }
+            items.iter().sum()
+        };
+        let expected = ordered_sum(100_003, term).to_bits();
+        for threads in [1, 2, 3, 8] {
+            let mut items = vec![0.0; 100_003];
+            let sum = Team::new(threads)?.fill(&mut items, work);
+            assert_eq!(sum.to_bits(), expected, "{threads} threads");
+        }
+        Ok(())
+    }
+}
