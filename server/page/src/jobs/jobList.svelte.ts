@@ -4,11 +4,15 @@ import type { ServerEvent } from "../api/sse";
 import type { Job, Page, Progress } from "../api/types";
 
 export interface Filter {
+  /** A status or, for jobs that have ended, an outcome. */
   status: string;
   kind: string;
   tag: string;
   text: string;
 }
+
+export const STATUSES = ["queued", "running", "paused", "finished"];
+export const OUTCOMES = ["succeeded", "failed", "cancelled", "timed_out", "quarantined"];
 
 const PAGE = 50;
 /** Events come in bursts when a queue drains; the list is fetched at most this often [ms]. */
@@ -100,8 +104,9 @@ export class JobList {
 
   #path(cursor: string | null): string {
     const query = new URLSearchParams({ limit: String(PAGE) });
-    const { status, kind, tag, text } = this.#filter;
-    for (const [name, value] of Object.entries({ status, kind, tag, q: text, cursor: cursor ?? "" })) {
+    const { status: state, kind, tag, text } = this.#filter;
+    const [status, outcome] = STATUSES.includes(state) ? [state, ""] : ["", state];
+    for (const [name, value] of Object.entries({ status, outcome, kind, tag, q: text, cursor: cursor ?? "" })) {
       if (value !== "") query.set(name, value);
     }
     return `/v1/jobs?${query}`;

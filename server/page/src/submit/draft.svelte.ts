@@ -10,7 +10,6 @@ export interface Finding {
   line: number;
   pointer: string;
   message: string;
-  given: string;
   allowed: string;
 }
 
@@ -121,13 +120,12 @@ export class Draft {
     this.#refusal = messageOf(error);
   }
 
-  #finding(offset: number, { pointer, detail, value, allowed = "", unit = "1" }: Violation): Finding {
+  #finding(offset: number, { pointer, detail, allowed = "", unit = "1" }: Violation): Finding {
     return {
       offset,
       line: lineAt(this.starts, offset),
       pointer,
       message: detail,
-      given: value === undefined ? "" : JSON.stringify(value),
       allowed: allowed && unit !== "1" ? `${allowed} ${unit}` : allowed,
     };
   }

@@ -65,8 +65,9 @@ describe("describeField", () => {
     });
   });
 
-  it("gives a list's unit to its numbers", () => {
-    expect(describeField(SCHEMA, ["fabric", "lattice", "spacing_mm", "2"])?.unit).toBe("mm");
+  it("gives a list's unit and meaning to its numbers", () => {
+    const doc = describeField(SCHEMA, ["fabric", "lattice", "spacing_mm", "2"]);
+    expect(doc).toMatchObject({ unit: "mm", description: "Spacing." });
   });
 
   it("lists the options of a choice with their meaning", () => {

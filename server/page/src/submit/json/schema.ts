@@ -3,6 +3,8 @@
 
 type Schema = Record<string, unknown>;
 
+const INDEX = /^\d+$/;
+
 export interface Option {
   value: string;
   description: string;
@@ -27,20 +29,22 @@ export function describeField(root: Schema, path: string[]): FieldDoc | null {
   let here: Schema[] = [root];
   let isRequired = false;
   let unit = "";
+  let description = "";
   for (const part of path) {
     const parents = here.flatMap(expand);
     here = parents.flatMap((parent) => child(parent, part));
     if (here.length === 0) return null;
     isRequired = parents.some((parent) => list(parent["required"]).includes(part));
-    // A list gives its unit once, for all of its numbers.
-    unit = first(parents, "x-unit") || unit;
-    if (!/^\d+$/.test(part)) unit = "";
+    // A list says unit and meaning once, for all of its entries.
+    const isEntry = INDEX.test(part);
+    unit = isEntry ? first(parents, "x-unit") || unit : "";
+    description = isEntry ? first(parents, "description") || description : "";
   }
   const all = here.flatMap(expand);
   const given = here.find((schema) => "default" in schema) ?? all.find((schema) => "default" in schema);
   return {
     pointer: path.map((part) => `/${part}`).join(""),
-    description: first(here, "description") || first(all, "description"),
+    description: reflow(first(here, "description") || first(all, "description") || description),
     unit: first(all, "x-unit") || unit,
     type: typeOf(all),
     range: rangeOf(all) || all.map((schema) => rangeOfItems(schema)).find(Boolean) || "",
@@ -60,7 +64,7 @@ function expand(schema: Schema): Schema[] {
 function child(parent: Schema, part: string): Schema[] {
   const property = object(parent["properties"])[part];
   if (property !== undefined) return [object(property)];
-  if (!/^\d+$/.test(part)) return [];
+  if (!INDEX.test(part)) return [];
   const ordered = list(parent["prefixItems"])[Number(part)];
   const item = ordered ?? parent["items"];
   return item === undefined ? [] : [object(item)];
@@ -87,7 +91,7 @@ function rangeOfItems(schema: Schema): string {
 }
 
 function options(schema: Schema): Option[] {
-  const description = typeof schema["description"] === "string" ? schema["description"] : "";
+  const description = reflow(first([schema], "description"));
   if ("const" in schema) return [{ value: JSON.stringify(schema["const"]), description }];
   const values = list(schema["enum"]);
   const sole = values.length === 1 ? description : "";
@@ -105,6 +109,11 @@ function first(schemas: Schema[], key: string): string {
   return typeof found === "string" ? found : "";
 }
 
+/** Descriptions come with the line breaks of the source they were written in. */
+function reflow(text: string): string {
+  return text.replace(/(?<!\n)\n(?!\n)/g, " ");
+}
+
 function number(schemas: Schema[], key: string): number | null {
   const found = schemas.map((schema) => schema[key]).find((value) => typeof value === "number");
   return typeof found === "number" ? found : null;
@@ -112,7 +121,9 @@ function number(schemas: Schema[], key: string): number | null {
 
 function plain(value: number): string {
   const size = Math.abs(value);
-  return size !== 0 && (size >= 1e6 || size < 1e-3) ? value.toExponential().replace("e+", "e") : String(value);
+  const power = value.toExponential().replace("e+", "e");
+  const isFar = size !== 0 && (size >= 1e6 || size < 1e-3);
+  return isFar && power.length < String(value).length ? power : String(value);
 }
 
 function object(value: unknown): Schema {
