@@ -1,0 +1,64 @@
+//! The sign of life beside the solver.
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use loadframe_api::worker::Lease;
+use tokio::time::{MissedTickBehavior, interval};
+
+use super::lease_client::LeaseClient;
+use crate::client::ServerError;
+use crate::stop::{StopCause, StopSwitch};
+
+/// How often a worker shows that it lives, and how long it may take.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rhythm {
+    every: Duration,
+    /// A heartbeat without an answer by then is sent again.
+    timeout: Duration,
+    /// When the job has taken as long as it may.
+    deadline: Option<Instant>,
+}
+
+impl Rhythm {
+    pub(super) fn of(lease: &Lease) -> Self {
+        let before = lease.checkpoint.as_ref().map_or(0.0, |info| info.wall_s);
+        let left = lease.time_limit_s.map(|limit| (limit - before).max(0.0));
+        // a limit beyond what a clock can hold is none
+        let deadline = left.and_then(|left| {
+            let left = Duration::try_from_secs_f64(left).ok()?;
+            Instant::now().checked_add(left)
+        });
+        Self {
+            every: Duration::from_secs_f64(lease.heartbeat_s),
+            timeout: Duration::from_secs_f64(lease.lease_s / 3.0),
+            deadline,
+        }
+    }
+}
+
+/// Shows that this worker lives, until dropped or the lease is gone.
+pub(super) async fn keep_alive(lease: LeaseClient, rhythm: Rhythm, switch: Arc<StopSwitch>) {
+    let mut beat = interval(rhythm.every);
+    beat.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        beat.tick().await;
+        if rhythm
+            .deadline
+            .is_some_and(|deadline| Instant::now() >= deadline)
+        {
+            switch.stop(StopCause::TimeLimit);
+        }
+        match lease.heartbeat(rhythm.timeout).await {
+            Ok(()) => {}
+            Err(ServerError::LeaseLost) => return,
+            Err(error) if error.is_transient() && !lease.is_beyond_patience() => {
+                tracing::debug!(%error, "no answer to a heartbeat");
+            }
+            Err(error) => {
+                tracing::warn!(%error, "the lease is taken for lost");
+                switch.stop(StopCause::LeaseLost);
+                return;
+            }
+        }
+    }
+}

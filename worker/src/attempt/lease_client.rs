@@ -1,0 +1,199 @@
+//! The routes of one lease, each repeated while the lease may still live.
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use backon::{ExponentialBuilder, Retryable};
+use loadframe_api::worker::{
+    CheckpointQuery, Command, CompleteRequest, FailRequest, HeartbeatAnswer, LEASE_TOKEN_HEADER,
+    Lease, ProgressReport, ReleaseRequest, UploadQuery,
+};
+use loadframe_api::{FileEntry, sha256_hex};
+use reqwest::{Method, RequestBuilder, Response};
+use serde::Serialize;
+use tokio::fs::File;
+
+use crate::client::{ServerClient, ServerError};
+use crate::run::SavedRun;
+use crate::stop::{StopCause, StopSwitch};
+
+/// A server that is away for longer than so many leases is taken for gone. Longer than one: a
+/// server that starts again gives its workers a fresh lease, and what was computed is worth a wait.
+const PATIENCE_LEASES: f64 = 4.0;
+/// First and longest pause between two tries.
+const FIRST_PAUSE: Duration = Duration::from_millis(50);
+const LONGEST_PAUSE: Duration = Duration::from_secs(1);
+
+/// Speaks for the holder of a lease.
+#[derive(Clone, Debug)]
+pub(super) struct LeaseClient {
+    server: ServerClient,
+    path: String,
+    token: String,
+    patience: Duration,
+    /// When the server last answered anything.
+    heard: Arc<Mutex<Instant>>,
+    switch: Arc<StopSwitch>,
+}
+
+impl LeaseClient {
+    pub(super) fn new(server: ServerClient, lease: &Lease, switch: Arc<StopSwitch>) -> Self {
+        Self {
+            server,
+            path: format!("/v1/worker/leases/{}", lease.id),
+            token: lease.token.to_string(),
+            patience: Duration::from_secs_f64(lease.lease_s * PATIENCE_LEASES),
+            heard: Arc::new(Mutex::new(Instant::now())),
+            switch,
+        }
+    }
+
+    /// The same lease over connections of its own.
+    pub(super) fn through(&self, server: ServerClient) -> Self {
+        Self {
+            server,
+            ..self.clone()
+        }
+    }
+
+    /// Tells the server that this worker lives; tried once, its caller comes again anyway.
+    pub(super) async fn heartbeat(&self, timeout: Duration) -> Result<(), ServerError> {
+        let request = self.request(Method::POST, "/heartbeat").timeout(timeout);
+        let answer = self.once(request).await?;
+        self.obey(answer).await
+    }
+
+    pub(super) async fn progress(&self, report: &ProgressReport) -> Result<(), ServerError> {
+        let answer = self
+            .patiently(|| async {
+                let request = self.request(Method::POST, "/progress");
+                self.once(request.json(report)).await
+            })
+            .await?;
+        self.obey(answer).await
+    }
+
+    /// Uploads the file at `path`.
+    pub(super) async fn upload(&self, entry: &FileEntry, path: &Path) -> Result<(), ServerError> {
+        let query = UploadQuery {
+            sha256: entry.sha256.clone(),
+        };
+        self.patiently(|| async {
+            let file = File::open(path).await.map_err(|error| ServerError::File {
+                path: path.display().to_string(),
+                reason: error.to_string(),
+            })?;
+            let request = self.request(Method::PUT, &format!("/files/{}", entry.name));
+            let request = request
+                .query(&query)
+                .header(reqwest::header::CONTENT_LENGTH, entry.bytes)
+                .body(file);
+            self.once(request).await
+        })
+        .await?;
+        Ok(())
+    }
+
+    /// Stores a checkpoint, to which all files uploaded so far belong.
+    pub(super) async fn save_checkpoint(&self, saved: &SavedRun) -> Result<(), ServerError> {
+        let bytes = saved.to_bytes();
+        let query = CheckpointQuery {
+            sha256: sha256_hex(&bytes),
+            wall_s: saved.spent().wall_s,
+            cpu_s: saved.spent().cpu_s,
+        };
+        self.patiently(|| async {
+            let request = self.request(Method::PUT, "/checkpoint").query(&query);
+            self.once(request.body(bytes.clone())).await
+        })
+        .await?;
+        Ok(())
+    }
+
+    /// Bytes of the checkpoint the lease goes on from.
+    pub(super) async fn checkpoint(&self) -> Result<Vec<u8>, ServerError> {
+        self.patiently(|| async {
+            let answer = self.once(self.request(Method::GET, "/checkpoint")).await?;
+            let bytes = answer.bytes().await;
+            bytes.map_err(|error| self.server.unreachable(&error))
+        })
+        .await
+        .map(Vec::from)
+    }
+
+    pub(super) async fn complete(&self, request: &CompleteRequest) -> Result<(), ServerError> {
+        self.end("/complete", request).await
+    }
+
+    pub(super) async fn fail(&self, request: &FailRequest) -> Result<(), ServerError> {
+        self.end("/fail", request).await
+    }
+
+    pub(super) async fn release(&self, request: &ReleaseRequest) -> Result<(), ServerError> {
+        self.end("/release", request).await
+    }
+
+    /// Whether the server has not been heard of for so long that the lease must be gone.
+    pub(super) fn is_beyond_patience(&self) -> bool {
+        let heard = *self.heard.lock().unwrap_or_else(PoisonError::into_inner);
+        heard.elapsed() > self.patience
+    }
+
+    async fn end(&self, route: &str, body: &impl Serialize) -> Result<(), ServerError> {
+        self.patiently(|| self.once(self.request(Method::POST, route).json(body)))
+            .await?;
+        Ok(())
+    }
+
+    fn request(&self, method: Method, route: &str) -> RequestBuilder {
+        let path = format!("{}{route}", self.path);
+        let request = self.server.request(method, &path);
+        request.header(LEASE_TOKEN_HEADER, &self.token)
+    }
+
+    async fn once(&self, request: RequestBuilder) -> Result<Response, ServerError> {
+        let answer = self.server.send(request).await;
+        if !matches!(answer, Err(ServerError::Unreachable { .. })) {
+            *self.heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+        }
+        match answer {
+            // 409: the lease is not held; 404: job and lease are gone
+            Err(ServerError::Refused(problem)) if matches!(problem.status, 404 | 409) => {
+                self.switch.stop(StopCause::LeaseLost);
+                Err(ServerError::LeaseLost)
+            }
+            answer => answer,
+        }
+    }
+
+    async fn patiently<T, F>(&self, call: impl FnMut() -> F) -> Result<T, ServerError>
+    where
+        F: Future<Output = Result<T, ServerError>>,
+    {
+        let pauses = ExponentialBuilder::default()
+            .with_min_delay(FIRST_PAUSE)
+            .with_max_delay(LONGEST_PAUSE)
+            .with_jitter()
+            .without_max_times();
+        call.retry(pauses)
+            .when(|error| error.is_transient() && !self.is_beyond_patience())
+            .notify(|error, pause| {
+                tracing::warn!(%error, pause_ms = pause.as_millis() as u64, "trying again");
+            })
+            .await
+    }
+
+    async fn obey(&self, answer: Response) -> Result<(), ServerError> {
+        let answer: HeartbeatAnswer = answer
+            .json()
+            .await
+            .map_err(|error| self.server.unreachable(&error))?;
+        match answer.command {
+            Command::Continue => {}
+            Command::Cancel => self.switch.stop(StopCause::Cancel),
+            Command::Pause => self.switch.stop(StopCause::Pause),
+        }
+        Ok(())
+    }
+}

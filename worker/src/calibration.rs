@@ -1,0 +1,73 @@
+//! How fast this machine is: a short run of the real solver, timed.
+use std::io::{self, Write};
+use std::time::Instant;
+
+use loadframe_api::{Calibration, Submission};
+use loadframe_physics::{Ending, Recorder, RunContext, Uninterrupted, simulate};
+
+/// The best of so many runs counts: others on the machine can only make a run slower.
+const RUNS: usize = 3;
+
+/// A fabric of the size of the PET example in section, a tenth of its work in steps. Large enough
+/// to leave the innermost cache, small enough to take a moment.
+const JOB: &str = r#"{"kind": "nonwoven_tensile", "spec": {"version": 1,
+    "fabric": {"lattice": {"points_per_row": 49, "rows": 51, "layers": 3, "spacing_mm": [20, 20, 10], "irregularity": [0.5, 0.5, 0.5]}},
+    "bond": {"modulus_n": 0.399, "friction_modulus_n": 1.473, "compression_stiffness_n": 0.157},
+    "test": {"strain_step": 0.02, "max_strain": 0.04, "breaking": "none"},
+    "output": {"snapshot_every_steps": 0}}}"#;
+
+/// The speed of one core of this machine, `None` when the run did not give one.
+pub fn calibrate() -> Option<Calibration> {
+    let spec = Submission::from_slice(JOB.as_bytes()).ok()?.spec;
+    let speed = |_| {
+        let context = RunContext {
+            threads: 1,
+            interrupt: &Uninterrupted,
+            checkpoint: None,
+        };
+        let started = Instant::now();
+        let ending = simulate(&spec, context, &mut Deaf).ok()?;
+        let elapsed_s = started.elapsed().as_secs_f64();
+        let Ending::Finished(report) = ending else {
+            return None;
+        };
+        Some(*report.work.get("bond_evaluations")? as f64 / elapsed_s)
+    };
+    let best = (0..RUNS).filter_map(speed).max_by(f64::total_cmp)?;
+    (best.is_finite() && best > 0.0).then_some(Calibration {
+        bond_evaluations_per_s: best,
+    })
+}
+
+/// Keeps nothing.
+struct Deaf;
+
+impl Recorder for Deaf {
+    fn columns(&mut self, _: &[&str]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn point(&mut self, _: &[f64]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn file(
+        &mut self,
+        _: &str,
+        _: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn progress(&mut self, _: f64, _: &str) {}
+
+    fn log(&mut self, _: &str) {}
+
+    fn checkpoint_due(&self) -> bool {
+        false
+    }
+
+    fn checkpoint(&mut self, _: &[u8]) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,173 @@
+//! Speaks HTTP with a loadframe server, for the worker and for the commands.
+use std::time::Duration;
+
+use loadframe_api::Problem;
+use reqwest::{Method, RequestBuilder, Response, StatusCode, Url};
+use serde::de::DeserializeOwned;
+
+/// A server on the same network answers a connection at once or not at all.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// A server and how to speak with it; clones share connections.
+#[derive(Clone, Debug)]
+pub struct ServerClient {
+    base: Url,
+    token: Option<String>,
+    http: reqwest::Client,
+}
+
+/// Why the server did not do what it was asked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ServerError {
+    /// `--server` is not an address this build can speak with.
+    #[error("{address:?} is not a server's address: {reason}")]
+    Address { address: String, reason: String },
+    /// No answer, or one that broke off. Trying again may help.
+    #[error("the server at {server} cannot be reached: {reason}")]
+    Unreachable { server: String, reason: String },
+    /// The server cannot answer now. Trying again may help.
+    #[error("the server is not able to answer: {0}")]
+    Unavailable(Problem),
+    /// The lease is not held any more: another worker may have the job.
+    #[error("the lease is lost")]
+    LeaseLost,
+    /// Trying again would not help.
+    #[error("{0}")]
+    Refused(Problem),
+    /// A file of this machine could not be sent or kept.
+    #[error("{path} cannot be read or written: {reason}")]
+    File { path: String, reason: String },
+}
+
+impl ServerError {
+    /// Whether the same request may succeed later.
+    pub fn is_transient(&self) -> bool {
+        matches!(self, Self::Unreachable { .. } | Self::Unavailable(_))
+    }
+}
+
+impl ServerClient {
+    /// A client of the server at `address`, such as `http://127.0.0.1:8400`.
+    ///
+    /// # Errors
+    /// When the address is not one of HTTP.
+    pub fn new(address: &str, token: Option<String>) -> Result<Self, ServerError> {
+        let refuse = |reason: String| ServerError::Address {
+            address: address.to_owned(),
+            reason,
+        };
+        let base = Url::parse(address).map_err(|error| refuse(error.to_string()))?;
+        match base.scheme() {
+            "http" => {}
+            "https" if cfg!(feature = "tls") => {}
+            "https" => {
+                return Err(refuse(
+                    "this build speaks http only (build with --features tls for https)".to_owned(),
+                ));
+            }
+            _ => return Err(refuse("it must begin with http://".to_owned())),
+        }
+        let http = reqwest::Client::builder()
+            .connect_timeout(CONNECT_TIMEOUT)
+            .tcp_nodelay(true)
+            .user_agent(concat!("loadframe/", env!("CARGO_PKG_VERSION")))
+            .build()
+            .map_err(|error| refuse(chain(&error)))?;
+        Ok(Self { base, token, http })
+    }
+
+    /// The address given, without a slash at its end.
+    pub fn address(&self) -> &str {
+        self.base.as_str().trim_end_matches('/')
+    }
+
+    /// A request to `path`, which begins with a slash.
+    pub fn request(&self, method: Method, path: &str) -> RequestBuilder {
+        let request = self
+            .http
+            .request(method, format!("{}{path}", self.address()));
+        match &self.token {
+            Some(token) => request.bearer_auth(token),
+            None => request,
+        }
+    }
+
+    /// Sends a request; every answer but success and "not modified" is an error.
+    ///
+    /// # Errors
+    /// [`ServerError`].
+    pub async fn send(&self, request: RequestBuilder) -> Result<Response, ServerError> {
+        let answer = request
+            .send()
+            .await
+            .map_err(|error| self.unreachable(&error))?;
+        let status = answer.status();
+        if status.is_success() || status == StatusCode::NOT_MODIFIED {
+            return Ok(answer);
+        }
+        let text = answer
+            .text()
+            .await
+            .map_err(|error| self.unreachable(&error))?;
+        let problem = serde_json::from_str(&text).unwrap_or_else(|_| {
+            let title = status.canonical_reason().unwrap_or("HTTP error");
+            let detail: String = text.chars().take(500).collect();
+            Problem::new(status.as_u16(), "http", title, detail)
+        });
+        if status.is_server_error() || status == StatusCode::TOO_MANY_REQUESTS {
+            Err(ServerError::Unavailable(problem))
+        } else {
+            Err(ServerError::Refused(problem))
+        }
+    }
+
+    /// Sends a request and reads the JSON of its answer.
+    ///
+    /// # Errors
+    /// [`ServerError`].
+    pub async fn json<T: DeserializeOwned>(
+        &self,
+        request: RequestBuilder,
+    ) -> Result<T, ServerError> {
+        let answer = self.send(request).await?;
+        answer
+            .json()
+            .await
+            .map_err(|error| self.unreachable(&error))
+    }
+
+    /// An answer that did not come or broke off.
+    pub fn unreachable(&self, error: &reqwest::Error) -> ServerError {
+        ServerError::Unreachable {
+            server: self.address().to_owned(),
+            reason: chain(error),
+        }
+    }
+}
+
+/// An error with its causes; the outermost one of the HTTP client only repeats the address.
+fn chain(error: &reqwest::Error) -> String {
+    let causes = std::iter::successors(std::error::Error::source(error), |cause| cause.source());
+    let causes: Vec<String> = causes.map(ToString::to_string).collect();
+    if causes.is_empty() {
+        error.to_string()
+    } else {
+        causes.join(": ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_addresses_of_http_are_taken() {
+        let client = ServerClient::new("http://127.0.0.1:8400/", None).expect("a good address");
+        assert_eq!(client.address(), "http://127.0.0.1:8400");
+        for bad in ["127.0.0.1:8400", "ftp://lab", "lab", ""] {
+            let refused = ServerClient::new(bad, None);
+            assert!(matches!(refused, Err(ServerError::Address { .. })), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! Result files in a folder, hashed while they are written.
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+use loadframe_api::{FileEntry, check_file_name};
+use sha2::{Digest, Sha256};
+
+/// Large enough that the system call does not show beside hashing.
+const BUFFER_BYTES: usize = 1 << 16;
+
+/// Result files of a run, by name.
+#[derive(Debug)]
+pub(crate) struct ResultFiles {
+    folder: PathBuf,
+    entries: BTreeMap<String, FileEntry>,
+}
+
+impl ResultFiles {
+    /// Files in `folder`, where those of `entries` are known already.
+    pub(crate) fn open(folder: &Path, entries: &[FileEntry]) -> Self {
+        let known = entries
+            .iter()
+            .map(|entry| (entry.name.clone(), entry.clone()));
+        Self {
+            folder: folder.to_owned(),
+            entries: known.collect(),
+        }
+    }
+
+    /// Writes the file `name`; it appears under its name when it is whole.
+    pub(crate) fn write(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<FileEntry> {
+        check_file_name(name).map_err(|error| {
+            io::Error::new(io::ErrorKind::InvalidInput, format!("{name:?}: {error}"))
+        })?;
+        let path = self.path(name);
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent)?;
+        }
+        let mut partial = path.clone().into_os_string();
+        partial.push(".partial");
+        let mut out = BufWriter::with_capacity(BUFFER_BYTES, Hashed::new(File::create(&partial)?));
+        write(&mut out)?;
+        let written = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        std::fs::rename(&partial, &path)?;
+        let entry = FileEntry {
+            name: name.to_owned(),
+            bytes: written.bytes,
+            sha256: hex(written.hash),
+        };
+        self.entries.insert(name.to_owned(), entry.clone());
+        Ok(entry)
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// All files, in the order of their names.
+    pub(crate) fn entries(&self) -> Vec<FileEntry> {
+        self.entries.values().cloned().collect()
+    }
+}
+
+/// SHA-256 of a file's content in hexadecimal digits.
+///
+/// # Errors
+/// When the file cannot be read.
+pub fn sha256_of_file(path: &Path) -> io::Result<String> {
+    let mut file = File::open(path)?;
+    let mut hash = Sha256::new();
+    let mut buffer = vec![0; BUFFER_BYTES];
+    loop {
+        match file.read(&mut buffer)? {
+            0 => return Ok(hex(hash)),
+            count => hash.update(&buffer[..count]),
+        }
+    }
+}
+
+/// Hashes what goes through it.
+struct Hashed {
+    file: File,
+    hash: Sha256,
+    bytes: u64,
+}
+
+impl Hashed {
+    fn new(file: File) -> Self {
+        Self {
+            file,
+            hash: Sha256::new(),
+            bytes: 0,
+        }
+    }
+}
+
+impl Write for Hashed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.file.write(bytes)?;
+        self.hash.update(&bytes[..count]);
+        self.bytes += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+fn hex(hash: Sha256) -> String {
+    use std::fmt::Write;
+    hash.finalize()
+        .iter()
+        .fold(String::with_capacity(64), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}");
+            text
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use loadframe_api::sha256_hex;
+
+    #[test]
+    fn an_entry_says_what_is_on_disk() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mut files = ResultFiles::open(folder.path(), &[]);
+        let content = vec![7_u8; 3 * BUFFER_BYTES + 1];
+        let entry = files
+            .write("snapshots/a.vtp", &mut |out| out.write_all(&content))
+            .expect("written");
+        let path = folder.path().join("snapshots/a.vtp");
+        assert_eq!(std::fs::read(&path).expect("there"), content);
+        assert_eq!(entry.bytes, content.len() as u64);
+        assert_eq!(entry.sha256, sha256_hex(&content));
+        assert_eq!(sha256_of_file(&path).expect("readable"), entry.sha256);
+        assert_eq!(files.entries(), [entry]);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_no_file_and_no_entry() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mut files = ResultFiles::open(folder.path(), &[]);
+        let full = files.write("a.csv", &mut |_| Err(io::Error::other("disk full")));
+        assert!(full.is_err() && files.entries().is_empty());
+        assert!(!folder.path().join("a.csv").exists());
+        assert!(files.write("../a.csv", &mut |_| Ok(())).is_err());
+    }
+}
