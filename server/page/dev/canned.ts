@@ -3,7 +3,7 @@
 import type { Job, Outcome } from "../src/api/types";
 
 export const KIND = "nonwoven_tensile";
-export const COLUMNS = ["nominal_strain", "force_n", "force_bottom_jaw_n", "broken_bonds", "residual_ratio"];
+export const COLUMNS = ["nominal_strain", "force_n", "force_bottom_jaw_n", "broken_bonds", "residual_ratio", "rounds", "stored_energy_n_mm", "width_strain"];
 export const STEPS = 160;
 
 export const SPEC = {
@@ -33,7 +33,7 @@ export function curvePoint(step: number): number[] {
   const fall = 1 / (1 + Math.exp((strain - 1.2) / 0.035));
   const broken = 9000 / (1 + Math.exp((1.15 - strain) / 0.06));
   const force = rise * fall + Math.sin(step * 1.7) * 2 * strain;
-  return [strain, force, force * (1 + 0.004 * Math.sin(step)), Math.round(broken), 0.4 + 0.3 * Math.sin(step)];
+  return [strain, force, force * (1 + 0.004 * Math.sin(step)), Math.round(broken), 0.4 + 0.3 * Math.sin(step), step % 4, force * 30, -0.4 * strain];
 }
 
 export function makeJob(number: number, changes: Partial<Job>): Job {

@@ -67,6 +67,12 @@ describe("quantities", () => {
     expect(showQuantity("max_force", { value: null, unit: "N" }).text).toBe("–");
   });
 
+  it("speaks of MPa and kPa", () => {
+    const shown = showQuantity("modulus_at_10_percent_pa", { value: 68_860_000, unit: "Pa" });
+    expect([shown.text, shown.unit, shown.exact]).toEqual(["68.86", "MPa", "68860000 Pa"]);
+    expect(showQuantity("strength_pa", { value: 2500, unit: "Pa" }).unit).toBe("kPa");
+  });
+
   it("writes products and powers", () => {
     expect([showUnit("N m/g"), showUnit("J/m2"), showUnit("N"), showUnit("1")]).toEqual(
       ["N·m/g", "J/m²", "N", ""],

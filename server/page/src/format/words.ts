@@ -32,7 +32,14 @@ export function showQuantity(name: string, quantity: Quantity): Shown {
   if (value === null) return { text: "–", unit: "", exact: "The test did not get far enough to know." };
   const exact = `${value}${unit === "1" ? " (dimensionless)" : ` ${unit}`}`;
   if (isStrain) return { text: formatNumber(value * 100), unit: "%", exact };
-  return { text: formatNumber(value), unit: showUnit(unit), exact };
+  const [factor, larger] = unit === "Pa" ? pascals(value) : [1, unit];
+  return { text: formatNumber(value / factor), unit: showUnit(larger), exact };
+}
+
+/** Nobody speaks of 68 860 000 Pa. */
+function pascals(value: number): [factor: number, unit: string] {
+  const size = Math.abs(value);
+  return size >= 1e5 ? [1e6, "MPa"] : size >= 1e2 ? [1e3, "kPa"] : [1, "Pa"];
 }
 
 /** `N m/g` with real products and powers: `N·m/g`, `J/m²`. */

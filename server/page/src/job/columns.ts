@@ -17,7 +17,10 @@ const KNOWN: Record<string, Partial<Column>> = {
   force_n: { label: "Force, moving jaw", unit: "N", isShown: true },
   force_bottom_jaw_n: { label: "Force, resting jaw", unit: "N", isShown: true, isMinor: true },
   broken_bonds: { label: "Broken bonds", unit: "", isShown: true, isMinor: true },
-  residual_ratio: { label: "Residual over its limit", unit: "" },
+  residual_ratio: { label: "Residual over its limit", unit: "", isMinor: true },
+  rounds: { label: "Rounds of breaking", unit: "", isMinor: true },
+  stored_energy_n_mm: { isMinor: true },
+  width_strain: { label: "Width strain", unit: "%", factor: 100, isMinor: true },
 };
 
 // The unit is the end of a column's name; the longest ending wins.

@@ -30,7 +30,7 @@ export class LiveJob {
       const job = await getJson<Job>(this.#path);
       this.error = "";
       this.#take(job);
-      await Promise.all([this.curve.fetch(), this.#readLog(), this.#readResults()]);
+      await this.#readRest();
     } catch (error) {
       // That the server is away is said once, by the banner.
       if (!(error instanceof Unreachable)) this.error = messageOf(error);
@@ -42,7 +42,7 @@ export class LiveJob {
       const before = this.job;
       this.#take(JSON.parse(event.data) as Job);
       const hasChanged = before?.status !== this.job?.status || before?.attempt !== this.job?.attempt;
-      if (hasChanged) void Promise.all([this.curve.fetch(), this.#readLog(), this.#readResults()]).catch(() => {});
+      if (hasChanged) void this.#readRest().catch(() => {});
       else this.#readLogSoon();
     } else if (event.name === "progress") {
       const { progress, phase, eta_s } = JSON.parse(event.data) as Progress;
@@ -73,6 +73,12 @@ export class LiveJob {
   #take(job: Job): void {
     if (this.job && Date.parse(job.updated_at) < Date.parse(this.job.updated_at)) return;
     this.job = { ...job, spec: job.spec ?? this.job?.spec };
+  }
+
+  /** Reads everything beside the job itself; before its first attempt there is nothing. */
+  async #readRest(): Promise<void> {
+    const hasBegun = this.job !== null && this.job.attempt > 0;
+    await Promise.all([hasBegun ? this.curve.fetch() : null, this.#readLog(), this.#readResults()]);
   }
 
   async #readResults(): Promise<void> {

@@ -12,9 +12,9 @@ export interface PlotInput {
   onCursor: (index: number | null) => void;
 }
 
-/** Dashes tell lines apart without colour. */
+/** Dashes tell lines apart without colour; seven colours and four dashes repeat only together. */
 const DASHES = [[], [6, 4], [2, 3], [9, 3, 2, 3]];
-export const SERIES_COLOURS = ["--series-1", "--series-2", "--series-3", "--series-4"];
+const COLOURS = 7;
 /** Below this width [px] the axes give up some of theirs. */
 const NARROW_PLOT = 520;
 const FONT = "12px system-ui, sans-serif";
@@ -28,6 +28,8 @@ export function plotOptions(input: PlotInput): uPlot.Options {
   const { columns, width, colour, shown } = input;
   const [horizontal, ...vertical] = columns;
   const scales = scaleNames(vertical);
+  // There is room for two axes: those of the first lines that are shown.
+  const withAxis = scaleNames(vertical.filter((_, index) => shown[index + 1])).slice(0, 2);
   return {
     width,
     height: plotHeight(width),
@@ -37,7 +39,7 @@ export function plotOptions(input: PlotInput): uPlot.Options {
     scales: { x: { time: false }, ...Object.fromEntries(scales.map((name) => [name, { range: fromZero }])) },
     axes: [
       { ...axis("x", horizontal ? axisLabel(horizontal) : "", colour, true), size: 34, space: 42 },
-      ...scales.slice(0, 2).map((scale, index) => ({
+      ...withAxis.map((scale, index) => ({
         ...axis(scale, scaleLabel(vertical, scale), colour, index === 0),
         side: index === 0 ? 3 : 1,
         size: width < NARROW_PLOT ? 40 : 52,
@@ -51,7 +53,7 @@ export function plotOptions(input: PlotInput): uPlot.Options {
         show: shown[index + 1] ?? false,
         stroke: colour(seriesColour(index)),
         width: column.isMinor ? 1.1 : 2.2,
-        dash: DASHES[index % DASHES.length] ?? [],
+        dash: seriesDash(index),
         points: { show: false },
       })),
     ],
@@ -63,7 +65,11 @@ export function plotOptions(input: PlotInput): uPlot.Options {
 }
 
 export function seriesColour(index: number): string {
-  return SERIES_COLOURS[index % SERIES_COLOURS.length] ?? "--series-1";
+  return `--series-${(index % COLOURS) + 1}`;
+}
+
+export function seriesDash(index: number): number[] {
+  return DASHES[index % DASHES.length] ?? [];
 }
 
 function scaleOf(column: Column): string {
