@@ -38,15 +38,17 @@ export class LiveJob {
   }
 
   event(event: ServerEvent): void {
+    const before = this.job;
+    // The first fetch is under way and will be newer than whatever comes before it.
+    if (!before) return;
     if (event.name === "job") {
-      const before = this.job;
       this.#take(JSON.parse(event.data) as Job);
-      const hasChanged = before?.status !== this.job?.status || before?.attempt !== this.job?.attempt;
+      const hasChanged = before.status !== this.job?.status || before.attempt !== this.job?.attempt;
       if (hasChanged) void this.#readRest().catch(() => {});
       else this.#readLogSoon();
     } else if (event.name === "progress") {
       const { progress, phase, eta_s } = JSON.parse(event.data) as Progress;
-      if (this.job?.status === "running") this.job = { ...this.job, progress, phase, eta_s };
+      if (before.status === "running") this.job = { ...before, progress, phase, eta_s };
       this.#readLogSoon();
     } else if (event.name === "points") {
       this.curve.grow(JSON.parse(event.data) as PointsReady);
