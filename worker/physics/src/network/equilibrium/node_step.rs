@@ -1,5 +1,9 @@
 //! The move of a single node towards its own balance, which both relaxations are made of.
-use crate::network::{Vector, assembly::Assembly, incidence::Incidence};
+use crate::network::{
+    Vector,
+    assembly::{Assembly, BondState},
+    incidence::Incidence,
+};
 
 /// A node as its bonds see it.
 #[derive(Clone, Copy, Debug)]
@@ -33,39 +37,46 @@ pub(super) fn node_step(
 ) -> NodeStep {
     let bonds = incidence.of(node);
     let mut resultant = Vector::zeros();
-    // Σ (a − b⁺) n nᵀ is kept as a matrix, because the resultant is known only afterwards
-    let mut directed = nalgebra::Matrix3::zeros();
-    let (mut transverse, mut axial, mut rounding) = (0.0, 0.0, 0.0);
+    let mut rounding = 0.0;
     for bond in bonds {
-        let bond = *bond as usize;
-        let [first, second] = assembly.ends[bond].map(|node| node as usize);
-        let shift = assembly.shift(bond, displacements);
-        let (state, _) = assembly.shapes[bond].respond(&shift);
+        let state = bond_state(assembly, displacements, *bond);
+        let [first, second] = assembly.ends[*bond as usize].map(|node| node as usize);
         let force = state.direction * state.tension;
         if first == node {
             resultant += force;
         } else {
             resultant -= force;
         }
-        let resisting = state.transverse.max(0.0);
-        directed += state.direction * state.direction.transpose() * (state.axial - resisting);
-        transverse += resisting;
-        axial += state.axial;
         rounding += state.round_off(displacements[first].amax() + displacements[second].amax());
     }
     let magnitude = resultant.norm();
     // a resultant that is not a number ends the search; whoever started it will find it
-    let is_balanced = magnitude.is_nan() || magnitude <= force_limit.max(rounding);
-    let mut step = Vector::zeros();
-    if !is_balanced {
-        let along = resultant / magnitude;
-        let stiffness = along.dot(&(directed * along)) + transverse;
-        let length = magnitude / stiffness.max(LEAST_STIFFNESS * axial);
-        step = along * length.min(cap);
+    if magnitude.is_nan() || magnitude <= force_limit.max(rounding) {
+        return NodeStep {
+            is_balanced: true,
+            step: Vector::zeros(),
+            bonds: bonds.len(),
+        };
     }
+    // most visits end above, so the states are worth computing again
+    let along = resultant / magnitude;
+    let (mut stiffness, mut axial) = (0.0, 0.0);
+    for bond in bonds {
+        let state = bond_state(assembly, displacements, *bond);
+        let square = state.direction.dot(&along).powi(2);
+        stiffness += state.axial * square + state.transverse.max(0.0) * (1.0 - square);
+        axial += state.axial;
+    }
+    let length = magnitude / stiffness.max(LEAST_STIFFNESS * axial);
     NodeStep {
-        is_balanced,
-        step,
-        bonds: bonds.len(),
+        is_balanced: false,
+        step: along * length.min(cap),
+        bonds: 2 * bonds.len(),
     }
+}
+
+#[inline]
+fn bond_state(assembly: &Assembly, displacements: &[Vector], bond: u32) -> BondState {
+    let shift = assembly.shift(bond as usize, displacements);
+    assembly.shapes[bond as usize].respond(&shift).0
 }

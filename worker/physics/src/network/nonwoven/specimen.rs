@@ -57,14 +57,11 @@ impl Specimen {
         let law = law(&spec.bond, None, None, None)
             .ok_or_else(|| unbuildable("the bonds have no modulus"))?;
         let count = points.ends.len();
+        let given_strengths = (0..count).map(|bond| points.is_grip(bond).then_some(f64::INFINITY));
         let bonds = Bonds {
             rest_lengths: distances(&points.positions, &points.ends),
             laws: vec![law; count],
-            strengths: strengths(
-                std::iter::repeat_n(None, count),
-                distribution(spec).as_ref(),
-                breaks(spec),
-            )?,
+            strengths: strengths(given_strengths, distribution(spec).as_ref(), breaks(spec))?,
             ends: points.ends,
         };
         let width_gauge = WidthGauge::rows(&points.positions, points.middle_rows);
@@ -154,10 +151,15 @@ impl Specimen {
     }
 
     /// Strain at which a bond of the mean law along the pulling direction reaches the mean
-    /// strength: about where a network is torn. Infinite when bonds do not break.
+    /// strength: about where a network is torn. Infinite when no bond can break.
     pub(super) fn expected_rupture_strain(&self) -> f64 {
-        let strengths = &self.network.bonds.strengths;
-        let strength = strengths.iter().sum::<f64>() / strengths.len() as f64;
+        let strengths = self.network.bonds.strengths.iter();
+        let breakable = strengths.filter(|strength| strength.is_finite());
+        let (sum, count) = breakable.fold((0.0, 0.0), |(sum, count), s| (sum + s, count + 1.0));
+        if count == 0.0 {
+            return f64::INFINITY;
+        }
+        let strength = sum / count;
         let (linear, square) = (self.mean_law.modulus, self.mean_law.friction_modulus);
         // the positive root of f_r u² + e u − s = 0, in the form that also holds for f_r = 0
         2.0 * strength / (linear + (linear * linear + 4.0 * square * strength).sqrt())
