@@ -182,7 +182,7 @@ fn within_spec(mut violation: Violation) -> Violation {
     violation
 }
 
-fn parse(body: &[u8]) -> Result<Value, SubmissionError> {
+pub(crate) fn parse(body: &[u8]) -> Result<Value, SubmissionError> {
     let mut reader = serde_json::Deserializer::from_slice(body);
     let value = serde_path_to_error::deserialize(&mut reader)
         .map_err(|error| syntax(pointer(error.path()), error.inner()))?;
@@ -206,7 +206,7 @@ fn syntax(pointer: String, error: &serde_json::Error) -> SubmissionError {
 }
 
 /// Parses into `T`; what is refused is said with its pointer under `prefix`.
-fn typed<'de, T: Deserialize<'de>>(text: &'de [u8], prefix: &str) -> Result<T, SubmissionError> {
+pub(crate) fn typed<'de, T: Deserialize<'de>>(text: &'de [u8], prefix: &str) -> Result<T, SubmissionError> {
     let mut reader = serde_json::Deserializer::from_slice(text);
     serde_path_to_error::deserialize(&mut reader).map_err(|error| {
         let place = format!("{prefix}{}", pointer(error.path()));

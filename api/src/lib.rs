@@ -6,6 +6,7 @@
 //! source of types, units and limits), parses it, and asks the kind's own cross-checks. Every
 //! violation is reported at once, by JSON pointer.
 mod calibration;
+mod changes;
 mod digest;
 mod envelope;
 mod event;
@@ -20,6 +21,7 @@ mod timestamp;
 pub mod worker;
 
 pub use calibration::{Calibration, Estimate};
+pub use changes::JobChanges;
 pub use digest::sha256_hex;
 pub use envelope::{Envelope, Limits, Submission, SubmissionError};
 pub use event::{Event, JobDeleted, PointsReady, ProgressNow};

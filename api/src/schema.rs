@@ -9,7 +9,7 @@ use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value};
 
 use crate::kinds::{Spec, SpecVisitor};
-use crate::{Envelope, JobKind, JobSpec, Violation};
+use crate::{Envelope, JobChanges, JobKind, JobSpec, Violation};
 
 /// At most this many violations are listed; a hundred are as clear as a million.
 const LISTED: usize = 100;
@@ -45,6 +45,14 @@ pub(crate) fn envelope_violations(body: &Value) -> Vec<Violation> {
     static CHECKER: OnceLock<Checker> = OnceLock::new();
     CHECKER
         .get_or_init(Checker::of::<Envelope>)
+        .violations(body)
+}
+
+/// Everything in changes of a job that their schema refuses.
+pub(crate) fn changes_violations(body: &Value) -> Vec<Violation> {
+    static CHECKER: OnceLock<Checker> = OnceLock::new();
+    CHECKER
+        .get_or_init(Checker::of::<JobChanges>)
         .violations(body)
 }
 

@@ -1,2 +1,19 @@
-//! The loadframe service.
+//! The loadframe service: jobs come in over REST, wait in the store, are claimed by workers over
+//! HTTP, and their results go out again.
+//!
+//! The road of a request: [`serve`] binds the address and hands every connection to the router of
+//! [`http`]; its layers count, protect and authenticate; a handler reads the request with the
+//! vocabulary of `loadframe-api` and asks the [`store`], which alone knows SQL and files.
+pub mod config;
+pub mod http;
+mod serve;
 pub mod store;
+
+pub use config::ServeConfig;
+pub use serve::{ServeError, serve};
+
+/// Version of the service.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Commit it was built from, or `unknown`.
+pub const COMMIT: &str = env!("LOADFRAME_COMMIT");

@@ -1,0 +1,64 @@
+//! What may be changed of a job after its submission.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::SubmissionError;
+use crate::envelope::{parse, typed};
+use crate::schema::changes_violations;
+
+/// The body of `PATCH /v1/jobs/{id}`; what is left out stays as it is.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct JobChanges {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String", length(min = 1, max = 200))]
+    pub name: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String", length(max = 10_000))]
+    pub notes: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(
+        with = "Vec<String>",
+        length(max = 20),
+        inner(length(min = 1, max = 50))
+    )]
+    pub tags: Option<Vec<String>>,
+    /// Higher runs first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "i32", range(min = -1000, max = 1000))]
+    pub priority: Option<i32>,
+}
+
+impl JobChanges {
+    /// Reads and checks changes.
+    ///
+    /// # Errors
+    /// Every violation found, with pointers into the body.
+    pub fn from_slice(body: &[u8]) -> Result<Self, SubmissionError> {
+        let violations = changes_violations(&parse(body)?);
+        if violations.is_empty() {
+            typed(body, "")
+        } else {
+            Err(SubmissionError::Invalid(violations))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changes_keep_to_the_limits_of_a_submission() {
+        let changes = JobChanges::from_slice(br#"{"priority": 5, "tags": ["a"]}"#).expect("valid");
+        assert_eq!(changes.priority, Some(5));
+        assert_eq!(changes.name, None);
+        let refused = br#"{"priority": 1001, "name": null, "tags": [""], "spec": {}}"#;
+        let Err(SubmissionError::Invalid(violations)) = JobChanges::from_slice(refused) else {
+            panic!("accepted");
+        };
+        let mut pointers: Vec<_> = violations.iter().map(|v| v.pointer.as_str()).collect();
+        pointers.sort_unstable();
+        assert_eq!(pointers, ["/name", "/priority", "/spec", "/tags/0"]);
+    }
+}

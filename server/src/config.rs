@@ -1,0 +1,52 @@
+//! What a server is told when it starts.
+use std::path::PathBuf;
+use std::time::Duration;
+
+use loadframe_api::Limits;
+
+use crate::store::StoreOptions;
+
+/// Everything `loadframe serve` and `loadframe lab` can choose.
+#[derive(Clone, Debug)]
+pub struct ServeConfig {
+    /// Address as `HOST:PORT`; port 0 takes a free one.
+    pub listen: String,
+    /// Folder of the database and the files, lease, time limit of a job.
+    pub store: StoreOptions,
+    /// What the estimate of a single job may reach.
+    pub limits: Limits,
+    /// Demand a token on a loopback address too; elsewhere it is always demanded.
+    pub require_token: bool,
+    /// Secret that is made a valid token at the start (`LOADFRAME_TOKEN`).
+    pub token: Option<String>,
+    /// Names besides `localhost`, `127.0.0.1` and `[::1]` under which an open server answers.
+    pub allowed_hosts: Vec<String>,
+}
+
+impl ServeConfig {
+    /// Where a server listens unless told otherwise.
+    pub const DEFAULT_LISTEN: &str = "127.0.0.1:8400";
+
+    /// A week on one core, 8 GB and 20 GB: what a lab's machine can give a single job without
+    /// the others noticing.
+    pub const DEFAULT_LIMITS: Limits = Limits {
+        wall_s: 7.0 * 24.0 * 3600.0,
+        memory_mb: 8_000.0,
+        disk_mb: 20_000.0,
+    };
+
+    /// A server on this machine alone, with its data in `data`.
+    pub fn new(data: impl Into<PathBuf>) -> Self {
+        Self {
+            listen: Self::DEFAULT_LISTEN.to_owned(),
+            store: StoreOptions::new(data),
+            limits: Self::DEFAULT_LIMITS,
+            require_token: false,
+            token: None,
+            allowed_hosts: Vec::new(),
+        }
+    }
+}
+
+/// How long a stopping server waits for answers under way.
+pub(crate) const SHUTDOWN_GRACE: Duration = Duration::from_secs(10);

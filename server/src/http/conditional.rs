@@ -1,0 +1,72 @@
+//! Entity tags: an answer the client has already is not sent again.
+use axum::Json;
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+
+/// An entity tag.
+#[derive(Clone, Debug)]
+pub(super) struct EntityTag(HeaderValue);
+
+impl EntityTag {
+    /// Weak tag of something that changes when `version` does, or when the service itself does.
+    pub(super) fn weak(version: impl std::fmt::Display) -> Self {
+        Self::of(format!("W/\"{}-{version}\"", crate::COMMIT))
+    }
+
+    /// Strong tag of bytes with this hash.
+    pub(super) fn strong(hash: &str) -> Self {
+        Self::of(format!("\"{hash}\""))
+    }
+
+    fn of(text: String) -> Self {
+        let value = HeaderValue::try_from(text);
+        Self(value.unwrap_or_else(|_| HeaderValue::from_static("W/\"\"")))
+    }
+
+    /// The value of an `ETag` header.
+    pub(super) fn header(&self) -> HeaderValue {
+        self.0.clone()
+    }
+
+    /// Whether `If-None-Match` names this tag.
+    pub(super) fn is_known(&self, headers: &HeaderMap) -> bool {
+        let own = opaque(self.0.to_str().unwrap_or(""));
+        headers
+            .get_all(header::IF_NONE_MATCH)
+            .iter()
+            .filter_map(|value| value.to_str().ok())
+            .flat_map(|value| value.split(','))
+            .any(|tag| tag.trim() == "*" || opaque(tag.trim()) == own)
+    }
+
+    /// Whether a range may be sent: there is no `If-Range`, or it names exactly this tag.
+    pub(super) fn allows_range(&self, headers: &HeaderMap) -> bool {
+        headers
+            .get(header::IF_RANGE)
+            .is_none_or(|tag| tag == self.0)
+    }
+
+    /// 304, for a client that has this already.
+    pub(super) fn not_modified(&self) -> Response {
+        let headers = [
+            (header::ETAG, self.header()),
+            (header::CACHE_CONTROL, HeaderValue::from_static("no-cache")),
+        ];
+        (StatusCode::NOT_MODIFIED, headers).into_response()
+    }
+
+    /// `value` as JSON under this tag.
+    pub(super) fn json(&self, value: &impl Serialize) -> Response {
+        let headers = [
+            (header::ETAG, self.header()),
+            (header::CACHE_CONTROL, HeaderValue::from_static("no-cache")),
+        ];
+        (headers, Json(value)).into_response()
+    }
+}
+
+/// The part that weak comparison compares (RFC 9110, 8.8.3.2).
+fn opaque(tag: &str) -> &str {
+    tag.strip_prefix("W/").unwrap_or(tag)
+}

@@ -1,0 +1,162 @@
+//! The files of a job, its outcome and its log.
+use axum::Json;
+use axum::body::Body;
+use axum::extract::{Path, Query, Request, State};
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use loadframe_api::{FileEntry, LogLine, Page, check_file_name};
+use serde::Deserialize;
+use tower_http::services::ServeFile;
+use utoipa::IntoParams;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use uuid::Uuid;
+
+use super::AppState;
+use super::bounded::Number;
+use super::conditional::EntityTag;
+use super::problem::{ApiError, RANGE, Result};
+
+pub(super) fn router() -> OpenApiRouter<AppState> {
+    OpenApiRouter::default()
+        .routes(routes!(list))
+        .routes(routes!(read))
+        .routes(routes!(outcome))
+        .routes(routes!(log))
+}
+
+/// List the result files
+#[utoipa::path(get, path = "/v1/jobs/{id}/files", tag = "Results",
+    params(("id" = Uuid, Path, description = "Id of the job")),
+    responses((status = 200, description = "The files", body = ref("#/components/schemas/Page_of_FileEntry")),
+              (status = 404, description = "There is no such job")))]
+async fn list(
+    State(state): State<AppState>,
+    Path(id): Path<Uuid>,
+) -> Result<Json<Page<FileEntry>>> {
+    let items = state.store.files(id).await?;
+    Ok(Json(Page { items, next: None }))
+}
+
+/// Download a result file
+///
+/// Whole or by byte range. The `ETag` is the file's SHA-256, which never changes.
+#[utoipa::path(get, path = "/v1/jobs/{id}/files/{name}", tag = "Results",
+    params(("id" = Uuid, Path, description = "Id of the job"),
+           ("name" = String, Path, description = "Name of the file, slashes included", min_length = 1, max_length = 200),
+           ("Range" = Option<String>, Header, description = "A byte range, such as `bytes=0-999` or `bytes=-500`"),
+           ("If-Range" = Option<String>, Header, description = "`ETag` the range belongs to; of another file, all is sent"),
+           ("If-None-Match" = Option<String>, Header, description = "`ETag` of the file you have")),
+    responses((status = 200, description = "The file", body = String, content_type = "application/octet-stream",
+               headers(("ETag" = String), ("Content-Disposition" = String), ("Accept-Ranges" = String))),
+              (status = 206, description = "The range", body = String, content_type = "application/octet-stream",
+               headers(("ETag" = String), ("Content-Range" = String))),
+              (status = 304, description = "You have it"),
+              (status = 404, description = "There is no such job or file"),
+              (status = 416, description = "The file has no such range", headers(("Content-Range" = String)))))]
+async fn read(
+    State(state): State<AppState>,
+    Path((id, name)): Path<(Uuid, String)>,
+    method: Method,
+    headers: HeaderMap,
+) -> Result<Response> {
+    let unknown = || ApiError::not_found(format_args!("file {name:?}"));
+    check_file_name(&name).map_err(|_| unknown())?;
+    let (entry, path) = state.store.file(id, &name).await?;
+    let tag = EntityTag::strong(&entry.sha256);
+    if tag.is_known(&headers) {
+        return Ok(tag.not_modified());
+    }
+    // only what concerns the range goes on: the tag of the file's content is known better here
+    let mut request = Request::new(Body::empty());
+    *request.method_mut() = method;
+    let range = headers.get(header::RANGE).filter(|range| is_bytes(range));
+    if let Some(range) = range.filter(|_| tag.allows_range(&headers)) {
+        request.headers_mut().insert(header::RANGE, range.clone());
+    }
+    let served = ServeFile::new(path)
+        .ignore_multi_range_requests(true)
+        .try_call(request)
+        .await;
+    let mut response = served
+        .map_err(|error| ApiError::internal(&error))?
+        .map(Body::new);
+    match response.status() {
+        StatusCode::OK | StatusCode::PARTIAL_CONTENT => {}
+        StatusCode::RANGE_NOT_SATISFIABLE => {
+            let detail = format!("{name} has {} bytes", entry.bytes);
+            let all = HeaderValue::try_from(format!("bytes */{}", entry.bytes));
+            let all = all.map_err(|error| ApiError::internal(&error))?;
+            return Err(ApiError::new(RANGE, detail).with(header::CONTENT_RANGE, all));
+        }
+        _ => return Err(unknown()),
+    }
+    let answer = response.headers_mut();
+    answer.remove(header::LAST_MODIFIED);
+    answer.insert(header::ETAG, tag.header());
+    answer.insert(header::CONTENT_TYPE, media_type(&name));
+    answer.insert(header::CONTENT_DISPOSITION, attachment(&name));
+    answer.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
+    Ok(response)
+}
+
+/// Read the outcome
+///
+/// `outcome.json`: results with units, quality, cost, provenance, warnings, files.
+#[utoipa::path(get, path = "/v1/jobs/{id}/outcome", tag = "Results",
+    params(("id" = Uuid, Path, description = "Id of the job")),
+    responses((status = 200, description = "The outcome", body = ref("#/components/schemas/Outcome")),
+              (status = 404, description = "There is no such job, or it has not succeeded yet")))]
+async fn outcome(State(state): State<AppState>, Path(id): Path<Uuid>) -> Result<Response> {
+    let text = state.store.outcome(id).await?;
+    Ok(([(header::CONTENT_TYPE, "application/json")], text).into_response())
+}
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct LogQuery {
+    /// Skips so many lines, counted from the job's first.
+    #[param(value_type = u64, required = false, minimum = 0, maximum = 9_007_199_254_740_991_u64)]
+    since: Option<Number<0, 9_007_199_254_740_991>>,
+}
+
+/// Read the log
+#[utoipa::path(get, path = "/v1/jobs/{id}/log", tag = "Results",
+    params(("id" = Uuid, Path, description = "Id of the job"), LogQuery),
+    responses((status = 200, description = "Lines of the log", body = ref("#/components/schemas/Page_of_LogLine")),
+              (status = 404, description = "There is no such job")))]
+async fn log(
+    State(state): State<AppState>,
+    Path(id): Path<Uuid>,
+    Query(query): Query<LogQuery>,
+) -> Result<Json<Page<LogLine>>> {
+    let since = query.since.map_or(0, |Number(since)| since);
+    let items = state.store.log(id, since).await?;
+    Ok(Json(Page { items, next: None }))
+}
+
+/// Ranges of other units are to be ignored (RFC 9110, 14.2).
+fn is_bytes(range: &HeaderValue) -> bool {
+    range.as_bytes().starts_with(b"bytes=")
+}
+
+fn media_type(name: &str) -> HeaderValue {
+    let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
+    HeaderValue::from_static(match extension {
+        "json" => "application/json",
+        "jsonl" => "application/jsonl",
+        "csv" => "text/csv; charset=utf-8",
+        "txt" | "log" => "text/plain; charset=utf-8",
+        "pvd" => "application/xml",
+        // `.vtp` and `.vtu` are XML with raw binary appended: no XML parser reads them whole
+        _ => "application/octet-stream",
+    })
+}
+
+/// `Content-Disposition` for a file's own name: its characters need no quoting.
+fn attachment(name: &str) -> HeaderValue {
+    let base = name.rsplit_once('/').map_or(name, |(_, base)| base);
+    HeaderValue::try_from(format!("attachment; filename=\"{base}\""))
+        .unwrap_or_else(|_| HeaderValue::from_static("attachment"))
+}

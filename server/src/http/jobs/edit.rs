@@ -1,0 +1,43 @@
+//! `PATCH /v1/jobs/{id}`.
+use axum::Json;
+use axum::extract::{Path, State};
+use loadframe_api::{JobChanges, JobView};
+use uuid::Uuid;
+
+use super::super::AppState;
+use super::super::body::JsonBody;
+use super::super::problem::Result;
+use crate::store::JobEdit;
+
+/// Change name, notes, tags or priority
+///
+/// What is left out stays as it is (JSON Merge Patch, RFC 7396, without deletions). The spec of a
+/// job never changes.
+#[utoipa::path(patch, path = "/v1/jobs/{id}", tag = "Jobs",
+    params(("id" = Uuid, Path, description = "Id of the job")),
+    request_body(content = ref("#/components/schemas/JobChanges"), description = "What to change"),
+    responses((status = 200, description = "The changed job", body = ref("#/components/schemas/JobView")),
+              (status = 404, description = "There is no such job"),
+              (status = 408, description = "The body did not arrive in time"),
+              (status = 413, description = "The body is larger than 32 MB"),
+              (status = 415, description = "The body is not declared as JSON"),
+              (status = 422, description = "The changes cannot be made, see `violations`")))]
+pub(super) async fn edit(
+    State(state): State<AppState>,
+    Path(id): Path<Uuid>,
+    body: JsonBody,
+) -> Result<Json<JobView>> {
+    let JobChanges {
+        name,
+        notes,
+        tags,
+        priority,
+    } = JobChanges::from_slice(&body.bytes)?;
+    let edit = JobEdit {
+        name,
+        notes,
+        tags,
+        priority,
+    };
+    Ok(Json(state.store.edit(id, edit).await?))
+}

@@ -1,0 +1,101 @@
+//! `GET /v1/jobs`.
+use axum::extract::{Query, State};
+use axum::http::HeaderMap;
+use axum::response::Response;
+use loadframe_api::{JobKind, JobOutcome, JobStatus, Timestamp};
+use serde::Deserialize;
+use utoipa::IntoParams;
+use utoipa::openapi::Ref;
+
+use super::super::AppState;
+use super::super::bounded::{Number, Text};
+use super::super::conditional::EntityTag;
+use super::super::problem::Result;
+use crate::store::JobFilter;
+
+/// Jobs on a page unless asked otherwise.
+const PAGE: u32 = 50;
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(in crate::http) struct ListQuery {
+    /// Most jobs on a page; 50 when left out.
+    #[param(value_type = u32, required = false, minimum = 1, maximum = 200)]
+    limit: Option<Number<1, 200>>,
+    /// `next` of the page before.
+    #[param(value_type = String, required = false, min_length = 1, max_length = 200)]
+    cursor: Option<Text<1, 200>>,
+    /// Only jobs in this status.
+    #[param(schema_with = status_schema, required = false)]
+    status: Option<JobStatus>,
+    /// Only finished jobs that ended so.
+    #[param(schema_with = outcome_schema, required = false)]
+    outcome: Option<JobOutcome>,
+    /// Only jobs of this kind.
+    #[param(schema_with = kind_schema, required = false)]
+    kind: Option<JobKind>,
+    /// Only jobs with this tag.
+    #[param(value_type = String, required = false, min_length = 1, max_length = 50)]
+    tag: Option<Text<1, 50>>,
+    /// Only jobs with this text in name, notes or tags, or whose id begins with it; case does not matter.
+    #[param(value_type = String, required = false, min_length = 1, max_length = 200)]
+    q: Option<Text<1, 200>>,
+    /// Only jobs submitted after this moment (RFC 3339).
+    #[param(schema_with = moment_schema, required = false)]
+    created_after: Option<Timestamp>,
+    /// Only jobs submitted before this moment (RFC 3339).
+    #[param(schema_with = moment_schema, required = false)]
+    created_before: Option<Timestamp>,
+}
+
+/// List jobs
+///
+/// Newest first, in pages: give `next` as `cursor` for the following one. Cheap to ask again: send
+/// the `ETag` back as `If-None-Match`.
+#[utoipa::path(get, path = "/v1/jobs", tag = "Jobs",
+    params(ListQuery,
+           ("If-None-Match" = Option<String>, Header, description = "`ETag` of the answer you have")),
+    responses((status = 200, description = "A page of jobs, without their specs",
+               body = ref("#/components/schemas/Page_of_JobView"), headers(("ETag" = String))),
+              (status = 304, description = "No job has changed"),
+              (status = 422, description = "The cursor is not one of this server")))]
+pub(super) async fn list(
+    State(state): State<AppState>,
+    Query(query): Query<ListQuery>,
+    headers: HeaderMap,
+) -> Result<Response> {
+    let tag = EntityTag::weak(state.store.jobs_version().await?);
+    if tag.is_known(&headers) {
+        return Ok(tag.not_modified());
+    }
+    let limit = query.limit.map_or(PAGE, |Number(limit)| limit as u32);
+    let cursor = query.cursor.map(|Text(cursor)| cursor);
+    let filter = JobFilter {
+        status: query.status,
+        outcome: query.outcome,
+        kind: query.kind,
+        tag: query.tag.map(|Text(tag)| tag),
+        q: query.q.map(|Text(text)| text),
+        created_after: query.created_after,
+        created_before: query.created_before,
+    };
+    let page = state.store.jobs(&filter, cursor.as_deref(), limit).await?;
+    Ok(tag.json(&page))
+}
+
+fn status_schema() -> Ref {
+    Ref::from_schema_name("JobStatus")
+}
+
+fn outcome_schema() -> Ref {
+    Ref::from_schema_name("JobOutcome")
+}
+
+fn kind_schema() -> Ref {
+    Ref::from_schema_name("JobKind")
+}
+
+fn moment_schema() -> Ref {
+    Ref::from_schema_name("Timestamp")
+}

@@ -1,0 +1,123 @@
+//! `/v1/jobs`: submit, list, read, change, delete, and ask for things.
+mod edit;
+mod list;
+mod submit;
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::Response;
+use loadframe_api::JobView;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use uuid::Uuid;
+
+use super::AppState;
+use super::conditional::EntityTag;
+use super::problem::Result;
+use crate::store::UserAction;
+
+pub(super) use submit::DryRun;
+
+pub(super) fn router() -> OpenApiRouter<AppState> {
+    OpenApiRouter::default()
+        .routes(routes!(submit::create, list::list))
+        .routes(routes!(read, edit::edit, delete))
+        .routes(routes!(cancel))
+        .routes(routes!(pause))
+        .routes(routes!(resume))
+        .routes(routes!(retry))
+}
+
+/// Read a job
+///
+/// With its normalised spec and, once succeeded, its results. Cheap to ask again: send the `ETag`
+/// back as `If-None-Match`.
+#[utoipa::path(get, path = "/v1/jobs/{id}", tag = "Jobs",
+    params(("id" = Uuid, Path, description = "Id of the job"),
+           ("If-None-Match" = Option<String>, Header, description = "`ETag` of the answer you have")),
+    responses((status = 200, description = "The job", body = ref("#/components/schemas/JobView"), headers(("ETag" = String))),
+              (status = 304, description = "It has not changed"),
+              (status = 404, description = "There is no such job")))]
+async fn read(
+    State(state): State<AppState>,
+    Path(id): Path<Uuid>,
+    headers: HeaderMap,
+) -> Result<Response> {
+    // the version before the content: a change in between makes the next question ask again
+    let tag = EntityTag::weak(state.store.job_version(id).await?);
+    if tag.is_known(&headers) {
+        return Ok(tag.not_modified());
+    }
+    Ok(tag.json(&state.store.job(id).await?))
+}
+
+/// Delete a job
+///
+/// With its results, curve, log and files. A running job has to be cancelled first.
+#[utoipa::path(delete, path = "/v1/jobs/{id}", tag = "Jobs",
+    params(("id" = Uuid, Path, description = "Id of the job")),
+    responses((status = 204, description = "It is gone, and its files are freed"),
+              (status = 404, description = "There is no such job"),
+              (status = 409, description = "It is running")))]
+async fn delete(State(state): State<AppState>, Path(id): Path<Uuid>) -> Result<StatusCode> {
+    state.store.delete(id).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Cancel a job
+///
+/// A queued or paused job ends at once, a running one within two seconds; what was computed so
+/// far is kept as its curve.
+#[utoipa::path(post, path = "/v1/jobs/{id}/cancel", tag = "Jobs",
+    params(("id" = Uuid, Path, description = "Id of the job")),
+    responses((status = 200, description = "The job; cancelled, or about to be", body = ref("#/components/schemas/JobView")),
+              (status = 404, description = "There is no such job"),
+              (status = 409, description = "It has ended already")))]
+async fn cancel(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>> {
+    request(state, id, UserAction::Cancel).await
+}
+
+/// Pause a job
+///
+/// A running job leaves a checkpoint and frees its worker.
+#[utoipa::path(post, path = "/v1/jobs/{id}/pause", tag = "Jobs",
+    params(("id" = Uuid, Path, description = "Id of the job")),
+    responses((status = 200, description = "The job; paused, or about to be", body = ref("#/components/schemas/JobView")),
+              (status = 404, description = "There is no such job"),
+              (status = 409, description = "It has ended")))]
+async fn pause(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>> {
+    request(state, id, UserAction::Pause).await
+}
+
+/// Resume a paused job
+///
+/// It is queued again and goes on from its checkpoint.
+#[utoipa::path(post, path = "/v1/jobs/{id}/resume", tag = "Jobs",
+    params(("id" = Uuid, Path, description = "Id of the job")),
+    responses((status = 200, description = "The job, queued", body = ref("#/components/schemas/JobView")),
+              (status = 404, description = "There is no such job"),
+              (status = 409, description = "It is not paused")))]
+async fn resume(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>> {
+    request(state, id, UserAction::Resume).await
+}
+
+/// Run a job again
+///
+/// For jobs that ended without a result; earlier attempts stay on record.
+#[utoipa::path(post, path = "/v1/jobs/{id}/retry", tag = "Jobs",
+    params(("id" = Uuid, Path, description = "Id of the job")),
+    responses((status = 200, description = "The job, queued", body = ref("#/components/schemas/JobView")),
+              (status = 404, description = "There is no such job"),
+              (status = 409, description = "It has a result, or has not ended")))]
+async fn retry(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>> {
+    request(state, id, UserAction::Retry).await
+}
+
+async fn request(
+    State(state): State<AppState>,
+    Path(id): Path<Uuid>,
+    action: UserAction,
+) -> Result<Json<JobView>> {
+    Ok(Json(state.store.request(id, action).await?))
+}

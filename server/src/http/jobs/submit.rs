@@ -1,0 +1,148 @@
+//! `POST /v1/jobs`.
+use axum::Json;
+use axum::extract::{Query, State};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use loadframe_api::{Calibration, Estimate, Submission, Warning, sha256_hex};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+use utoipa::IntoParams;
+
+use super::super::AppState;
+use super::super::body::{JsonBody, SMALL};
+use super::super::problem::{ApiError, INVALID, INVALID_JOB, Result};
+use crate::store::IdempotencyKey;
+
+/// Longest idempotency key [characters].
+const LONGEST_KEY: usize = 200;
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(in crate::http) struct SubmitQuery {
+    /// Only check the job and say what it would take; nothing is stored.
+    #[serde(default)]
+    #[param(value_type = bool, required = false)]
+    dry_run: bool,
+}
+
+/// What a job would be and take.
+#[derive(Debug, Serialize, JsonSchema)]
+pub(in crate::http) struct DryRun {
+    /// The normalised spec, all defaults written out.
+    #[schemars(with = "serde_json::Map<String, serde_json::Value>")]
+    spec: Box<RawValue>,
+    spec_sha256: String,
+    estimate: Estimate,
+    warnings: Vec<Warning>,
+}
+
+/// Submit a job
+///
+/// The body is checked completely; everything wrong with it is answered at once, each thing with
+/// its JSON pointer, the value given, what is allowed, and the unit. A job whose estimate exceeds
+/// the server's limits is refused with the numbers.
+///
+/// Send an `Idempotency-Key` to be able to repeat a submission whose answer was lost: the same key
+/// with the same body answers the same job, with another body 422.
+#[utoipa::path(post, path = "/v1/jobs", tag = "Jobs",
+    params(SubmitQuery,
+           ("Idempotency-Key" = Option<String>, Header, min_length = 1, max_length = 200, pattern = "^[!-~]+$",
+            description = "Your name for this submission: printable ASCII without spaces")),
+    request_body(content = ref("#/components/schemas/Submission"), description = "The job"),
+    responses((status = 200, description = "Dry run: the job could be accepted", body = ref("#/components/schemas/DryRun")),
+              (status = 201, description = "The job was stored and waits for a worker", body = ref("#/components/schemas/JobView"),
+               headers(("Location" = String, description = "Address of the job"),
+                       ("Idempotency-Replayed" = bool, description = "`true` if this key was answered before"))),
+              (status = 408, description = "The body did not arrive in time"),
+              (status = 413, description = "The body is larger than 32 MB"),
+              (status = 415, description = "The body is not declared as JSON"),
+              (status = 422, description = "The job cannot be accepted, see `violations`; or the key belongs to another body")))]
+pub(super) async fn create(
+    State(state): State<AppState>,
+    Query(SubmitQuery { dry_run }): Query<SubmitQuery>,
+    headers: HeaderMap,
+    body: JsonBody,
+) -> Result<Response> {
+    let key = idempotency_key(&headers)?;
+    let (submission, body) = read(body).await?;
+    let measured = state.store.calibration().await?;
+    let estimate = Estimate {
+        calibrated: measured.is_some(),
+        ..submission.spec.estimate(&measured.unwrap_or_default())
+    };
+    let violations = state.limits.violations(&estimate);
+    if !violations.is_empty() {
+        let detail = "its estimate exceeds what this server gives a single job";
+        return Err(ApiError::new(INVALID_JOB, detail).violations(violations));
+    }
+    if dry_run {
+        return Ok(Json(dry_run_of(&submission, estimate, measured)?).into_response());
+    }
+    let key = key.map(|key| IdempotencyKey {
+        key,
+        body_sha256: sha256_hex(&body.bytes),
+    });
+    let enqueued = state.store.enqueue(&submission, key).await?;
+    metrics::counter!("loadframe_submissions_total", "kind" => submission.spec.kind().name())
+        .increment(u64::from(!enqueued.replayed));
+    let location = HeaderValue::try_from(&enqueued.job.links.this)
+        .map_err(|error| ApiError::internal(&error))?;
+    let mut response = (StatusCode::CREATED, Json(enqueued.job)).into_response();
+    response.headers_mut().insert(header::LOCATION, location);
+    if enqueued.replayed {
+        let replayed = HeaderValue::from_static("true");
+        response
+            .headers_mut()
+            .insert("idempotency-replayed", replayed);
+    }
+    Ok(response)
+}
+
+/// Checks the body, a large one where it holds up nobody.
+async fn read(body: JsonBody) -> Result<(Submission, JsonBody)> {
+    if body.bytes.len() <= SMALL {
+        return Ok((Submission::from_slice(&body.bytes)?, body));
+    }
+    let read = move || (Submission::from_slice(&body.bytes), body);
+    let (submission, body) = tokio::task::spawn_blocking(read)
+        .await
+        .map_err(|error| ApiError::internal(&error))?;
+    Ok((submission?, body))
+}
+
+fn dry_run_of(
+    submission: &Submission,
+    estimate: Estimate,
+    measured: Option<Calibration>,
+) -> Result<DryRun> {
+    let spec = submission.spec.to_json();
+    let spec_sha256 = sha256_hex(spec.as_bytes());
+    let mut warnings = Vec::new();
+    if measured.is_none() {
+        warnings.push(Warning {
+            code: "not_calibrated".to_owned(),
+            detail: "no worker has measured its speed yet; the time is that of a typical core"
+                .to_owned(),
+        });
+    }
+    Ok(DryRun {
+        spec: RawValue::from_string(spec).map_err(|error| ApiError::internal(&error))?,
+        spec_sha256,
+        estimate,
+        warnings,
+    })
+}
+
+fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>> {
+    let Some(value) = headers.get("idempotency-key") else {
+        return Ok(None);
+    };
+    let key = value.to_str().unwrap_or("");
+    if (1..=LONGEST_KEY).contains(&key.len()) && key.bytes().all(|byte| byte.is_ascii_graphic()) {
+        return Ok(Some(key.to_owned()));
+    }
+    let detail = "the Idempotency-Key must be 1 to 200 printable ASCII characters without spaces";
+    Err(ApiError::new(INVALID, detail))
+}

@@ -1,0 +1,71 @@
+//! REST, server-sent events and the lab page.
+//!
+//! One file for each resource: [`jobs`], [`events`], [`curve`], [`files`] and [`archive`],
+//! [`kinds`], [`workers`], the [`worker`] side, [`health`] and [`metrics`]. Every handler carries its
+//! part of the OpenAPI document, which [`openapi`] completes and [`docs`] shows to people.
+//!
+//! Around them, from the outside: tracing, security headers, [`metrics`], [`problem::only_problems`]
+//! (whatever goes wrong, the answer is `application/problem+json`), panics caught, compression,
+//! [`access`].
+mod access;
+mod archive;
+mod body;
+mod bounded;
+mod conditional;
+mod curve;
+mod decimate;
+mod docs;
+mod events;
+mod files;
+mod health;
+mod jobs;
+mod kinds;
+mod metrics;
+mod openapi;
+mod page;
+pub mod problem;
+mod state;
+mod workers;
+
+use axum::Router;
+use axum::middleware::{from_fn, from_fn_with_state};
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::compression::CompressionLayer;
+use tower_http::trace::TraceLayer;
+use utoipa_axum::router::OpenApiRouter;
+
+pub(crate) use metrics::keep_folded as keep_metrics_folded;
+pub use openapi::document;
+pub use state::AppState;
+
+/// Every documented route.
+fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::default()
+        .merge(jobs::router())
+        .merge(events::router())
+        .merge(curve::router())
+        .merge(files::router())
+        .merge(archive::router())
+        .merge(kinds::router())
+        .merge(workers::router())
+        .merge(health::router())
+        .merge(metrics::router())
+        .merge(openapi::router())
+}
+
+/// The whole service.
+pub fn router(state: AppState) -> Router {
+    let (router, _) = routes().split_for_parts();
+    router
+        .merge(docs::router())
+        .fallback(page::serve)
+        .method_not_allowed_fallback(problem::method_not_allowed)
+        .layer(from_fn_with_state(state.clone(), access::guard))
+        .layer(CompressionLayer::new().compress_when(page::is_worth_compressing))
+        .layer(CatchPanicLayer::custom(problem::after_panic))
+        .layer(from_fn(problem::only_problems))
+        .layer(from_fn(metrics::count))
+        .layer(from_fn(page::protect))
+        .layer(TraceLayer::new_for_http())
+        .with_state(state)
+}

@@ -1,0 +1,79 @@
+//! `#/components/schemas`: every type of the wire by name.
+use loadframe_api::worker::{
+    ClaimRequest, CompleteRequest, FailRequest, HeartbeatAnswer, Lease, ProgressReport,
+    ReleaseRequest,
+};
+use loadframe_api::{
+    CurveView, Envelope, Event, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
+    Problem, Timestamp, WorkerView, component_schemas, kind_schema,
+};
+use schemars::SchemaGenerator;
+use serde_json::{Map, Value, json};
+
+use super::super::health::{Health, VersionView};
+use super::super::jobs::DryRun;
+use super::super::kinds::{ExampleView, KindView};
+
+macro_rules! add {
+    ($generator:ident: $($type:ty),+ $(,)?) => { $($generator.subschema_for::<$type>();)+ };
+}
+
+/// All schemas. A type of the wire that a handler names must be listed here; a test follows every
+/// reference.
+pub(super) fn schemas() -> Map<String, Value> {
+    let mut schemas = component_schemas(|generator: &mut SchemaGenerator| {
+        add!(generator: Problem, Timestamp, JobKind, JobView, JobChanges, Page<JobView>, DryRun,
+            CurveView, Page<FileEntry>, Outcome, Page<LogLine>, Event,
+            KindView, Page<KindView>, Page<ExampleView>, Page<WorkerView>, Health, VersionView,
+            ClaimRequest, Lease, ProgressReport, HeartbeatAnswer, CompleteRequest, FailRequest, ReleaseRequest,
+            Envelope);
+    });
+    let envelope = schemas.get("Envelope").cloned().unwrap_or_default();
+    let mut variants = Vec::new();
+    let mut mapping = Map::new();
+    for kind in JobKind::ALL {
+        let spec_name = type_name(*kind);
+        let name = format!("{spec_name}Submission");
+        variants.push(reference(&name));
+        mapping.insert(kind.name().to_owned(), reference(&name)["$ref"].clone());
+        schemas.insert(name, submission(*kind, &spec_name, &envelope));
+        let mut spec = kind_schema(*kind).clone();
+        if let Some(spec) = spec.as_object_mut() {
+            spec.shift_remove("$schema");
+        }
+        schemas.insert(spec_name, spec);
+    }
+    let submission = json!({
+        "description": "A job to be done; `kind` decides what `spec` holds.",
+        "oneOf": variants,
+        "discriminator": { "propertyName": "kind", "mapping": mapping },
+    });
+    schemas.insert("Submission".to_owned(), submission);
+    schemas
+}
+
+/// The envelope around one kind's spec.
+fn submission(kind: JobKind, spec_name: &str, envelope: &Value) -> Value {
+    let mut schema = envelope.clone();
+    schema["description"] = json!(kind.description());
+    schema["title"] = json!(kind.title());
+    schema["properties"]["kind"] = json!({ "type": "string", "const": kind.name() });
+    schema["properties"]["spec"] = reference(spec_name);
+    let examples = kind.examples().iter();
+    let examples = examples.filter_map(|example| serde_json::from_str::<Value>(example.body).ok());
+    schema["examples"] = examples.collect();
+    schema
+}
+
+/// `nonwoven_tensile` as `NonwovenTensile`.
+fn type_name(kind: JobKind) -> String {
+    let words = kind.name().split('_').map(|word| {
+        let (first, rest) = word.split_at(word.len().min(1));
+        first.to_ascii_uppercase() + rest
+    });
+    words.collect()
+}
+
+fn reference(name: &str) -> Value {
+    json!({ "$ref": format!("#/components/schemas/{name}") })
+}

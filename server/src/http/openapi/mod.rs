@@ -1,0 +1,77 @@
+//! The OpenAPI 3.1 document: paths from the handlers, schemas from the vocabulary's own types.
+//!
+//! Handlers name their bodies by reference and list the answers of their own. What is the same
+//! for all is completed here: [`components`] fills in the schemas, [`answers`] gives every error the
+//! one form all errors have and adds those that any route may answer.
+mod answers;
+mod components;
+
+use std::sync::OnceLock;
+
+use axum::http::{HeaderMap, HeaderValue, header};
+use axum::response::Response;
+use serde_json::{Value, json};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::AppState;
+use super::conditional::EntityTag;
+use super::problem::{ApiError, Result};
+
+pub(super) fn router() -> OpenApiRouter<AppState> {
+    OpenApiRouter::default().routes(routes!(read))
+}
+
+/// This document
+#[utoipa::path(get, path = "/openapi.json", tag = "Service",
+    params(("If-None-Match" = Option<String>, Header, description = "`ETag` of the answer you have")),
+    responses((status = 200, description = "OpenAPI 3.1", body = Object, headers(("ETag" = String))),
+              (status = 304, description = "It has not changed")))]
+async fn read(headers: HeaderMap) -> Result<Response> {
+    let tag = EntityTag::weak(crate::VERSION);
+    if tag.is_known(&headers) {
+        return Ok(tag.not_modified());
+    }
+    let document = document().map_err(|error| ApiError::internal(error))?;
+    let mut response = tag.json(document);
+    let anybody = HeaderValue::from_static("no-cache");
+    response
+        .headers_mut()
+        .insert(header::CACHE_CONTROL, anybody);
+    Ok(response)
+}
+
+/// The document, built on first use.
+///
+/// # Errors
+/// If the generated paths cannot be written as JSON, which a test rules out.
+pub fn document() -> Result<&'static Value, &'static serde_json::Error> {
+    static DOCUMENT: OnceLock<serde_json::Result<Value>> = OnceLock::new();
+    DOCUMENT.get_or_init(build).as_ref()
+}
+
+fn build() -> serde_json::Result<Value> {
+    let (_, api) = super::routes().split_for_parts();
+    let mut document = serde_json::to_value(api)?;
+    document["info"] = json!({
+        "title": "loadframe",
+        "version": crate::VERSION,
+        "description": "The virtual load frame of a materials lab: post a test, watch its curve grow, fetch its results.",
+        "license": { "name": "MIT", "identifier": "MIT" },
+    });
+    document["tags"] = json!([
+        { "name": "Jobs", "description": "Submit tests and look after them" },
+        { "name": "Results", "description": "Curves, outcomes, files, logs" },
+        { "name": "Events", "description": "What happens, as it happens" },
+        { "name": "Kinds", "description": "What can be tested" },
+        { "name": "Workers", "description": "The machines that compute; their own side of the protocol" },
+        { "name": "Service", "description": "Health, metrics, this document" },
+    ]);
+    document["components"]["schemas"] = Value::Object(components::schemas());
+    document["components"]["securitySchemes"] = json!({ "token": {
+        "type": "http", "scheme": "bearer",
+        "description": "Demanded where the server listens beyond its own machine. `loadframe token create` on the server makes one.",
+    }});
+    answers::complete(&mut document);
+    Ok(document)
+}

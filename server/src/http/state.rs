@@ -1,0 +1,43 @@
+//! What all handlers share.
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use loadframe_api::Limits;
+use tokio::sync::Semaphore;
+use tokio_util::sync::CancellationToken;
+
+use super::access::Access;
+use super::archive;
+use super::body::BodyBudget;
+use super::events::Announcements;
+use crate::ServeConfig;
+use crate::store::Store;
+
+/// What all handlers share; a clone is another handle on the same.
+#[derive(Clone, Debug)]
+pub struct AppState {
+    pub store: Store,
+    /// What the estimate of a job may reach.
+    pub limits: Limits,
+    /// Cancelled when the server stops: whatever waits must end its wait.
+    pub stopping: CancellationToken,
+    pub(crate) access: Arc<Access>,
+    pub(super) bodies: BodyBudget,
+    pub(super) archives: Arc<Semaphore>,
+    pub(crate) announcements: Announcements,
+}
+
+impl AppState {
+    /// State of a server that listens on `address`.
+    pub fn new(store: Store, config: &ServeConfig, address: SocketAddr) -> Self {
+        Self {
+            store,
+            limits: config.limits,
+            stopping: CancellationToken::new(),
+            access: Arc::new(Access::new(config, address)),
+            bodies: BodyBudget::default(),
+            archives: Arc::new(Semaphore::new(archive::AT_ONCE)),
+            announcements: Announcements::default(),
+        }
+    }
+}

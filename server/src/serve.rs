@@ -1,0 +1,100 @@
+//! A server's life: open the store, bind, answer until told to stop.
+use std::net::SocketAddr;
+
+use axum::serve::ListenerExt;
+use tokio::net::TcpListener;
+
+use crate::config::{SHUTDOWN_GRACE, ServeConfig};
+use crate::http::{self, AppState};
+use crate::store::{Store, StoreError};
+
+/// Why a server could not start or go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ServeError {
+    #[error("the store in {data} could not be opened")]
+    Store {
+        data: String,
+        #[source]
+        source: StoreError,
+    },
+    #[error("cannot listen on {listen}")]
+    Listen {
+        listen: String,
+        #[source]
+        source: std::io::Error,
+    },
+    #[error("the server broke off")]
+    Serve(#[source] std::io::Error),
+}
+
+/// Serves until `shutdown` resolves; calls `ready` with the bound address once requests are taken.
+///
+/// # Errors
+/// [`ServeError`] when the store cannot be opened or the address is taken.
+pub async fn serve(
+    config: ServeConfig,
+    ready: impl FnOnce(SocketAddr),
+    shutdown: impl Future<Output = ()>,
+) -> Result<(), ServeError> {
+    let store_error = |source| ServeError::Store {
+        data: config.store.data.display().to_string(),
+        source,
+    };
+    let listen_error = |source| ServeError::Listen {
+        listen: config.listen.clone(),
+        source,
+    };
+    // the address first: a second server on it must not touch the store
+    let listener = TcpListener::bind(&config.listen)
+        .await
+        .map_err(listen_error)?;
+    let address = listener.local_addr().map_err(listen_error)?;
+    let store = Store::open(config.store.clone())
+        .await
+        .map_err(store_error)?;
+    if let Some(secret) = &config.token {
+        store
+            .ensure_token("environment", secret)
+            .await
+            .map_err(store_error)?;
+    }
+    let state = AppState::new(store.clone(), &config, address);
+    if state.access.demands_token() && !store.has_tokens().await.map_err(store_error)? {
+        tracing::warn!(
+            "every request needs a token and there is none yet: `loadframe token create` makes one"
+        );
+    }
+    let stopping = state.stopping.clone();
+    let sweeping = tokio::spawn(store.keep_sweeping());
+    let announcing = tokio::spawn(state.announcements.clone().run(state.store.clone()));
+    let folding = tokio::spawn(http::keep_metrics_folded());
+
+    // an answer is often one small packet: waiting to fill it would add 40 ms
+    let listener = listener.tap_io(|connection| {
+        if let Err(error) = connection.set_nodelay(true) {
+            tracing::debug!(%error, "TCP_NODELAY was refused");
+        }
+    });
+    let app = http::router(state).into_make_service_with_connect_info::<SocketAddr>();
+    let serving = axum::serve(listener, app)
+        .with_graceful_shutdown(stopping.clone().cancelled_owned())
+        .into_future();
+    tokio::pin!(serving);
+    tracing::info!(%address, "serving");
+    ready(address);
+
+    let end = tokio::select! {
+        end = &mut serving => end,
+        () = shutdown => {
+            tracing::info!("stopping");
+            stopping.cancel();
+            // a client that never finishes its request does not keep the server
+            tokio::time::timeout(SHUTDOWN_GRACE, serving).await.unwrap_or(Ok(()))
+        }
+    };
+    for task in [sweeping, announcing, folding] {
+        task.abort();
+    }
+    end.map_err(ServeError::Serve)
+}
