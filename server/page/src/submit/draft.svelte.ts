@@ -15,12 +15,20 @@ export interface Finding {
 
 /** How long typing must rest before the text is read and checked [ms]. */
 const REST = 350;
-/** Longer texts (measured networks) are checked when asked, not while typing. */
+/** Longer texts are checked when asked, not while typing. */
 const LONGEST_WATCHED = 200_000;
+/** Longer ones (measured networks) are not edited at all: a text area takes seconds for each letter. */
+const LONGEST_EDITED = 1_000_000;
 const KEPT = "loadframe-draft";
+
+export function isLarge(text: string): boolean {
+  return text.length > LONGEST_EDITED;
+}
 
 export class Draft {
   text = $state(sessionStorage.getItem(KEPT) ?? "");
+  /** A job too large to edit, sent instead of the text. */
+  large = $state.raw<string | null>(null);
   /** The text as it was when typing last rested; everything below belongs to it. */
   settled = $state("");
   isBusy = $state(false);
@@ -45,10 +53,17 @@ export class Draft {
   /** What is wrong as a whole, when no field is to blame. */
   readonly refusal = $derived(this.findings.length > 0 ? "" : this.#refusal);
 
+  /** Begins anew with a text from elsewhere. */
+  take(text: string): void {
+    this.large = isLarge(text) ? text : null;
+    if (this.large === null) this.text = text;
+    else this.#settleOn("");
+  }
+
   /** Called with every change of the text. */
   noticeTyping(): void {
     clearTimeout(this.#timer);
-    if (this.text.length <= LONGEST_WATCHED) {
+    if (this.large === null && this.text.length <= LONGEST_WATCHED) {
       this.#timer = setTimeout(() => void this.check(), REST);
     } else {
       this.estimate = null;
@@ -107,8 +122,12 @@ export class Draft {
   }
 
   #settle(): void {
-    if (this.settled === this.text) return;
-    this.settled = this.text;
+    this.#settleOn(this.large ?? this.text);
+  }
+
+  #settleOn(text: string): void {
+    if (this.settled === text) return;
+    this.settled = text;
     this.estimate = null;
     this.#violations = [];
     this.#refusal = "";
