@@ -50,7 +50,8 @@ export async function request(path: string, options: RequestOptions = {}): Promi
     if (options.body !== undefined) headers["Content-Type"] = "application/json";
     let response: Response;
     try {
-      response = await fetch(path, { ...options, headers });
+      // Ask again each time: the server answers 304 when nothing has changed.
+      response = await fetch(path, { cache: "no-cache", ...options, headers });
     } catch (error) {
       if (options.signal?.aborted) throw error;
       throw new Unreachable();

@@ -15,6 +15,8 @@ export const STATUSES = ["queued", "running", "paused", "finished"];
 export const OUTCOMES = ["succeeded", "failed", "cancelled", "timed_out", "quarantined"];
 
 const PAGE = 50;
+/** Largest page the server gives. */
+const LARGEST_PAGE = 200;
 /** Events come in bursts when a queue drains; the list is fetched at most this often [ms]. */
 const REFRESH_PAUSE = 700;
 
@@ -48,7 +50,7 @@ export class JobList {
       const jobs: Job[] = [];
       let cursor: string | null = null;
       do {
-        const page: Page<Job> = await getJson(this.#path(cursor), loading.signal);
+        const page: Page<Job> = await getJson(this.#path(cursor, count - jobs.length), loading.signal);
         jobs.push(...page.items);
         cursor = page.next;
       } while (cursor !== null && jobs.length < count);
@@ -66,7 +68,7 @@ export class JobList {
     if (this.next === null || this.isLoadingMore) return;
     this.isLoadingMore = true;
     try {
-      const page = await getJson<Page<Job>>(this.#path(this.next));
+      const page = await getJson<Page<Job>>(this.#path(this.next, PAGE));
       const known = new Set(this.jobs.map((job) => job.id));
       this.jobs = [...this.jobs, ...page.items.filter((job) => !known.has(job.id))];
       this.next = page.next;
@@ -102,8 +104,8 @@ export class JobList {
     if (job) this.jobs = this.jobs.with(index, change(job));
   }
 
-  #path(cursor: string | null): string {
-    const query = new URLSearchParams({ limit: String(PAGE) });
+  #path(cursor: string | null, count: number): string {
+    const query = new URLSearchParams({ limit: String(Math.min(count, LARGEST_PAGE)) });
     const { status: state, kind, tag, text } = this.#filter;
     const [status, outcome] = STATUSES.includes(state) ? [state, ""] : ["", state];
     for (const [name, value] of Object.entries({ status, outcome, kind, tag, q: text, cursor: cursor ?? "" })) {
