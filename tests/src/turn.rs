@@ -9,6 +9,7 @@ static FREE: Condvar = Condvar::new();
 pub(crate) struct Turn(());
 
 impl Turn {
+    /// Waits until the machine is free.
     pub(crate) fn wait() -> Self {
         let busy = BUSY.lock().unwrap_or_else(PoisonError::into_inner);
         let free = FREE.wait_while(busy, |busy| *busy);

@@ -1,0 +1,271 @@
+// The lab page in a real browser against a real lab: what a person does on a day at the testing
+// machine. Screenshots for people go to the folder LOADFRAME_SCREENSHOTS.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { mkdirSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { startLab } from "./lab.mjs";
+import { chromium } from "playwright-core";
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+const SCREENSHOTS = process.env.LOADFRAME_SCREENSHOTS ?? "../../target/screenshots";
+const DESK = { width: 1280, height: 900 };
+const PHONE = { width: 390, height: 844 };
+/** Longest wait for anything on the page: only what hangs reaches it. */
+const PATIENCE_MS = 60_000;
+
+let lab;
+let browser;
+
+before(async () => {
+  mkdirSync(SCREENSHOTS, { recursive: true });
+  lab = await startLab();
+  browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
+});
+
+after(async () => {
+  await browser?.close();
+  await lab?.stop();
+});
+
+/**
+ * Opens an address of the lab and gives the page to `act`; fails on anything in its console that is
+ * not `expected`, and on any request to elsewhere.
+ */
+async function visit(address, act, { viewport = DESK, expected = null } = {}) {
+  const context = await browser.newContext({ viewport, baseURL: lab.url, acceptDownloads: true });
+  context.setDefaultTimeout(PATIENCE_MS);
+  const page = await context.newPage();
+  const complaints = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("request", (request) => {
+    const { origin, protocol } = new URL(request.url());
+    if (protocol.startsWith("http") && origin !== lab.url) complaints.push(`the page asks ${origin}`);
+  });
+  try {
+    await page.goto(address);
+    await act(page);
+    assert.deepEqual(complaints.filter((text) => !expected?.test(text)), []);
+  } finally {
+    await context.close();
+  }
+}
+
+const part = (page, name) => page.getByTestId(name);
+const picture = (page, name) => page.screenshot({ path: `${SCREENSHOTS}/${name}.png`, fullPage: true });
+const state = (page, name) => page.locator(`[data-testid=status][data-state=${name}]`).first();
+
+/** Nothing that axe calls serious or worse. */
+async function isAccessible(page, where) {
+  await page.evaluate(AXE);
+  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  const grave = violations.filter(({ impact }) => ["serious", "critical"].includes(impact));
+  const lines = grave.flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.html}\n${node.failureSummary}`));
+  assert.deepEqual(lines, [], where);
+}
+
+async function fitsThePhone(page, where) {
+  const [content, screen] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
+  assert.ok(content <= screen, `${where} is ${content} px wide on a screen of ${screen}`);
+}
+
+/** Writes a job into the editor, as a paste does. */
+async function paste(page, text) {
+  await part(page, "editor").waitFor();
+  // the first example is filled in once it has arrived; before that it would overwrite the paste
+  await page.waitForFunction(() => document.querySelector("[data-testid=editor]").value !== "");
+  await part(page, "editor").fill(text);
+}
+
+function job(spec = {}) {
+  return {
+    kind: "nonwoven_tensile",
+    name: "From the browser",
+    spec: {
+      version: 1,
+      fabric: { lattice: { points_per_row: 15, rows: 17, layers: 3, spacing_mm: [20, 20, 10], irregularity: [0.5, 0.5, 0.5] } },
+      bond: { modulus_n: 0.399, friction_modulus_n: 1.473, compression_stiffness_n: 0.157, mean_strength_n: 3.397, strength_sigma: 0.365 },
+      ...spec,
+    },
+  };
+}
+const endless = () => job({ test: { strain_step: 0.00005, max_strain: 3 }, output: { snapshot_every_steps: 0 } });
+
+/** Submits what is in the editor; gives the new job's id. */
+async function submit(page) {
+  await part(page, "submit").click();
+  await page.waitForURL(/\/jobs\/[0-9a-f-]{36}$/);
+  return page.url().split("/").at(-1);
+}
+
+test("the quick example goes from the page to curve, results and files", () =>
+  visit("/", async (page) => {
+    await part(page, "new-job").click();
+    await part(page, "example").selectOption("nonwoven_tensile_quick");
+    await page.waitForSelector("[data-testid=estimate][data-ready=true]");
+    await picture(page, "submit");
+    await isAccessible(page, "the new job");
+    const id = await submit(page);
+    await state(page, "succeeded").waitFor();
+    await page.waitForFunction(() => Number(document.querySelector("[data-testid=curve]")?.dataset.points) > 10);
+
+    const answer = await page.request.get(`/v1/jobs/${id}`);
+    const { summary } = await answer.json();
+    const row = part(page, "results").locator("tr[data-result=max_force]");
+    await row.waitFor();
+    const cells = await row.locator("td").allInnerTexts();
+    assert.equal(cells[1].trim(), summary.max_force.unit);
+    const shown = Number(cells[0].replace(/\s/g, "").replace("−", "-"));
+    // three digits are shown at least
+    assert.ok(Math.abs(shown / summary.max_force.value - 1) < 5e-3, `${cells} is not ${summary.max_force.value}`);
+    const rows = await part(page, "results").locator("tbody tr").count();
+    assert.equal(rows, Object.keys(summary).length);
+
+    const [file] = await Promise.all([
+      page.waitForEvent("download"),
+      part(page, "files").getByRole("link", { name: "curve.csv", exact: true }).click(),
+    ]);
+    const text = readFileSync(await file.path(), "utf8");
+    assert.equal(file.suggestedFilename(), "curve.csv");
+    assert.match(text, /^nominal_strain,force_n,/);
+    assert.equal(text, await (await page.request.get(`/v1/jobs/${id}/files/curve.csv`)).text());
+    await picture(page, "job");
+    await isAccessible(page, "a finished job");
+  }));
+
+test("a running job shows its progress and its growing curve, and can be cancelled", () =>
+  visit("/submit", async (page) => {
+    await paste(page, JSON.stringify(endless(), null, 2));
+    const id = await submit(page);
+    await state(page, "running").waitFor();
+    const points = () => page.evaluate(() => Number(document.querySelector("[data-testid=curve]")?.dataset.points));
+    await page.waitForFunction(() => Number(document.querySelector("[data-testid=curve]")?.dataset.points) > 0);
+    const first = await points();
+    await page.waitForFunction((first) => Number(document.querySelector("[data-testid=curve]").dataset.points) > first, first);
+    assert.match(await part(page, "progress").innerText(), /\d+(\.\d+)? ?%/);
+    await picture(page, "running");
+    await isAccessible(page, "a running job");
+    await part(page, "cancel").click();
+    await part(page, "cancel").click();
+    await state(page, "cancelled").waitFor();
+    const { outcome } = await (await page.request.get(`/v1/jobs/${id}`)).json();
+    assert.equal(outcome, "cancelled");
+    await part(page, "retry").waitFor();
+  }));
+
+test("a bad spec shows each violation at its line, and mending it clears them", () =>
+  visit("/submit", async (page) => {
+    const bad = job();
+    bad.spec.bond.modulus_n = -1;
+    bad.spec.fabric.lattice.rows = 16.5;
+    bad.spec.test = { strain_setp: 0.01 };
+    const text = JSON.stringify(bad, null, 2);
+    await paste(page, text);
+    await part(page, "check").click();
+    const violation = (pointer) => page.locator(`[data-testid=violation][data-pointer="${pointer}"]`);
+    const lines = text.split("\n");
+    for (const [pointer, word] of [
+      ["/spec/bond/modulus_n", "modulus_n"],
+      ["/spec/fabric/lattice/rows", "rows"],
+      ["/spec/test/strain_setp", "strain_setp"],
+    ]) {
+      await violation(pointer).waitFor();
+      const line = lines.findIndex((line) => line.includes(`"${word}"`)) + 1;
+      assert.match(await violation(pointer).innerText(), new RegExp(`line ${line}\\b`));
+    }
+    await picture(page, "violations");
+    await isAccessible(page, "violations");
+    // a violation leads to its place
+    await violation("/spec/bond/modulus_n").click();
+    const at = await page.evaluate(() => document.querySelector("[data-testid=editor]").selectionStart);
+    const lineAtCaret = text.slice(0, at).split("\n").length;
+    assert.match(lines[lineAtCaret - 1], /modulus_n/);
+    // it cannot be submitted
+    await part(page, "submit").click();
+    await violation("/spec/bond/modulus_n").waitFor();
+    assert.match(page.url(), /\/submit/);
+    await part(page, "editor").fill(JSON.stringify(job(), null, 2));
+    await part(page, "violations").waitFor({ state: "detached" });
+  }));
+
+test("the keyboard alone submits, follows, cancels and finds a job", () =>
+  visit("/", async (page) => {
+    /** Tabs to the element, as somebody without a mouse. */
+    const tabTo = async (testid) => {
+      for (let presses = 0; presses < 80; presses++) {
+        const isThere = await page.evaluate((testid) => document.activeElement?.getAttribute("data-testid") === testid, testid);
+        if (isThere) return;
+        await page.keyboard.press("Tab");
+      }
+      assert.fail(`Tab never reaches ${testid}`);
+    };
+    await tabTo("new-job");
+    await page.keyboard.press("Enter");
+    await part(page, "editor").waitFor();
+    await page.waitForFunction(() => document.querySelector("[data-testid=editor]").value !== "");
+    await tabTo("editor");
+    await page.keyboard.press("Control+A");
+    await page.keyboard.insertText(JSON.stringify(endless()));
+    await page.keyboard.press("Control+Enter");
+    await page.waitForURL(/\/jobs\/[0-9a-f-]{36}$/);
+    const id = page.url().split("/").at(-1);
+    await state(page, "running").waitFor();
+    await tabTo("cancel");
+    const outline = await page.evaluate(() => getComputedStyle(document.activeElement).outlineStyle);
+    assert.notEqual(outline, "none", "the focus is not to be seen");
+    await page.keyboard.press("Enter");
+    await page.keyboard.press("Enter");
+    await state(page, "cancelled").waitFor();
+    await page.goto("/");
+    await tabTo("filter-text");
+    await page.keyboard.insertText("From the browser");
+    await page.locator(`[data-testid=job-row][data-job="${id}"]`).waitFor();
+    await page.waitForURL(/q=/);
+  }));
+
+test("the list lives: a job submitted elsewhere appears and finishes without a reload", () =>
+  visit("/", async (page) => {
+    const body = { ...job(), name: "From elsewhere" };
+    const answer = await page.request.post("/v1/jobs", { data: body });
+    assert.equal(answer.status(), 201);
+    const { id } = await answer.json();
+    const row = page.locator(`[data-testid=job-row][data-job="${id}"]`);
+    await row.waitFor();
+    await row.locator("[data-state=succeeded]").waitFor();
+    await picture(page, "jobs");
+    await isAccessible(page, "the list of jobs");
+    // and goes when it is deleted
+    await page.request.delete(`/v1/jobs/${id}`);
+    await row.waitFor({ state: "detached" });
+  }));
+
+test("every view fits a phone", async () => {
+  const created = await fetch(`${lab.url}/v1/jobs`, {
+    method: "POST",
+    headers: { "content-type": "application/json" },
+    body: JSON.stringify({ ...job(), name: "Ein_Name_ohne_jeden_Zwischenraum_der_länger_ist_als_ein_Bildschirm_breit" }),
+  });
+  const { id } = await created.json();
+  for (const [address, ready, name] of [
+    ["/", "job-table", "jobs"],
+    ["/submit", "estimate", "submit"],
+    [`/jobs/${id}`, "results", "job"],
+  ]) {
+    await visit(address, async (page) => {
+      await part(page, ready).waitFor();
+      await fitsThePhone(page, address);
+      await picture(page, `phone-${name}`);
+      await isAccessible(page, `${address} on a phone`);
+    }, { viewport: PHONE });
+  }
+});
+
+test("what is not there is said plainly", () =>
+  visit("/jobs/00000000-0000-4000-8000-000000000000", async (page) => {
+    await page.getByRole("alert").waitFor();
+    await isAccessible(page, "a job that is not there");
+    // the browser itself reports the answer in its console
+  }, { expected: /status of 404/ }));

@@ -1,0 +1,151 @@
+"""Reads the snapshots of every example with the real VTK and holds them against the spec and the
+tables: counts, names, the bond law, the jaw forces, and which bonds are broken."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pyvista
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+EXAMPLES = Path(__file__).parent.parent / "api" / "examples"
+
+# Snapshots hold single precision: a coordinate of up to a few 1000 mm is off by 1e-4 mm, and a bond
+# of 10 mm or more by twice that, so strains and directions are good to 2e-5.
+STRAIN_ERROR = 5e-5
+# One unit in the last place of single precision, relative, with room for the sum of two terms.
+SINGLE = 5e-7
+
+BOND_ARRAYS = {"strain", "force_n", "force_over_strength", "broken"}
+POINT_ARRAYS = {"displacement_mm", "jaw"}
+BOTTOM, TOP = 1, 2
+
+
+def table(path: Path) -> list[dict[str, float]]:
+    with path.open(newline="") as lines:
+        return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(lines)]
+
+
+def expected_counts(fabric: dict) -> tuple[int, int]:
+    """Nodes and bonds, counted from the description of the lattice ([Zilka2022] table 2)."""
+    if "network" in fabric:
+        return len(fabric["network"]["nodes_mm"]), len(fabric["network"]["bonds"])
+    lattice = fabric["lattice"]
+    columns, rows, layers = (lattice.get(name, 1) for name in ("points_per_row", "rows", "layers"))
+    assert lattice.get("jaws", "half_bond") == "half_bond", "count the other jaws here too"
+    even, odd = rows - rows // 2, rows // 2
+    points = even * columns + odd * (columns + 1)
+    along_rows = even * (columns - 1) + odd * columns
+    # each point of an even row has two diagonals to the row above and two to the row below
+    diagonals = (even - 1) * 4 * columns
+    # beyond each end row: 2 n_x jaw points, in which the cut diagonals of all layers end
+    nodes = points * layers + 2 * 2 * columns
+    bonds = (along_rows + diagonals) * layers + points * (layers - 1) + 2 * 2 * columns * layers
+    return nodes, bonds
+
+
+def check(condition, message: str) -> None:
+    if not np.all(condition):
+        raise AssertionError(message)
+
+
+def law(bond: dict, strain: np.ndarray) -> np.ndarray:
+    """Bond force of the spec's law ([Zilka2022] equations 1 and 2)."""
+    modulus = bond["modulus_n"]
+    friction = bond.get("friction_modulus_n", 0.0)
+    compression = bond.get("compression_stiffness_n", 0.0)
+    return np.where(strain > 0, modulus * strain + friction * strain**2, compression * strain)
+
+
+def check_snapshot(mesh, strain: float, spec: dict, rows, events, nodes: int, bonds: int) -> None:
+    check(mesh.n_points == nodes, f"{mesh.n_points} points instead of {nodes}")
+    check(mesh.n_lines == bonds == mesh.n_cells, f"{mesh.n_lines} lines instead of {bonds}")
+    check(set(mesh.cell_data.keys()) == BOND_ARRAYS, f"bond arrays {mesh.cell_data.keys()}")
+    check(set(mesh.point_data.keys()) == POINT_ARRAYS, f"point arrays {mesh.point_data.keys()}")
+    ends = mesh.lines.reshape(-1, 3)[:, 1:]
+    points = mesh.points.astype(float)
+    jaw = mesh.point_data["jaw"]
+    force, bond_strain, broken = (mesh.cell_data[name] for name in ("force_n", "strain", "broken"))
+    row = min(rows, key=lambda row: abs(row["nominal_strain"] - strain))
+    check(row["nominal_strain"] == strain, f"the curve has no point at strain {strain}")
+
+    # the force on each jaw is the sum of its bonds' forces along y
+    vector = points[ends[:, 1]] - points[ends[:, 0]]
+    length = np.linalg.norm(vector, axis=1)
+    pull = force * vector[:, 1] / length
+    for side, column in ((TOP, "force_n"), (BOTTOM, "force_bottom_jaw_n")):
+        first, second = jaw[ends[:, 0]] == side, jaw[ends[:, 1]] == side
+        sign = 1.0 if side == TOP else -1.0
+        total = sign * (pull[second & ~first].sum() - pull[first & ~second].sum())
+        allowed = STRAIN_ERROR * np.abs(force[first ^ second]).sum()
+        check(abs(total - row[column]) <= allowed, f"{column}: {total} in the snapshot, {row[column]} in the curve at {strain}")
+
+    # the broken ones are those of the events so far
+    so_far = {int(event["bond"]) for event in events if event["nominal_strain"] <= strain}
+    check(set(np.flatnonzero(broken)) == so_far, f"broken bonds at {strain} are not those of events.csv")
+    check(broken.sum() == row["broken_bonds"], f"{broken.sum()} broken, the curve says {row['broken_bonds']}")
+    check((force == 0) | (broken == 0), "a broken bond carries force")
+    ratio = mesh.cell_data["force_over_strength"]
+    check(ratio <= 1 + SINGLE, f"an intact bond is over its strength: {ratio.max()}")
+
+    # strain is length over rest length, the generated fabric starting without stress; force
+    # follows from strain by the law
+    start = points - mesh.point_data["displacement_mm"]
+    loaded = force != 0
+    if "lattice" in spec["fabric"]:
+        rest = np.linalg.norm(start[ends[:, 1]] - start[ends[:, 0]], axis=1)
+        # the displacement's own rounding, relative to the rest length
+        allowed = STRAIN_ERROR * (1 + np.abs(bond_strain)) * np.maximum(1, 10 / rest)
+        check(np.abs(bond_strain - (length / rest - 1))[loaded] <= allowed[loaded], f"strains at {strain}")
+        expected = law(spec["bond"], bond_strain.astype(float))
+        slack = 4 * SINGLE * (np.abs(expected) + spec["bond"]["modulus_n"] * np.abs(bond_strain))
+        check(np.abs(force - expected)[loaded] <= slack[loaded], f"forces against the bond law at {strain}")
+    check(mesh.point_data["displacement_mm"][jaw == BOTTOM] == 0, "the bottom jaw moves")
+    moved = mesh.point_data["displacement_mm"][jaw == TOP]
+    check(np.ptp(moved, axis=0) == 0, "the top jaw does not move as one")
+
+
+def check_example(binary: str, example: Path) -> str:
+    spec = json.loads(example.read_text())["spec"]
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch) / "result"
+        subprocess.run([binary, "run", example, "--out", folder], check=True, stdout=subprocess.DEVNULL)
+        rows, events = table(folder / "curve.csv"), table(folder / "events.csv")
+        nodes, bonds = expected_counts(spec["fabric"])
+        series = pyvista.get_reader(folder / "snapshots.pvd")
+        strains = series.time_values
+        check(len(strains) > 1, f"a series of {len(strains)}")
+        files = sorted((folder / "snapshots").iterdir())
+        check(len(files) == len(strains), f"{len(files)} files, {len(strains)} in the series")
+        for strain, file in zip(strains, files, strict=True):
+            series.set_active_time_value(strain)
+            mesh = series.read()[0]
+            check_snapshot(mesh, strain, spec, rows, events, nodes, bonds)
+            # VTK's own reader sees the same
+            reader = vtkXMLPolyDataReader()
+            reader.SetFileName(str(file))
+            reader.Update()
+            check(reader.GetErrorCode() == 0, f"VTK's error {reader.GetErrorCode()} in {file.name}")
+            check(reader.GetOutput().GetNumberOfLines() == bonds, file.name)
+        return f"{len(strains)} snapshots of {nodes} nodes and {bonds} bonds, {len(events)} broken"
+
+
+def main() -> int:
+    binary = os.environ.get("LOADFRAME_BIN", "target/release/loadframe")
+    failed = 0
+    for example in sorted(EXAMPLES.glob("*.json")):
+        try:
+            print(f"{example.stem}: {check_example(binary, example)}")
+        except AssertionError as error:
+            failed += 1
+            print(f"{example.stem}: FAILED: {error}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
