@@ -7,6 +7,7 @@
 pub mod config;
 pub mod http;
 mod serve;
+pub mod queue;
 pub mod store;
 
 pub use config::ServeConfig;

@@ -1,0 +1,211 @@
+//! Handing a job to a worker.
+use loadframe_api::worker::{CheckpointInfo, ClaimRequest, Lease};
+use loadframe_api::{FileEntry, JobKind};
+use serde_json::value::RawValue;
+use sqlx::FromRow;
+use sqlx::sqlite::SqliteConnection;
+use uuid::Uuid;
+
+use super::state::Life;
+use super::words::{json, variant};
+use super::writer::Change;
+use super::{Result, Store, StoreError, millis};
+use crate::queue::Input;
+
+/// Heartbeats are due this often [s], so that a cancel reaches its worker in less than 2 s,
+const HEARTBEAT_S: f64 = 1.0;
+/// and so often within a lease that one may be lost.
+const HEARTBEATS_A_LEASE: f64 = 4.0;
+
+/// The job that a worker gets.
+#[derive(FromRow)]
+struct Given {
+    attempt: i64,
+    id: Uuid,
+    token: Uuid,
+    number: u32,
+    job: Uuid,
+    kind: String,
+    spec: String,
+    spec_sha256: String,
+}
+
+impl Store {
+    /// The next job for this worker, if one is waiting now: the highest priority, and among equals
+    /// the one submitted first. A lease that was handed to this worker and never used is handed
+    /// out again: the answer to the first claim must have been lost.
+    ///
+    /// # Errors
+    /// [`StoreError::Unavailable`] and the database's.
+    pub async fn claim(&self, request: &ClaimRequest) -> Result<Option<Lease>> {
+        let (worker, lease) = (request.clone(), self.lease_millis());
+        let given = self
+            .write(move |change| Box::pin(async move { change.claim(&worker, lease).await }))
+            .await?;
+        let Some((given, checkpoint)) = given else {
+            return Ok(None);
+        };
+        let lease_s = self.options().lease.as_secs_f64();
+        Ok(Some(Lease {
+            id: given.id,
+            token: given.token,
+            job_id: given.job,
+            attempt: given.number,
+            kind: variant::<JobKind>(&given.kind)?,
+            spec: RawValue::from_string(given.spec).map_err(StoreError::corrupt("spec"))?,
+            spec_sha256: given.spec_sha256,
+            lease_s,
+            heartbeat_s: HEARTBEAT_S.min(lease_s / HEARTBEATS_A_LEASE),
+            time_limit_s: self
+                .options()
+                .job_time_limit
+                .map(|limit| limit.as_secs_f64()),
+            checkpoint,
+        }))
+    }
+}
+
+impl Change {
+    async fn claim(
+        &mut self,
+        worker: &ClaimRequest,
+        lease: i64,
+    ) -> Result<Option<(Given, Option<CheckpointInfo>)>> {
+        self.see_worker(worker).await?;
+        let attempt = match self.unheard(worker.worker_id, lease).await? {
+            Some(attempt) => attempt,
+            None => match self.next_job(worker).await? {
+                Some(job) => self.start_attempt(worker, &job, lease).await?,
+                None => return Ok(None),
+            },
+        };
+        let given: Given = sqlx::query_as(
+            "SELECT a.seq AS attempt, a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
+                    j.spec_sha256
+             FROM attempts a JOIN jobs j ON j.seq = a.job JOIN specs s ON s.job = a.job
+             WHERE a.seq = ?",
+        )
+        .bind(attempt)
+        .fetch_one(&mut self.connection)
+        .await?;
+        let checkpoint = checkpoint_of(&mut self.connection, given.attempt).await?;
+        Ok(Some((given, checkpoint)))
+    }
+
+    /// A live lease of the worker that it never used, extended.
+    async fn unheard(&mut self, worker: Uuid, lease: i64) -> Result<Option<i64>> {
+        let attempt = sqlx::query_scalar(
+            "UPDATE attempts SET lease_until = ?1
+             WHERE worker = ?2 AND ended_at IS NULL AND heard = 0 RETURNING seq",
+        )
+        .bind(self.now.as_millis() + lease)
+        .bind(worker)
+        .fetch_optional(&mut self.connection)
+        .await?;
+        Ok(attempt)
+    }
+
+    async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<Life>> {
+        let life = sqlx::query_as(
+            "SELECT seq, id, status, outcome, asked, losses, version FROM jobs
+             WHERE status = 'queued' AND kind IN (SELECT value FROM json_each(?))
+             ORDER BY priority DESC, seq LIMIT 1",
+        )
+        .bind(json(&worker.kinds)?)
+        .fetch_optional(&mut self.connection)
+        .await?;
+        Ok(life)
+    }
+
+    /// Starts an attempt at a queued job; the files of its checkpoint, if it has one, are carried
+    /// over.
+    async fn start_attempt(
+        &mut self,
+        worker: &ClaimRequest,
+        job: &Life,
+        lease: i64,
+    ) -> Result<i64> {
+        let why = format!("running on {} ({})", worker.name, worker.host);
+        self.step(job, Input::Claim, Some(why), None).await?;
+        let number: i64 = sqlx::query_scalar(
+            "UPDATE jobs SET attempt = attempt + 1, started_at = COALESCE(started_at, ?)
+             WHERE seq = ? RETURNING attempt",
+        )
+        .bind(self.now.as_millis())
+        .bind(job.seq)
+        .fetch_one(&mut self.connection)
+        .await?;
+        let attempt = sqlx::query(
+            "INSERT INTO attempts (id, token, job, number, worker, worker_name, host, started_at,
+                                   lease_until, resumed_wall_s)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9,
+                     COALESCE((SELECT wall_s FROM checkpoints WHERE job = ?3), 0.0))",
+        )
+        .bind(Uuid::now_v7())
+        .bind(Uuid::new_v4())
+        .bind(job.seq)
+        .bind(number)
+        .bind(worker.worker_id)
+        .bind(&worker.name)
+        .bind(&worker.host)
+        .bind(self.now.as_millis())
+        .bind(self.now.as_millis() + lease)
+        .execute(&mut self.connection)
+        .await?
+        .last_insert_rowid();
+        sqlx::query(
+            "INSERT INTO attempt_files (attempt, name, bytes, sha256)
+             SELECT ?, name, bytes, sha256 FROM checkpoint_files WHERE job = ?",
+        )
+        .bind(attempt)
+        .bind(job.seq)
+        .execute(&mut self.connection)
+        .await?;
+        Ok(attempt)
+    }
+}
+
+/// The checkpoint of the job that `attempt` belongs to.
+pub(super) async fn checkpoint_of(
+    connection: &mut SqliteConnection,
+    attempt: i64,
+) -> Result<Option<CheckpointInfo>> {
+    let found: Option<(i64, i64, String, f64, f64)> = sqlx::query_as(
+        "SELECT c.job, c.bytes, c.sha256, c.wall_s, c.cpu_s
+         FROM checkpoints c JOIN attempts a ON a.job = c.job WHERE a.seq = ?",
+    )
+    .bind(attempt)
+    .fetch_optional(&mut *connection)
+    .await?;
+    let Some((job, bytes, sha256, wall_s, cpu_s)) = found else {
+        return Ok(None);
+    };
+    let files: Vec<(String, i64, String)> =
+        sqlx::query_as("SELECT name, bytes, sha256 FROM checkpoint_files WHERE job = ?")
+            .bind(job)
+            .fetch_all(connection)
+            .await?;
+    Ok(Some(CheckpointInfo {
+        bytes: bytes.unsigned_abs(),
+        sha256,
+        files: files.into_iter().map(entry).collect(),
+        wall_s,
+        cpu_s,
+    }))
+}
+
+/// A file from its row.
+pub(super) fn entry((name, bytes, sha256): (String, i64, String)) -> FileEntry {
+    FileEntry {
+        name,
+        bytes: bytes.unsigned_abs(),
+        sha256,
+    }
+}
+
+impl Store {
+    /// Length of a lease in the database's unit.
+    pub(super) fn lease_millis(&self) -> i64 {
+        millis(self.options().lease)
+    }
+}

@@ -1,0 +1,222 @@
+//! Curves: points in the order they were computed, in blocks of about 100 kB.
+use loadframe_api::CurveView;
+use loadframe_api::worker::CurveBlock;
+use sqlx::FromRow;
+use uuid::Uuid;
+
+use super::lease::Held;
+use super::words::{json, parsed};
+use super::writer::Change;
+use super::{Result, Store, StoreError};
+
+/// Size of a full block before compression [bytes].
+const BLOCK_BYTES: usize = 100_000;
+/// Points and columns a report may bring.
+const MOST_ROWS: usize = 10_000;
+const MOST_COLUMNS: usize = 200;
+/// Fast; the numbers of a simulation gain little from more.
+const COMPRESSION: i32 = 1;
+
+#[derive(Debug, FromRow)]
+struct Block {
+    first: i64,
+    count: i64,
+    data: Vec<u8>,
+}
+
+impl Change {
+    /// Appends what is new in `block` to the attempt's curve; whether anything was.
+    pub(super) async fn append_points(&mut self, held: &Held, block: &CurveBlock) -> Result<bool> {
+        check(held, block)?;
+        let known = usize::try_from(held.points.unsigned_abs() - block.first);
+        let new = block.rows.get(known.unwrap_or(usize::MAX)..);
+        let Some(new) = new.filter(|rows| !rows.is_empty()) else {
+            return Ok(false);
+        };
+        let columns = block.columns.len();
+        let full = BLOCK_BYTES.div_ceil(8 * columns);
+        // a last block that is not full takes the first new points, so that a curve reported point
+        // by point is read as fast as one reported at once
+        let (mut first, mut rows) = match self.last_block(held.seq).await? {
+            Some(last) if last.count.unsigned_abs() < full as u64 => {
+                (last.first, decode(&last, columns)?)
+            }
+            _ => (held.points, Vec::new()),
+        };
+        rows.extend_from_slice(new);
+        for rows in rows.chunks(full) {
+            let count = i64::try_from(rows.len()).unwrap_or(i64::MAX);
+            sqlx::query(
+                "INSERT OR REPLACE INTO curve_blocks (attempt, first, count, data)
+                 VALUES (?, ?, ?, ?)",
+            )
+            .bind(held.seq)
+            .bind(first)
+            .bind(count)
+            .bind(encode(rows, columns)?)
+            .execute(&mut self.connection)
+            .await?;
+            first += count;
+        }
+        sqlx::query("UPDATE attempts SET columns = ?, points = ? WHERE seq = ?")
+            .bind(json(&block.columns)?)
+            .bind(first)
+            .bind(held.seq)
+            .execute(&mut self.connection)
+            .await?;
+        Ok(true)
+    }
+
+    async fn last_block(&mut self, attempt: i64) -> Result<Option<Block>> {
+        let last = sqlx::query_as(
+            "SELECT first, count, data FROM curve_blocks WHERE attempt = ?
+             ORDER BY first DESC LIMIT 1",
+        )
+        .bind(attempt)
+        .fetch_optional(&mut self.connection)
+        .await?;
+        Ok(last)
+    }
+
+    /// Of a job's curves, keeps `result`, or else the longest: all attempts compute the same
+    /// points, so that it holds all the others.
+    pub(super) async fn keep_one_curve(&mut self, job: i64, result: Option<i64>) -> Result<()> {
+        sqlx::query(
+            "UPDATE attempts SET points = 0, columns = '[]'
+             WHERE job = ?1 AND points > 0 AND seq <> COALESCE(?2,
+                (SELECT seq FROM attempts WHERE job = ?1 ORDER BY points DESC, seq DESC LIMIT 1))",
+        )
+        .bind(job)
+        .bind(result)
+        .execute(&mut self.connection)
+        .await?;
+        sqlx::query(
+            "DELETE FROM curve_blocks
+             WHERE attempt IN (SELECT seq FROM attempts WHERE job = ? AND points = 0)",
+        )
+        .bind(job)
+        .execute(&mut self.connection)
+        .await?;
+        Ok(())
+    }
+}
+
+#[derive(FromRow)]
+struct Curve {
+    attempt: Option<i64>,
+    number: u32,
+    columns: String,
+    complete: bool,
+}
+
+impl Store {
+    /// Points of the curve from `since` on, at most `limit`. The curve never shrinks: while a new
+    /// attempt catches up, the one that got furthest is shown.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`] when there is no such job.
+    pub async fn curve(&self, id: Uuid, since: u64, limit: Option<u64>) -> Result<CurveView> {
+        let most = i64::MAX as u64;
+        let since = since.min(most);
+        let end = since.saturating_add(limit.unwrap_or(most)).min(most);
+        // one snapshot, or an attempt could end between the two statements
+        let mut snapshot = self.reads().begin().await?;
+        let curve: Curve = sqlx::query_as(
+            "SELECT a.seq AS attempt, COALESCE(a.number, 0) AS number,
+                    COALESCE(a.columns, '[]') AS columns, j.status = 'finished' AS complete
+             FROM jobs j LEFT JOIN attempts a ON a.job = j.seq
+             LEFT JOIN results r ON r.job = j.seq
+             WHERE j.id = ? ORDER BY a.number = r.attempt DESC, a.points DESC, a.seq DESC LIMIT 1",
+        )
+        .bind(id)
+        .fetch_optional(&mut *snapshot)
+        .await?
+        .ok_or_else(|| StoreError::NotFound(format!("job {id}")))?;
+        let blocks: Vec<Block> = sqlx::query_as(
+            "SELECT first, count, data FROM curve_blocks
+             WHERE attempt = ? AND first + count > ? AND first < ? ORDER BY first",
+        )
+        .bind(curve.attempt)
+        .bind(since.cast_signed())
+        .bind(end.cast_signed())
+        .fetch_all(&mut *snapshot)
+        .await?;
+        drop(snapshot);
+        let columns: Vec<String> = parsed(&curve.columns, "columns")?;
+        let width = columns.len();
+        let points = tokio::task::spawn_blocking(move || between(&blocks, width, since, end))
+            .await
+            .map_err(|_| StoreError::Unavailable)??;
+        Ok(CurveView {
+            columns,
+            attempt: curve.number,
+            next: since + points.len() as u64,
+            points,
+            complete: curve.complete,
+        })
+    }
+}
+
+/// The points of consecutive blocks whose index is in `since..end`.
+fn between(blocks: &[Block], columns: usize, since: u64, end: u64) -> Result<Vec<Vec<f64>>> {
+    let mut points = Vec::new();
+    for block in blocks {
+        let first = block.first.unsigned_abs();
+        let rows = decode(block, columns)?.into_iter().zip(first..);
+        let inside = rows.filter(|(_, index)| (since..end).contains(index));
+        points.extend(inside.map(|(row, _)| row));
+    }
+    Ok(points)
+}
+
+fn check(held: &Held, block: &CurveBlock) -> Result<()> {
+    let invalid = |sentence: String| Err(StoreError::Invalid(sentence));
+    if !(1..=MOST_COLUMNS).contains(&block.columns.len()) || block.rows.len() > MOST_ROWS {
+        return invalid(format!(
+            "a block has 1 … {MOST_COLUMNS} columns and at most {MOST_ROWS} rows"
+        ));
+    }
+    let points = held.points.unsigned_abs();
+    if block.first > points {
+        let first = block.first;
+        return invalid(format!(
+            "the curve has {points} points; a block from {first} leaves a gap"
+        ));
+    }
+    if points > 0 && parsed::<Vec<String>>(&held.columns, "columns")? != block.columns {
+        return invalid("the columns of a curve stay the same".to_owned());
+    }
+    let width = block.columns.len();
+    if block.rows.iter().any(|row| row.len() != width) {
+        return invalid(format!("every row has {width} values, one for each column"));
+    }
+    if block.rows.iter().flatten().any(|value| !value.is_finite()) {
+        return invalid("the values of a curve are finite".to_owned());
+    }
+    Ok(())
+}
+
+/// Column after column, little-endian, compressed: neighbours in a column are alike.
+fn encode(rows: &[Vec<f64>], columns: usize) -> Result<Vec<u8>> {
+    let column = |column: usize| rows.iter().filter_map(move |row| row.get(column));
+    let bytes: Vec<u8> = (0..columns)
+        .flat_map(column)
+        .flat_map(|value| value.to_le_bytes())
+        .collect();
+    zstd::bulk::compress(&bytes, COMPRESSION).map_err(StoreError::corrupt("curve"))
+}
+
+fn decode(block: &Block, columns: usize) -> Result<Vec<Vec<f64>>> {
+    let count = usize::try_from(block.count).map_err(StoreError::corrupt("curve"))?;
+    let size = count * columns * 8;
+    let bytes = zstd::bulk::decompress(&block.data, size).map_err(StoreError::corrupt("curve"))?;
+    if bytes.len() != size {
+        return Err(StoreError::corrupt("curve")("a block of another size"));
+    }
+    let (values, _) = bytes.as_chunks::<8>();
+    let row = |row: usize| {
+        let value = |column: usize| f64::from_le_bytes(values[column * count + row]);
+        (0..columns).map(value).collect()
+    };
+    Ok((0..count).map(row).collect())
+}

@@ -1,0 +1,179 @@
+//! The last word of a worker on its attempt: complete, fail or release. A word said twice, because
+//! the answer to the first was lost, is answered twice.
+use std::collections::HashMap;
+
+use loadframe_api::worker::{CompleteRequest, FailRequest, ReleaseReason};
+use loadframe_api::{FileEntry, JobOutcome, sha256_hex};
+use serde::Serialize;
+
+use super::lease::Held;
+use super::state::{Ending, Life};
+use super::words::json;
+use super::writer::Change;
+use super::{LeaseKey, Result, Store, StoreError};
+use crate::queue::{Input, State};
+
+/// The file every result has.
+const OUTCOME_FILE: &str = "outcome.json";
+
+impl Store {
+    /// Publishes the attempt's files and curve as the job's result. All files of the request must
+    /// have been uploaded under this lease; others it has uploaded are dropped. When a cancel was
+    /// accepted before, it holds: the job is then cancelled and nothing published.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`]; [`StoreError::Invalid`] when files are missing or the outcome is
+    /// of another spec.
+    pub async fn complete(&self, key: LeaseKey, request: &CompleteRequest) -> Result<()> {
+        let (message, request) = (digest("complete", request)?, request.clone());
+        self.write(move |change| {
+            Box::pin(async move { change.complete(key, message, &request).await })
+        })
+        .await
+    }
+
+    /// Ends the job without a result.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`].
+    pub async fn fail(&self, key: LeaseKey, request: &FailRequest) -> Result<()> {
+        let message = digest("fail", request)?;
+        let (input, why) = (Input::Fail(request.code), request.reason.clone());
+        self.write(move |change| {
+            Box::pin(async move {
+                change.end(key, message, input, Some(why)).await?;
+                Ok(())
+            })
+        })
+        .await
+    }
+
+    /// Gives the job back. What becomes of it follows from what its user asked: it is cancelled,
+    /// paused, or queued again at no charge.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`].
+    pub async fn release(&self, key: LeaseKey, reason: ReleaseReason) -> Result<()> {
+        let message = digest("release", &reason)?;
+        self.write(move |change| {
+            Box::pin(async move {
+                change.end(key, message, Input::Release, None).await?;
+                Ok(())
+            })
+        })
+        .await
+    }
+}
+
+/// SHA-256 of a message.
+fn digest(route: &str, message: &impl Serialize) -> Result<String> {
+    Ok(sha256_hex(format!("{route} {}", json(message)?).as_bytes()))
+}
+
+impl Change {
+    /// Ends the attempt of `key` by `input`; `None` when this same message has ended it before.
+    async fn end(
+        &mut self,
+        key: LeaseKey,
+        message: String,
+        input: Input,
+        why: Option<String>,
+    ) -> Result<Option<(Life, Held, State)>> {
+        let held = Held::find(&mut self.connection, key).await?;
+        if held.ended_at.is_some() {
+            let is_repeated = held.ended_by.as_ref() == Some(&message);
+            return is_repeated.then_some(None).ok_or(StoreError::LeaseLost);
+        }
+        let life = Life::of(&mut self.connection, held.job).await?;
+        // the worker's reason is that of its failure; who asked to cancel knows why
+        let why = why.filter(|_| matches!(life.asked(), Ok(None)));
+        let ending = Ending {
+            attempt: held.seq,
+            token: held.token,
+            message: Some(message),
+            expired: false,
+        };
+        let step = self.step(&life, input, why, Some(ending)).await?;
+        Ok(Some((life, held, step.state)))
+    }
+
+    async fn complete(
+        &mut self,
+        key: LeaseKey,
+        message: String,
+        request: &CompleteRequest,
+    ) -> Result<()> {
+        let Some((life, held, state)) = self.end(key, message, Input::Complete, None).await? else {
+            return Ok(());
+        };
+        if state != State::Finished(JobOutcome::Succeeded) {
+            return Ok(());
+        }
+        self.check_outcome(&life, request).await?;
+        self.publish(&held, &request.files).await?;
+        sqlx::query("INSERT INTO results (job, attempt, summary, outcome) VALUES (?, ?, ?, ?)")
+            .bind(life.seq)
+            .bind(held.number)
+            .bind(json(&request.outcome.summary)?)
+            .bind(json(&request.outcome)?)
+            .execute(&mut self.connection)
+            .await?;
+        Ok(())
+    }
+
+    /// The outcome must be one of this job's spec.
+    async fn check_outcome(&mut self, life: &Life, request: &CompleteRequest) -> Result<()> {
+        let (kind, spec_sha256): (String, String) =
+            sqlx::query_as("SELECT kind, spec_sha256 FROM jobs WHERE seq = ?")
+                .bind(life.seq)
+                .fetch_one(&mut self.connection)
+                .await?;
+        let outcome = &request.outcome;
+        if outcome.kind.name() != kind || outcome.provenance.spec_sha256 != spec_sha256 {
+            let sentence = format!("the outcome is not of this job's spec {spec_sha256}");
+            return Err(StoreError::Invalid(sentence));
+        }
+        Ok(())
+    }
+
+    /// Makes the attempt's files exactly those of the result.
+    async fn publish(&mut self, held: &Held, files: &[FileEntry]) -> Result<()> {
+        if !files.iter().any(|file| file.name == OUTCOME_FILE) {
+            let sentence = format!("{OUTCOME_FILE} is missing among the files");
+            return Err(StoreError::Invalid(sentence));
+        }
+        let uploaded: Vec<(String, i64, String)> =
+            sqlx::query_as("SELECT name, bytes, sha256 FROM attempt_files WHERE attempt = ?")
+                .bind(held.seq)
+                .fetch_all(&mut self.connection)
+                .await?;
+        let mut uploaded: HashMap<String, (i64, String)> = uploaded
+            .into_iter()
+            .map(|(name, bytes, sha256)| (name, (bytes, sha256)))
+            .collect();
+        for file in files {
+            let found = uploaded.remove(&file.name);
+            let is_same = found.is_some_and(|(bytes, sha256)| {
+                bytes.unsigned_abs() == file.bytes && sha256 == file.sha256
+            });
+            if !is_same {
+                let sentence = format!("{} was not uploaded with this content", file.name);
+                return Err(StoreError::Invalid(sentence));
+            }
+        }
+        let (names, contents): (Vec<_>, Vec<_>) = uploaded
+            .into_iter()
+            .map(|(name, (_, sha256))| (name, sha256))
+            .unzip();
+        self.garbage(contents);
+        sqlx::query(
+            "DELETE FROM attempt_files
+             WHERE attempt = ? AND name IN (SELECT value FROM json_each(?))",
+        )
+        .bind(held.seq)
+        .bind(json(&names)?)
+        .execute(&mut self.connection)
+        .await?;
+        Ok(())
+    }
+}

@@ -1,0 +1,246 @@
+//! Files and checkpoints: taken in from workers, given out to everybody.
+use std::path::PathBuf;
+
+use loadframe_api::worker::{CheckpointInfo, CheckpointQuery};
+use loadframe_api::{FileEntry, check_file_name};
+use tokio::io::AsyncRead;
+use uuid::Uuid;
+
+use super::claim::{checkpoint_of, entry};
+use super::lease::Held;
+use super::state::Life;
+use super::writer::Change;
+use super::{LeaseKey, Result, Store, StoreError};
+
+/// Largest result file [bytes].
+const LARGEST_FILE: u64 = 8 << 30;
+/// Largest checkpoint [bytes].
+const LARGEST_CHECKPOINT: u64 = 8 << 30;
+/// Files of a result.
+const MOST_FILES: i64 = 100_000;
+
+impl Store {
+    /// Takes in a result file. It belongs to the attempt, and to the job only after `complete`.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`]; [`StoreError::Invalid`] for a bad name or another content than
+    /// `sha256` says; [`StoreError::TooLarge`]; [`StoreError::Interrupted`].
+    pub async fn upload(
+        &self,
+        key: LeaseKey,
+        name: &str,
+        sha256: &str,
+        body: impl AsyncRead + Send + Unpin,
+    ) -> Result<FileEntry> {
+        check_file_name(name).map_err(|error| StoreError::Invalid(error.to_string()))?;
+        self.check_lease(key).await?;
+        let received = self
+            .blobs()
+            .receive("a file", sha256, LARGEST_FILE, body)
+            .await?;
+        let entry = FileEntry {
+            name: name.to_owned(),
+            bytes: received.bytes,
+            sha256: received.sha256.clone(),
+        };
+        let stay = self.blobs().keep(received).await?;
+        let (row, lease) = (entry.clone(), self.lease_millis());
+        // a refused upload may have left bytes that no row names
+        let written = self
+            .write(move |change| {
+                Box::pin(async move {
+                    change.add_file(key, lease, &row).await?;
+                    Ok(stay)
+                })
+            })
+            .await;
+        self.undo_unless_written(&entry.sha256, written)?;
+        Ok(entry)
+    }
+
+    /// Takes in a checkpoint, to which all files uploaded so far by this attempt belong. It
+    /// replaces the job's earlier one.
+    ///
+    /// # Errors
+    /// As [`Self::upload`].
+    pub async fn save_checkpoint(
+        &self,
+        key: LeaseKey,
+        query: &CheckpointQuery,
+        body: impl AsyncRead + Send + Unpin,
+    ) -> Result<CheckpointInfo> {
+        if [query.wall_s, query.cpu_s]
+            .iter()
+            .any(|time| time.is_nan() || *time < 0.0)
+        {
+            let sentence = "wall_s and cpu_s are not negative";
+            return Err(StoreError::Invalid(sentence.to_owned()));
+        }
+        self.check_lease(key).await?;
+        let received = self
+            .blobs()
+            .receive("a checkpoint", &query.sha256, LARGEST_CHECKPOINT, body)
+            .await?;
+        let bytes = received.bytes;
+        let stay = self.blobs().keep(received).await?;
+        let (row, lease) = (query.clone(), self.lease_millis());
+        let written = self
+            .write(move |change| {
+                Box::pin(async move {
+                    let info = change.set_checkpoint(key, lease, &row, bytes).await?;
+                    Ok((info, stay))
+                })
+            })
+            .await;
+        let (info, _) = self.undo_unless_written(&query.sha256, written)?;
+        Ok(info)
+    }
+
+    /// The checkpoint of the lease's job, and where its bytes are.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`]; [`StoreError::NotFound`] when there is none.
+    pub async fn checkpoint(&self, key: LeaseKey) -> Result<(CheckpointInfo, PathBuf)> {
+        let mut snapshot = self.reads().begin().await?;
+        let held = Held::live(&mut snapshot, key).await?;
+        let info = checkpoint_of(&mut snapshot, held.seq).await?;
+        let info = info.ok_or_else(|| StoreError::NotFound("checkpoint".to_owned()))?;
+        let path = self.blobs().path(&info.sha256);
+        Ok((info, path))
+    }
+
+    /// Files of the job's result; none before it has succeeded.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`] when there is no such job.
+    pub async fn files(&self, id: Uuid) -> Result<Vec<FileEntry>> {
+        let mut snapshot = self.reads().begin().await?;
+        let life = Life::of(&mut snapshot, id).await?;
+        let files: Vec<(String, i64, String)> = sqlx::query_as(
+            "SELECT f.name, f.bytes, f.sha256
+             FROM results r JOIN attempts a ON a.job = r.job AND a.number = r.attempt
+             JOIN attempt_files f ON f.attempt = a.seq
+             WHERE r.job = ? ORDER BY f.name",
+        )
+        .bind(life.seq)
+        .fetch_all(&mut *snapshot)
+        .await?;
+        Ok(files.into_iter().map(entry).collect())
+    }
+
+    /// A file of the job's result, and where its bytes are.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`].
+    pub async fn file(&self, id: Uuid, name: &str) -> Result<(FileEntry, PathBuf)> {
+        let found: Option<(String, i64, String)> = sqlx::query_as(
+            "SELECT f.name, f.bytes, f.sha256
+             FROM jobs j JOIN results r ON r.job = j.seq
+             JOIN attempts a ON a.job = r.job AND a.number = r.attempt
+             JOIN attempt_files f ON f.attempt = a.seq
+             WHERE j.id = ? AND f.name = ?",
+        )
+        .bind(id)
+        .bind(name)
+        .fetch_optional(self.reads())
+        .await?;
+        let found =
+            found.ok_or_else(|| StoreError::NotFound(format!("file {name} of job {id}")))?;
+        let file = entry(found);
+        let path = self.blobs().path(&file.sha256);
+        Ok((file, path))
+    }
+
+    /// `outcome.json` of a succeeded job.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`].
+    pub async fn outcome(&self, id: Uuid) -> Result<String> {
+        sqlx::query_scalar(
+            "SELECT r.outcome FROM results r JOIN jobs j ON j.seq = r.job WHERE j.id = ?",
+        )
+        .bind(id)
+        .fetch_optional(self.reads())
+        .await?
+        .ok_or_else(|| StoreError::NotFound(format!("outcome of job {id}")))
+    }
+
+    /// Refuses a stale worker before its body is taken in.
+    async fn check_lease(&self, key: LeaseKey) -> Result<()> {
+        let mut connection = self.reads().acquire().await?;
+        Held::live(&mut connection, key).await?;
+        Ok(())
+    }
+
+    /// Bytes whose row was refused are named by nothing: the collector shall look at them.
+    fn undo_unless_written<T>(&self, sha256: &str, written: Result<T>) -> Result<T> {
+        if written.is_err() {
+            self.blobs().suspect(vec![sha256.to_owned()]);
+        }
+        written
+    }
+}
+
+impl Change {
+    async fn add_file(&mut self, key: LeaseKey, lease: i64, file: &FileEntry) -> Result<()> {
+        let held = self.extend(key, lease).await?;
+        let replaced: Option<String> =
+            sqlx::query_scalar("SELECT sha256 FROM attempt_files WHERE attempt = ? AND name = ?")
+                .bind(held.seq)
+                .bind(&file.name)
+                .fetch_optional(&mut self.connection)
+                .await?;
+        self.garbage(replaced);
+        sqlx::query(
+            "INSERT OR REPLACE INTO attempt_files (attempt, name, bytes, sha256)
+             VALUES (?, ?, ?, ?)",
+        )
+        .bind(held.seq)
+        .bind(&file.name)
+        .bind(i64::try_from(file.bytes).unwrap_or(i64::MAX))
+        .bind(&file.sha256)
+        .execute(&mut self.connection)
+        .await?;
+        let count: i64 = sqlx::query_scalar("SELECT COUNT(*) FROM attempt_files WHERE attempt = ?")
+            .bind(held.seq)
+            .fetch_one(&mut self.connection)
+            .await?;
+        if count > MOST_FILES {
+            let sentence = format!("a result has at most {MOST_FILES} files");
+            return Err(StoreError::Invalid(sentence));
+        }
+        Ok(())
+    }
+
+    async fn set_checkpoint(
+        &mut self,
+        key: LeaseKey,
+        lease: i64,
+        query: &CheckpointQuery,
+        bytes: u64,
+    ) -> Result<CheckpointInfo> {
+        let held = self.extend(key, lease).await?;
+        let life = Life::of(&mut self.connection, held.job).await?;
+        self.drop_checkpoint(life.seq).await?;
+        sqlx::query(
+            "INSERT INTO checkpoints (job, bytes, sha256, wall_s, cpu_s) VALUES (?, ?, ?, ?, ?)",
+        )
+        .bind(life.seq)
+        .bind(i64::try_from(bytes).unwrap_or(i64::MAX))
+        .bind(&query.sha256)
+        .bind(query.wall_s)
+        .bind(query.cpu_s)
+        .execute(&mut self.connection)
+        .await?;
+        sqlx::query(
+            "INSERT INTO checkpoint_files (job, name, bytes, sha256)
+             SELECT ?, name, bytes, sha256 FROM attempt_files WHERE attempt = ?",
+        )
+        .bind(life.seq)
+        .bind(held.seq)
+        .execute(&mut self.connection)
+        .await?;
+        let info = checkpoint_of(&mut self.connection, held.seq).await?;
+        info.ok_or(StoreError::Unavailable)
+    }
+}

@@ -1,0 +1,162 @@
+//! What a worker says while it holds a lease: that it lives, how far it is, what it computed.
+use loadframe_api::worker::{Command, ProgressReport};
+use sqlx::FromRow;
+use sqlx::sqlite::SqliteConnection;
+use uuid::Uuid;
+
+use super::state::Life;
+use super::writer::{Change, EventType};
+use super::{LeaseKey, Result, Store, StoreError, log};
+use crate::queue::Asked;
+
+/// Longest phase [characters].
+const LONGEST_PHASE: usize = 500;
+
+/// An attempt under its lease.
+#[derive(Debug, FromRow)]
+pub(super) struct Held {
+    /// The attempt's row.
+    pub(super) seq: i64,
+    pub(super) token: Uuid,
+    pub(super) number: u32,
+    pub(super) ended_at: Option<i64>,
+    pub(super) ended_by: Option<String>,
+    pub(super) columns: String,
+    pub(super) points: i64,
+    /// The job's id.
+    pub(super) job: Uuid,
+}
+
+impl Held {
+    /// The attempt whose id and token `key` has, live or ended.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`] when there is none.
+    pub(super) async fn find(connection: &mut SqliteConnection, key: LeaseKey) -> Result<Self> {
+        sqlx::query_as(
+            "SELECT a.seq, a.token, a.number, a.ended_at, a.ended_by, a.columns, a.points,
+                    j.id AS job
+             FROM attempts a JOIN jobs j ON j.seq = a.job WHERE a.id = ? AND a.token = ?",
+        )
+        .bind(key.id)
+        .bind(key.token)
+        .fetch_optional(connection)
+        .await?
+        .ok_or(StoreError::LeaseLost)
+    }
+
+    /// The attempt, if it is live.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`] when it is not.
+    pub(super) async fn live(connection: &mut SqliteConnection, key: LeaseKey) -> Result<Self> {
+        let held = Self::find(connection, key).await?;
+        if held.ended_at.is_none() {
+            Ok(held)
+        } else {
+            Err(StoreError::LeaseLost)
+        }
+    }
+}
+
+impl Change {
+    /// Extends a live lease, and notes that its worker is there.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`] when the lease is not held.
+    pub(super) async fn extend(&mut self, key: LeaseKey, lease: i64) -> Result<Held> {
+        let extended = sqlx::query(
+            "UPDATE attempts SET lease_until = ?, heard = 1
+             WHERE id = ? AND token = ? AND ended_at IS NULL",
+        )
+        .bind(self.now.as_millis() + lease)
+        .bind(key.id)
+        .bind(key.token)
+        .execute(&mut self.connection)
+        .await?;
+        if extended.rows_affected() != 1 {
+            return Err(StoreError::LeaseLost);
+        }
+        sqlx::query(
+            "UPDATE workers SET last_seen_at = ?
+             WHERE id = (SELECT worker FROM attempts WHERE id = ?)",
+        )
+        .bind(self.now.as_millis())
+        .bind(key.id)
+        .execute(&mut self.connection)
+        .await?;
+        Held::live(&mut self.connection, key).await
+    }
+
+    async fn report(
+        &mut self,
+        key: LeaseKey,
+        lease: i64,
+        report: &ProgressReport,
+    ) -> Result<Command> {
+        let held = self.extend(key, lease).await?;
+        let life = Life::of(&mut self.connection, held.job).await?;
+        sqlx::query("UPDATE jobs SET progress = ?, phase = ?, eta_s = ? WHERE seq = ?")
+            .bind(report.progress)
+            .bind(&report.phase)
+            .bind(report.eta_s)
+            .bind(life.seq)
+            .execute(&mut self.connection)
+            .await?;
+        if let Some(block) = &report.points
+            && self.append_points(&held, block).await?
+        {
+            self.event(life.seq, life.id, EventType::Points).await?;
+        }
+        self.append_log(&life, held.number, &report.log).await?;
+        self.event(life.seq, life.id, EventType::Progress).await?;
+        Ok(Asked::command(life.asked()?))
+    }
+}
+
+impl Store {
+    /// Extends the lease and tells what the user wants of the attempt.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`] when the lease is not held.
+    pub async fn heartbeat(&self, key: LeaseKey) -> Result<Command> {
+        let lease = self.lease_millis();
+        self.write(move |change| {
+            Box::pin(async move {
+                let held = change.extend(key, lease).await?;
+                let life = Life::of(&mut change.connection, held.job).await?;
+                Ok(Asked::command(life.asked()?))
+            })
+        })
+        .await
+    }
+
+    /// Takes in progress, curve points and log lines; counts as a heartbeat.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`] when the lease is not held, [`StoreError::Invalid`] when the
+    /// report leaves a gap in the curve or has values out of their range.
+    pub async fn report(&self, key: LeaseKey, report: &ProgressReport) -> Result<Command> {
+        check(report)?;
+        let (lease, report) = (self.lease_millis(), report.clone());
+        self.write(move |change| Box::pin(async move { change.report(key, lease, &report).await }))
+            .await
+    }
+}
+
+fn check(report: &ProgressReport) -> Result<()> {
+    let invalid = |sentence: &str| Err(StoreError::Invalid(sentence.to_owned()));
+    if !(0.0..=1.0).contains(&report.progress) {
+        return invalid("progress is between 0 and 1");
+    }
+    if report.eta_s.is_some_and(|eta| eta.is_nan() || eta < 0.0) {
+        return invalid("eta_s is not negative");
+    }
+    if report.phase.chars().count() > LONGEST_PHASE {
+        return invalid("phase has at most 500 characters");
+    }
+    if report.log.len() > log::MOST_LINES_A_REPORT {
+        return invalid("log has at most 1000 lines a report");
+    }
+    Ok(())
+}

@@ -1,0 +1,101 @@
+//! Opening the store.
+use std::fs::{File, TryLockError};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use sqlx::ConnectOptions;
+use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
+use tokio::sync::{mpsc, watch};
+
+use super::blobs::Blobs;
+use super::tokens::Believed;
+use super::writer::{Announcements, Writer};
+use super::{Inner, Result, Store, StoreError, StoreOptions};
+
+/// Reads at once.
+const READERS: u32 = 4;
+/// How long a statement waits for another process, such as a token command, to finish writing.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// The write-ahead log is cut back to this [bytes] after a burst.
+const LOG_KEPT: &str = "67108864";
+
+impl Store {
+    /// Opens the store of a server, which has the folder for itself: brings the schema up to date,
+    /// gives running attempts a fresh lease, removes what a crash left half-written.
+    ///
+    /// # Errors
+    /// [`StoreError::InUse`] when another server has the folder; file and database errors.
+    pub async fn open(options: StoreOptions) -> Result<Self> {
+        std::fs::create_dir_all(&options.data).map_err(StoreError::file(&options.data))?;
+        let lock = lock(&options.data)?;
+        let store = Self::connect(options, Some(lock)).await?;
+        store.renew_leases().await?;
+        store.blobs().recover().await?;
+        Ok(store)
+    }
+
+    /// Opens the store beside a server that may be running, for commands on tokens.
+    ///
+    /// # Errors
+    /// File and database errors.
+    pub async fn open_beside(options: StoreOptions) -> Result<Self> {
+        std::fs::create_dir_all(&options.data).map_err(StoreError::file(&options.data))?;
+        Self::connect(options, None).await
+    }
+
+    async fn connect(options: StoreOptions, lock: Option<File>) -> Result<Self> {
+        let database = SqliteConnectOptions::new()
+            .filename(options.data.join("loadframe.db"))
+            .create_if_missing(true)
+            .journal_mode(SqliteJournalMode::Wal)
+            .synchronous(SqliteSynchronous::Full)
+            .foreign_keys(true)
+            .busy_timeout(PATIENCE)
+            .pragma("journal_size_limit", LOG_KEPT)
+            .disable_statement_logging();
+        let mut connection = database.connect().await?;
+        sqlx::migrate!("../migrations").run(&mut connection).await?;
+        let last: Option<i64> = sqlx::query_scalar("SELECT MAX(seq) FROM events")
+            .fetch_one(&mut connection)
+            .await?;
+        let reads = SqlitePoolOptions::new()
+            .max_connections(READERS)
+            .test_before_acquire(false)
+            .connect_with(database.pragma("query_only", "on"))
+            .await?;
+
+        let (last_event, last_event_receiver) =
+            watch::channel(last.unwrap_or_default().unsigned_abs());
+        let (queued, queued_receiver) = watch::channel(0);
+        let (garbage, reports) = mpsc::unbounded_channel();
+        let blobs = Blobs::open(&options.data, garbage.clone()).await?;
+        tokio::spawn(blobs.collector(reads.clone(), reports));
+        let announcements = Announcements {
+            last_event,
+            queued,
+            garbage,
+        };
+        Ok(Self(Arc::new(Inner {
+            options,
+            writer: Writer::start(connection, announcements),
+            reads,
+            blobs,
+            last_event: last_event_receiver,
+            queued: queued_receiver,
+            believed: Believed::default(),
+            _lock: lock,
+        })))
+    }
+}
+
+/// Takes the folder for this process; the system gives it back when the process ends, however.
+fn lock(data: &Path) -> Result<File> {
+    let path = data.join("lock");
+    let file = File::create(&path).map_err(StoreError::file(&path))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(StoreError::InUse(data.to_owned())),
+        Err(TryLockError::Error(error)) => Err(StoreError::file(path)(error)),
+    }
+}

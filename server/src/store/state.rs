@@ -1,0 +1,231 @@
+//! Steps of a job's life in the database: read the state, ask the queue's transition function,
+//! write down what it says.
+//!
+//! Every update carries its condition, so that a stale writer changes nothing: the job's row must
+//! still have the version that was read, and an attempt that ends must be live under its token.
+use loadframe_api::{AttemptEnd, JobOutcome, JobStatus, ReasonCode};
+use sqlx::FromRow;
+use sqlx::sqlite::SqliteConnection;
+use uuid::Uuid;
+
+use super::words::{variant, word};
+use super::writer::{Change, EventType};
+use super::{Result, StoreError};
+use crate::queue::{Asked, Input, Refusal, State, Step, keeps_checkpoint, transition};
+
+/// A job's row, as far as its life goes.
+#[derive(Debug, FromRow)]
+pub(super) struct Life {
+    pub(super) seq: i64,
+    pub(super) id: Uuid,
+    status: String,
+    outcome: Option<String>,
+    asked: Option<String>,
+    losses: u32,
+    version: i64,
+}
+
+/// What ends an attempt, and on which condition.
+#[derive(Debug)]
+pub(super) struct Ending {
+    /// The attempt's row.
+    pub(super) attempt: i64,
+    pub(super) token: Uuid,
+    /// SHA-256 of the message that ended it, if one did.
+    pub(super) message: Option<String>,
+    /// The lease must have run out.
+    pub(super) expired: bool,
+}
+
+impl Life {
+    /// The life of the job `id`.
+    pub(super) async fn of(connection: &mut SqliteConnection, id: Uuid) -> Result<Self> {
+        sqlx::query_as(
+            "SELECT seq, id, status, outcome, asked, losses, version FROM jobs WHERE id = ?",
+        )
+        .bind(id)
+        .fetch_optional(connection)
+        .await?
+        .ok_or_else(|| StoreError::NotFound(format!("job {id}")))
+    }
+
+    pub(super) fn state(&self) -> Result<State> {
+        let losses = self.losses;
+        Ok(match variant::<JobStatus>(&self.status)? {
+            JobStatus::Queued => State::Queued { losses },
+            JobStatus::Paused => State::Paused { losses },
+            JobStatus::Running => State::Running {
+                losses,
+                asked: self.asked()?,
+            },
+            JobStatus::Finished => {
+                State::Finished(variant(self.outcome.as_deref().unwrap_or_default())?)
+            }
+        })
+    }
+
+    pub(super) fn asked(&self) -> Result<Option<Asked>> {
+        match self.asked.as_deref() {
+            None => Ok(None),
+            Some("cancel") => Ok(Some(Asked::Cancel)),
+            Some("pause") => Ok(Some(Asked::Pause)),
+            Some(word) => Err(StoreError::corrupt("request")(word.to_owned())),
+        }
+    }
+}
+
+impl Change {
+    /// Takes the step that `input` means for `life`. `why` says to people what the reason's own
+    /// sentence does not; `ending` names the attempt that the step ends.
+    ///
+    /// # Errors
+    /// [`StoreError::Conflict`] when the job's state does not allow it, [`StoreError::LeaseLost`]
+    /// when the attempt is no longer live.
+    pub(super) async fn step(
+        &mut self,
+        life: &Life,
+        input: Input,
+        why: Option<String>,
+        ending: Option<Ending>,
+    ) -> Result<Step> {
+        let before = life.state()?;
+        let step = transition(before, input).map_err(|refusal| refused(refusal, input))?;
+        if step.state == before && step.reason.is_none() {
+            return Ok(step);
+        }
+        if let (Some(end), Some(ending)) = (step.attempt_end, ending) {
+            self.end_attempt(life, &ending, end).await?;
+        }
+        let (status, outcome, asked, losses) = columns(step.state);
+        let reason = why.or_else(|| step.reason.map(|code| sentence(code).to_owned()));
+        let code = step.reason.map(|code| word(&code)).transpose()?;
+        let updated = sqlx::query(
+            "UPDATE jobs SET
+                status = ?1, outcome = ?2, asked = ?3, losses = ?4,
+                reason_code = COALESCE(?5, reason_code), reason = COALESCE(?6, reason),
+                finished_at = CASE ?1 WHEN 'finished' THEN ?7 END,
+                progress = CASE ?2 WHEN 'succeeded' THEN 1.0 ELSE progress END,
+                phase = CASE ?1 WHEN 'running' THEN phase ELSE '' END,
+                eta_s = CASE ?1 WHEN 'running' THEN eta_s END
+             WHERE seq = ?8 AND version = ?9",
+        )
+        .bind(word(&status)?)
+        .bind(outcome.map(|outcome| word(&outcome)).transpose()?)
+        .bind(asked)
+        .bind(losses)
+        .bind(code)
+        .bind(reason)
+        .bind(self.now.as_millis())
+        .bind(life.seq)
+        .bind(life.version)
+        .execute(&mut self.connection)
+        .await?;
+        if updated.rows_affected() != 1 {
+            return Err(StoreError::Unavailable);
+        }
+        match step.state {
+            State::Queued { .. } => self.queued(),
+            State::Finished(outcome) if !keeps_checkpoint(outcome) => {
+                self.drop_checkpoint(life.seq).await?;
+            }
+            _ => {}
+        }
+        self.event(life.seq, life.id, EventType::Job).await?;
+        Ok(step)
+    }
+
+    /// Ends an attempt that is live under its token; of what it leaves, only a checkpoint and a
+    /// completed result stay.
+    async fn end_attempt(&mut self, life: &Life, ending: &Ending, end: AttemptEnd) -> Result<()> {
+        let ended = sqlx::query(
+            "UPDATE attempts SET ended_at = ?1, end_reason = ?2, ended_by = ?3
+             WHERE seq = ?4 AND token = ?5 AND ended_at IS NULL AND (NOT ?6 OR lease_until <= ?1)",
+        )
+        .bind(self.now.as_millis())
+        .bind(word(&end)?)
+        .bind(&ending.message)
+        .bind(ending.attempt)
+        .bind(ending.token)
+        .bind(ending.expired)
+        .execute(&mut self.connection)
+        .await?;
+        if ended.rows_affected() != 1 {
+            return Err(StoreError::LeaseLost);
+        }
+        let completed = end == AttemptEnd::Completed;
+        if !completed {
+            let files: Vec<String> =
+                sqlx::query_scalar("DELETE FROM attempt_files WHERE attempt = ? RETURNING sha256")
+                    .bind(ending.attempt)
+                    .fetch_all(&mut self.connection)
+                    .await?;
+            self.garbage(files);
+        }
+        self.keep_one_curve(life.seq, completed.then_some(ending.attempt))
+            .await
+    }
+
+    /// Forgets the checkpoint of a job.
+    pub(super) async fn drop_checkpoint(&mut self, job: i64) -> Result<()> {
+        let files: Vec<String> = sqlx::query_scalar(
+            "SELECT sha256 FROM checkpoints WHERE job = ?1
+             UNION SELECT sha256 FROM checkpoint_files WHERE job = ?1",
+        )
+        .bind(job)
+        .fetch_all(&mut self.connection)
+        .await?;
+        if !files.is_empty() {
+            self.garbage(files);
+            sqlx::query("DELETE FROM checkpoints WHERE job = ?")
+                .bind(job)
+                .execute(&mut self.connection)
+                .await?;
+        }
+        Ok(())
+    }
+}
+
+/// A refusal, seen by who asked: a worker has lost its lease, a user hears why.
+fn refused(refusal: Refusal, input: Input) -> StoreError {
+    match input {
+        Input::Cancel | Input::Pause | Input::Resume | Input::Retry => {
+            StoreError::Conflict(refusal.to_string())
+        }
+        _ => StoreError::LeaseLost,
+    }
+}
+
+fn columns(state: State) -> (JobStatus, Option<JobOutcome>, Option<&'static str>, u32) {
+    match state {
+        State::Queued { losses } => (JobStatus::Queued, None, None, losses),
+        State::Paused { losses } => (JobStatus::Paused, None, None, losses),
+        State::Running { losses, asked } => {
+            let asked = asked.map(|asked| match asked {
+                Asked::Cancel => "cancel",
+                Asked::Pause => "pause",
+            });
+            (JobStatus::Running, None, asked, losses)
+        }
+        State::Finished(outcome) => (JobStatus::Finished, Some(outcome), None, 0),
+    }
+}
+
+/// A reason for people.
+pub(super) fn sentence(code: ReasonCode) -> &'static str {
+    match code {
+        ReasonCode::Submitted => "waiting for a worker",
+        ReasonCode::PauseRequested => "asked to pause; the worker is leaving a checkpoint",
+        ReasonCode::CancelRequested => "asked to cancel; the worker is being told",
+        ReasonCode::PausedByUser => "paused; resume it to go on",
+        ReasonCode::ResumedByUser => "resumed",
+        ReasonCode::RetriedByUser => "to be tried again",
+        ReasonCode::CancelledByUser => "cancelled",
+        ReasonCode::WorkerReleased => "its worker stopped by plan; waiting for another",
+        ReasonCode::WorkerLost => "its worker fell silent; waiting for another",
+        ReasonCode::TooManyLosses => "its workers fell silent too often",
+        ReasonCode::SimulationError => "the simulation has no result",
+        ReasonCode::WorkerError => "the worker could not carry it out",
+        ReasonCode::TimeLimit => "it took longer than it may",
+        ReasonCode::Completed => "completed",
+    }
+}

@@ -1,0 +1,217 @@
+//! What users do to jobs: submit, edit, ask, delete.
+use loadframe_api::{JobView, ReasonCode, Submission};
+use uuid::Uuid;
+
+use super::state::{Life, sentence};
+use super::words::{json, word};
+use super::writer::{Change, EventType};
+use super::{Enqueued, IdempotencyKey, JobEdit, Result, Store, StoreError, UserAction};
+use crate::queue::{Input, Refusal, State};
+
+/// The row of a new job.
+struct NewJob {
+    id: Uuid,
+    kind: &'static str,
+    name: String,
+    notes: String,
+    tags: String,
+    priority: i32,
+    spec: String,
+    spec_sha256: String,
+    key: Option<IdempotencyKey>,
+}
+
+impl Store {
+    /// Puts a job into the queue. The same key with the same body gives the job it gave before.
+    ///
+    /// # Errors
+    /// [`StoreError::KeyReused`] when the key was used with another body, [`StoreError::Conflict`]
+    /// when the job of the key has been deleted.
+    pub async fn enqueue(
+        &self,
+        submission: &Submission,
+        key: Option<IdempotencyKey>,
+    ) -> Result<Enqueued> {
+        let spec = submission.spec.to_json();
+        let job = NewJob {
+            id: Uuid::now_v7(),
+            kind: submission.spec.kind().name(),
+            name: submission.name.clone(),
+            notes: submission.notes.clone(),
+            tags: json(&submission.tags)?,
+            priority: submission.priority,
+            spec_sha256: loadframe_api::sha256_hex(spec.as_bytes()),
+            spec,
+            key,
+        };
+        let new = job.id;
+        let id = self
+            .write(move |change| Box::pin(async move { change.enqueue(&job).await }))
+            .await?;
+        let gone = |error| match error {
+            StoreError::NotFound(_) => {
+                StoreError::Conflict("the job of this Idempotency-Key has been deleted".to_owned())
+            }
+            error => error,
+        };
+        Ok(Enqueued {
+            job: self.job(id).await.map_err(gone)?,
+            replayed: id != new,
+        })
+    }
+
+    /// Changes name, notes, tags or priority.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`].
+    pub async fn edit(&self, id: Uuid, edit: JobEdit) -> Result<JobView> {
+        self.write(move |change| {
+            Box::pin(async move {
+                let life = Life::of(&mut change.connection, id).await?;
+                sqlx::query(
+                    "UPDATE jobs SET name = COALESCE(?, name), notes = COALESCE(?, notes),
+                        tags = COALESCE(?, tags), priority = COALESCE(?, priority) WHERE seq = ?",
+                )
+                .bind(edit.name)
+                .bind(edit.notes)
+                .bind(edit.tags.as_ref().map(json).transpose()?)
+                .bind(edit.priority)
+                .bind(life.seq)
+                .execute(&mut change.connection)
+                .await?;
+                change.event(life.seq, id, EventType::Job).await
+            })
+        })
+        .await?;
+        self.job(id).await
+    }
+
+    /// Removes the job with its curve, log and files.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`]; [`StoreError::Conflict`] while it runs.
+    pub async fn delete(&self, id: Uuid) -> Result<()> {
+        self.write(move |change| Box::pin(async move { change.delete(id).await }))
+            .await?;
+        self.blobs().collected().await;
+        Ok(())
+    }
+
+    /// Asks something of a job. Asking for what is so already is fine.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`]; [`StoreError::Conflict`] when the job's state does not allow it.
+    pub async fn request(&self, id: Uuid, action: UserAction) -> Result<JobView> {
+        let input = match action {
+            UserAction::Cancel => Input::Cancel,
+            UserAction::Pause => Input::Pause,
+            UserAction::Resume => Input::Resume,
+            UserAction::Retry => Input::Retry,
+        };
+        self.write(move |change| {
+            Box::pin(async move {
+                let life = Life::of(&mut change.connection, id).await?;
+                let before = life.state()?;
+                let step = change.step(&life, input, None, None).await?;
+                if input == Input::Retry && step.state != before {
+                    change.start_over(&life).await?;
+                }
+                Ok(())
+            })
+        })
+        .await?;
+        self.job(id).await
+    }
+}
+
+impl Change {
+    /// Inserts the job, or finds the one that has its key.
+    async fn enqueue(&mut self, job: &NewJob) -> Result<Uuid> {
+        if let Some(key) = &job.key {
+            let known: Option<(String, Uuid)> =
+                sqlx::query_as("SELECT body_sha256, job FROM idempotency_keys WHERE key = ?")
+                    .bind(&key.key)
+                    .fetch_optional(&mut self.connection)
+                    .await?;
+            match known {
+                Some((body, id)) if body == key.body_sha256 => return Ok(id),
+                Some(_) => return Err(StoreError::KeyReused),
+                None => self.remember(key, job.id).await?,
+            }
+        }
+        let seq = sqlx::query(
+            "INSERT INTO jobs (id, kind, name, notes, tags, priority, spec_sha256, reason_code,
+                               reason, created_at, updated_at)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?10)",
+        )
+        .bind(job.id)
+        .bind(job.kind)
+        .bind(&job.name)
+        .bind(&job.notes)
+        .bind(&job.tags)
+        .bind(job.priority)
+        .bind(&job.spec_sha256)
+        .bind(word(&ReasonCode::Submitted)?)
+        .bind(sentence(ReasonCode::Submitted))
+        .bind(self.now.as_millis())
+        .execute(&mut self.connection)
+        .await?
+        .last_insert_rowid();
+        sqlx::query("INSERT INTO specs (job, json) VALUES (?, ?)")
+            .bind(seq)
+            .bind(&job.spec)
+            .execute(&mut self.connection)
+            .await?;
+        self.event(seq, job.id, EventType::Job).await?;
+        self.queued();
+        Ok(job.id)
+    }
+
+    async fn remember(&mut self, key: &IdempotencyKey, job: Uuid) -> Result<()> {
+        sqlx::query(
+            "INSERT INTO idempotency_keys (key, body_sha256, job, created_at) VALUES (?, ?, ?, ?)",
+        )
+        .bind(&key.key)
+        .bind(&key.body_sha256)
+        .bind(job)
+        .bind(self.now.as_millis())
+        .execute(&mut self.connection)
+        .await?;
+        Ok(())
+    }
+
+    async fn delete(&mut self, id: Uuid) -> Result<()> {
+        let life = Life::of(&mut self.connection, id).await?;
+        if matches!(life.state()?, State::Running { .. }) {
+            return Err(StoreError::Conflict(Refusal::StillRunning.to_string()));
+        }
+        self.drop_checkpoint(life.seq).await?;
+        let files: Vec<String> = sqlx::query_scalar(
+            "SELECT sha256 FROM attempt_files
+             WHERE attempt IN (SELECT seq FROM attempts WHERE job = ?)",
+        )
+        .bind(life.seq)
+        .fetch_all(&mut self.connection)
+        .await?;
+        self.garbage(files);
+        for statement in [
+            "DELETE FROM jobs WHERE id = ?",
+            "DELETE FROM events WHERE job = ?",
+        ] {
+            sqlx::query(statement)
+                .bind(id)
+                .execute(&mut self.connection)
+                .await?;
+        }
+        self.event(life.seq, id, EventType::Deleted).await
+    }
+
+    /// Clears the traces of the attempts before a retry.
+    async fn start_over(&mut self, life: &Life) -> Result<()> {
+        sqlx::query("UPDATE jobs SET started_at = NULL, progress = 0 WHERE seq = ?")
+            .bind(life.seq)
+            .execute(&mut self.connection)
+            .await?;
+        Ok(())
+    }
+}

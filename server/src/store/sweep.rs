@@ -1,0 +1,187 @@
+//! What time does: leases run out, jobs exceed their time, old traces are forgotten.
+use std::time::Duration;
+
+use loadframe_api::Timestamp;
+use sqlx::FromRow;
+use uuid::Uuid;
+
+use super::state::{Ending, Life};
+use super::writer::{Change, EventType};
+use super::{Result, Store, StoreError, millis};
+use crate::queue::{Input, LOSSES_UNTIL_QUARANTINE, State, transition};
+
+/// The sweeper's step.
+const EVERY: Duration = Duration::from_secs(1);
+/// Old traces are forgotten every so many steps.
+const STEPS_UNTIL_TIDY: u64 = 3600;
+/// How long idempotency keys, news of deleted jobs and vanished workers are remembered [ms].
+const REMEMBERED: i64 = 7 * 24 * 3600 * 1000;
+/// Log lines that the reason of a quarantine quotes.
+const LINES_QUOTED: u32 = 5;
+
+/// A live attempt that time has caught up with.
+#[derive(Debug, FromRow)]
+struct Overdue {
+    seq: i64,
+    token: Uuid,
+    job: Uuid,
+    worker_name: String,
+    host: String,
+    expired: bool,
+}
+
+impl Store {
+    /// Ends the attempts whose lease has run out or whose time is over; tells how many.
+    ///
+    /// # Errors
+    /// The database's, and [`StoreError::Unavailable`].
+    pub async fn sweep(&self) -> Result<usize> {
+        let limit = self.options().job_time_limit.map(millis);
+        // its worker knows the limit too, and ends the attempt in order if it can
+        let limit = limit.map(|limit| limit.saturating_add(self.lease_millis()));
+        let overdue: Vec<Overdue> = sqlx::query_as(
+            "SELECT a.seq, a.token, j.id AS job, a.worker_name, a.host,
+                    a.lease_until <= ?1 AS expired
+             FROM attempts a JOIN jobs j ON j.seq = a.job
+             WHERE a.ended_at IS NULL AND (a.lease_until <= ?1
+                OR ?1 - a.started_at + 1000 * a.resumed_wall_s > ?2)",
+        )
+        .bind(Timestamp::now().as_millis())
+        .bind(limit)
+        .fetch_all(self.reads())
+        .await?;
+        let mut ended = 0;
+        for attempt in overdue {
+            let swept = self
+                .write(move |change| Box::pin(async move { change.sweep(attempt).await }))
+                .await;
+            match swept {
+                Ok(()) => ended += 1,
+                // the worker was heard of, or ended the attempt, just before
+                Err(StoreError::LeaseLost | StoreError::NotFound(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(ended)
+    }
+
+    /// Sweeps every second, until dropped. When this process was stopped for a while (or the clock
+    /// was set), workers could not be heard: they all get a fresh lease instead.
+    pub async fn keep_sweeping(self) {
+        let longest_pause = millis(EVERY) + self.lease_millis() / 3;
+        let mut last = Timestamp::now().as_millis();
+        for step in 1_u64.. {
+            tokio::time::sleep(EVERY).await;
+            let now = Timestamp::now().as_millis();
+            let swept = if (0..=longest_pause).contains(&(now - last)) {
+                self.sweep().await.map(|_| ())
+            } else {
+                tracing::warn!(
+                    pause_ms = now - last,
+                    "the clock leapt; all leases are renewed"
+                );
+                self.renew_leases().await
+            };
+            // the pause counts from the end of a sweep: a slow one has listened meanwhile
+            last = Timestamp::now().as_millis();
+            if let Err(error) = swept {
+                tracing::error!(%error, "the leases could not be swept");
+            }
+            if step % STEPS_UNTIL_TIDY == 0
+                && let Err(error) = self.tidy().await
+            {
+                tracing::error!(%error, "old traces could not be removed");
+            }
+        }
+    }
+
+    /// Gives every live attempt a lease from now: the server's absence is not the workers' fault.
+    pub(super) async fn renew_leases(&self) -> Result<()> {
+        let lease = self.lease_millis();
+        self.write(move |change| {
+            Box::pin(async move {
+                sqlx::query("UPDATE attempts SET lease_until = ? WHERE ended_at IS NULL")
+                    .bind(change.now.as_millis() + lease)
+                    .execute(&mut change.connection)
+                    .await?;
+                Ok(())
+            })
+        })
+        .await
+    }
+
+    async fn tidy(&self) -> Result<()> {
+        self.write(|change| Box::pin(change.tidy())).await
+    }
+}
+
+impl Change {
+    async fn sweep(&mut self, attempt: Overdue) -> Result<()> {
+        let life = Life::of(&mut self.connection, attempt.job).await?;
+        let input = if attempt.expired {
+            Input::Lose
+        } else {
+            Input::ExceedTime
+        };
+        let why = self.why(&life, input, &attempt).await?;
+        let ending = Ending {
+            attempt: attempt.seq,
+            token: attempt.token,
+            message: None,
+            expired: attempt.expired,
+        };
+        self.step(&life, input, why, Some(ending)).await?;
+        Ok(())
+    }
+
+    /// The sentence for a loss names the worker, and for the last one quotes the log.
+    async fn why(
+        &mut self,
+        life: &Life,
+        input: Input,
+        attempt: &Overdue,
+    ) -> Result<Option<String>> {
+        let Ok(step) = transition(life.state()?, input) else {
+            return Err(StoreError::LeaseLost);
+        };
+        let who = format!("{} ({})", attempt.worker_name, attempt.host);
+        Ok(match (input, step.state) {
+            (Input::Lose, State::Queued { losses }) => Some(format!(
+                "worker {who} fell silent, loss {losses} of {LOSSES_UNTIL_QUARANTINE}; waiting for another"
+            )),
+            (Input::Lose, State::Finished(loadframe_api::JobOutcome::Quarantined)) => {
+                let lines = self.last_lines(life.seq, LINES_QUOTED).await?;
+                let log = if lines.is_empty() {
+                    "it left no log".to_owned()
+                } else {
+                    format!("the log ends:\n{}", lines.join("\n"))
+                };
+                Some(format!(
+                    "{LOSSES_UNTIL_QUARANTINE} workers fell silent over it, the last {who}; {log}"
+                ))
+            }
+            _ => None,
+        })
+    }
+
+    fn tidy(&mut self) -> super::writer::Work<'_, ()> {
+        Box::pin(async move {
+            let deleted = EventType::Deleted.name();
+            for (statement, word) in [
+                ("DELETE FROM idempotency_keys WHERE created_at < ?", None),
+                ("DELETE FROM workers WHERE last_seen_at < ?", None),
+                (
+                    "DELETE FROM events WHERE at < ? AND type = ?",
+                    Some(deleted),
+                ),
+            ] {
+                let mut query = sqlx::query(statement).bind(self.now.as_millis() - REMEMBERED);
+                if let Some(word) = word {
+                    query = query.bind(word);
+                }
+                query.execute(&mut self.connection).await?;
+            }
+            Ok(())
+        })
+    }
+}

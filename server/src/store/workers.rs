@@ -1,0 +1,143 @@
+//! Worker processes: who is there, how fast they are, and the queue in numbers.
+use loadframe_api::worker::ClaimRequest;
+use loadframe_api::{Calibration, Timestamp, WorkerView};
+use sqlx::FromRow;
+use uuid::Uuid;
+
+use super::writer::Change;
+use super::{Counts, Result, Store};
+
+/// A waiting worker is written down again when it was last seen this long ago [ms].
+const SEEN_EVERY: i64 = 5_000;
+
+#[derive(FromRow)]
+struct WorkerRow {
+    id: Uuid,
+    name: String,
+    host: String,
+    threads: u32,
+    engine_version: String,
+    last_seen_at: i64,
+    job: Option<Uuid>,
+}
+
+impl Change {
+    /// Notes that a worker asks for a job. One that asks again and again costs no commit each time.
+    pub(super) async fn see_worker(&mut self, worker: &ClaimRequest) -> Result<()> {
+        let speed = worker.calibration.map(|speed| speed.bond_evaluations_per_s);
+        sqlx::query(
+            "INSERT INTO workers (id, name, host, threads, engine_version, bond_evaluations_per_s,
+                                  last_seen_at)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)
+             ON CONFLICT (id) DO UPDATE SET bond_evaluations_per_s = ?6, last_seen_at = ?7
+             WHERE last_seen_at < ?8",
+        )
+        .bind(worker.worker_id)
+        .bind(&worker.name)
+        .bind(&worker.host)
+        .bind(worker.threads)
+        .bind(&worker.engine_version)
+        .bind(speed)
+        .bind(self.now.as_millis())
+        .bind(self.now.as_millis() - SEEN_EVERY)
+        .execute(&mut self.connection)
+        .await?;
+        Ok(())
+    }
+}
+
+impl Store {
+    /// Moment after which a live worker was seen.
+    fn alive_since(&self) -> i64 {
+        Timestamp::now().as_millis() - self.lease_millis() - SEEN_EVERY
+    }
+
+    /// Worker processes, the ones seen last first.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn workers(&self) -> Result<Vec<WorkerView>> {
+        let rows: Vec<WorkerRow> = sqlx::query_as(
+            "SELECT w.id, w.name, w.host, w.threads, w.engine_version, w.last_seen_at,
+                    (SELECT j.id FROM attempts a JOIN jobs j ON j.seq = a.job
+                     WHERE a.worker = w.id AND a.ended_at IS NULL) AS job
+             FROM workers w ORDER BY w.last_seen_at DESC, w.name LIMIT 1000",
+        )
+        .fetch_all(self.reads())
+        .await?;
+        let since = self.alive_since();
+        let view = |row: WorkerRow| WorkerView {
+            id: row.id,
+            name: row.name,
+            host: row.host,
+            threads: row.threads,
+            engine_version: row.engine_version,
+            alive: row.last_seen_at >= since,
+            job_id: row.job,
+            last_seen_at: Timestamp(row.last_seen_at),
+        };
+        Ok(rows.into_iter().map(view).collect())
+    }
+
+    /// Speed of the slowest live worker, else of the one seen last.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn calibration(&self) -> Result<Option<Calibration>> {
+        let speed: Option<f64> = sqlx::query_scalar(
+            "SELECT bond_evaluations_per_s FROM workers WHERE bond_evaluations_per_s IS NOT NULL
+             ORDER BY last_seen_at >= ?1 DESC,
+                CASE WHEN last_seen_at >= ?1 THEN bond_evaluations_per_s ELSE -last_seen_at END
+             LIMIT 1",
+        )
+        .bind(self.alive_since())
+        .fetch_optional(self.reads())
+        .await?;
+        Ok(speed.map(|bond_evaluations_per_s| Calibration {
+            bond_evaluations_per_s,
+        }))
+    }
+
+    /// The queue in numbers.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn counts(&self) -> Result<Counts> {
+        let mut counts = Counts::default();
+        let jobs: Vec<(String, i64)> =
+            sqlx::query_as("SELECT COALESCE(outcome, status), COUNT(*) FROM jobs GROUP BY 1")
+                .fetch_all(self.reads())
+                .await?;
+        for (state, count) in jobs {
+            let place = match state.as_str() {
+                "queued" => &mut counts.queued,
+                "running" => &mut counts.running,
+                "paused" => &mut counts.paused,
+                "succeeded" => &mut counts.succeeded,
+                "failed" => &mut counts.failed,
+                "cancelled" => &mut counts.cancelled,
+                "timed_out" => &mut counts.timed_out,
+                _ => &mut counts.quarantined,
+            };
+            *place = count.unsigned_abs();
+        }
+        let (oldest, alive, lost, bytes): (Option<i64>, i64, i64, i64) = sqlx::query_as(
+            "SELECT (SELECT MIN(created_at) FROM jobs WHERE status = 'queued'),
+                    (SELECT COUNT(*) FROM workers WHERE last_seen_at >= ?),
+                    (SELECT COUNT(*) FROM attempts WHERE end_reason = 'lost'),
+                    (SELECT COALESCE(SUM(bytes), 0) FROM (
+                        SELECT sha256, bytes FROM attempt_files
+                        UNION SELECT sha256, bytes FROM checkpoint_files
+                        UNION SELECT sha256, bytes FROM checkpoints))",
+        )
+        .bind(self.alive_since())
+        .fetch_one(self.reads())
+        .await?;
+        let waiting = oldest.map_or(0, |moment| Timestamp::now().as_millis() - moment);
+        counts.oldest_queued_s = waiting.max(0) as f64 / 1000.0;
+        counts.workers_alive = alive.unsigned_abs();
+        counts.attempts_lost = lost.unsigned_abs();
+        counts.file_bytes = bytes.unsigned_abs();
+        Ok(counts)
+    }
+}

@@ -1,0 +1,228 @@
+//! The one connection that writes, and the task that owns it.
+//!
+//! Making a commit durable takes the disk far longer than making a change. So the task takes all
+//! commands that are waiting, runs each in a savepoint of its own inside one transaction, commits
+//! once, and only then answers. A command alone does not wait for company.
+use std::pin::Pin;
+
+use loadframe_api::Timestamp;
+use sqlx::sqlite::SqliteConnection;
+use tokio::sync::{mpsc, oneshot, watch};
+use uuid::Uuid;
+
+use super::blobs::Garbage;
+use super::{Result, StoreError};
+
+/// Commands in one commit; beyond this, the first of them would wait too long for the last.
+const LARGEST_BATCH: usize = 256;
+
+/// A future of a command, which borrows the change it works on.
+pub(super) type Work<'c, T> = Pin<Box<dyn Future<Output = Result<T>> + Send + 'c>>;
+
+type Deliver = Box<dyn FnOnce() + Send>;
+type Command = Box<
+    dyn for<'c> FnOnce(&'c mut Change) -> Pin<Box<dyn Future<Output = Ran> + Send + 'c>> + Send,
+>;
+
+/// A command that has run: whether its changes are to stay, and how to answer once they are safe.
+struct Ran {
+    stays: bool,
+    deliver: Deliver,
+}
+
+/// The change that commands work on: the connection, and what is to follow the commit.
+pub(super) struct Change {
+    pub(super) connection: SqliteConnection,
+    /// The moment at which the command happens.
+    pub(super) now: Timestamp,
+    effects: Effects,
+}
+
+/// What follows a commit.
+#[derive(Debug, Default)]
+struct Effects {
+    last_event: Option<u64>,
+    queued: bool,
+    /// Files that may have lost the last row that names them.
+    garbage: Vec<String>,
+}
+
+/// Types of events, see the table of that name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum EventType {
+    Job,
+    Progress,
+    Points,
+    Deleted,
+}
+
+impl EventType {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Job => "job",
+            Self::Progress => "progress",
+            Self::Points => "points",
+            Self::Deleted => "deleted",
+        }
+    }
+}
+
+impl Change {
+    /// Notes that a job has changed. Its number becomes the version of the job.
+    pub(super) async fn event(&mut self, job: i64, id: Uuid, kind: EventType) -> Result<()> {
+        let event = sqlx::query("INSERT OR REPLACE INTO events (job, type, at) VALUES (?, ?, ?)")
+            .bind(id)
+            .bind(kind.name())
+            .bind(self.now.as_millis())
+            .execute(&mut self.connection)
+            .await?
+            .last_insert_rowid();
+        if kind != EventType::Deleted {
+            sqlx::query("UPDATE jobs SET version = ?, updated_at = ? WHERE seq = ?")
+                .bind(event)
+                .bind(self.now.as_millis())
+                .bind(job)
+                .execute(&mut self.connection)
+                .await?;
+        }
+        self.effects.last_event = u64::try_from(event).ok();
+        Ok(())
+    }
+
+    /// Notes that a job is waiting in the queue.
+    pub(super) fn queued(&mut self) {
+        self.effects.queued = true;
+    }
+
+    /// Notes files that may have lost the last row that names them.
+    pub(super) fn garbage(&mut self, sha256: impl IntoIterator<Item = String>) {
+        self.effects.garbage.extend(sha256);
+    }
+}
+
+/// Sends commands to the task.
+#[derive(Clone, Debug)]
+pub(super) struct Writer {
+    commands: mpsc::Sender<Command>,
+}
+
+/// What the task tells the world after each commit.
+#[derive(Debug)]
+pub(super) struct Announcements {
+    pub(super) last_event: watch::Sender<u64>,
+    pub(super) queued: watch::Sender<u64>,
+    pub(super) garbage: mpsc::UnboundedSender<Garbage>,
+}
+
+impl Writer {
+    /// Starts the task; it ends when the last writer is dropped.
+    pub(super) fn start(connection: SqliteConnection, announcements: Announcements) -> Self {
+        let (commands, waiting) = mpsc::channel(4 * LARGEST_BATCH);
+        let change = Change {
+            connection,
+            now: Timestamp::now(),
+            effects: Effects::default(),
+        };
+        tokio::spawn(run(change, waiting, announcements));
+        Self { commands }
+    }
+
+    /// Runs `command` in the next transaction and answers after its commit. A command whose caller
+    /// has gone before its turn is not run; what it returns is kept until the commit.
+    ///
+    /// # Errors
+    /// Those of the command, whose changes are then undone; [`StoreError::Unavailable`] when the
+    /// transaction could not be committed.
+    pub(super) async fn write<T, F>(&self, command: F) -> Result<T>
+    where
+        T: Send + 'static,
+        F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
+    {
+        let (answer, answered) = oneshot::channel::<Result<T>>();
+        let command: Command = Box::new(move |change| {
+            Box::pin(async move {
+                if answer.is_closed() {
+                    return Ran {
+                        stays: false,
+                        deliver: Box::new(|| {}),
+                    };
+                }
+                let result = command(change).await;
+                Ran {
+                    stays: result.is_ok(),
+                    deliver: Box::new(move || drop(answer.send(result))),
+                }
+            })
+        });
+        let gone = |_| StoreError::Unavailable;
+        self.commands.send(command).await.map_err(gone)?;
+        answered.await.unwrap_or(Err(StoreError::Unavailable))
+    }
+}
+
+async fn run(mut change: Change, mut waiting: mpsc::Receiver<Command>, world: Announcements) {
+    let mut batch = Vec::with_capacity(LARGEST_BATCH);
+    while waiting.recv_many(&mut batch, LARGEST_BATCH).await > 0 {
+        match commit(&mut change, batch.drain(..)).await {
+            Ok((effects, answers)) => {
+                world.announce(effects);
+                answers.into_iter().for_each(|deliver| deliver());
+            }
+            // the answers are dropped, which tells every caller that nothing was kept
+            Err(error) => {
+                tracing::error!(%error, "a transaction was rolled back");
+                change.effects = Effects::default();
+                // the database may have rolled back by itself, and then there is nothing to undo
+                let _ = statement(&mut change, "ROLLBACK").await;
+            }
+        }
+    }
+}
+
+/// Runs the commands in one transaction.
+async fn commit(
+    change: &mut Change,
+    batch: impl Iterator<Item = Command>,
+) -> Result<(Effects, Vec<Deliver>)> {
+    let mut effects = Effects::default();
+    let mut answers = Vec::new();
+    statement(change, "BEGIN IMMEDIATE").await?;
+    for command in batch {
+        statement(change, "SAVEPOINT command").await?;
+        change.now = Timestamp::now();
+        let Ran { stays, deliver } = command(change).await;
+        if !stays {
+            statement(change, "ROLLBACK TO command").await?;
+        }
+        statement(change, "RELEASE command").await?;
+        let made = std::mem::take(&mut change.effects);
+        if stays {
+            effects.last_event = made.last_event.or(effects.last_event);
+            effects.queued |= made.queued;
+            effects.garbage.extend(made.garbage);
+        }
+        answers.push(deliver);
+    }
+    statement(change, "COMMIT").await?;
+    Ok((effects, answers))
+}
+
+async fn statement(change: &mut Change, sql: &'static str) -> Result<()> {
+    sqlx::query(sql).execute(&mut change.connection).await?;
+    Ok(())
+}
+
+impl Announcements {
+    fn announce(&self, effects: Effects) {
+        if let Some(event) = effects.last_event {
+            self.last_event.send_replace(event);
+        }
+        if effects.queued {
+            self.queued.send_modify(|count| *count += 1);
+        }
+        if !effects.garbage.is_empty() {
+            // the collector outlives the writer; when it is gone, the next start collects
+            let _ = self.garbage.send(Garbage::Perhaps(effects.garbage));
+        }
+    }
+}
