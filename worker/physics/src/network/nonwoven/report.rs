@@ -2,7 +2,7 @@
 use indexmap::IndexMap;
 use loadframe_api::{
     QualityCheck, Quantity, Report, Warning,
-    spec::nonwoven_tensile::{Breaking, NonwovenTensile},
+    spec::nonwoven_tensile::{Breaking, NonwovenTensile, Solver},
 };
 
 use super::{
@@ -243,9 +243,13 @@ fn warnings(
         warn(
             "jaw_force_imbalance",
             format!(
-                "the forces on the two jaws differ by {:.2} % of the maximum force: raise \
-                 force_accuracy or choose newton_cg",
-                100.0 * check.value
+                "the forces on the two jaws differ by {:.2} % of the maximum force; a higher \
+                 force_accuracy{} brings them together",
+                100.0 * check.value,
+                match spec.accuracy.knobs().solver {
+                    Solver::NewtonCg => "",
+                    Solver::Sequential | Solver::Parallel => " or the solver newton_cg",
+                },
             ),
         );
     }
