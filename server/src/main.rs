@@ -1,1 +1,8 @@
-fn main() {}
+//! The `loadframe` executable.
+use std::process::ExitCode;
+
+mod commands;
+
+fn main() -> ExitCode {
+    commands::main()
+}

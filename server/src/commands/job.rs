@@ -1,0 +1,36 @@
+//! `loadframe cancel`, `pause`, `resume`, `retry`
+use clap::Args;
+use loadframe_api::JobView;
+use reqwest::Method;
+use uuid::Uuid;
+
+use super::connection::Connection;
+use super::failure::Failure;
+use super::terminal::{say, say_json, word};
+
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Id of the job
+    id: Uuid,
+    /// Print the job as JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    connection: Connection,
+}
+
+pub(crate) async fn perform(arguments: Arguments, action: &str) -> Result<(), Failure> {
+    let server = arguments.connection.client()?;
+    let path = format!("/v1/jobs/{}/{action}", arguments.id);
+    let job: JobView = server.json(server.request(Method::POST, &path)).await?;
+    if arguments.json {
+        return say_json(&job);
+    }
+    say(&format!(
+        "{} is {}: {}",
+        job.id,
+        word(&job.status),
+        job.reason
+    ));
+    Ok(())
+}

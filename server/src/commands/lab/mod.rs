@@ -1,0 +1,184 @@
+//! `loadframe lab`: server, page and workers on this machine.
+//!
+//! The server lives in this process; every worker is a child process of the same executable, so
+//! that a crash of one touches nothing else. Stopping goes the other way round: workers first,
+//! while the server still takes their checkpoints.
+mod children;
+mod demo;
+
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+
+use clap::Args;
+use loadframe_server::serve;
+use loadframe_worker::available_threads;
+use loadframe_worker::client::ServerClient;
+use tokio::sync::oneshot;
+use tokio_util::sync::CancellationToken;
+
+use super::failure::{Code, Failure};
+use super::serve::{ServerOptions, failure};
+use super::signals::stop_signal;
+use super::terminal::{complain, say, start_log};
+use children::Children;
+
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    server: ServerOptions,
+    /// Worker processes; when left out, one for each group of `--threads` cores
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
+    workers: Option<u16>,
+    /// Threads of each worker
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    threads: u16,
+    /// Submit an example job and show its progress and results
+    #[arg(long)]
+    demo: bool,
+    /// Stop when the demo is done
+    #[arg(long, requires = "demo")]
+    once: bool,
+    /// Open the lab page in the browser
+    #[arg(long)]
+    open: bool,
+}
+
+pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
+    start_log("warn");
+    let (ready, is_ready) = oneshot::channel();
+    let stop_server = CancellationToken::new();
+    let serving = serve(
+        arguments.server.config(),
+        |address| {
+            let _ = ready.send(address);
+        },
+        stop_server.clone().cancelled_owned(),
+    );
+    let has_ended = CancellationToken::new();
+    let (served, end) = tokio::join!(
+        async {
+            let end = serving.await;
+            has_ended.cancel();
+            end
+        },
+        async {
+            // a server that cannot start drops its end of the channel, and says why by its error
+            let end = match is_ready.await {
+                Ok(address) => open(&arguments, address, &has_ended).await,
+                Err(_) => Ok(()),
+            };
+            stop_server.cancel();
+            end
+        }
+    );
+    served.map_err(|error| failure(&error)).and(end)
+}
+
+/// The lab around a server at `address`: workers, demo, and waiting for the end.
+async fn open(
+    arguments: &Arguments,
+    address: SocketAddr,
+    server_has_ended: &CancellationToken,
+) -> Result<(), Failure> {
+    let token = arguments.server.config().token;
+    if token.is_none() && !address.ip().is_loopback() {
+        return Err(Failure::new(
+            Code::Usage,
+            "beyond this machine a lab needs a token: set LOADFRAME_TOKEN to a long random text (openssl rand -hex 24) and start again",
+        ));
+    }
+    let url = format!("http://{}", reachable(address));
+    let client = ServerClient::new(&url, token.clone())?;
+    let workers = arguments.workers.map_or_else(
+        || (available_threads() / usize::from(arguments.threads)).max(1),
+        usize::from,
+    );
+    let children = Children::start(workers, arguments.threads, &url, token);
+    say(&format!(
+        "The lab is open at {url} ({})",
+        staff(workers, arguments.threads)
+    ));
+    if arguments.open {
+        open_browser(&url);
+    }
+    let work = async {
+        if arguments.demo {
+            demo::run(&client).await?;
+            if arguments.once {
+                return Ok(());
+            }
+        }
+        say("Ctrl-C closes the lab; nothing that was accepted is lost.");
+        std::future::pending().await
+    };
+    let end = tokio::select! {
+        // a demo is told to stop as well, but here that is how a lab ends
+        biased;
+        () = stop_signal() => Ok(()),
+        end = work => end,
+        () = server_has_ended.cancelled() => Ok(()),
+    };
+    if !arguments.once {
+        complain("closing: the workers save their jobs");
+    }
+    children.stop().await;
+    end
+}
+
+fn staff(workers: usize, threads: u16) -> String {
+    let workers = match workers {
+        0 => return "no workers".to_owned(),
+        1 => "1 worker".to_owned(),
+        workers => format!("{workers} workers"),
+    };
+    match threads {
+        1 => workers,
+        threads => format!("{workers} of {threads} threads"),
+    }
+}
+
+/// The address under which this machine itself reaches a server bound to `address`.
+fn reachable(address: SocketAddr) -> SocketAddr {
+    let ip = match address.ip() {
+        IpAddr::V4(ip) if ip.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
+        IpAddr::V6(ip) if ip.is_unspecified() => Ipv6Addr::LOCALHOST.into(),
+        ip => ip,
+    };
+    SocketAddr::new(ip, address.port())
+}
+
+fn open_browser(url: &str) {
+    let opener = if cfg!(target_os = "macos") {
+        "open"
+    } else {
+        "xdg-open"
+    };
+    let quiet = std::process::Stdio::null;
+    let opened = std::process::Command::new(opener)
+        .arg(url)
+        .stdin(quiet())
+        .stdout(quiet())
+        .stderr(quiet())
+        .spawn();
+    if let Err(error) = opened {
+        complain(&format!(
+            "no browser could be opened ({opener}: {error}); open {url} yourself"
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_server_on_all_addresses_is_reached_over_loopback() {
+        for (bound, reached) in [
+            ("0.0.0.0:80", "127.0.0.1:80"),
+            ("[::]:80", "[::1]:80"),
+            ("192.0.2.1:80", "192.0.2.1:80"),
+        ] {
+            let bound: SocketAddr = bound.parse().expect("an address");
+            assert_eq!(reachable(bound).to_string(), reached);
+        }
+    }
+}

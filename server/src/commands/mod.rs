@@ -1,0 +1,131 @@
+//! The commands of the `loadframe` executable, one file each.
+//!
+//! `lab`, `serve` and `worker` are the service; `run`, `validate`, `kinds`, `example` and `schema`
+//! need no server; all others speak REST with one. What a command prints for people can be had as
+//! JSON with `--json`; how it ended is its exit code ([`failure::Code`]).
+mod connection;
+mod failure;
+mod fetch;
+mod follow;
+mod job;
+mod kinds;
+mod lab;
+mod list;
+mod progress;
+mod results;
+mod run;
+mod serve;
+mod signals;
+mod source;
+mod submit;
+mod terminal;
+mod token;
+mod validate;
+mod watch;
+mod worker;
+
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::{Parser, Subcommand};
+use failure::{Code, Failure};
+
+const VERSION: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    " (",
+    env!("LOADFRAME_COMMIT"),
+    ")"
+);
+
+/// How long threads that still work may hold up the end of the process.
+const LAST_MOMENTS: Duration = Duration::from_millis(100);
+
+const AFTER_HELP: &str = "\
+Exit codes: 0 done, 1 the job has no result or the server refused, 2 wrong usage or an invalid spec,
+3 the server cannot be reached, 4 the job was cancelled, 5 interrupted (the same command goes on).
+
+LOADFRAME_LOG sets what is logged to standard error: error, warn, info, debug, or per module.";
+
+/// The virtual load frame of a materials lab.
+#[derive(Debug, Parser)]
+#[command(name = "loadframe", version = VERSION, after_help = AFTER_HELP, max_term_width = 100)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run everything on this machine: server, page and workers
+    Lab(lab::Arguments),
+    /// Run the server of a lab; workers come from other processes and machines
+    Serve(serve::Arguments),
+    /// Run jobs for a server
+    Worker(worker::Arguments),
+    /// Run a job here, without a server
+    Run(run::Arguments),
+    /// Check a spec, and estimate what it takes
+    Validate(validate::Arguments),
+    /// Submit a job
+    Submit(submit::Arguments),
+    /// Follow a job to its end
+    Watch(watch::Arguments),
+    /// Fetch the result files of a job
+    Fetch(fetch::Arguments),
+    /// Cancel a job
+    Cancel(job::Arguments),
+    /// Set a job aside with its checkpoint
+    Pause(job::Arguments),
+    /// Go on with a paused job
+    Resume(job::Arguments),
+    /// Run a job again that has no result
+    Retry(job::Arguments),
+    /// List jobs, newest first
+    List(list::Arguments),
+    /// Manage access tokens, beside the server
+    Token(token::Arguments),
+    /// List the kinds of jobs
+    Kinds(kinds::KindsArguments),
+    /// Print an example job
+    Example(kinds::ExampleArguments),
+    /// Print the JSON Schema of a kind's spec
+    Schema(kinds::SchemaArguments),
+}
+
+/// Runs the command this process was called with.
+pub(crate) fn main() -> ExitCode {
+    let command = CommandLine::parse().command;
+    let runtime = match tokio::runtime::Runtime::new() {
+        Ok(runtime) => runtime,
+        Err(error) => return Failure::new(Code::Failed, error.to_string()).report(),
+    };
+    let end = runtime.block_on(perform(command));
+    // a simulation that does not stop in time is not waited for; its lease or checkpoint covers it
+    runtime.shutdown_timeout(LAST_MOMENTS);
+    match end {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+async fn perform(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Lab(arguments) => lab::perform(arguments).await,
+        Command::Serve(arguments) => serve::perform(arguments).await,
+        Command::Worker(arguments) => worker::perform(arguments).await,
+        Command::Run(arguments) => run::perform(arguments).await,
+        Command::Validate(arguments) => validate::perform(&arguments),
+        Command::Submit(arguments) => submit::perform(arguments).await,
+        Command::Watch(arguments) => watch::perform(arguments).await,
+        Command::Fetch(arguments) => fetch::perform(arguments).await,
+        Command::Cancel(arguments) => job::perform(arguments, "cancel").await,
+        Command::Pause(arguments) => job::perform(arguments, "pause").await,
+        Command::Resume(arguments) => job::perform(arguments, "resume").await,
+        Command::Retry(arguments) => job::perform(arguments, "retry").await,
+        Command::List(arguments) => list::perform(arguments).await,
+        Command::Token(arguments) => token::perform(arguments).await,
+        Command::Kinds(arguments) => kinds::list(arguments),
+        Command::Example(arguments) => kinds::example(&arguments),
+        Command::Schema(arguments) => kinds::schema(arguments),
+    }
+}

@@ -1,0 +1,72 @@
+//! How far a job is: a bar on a terminal, now and then a line where there is none.
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use loadframe_worker::run::Progress;
+
+use super::terminal::{complain, span};
+
+/// Steps of the bar; finer than any terminal is wide.
+const STEPS: u64 = 1000;
+/// Time between lines where no bar can be drawn.
+const LINE_EVERY: Duration = Duration::from_secs(5);
+
+/// Shows progress on standard error.
+#[derive(Debug)]
+pub(crate) struct ProgressDisplay {
+    bar: ProgressBar,
+    last_line: Option<Instant>,
+}
+
+impl ProgressDisplay {
+    pub(crate) fn start(title: &str) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
+        let style = ProgressStyle::with_template(
+            "{prefix:.bold} {bar:32.cyan/dim} {percent:>3} %  {elapsed} {wide_msg}",
+        );
+        if let Ok(style) = style {
+            bar.set_style(style.progress_chars("━━╌"));
+        }
+        bar.set_prefix(title.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(500));
+        Self {
+            bar,
+            last_line: None,
+        }
+    }
+
+    pub(crate) fn show(&mut self, progress: &Progress) {
+        let left = progress.eta_s.filter(|left| *left >= 1.0);
+        let left = left.map_or(String::new(), |left| {
+            format!(", about {} to go", span(left))
+        });
+        let message = format!("{}{left}", progress.phase);
+        if self.bar.is_hidden() {
+            let is_due = self
+                .last_line
+                .is_none_or(|last| last.elapsed() >= LINE_EVERY);
+            if is_due && !progress.phase.is_empty() {
+                complain(&format!("{:3.0} %  {message}", 100.0 * progress.fraction));
+                self.last_line = Some(Instant::now());
+            }
+            return;
+        }
+        self.bar
+            .set_position((progress.fraction * STEPS as f64) as u64);
+        self.bar.set_message(message);
+    }
+
+    /// A line above the bar.
+    pub(crate) fn log(&self, message: &str) {
+        if self.bar.is_hidden() {
+            complain(message);
+        } else {
+            self.bar.println(message);
+        }
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn end(self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,143 @@
+//! The result of a job as a table for people.
+use loadframe_api::{Outcome, QualityCheck, Quantity};
+
+use super::terminal::{say, size, span};
+
+/// Digits shown; all are in `outcome.json`.
+const DIGITS: usize = 4;
+
+/// Prints results, quality, warnings and cost.
+pub(crate) fn show(outcome: &Outcome) {
+    say("\nResults");
+    let rows = outcome.summary.iter();
+    table(
+        &rows
+            .map(|(name, quantity)| result_row(name, quantity))
+            .collect::<Vec<_>>(),
+    );
+    say("\nQuality");
+    let rows = outcome.quality.iter();
+    table(
+        &rows
+            .map(|(name, check)| quality_row(name, check))
+            .collect::<Vec<_>>(),
+    );
+    if !outcome.warnings.is_empty() {
+        say("\nWarnings");
+    }
+    for warning in &outcome.warnings {
+        say(&format!("  {}", warning.detail));
+    }
+    let cost = &outcome.cost;
+    say(&format!(
+        "\nThe test ended because of {}. It took {} on {} ({} of processor time, {} of memory).",
+        outcome.stop_reason.replace('_', " "),
+        span(cost.wall_s),
+        match cost.threads {
+            1 => "one thread".to_owned(),
+            threads => format!("{threads} threads"),
+        },
+        span(cost.cpu_s),
+        size(cost.peak_memory_mb),
+    ));
+}
+
+/// Name, value, unit, description.
+fn result_row(name: &str, quantity: &Quantity) -> [String; 4] {
+    [
+        readable(name),
+        quantity.value.map_or("not reached".to_owned(), number),
+        unit(&quantity.unit),
+        quantity.description.clone(),
+    ]
+}
+
+fn quality_row(name: &str, check: &QualityCheck) -> [String; 4] {
+    let verdict = if check.ok { "good" } else { "doubtful" };
+    [
+        readable(name),
+        number(check.value),
+        unit(&check.unit),
+        format!("{verdict} (at most {})", number(check.bound)),
+    ]
+}
+
+fn readable(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+fn unit(unit: &str) -> String {
+    if unit == "1" {
+        String::new()
+    } else {
+        unit.to_owned()
+    }
+}
+
+/// A number with [`DIGITS`] significant digits, in powers of ten only where digits would hide it.
+fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 || (value.fract() == 0.0 && magnitude < 1e6) {
+        return format!("{value}");
+    }
+    if !(1e-3..1e6).contains(&magnitude) {
+        return format!("{value:.*e}", DIGITS - 1);
+    }
+    let before_the_point = magnitude.log10().floor() as i32 + 1;
+    let decimals = (DIGITS as i32 - before_the_point).max(0);
+    format!("{value:.*}", decimals as usize)
+}
+
+/// Columns aligned: text to the left, the second column (numbers) to the right.
+fn table(rows: &[[String; 4]]) {
+    let width = |column: usize| {
+        rows.iter()
+            .map(|row| row[column].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let (name, value, unit) = (width(0), width(1), width(2));
+    for row in rows {
+        let line = format!(
+            "  {:name$}  {:>value$} {:unit$}  {}",
+            row[0], row[1], row[2], row[3]
+        );
+        say(line.trim_end());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_but_not_hidden() {
+        let cases = [
+            (0.0, "0"),
+            (12.0, "12"),
+            (388.2345, "388.2"),
+            (1.18349, "1.183"),
+            (0.98765, "0.9877"),
+            (0.0012345, "0.001234"),
+            (1.5e-7, "1.500e-7"),
+            (123_456.7, "123457"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn an_unknown_value_and_a_bad_check_are_said_in_words() {
+        let unknown = Quantity::new(f64::NAN, "N", "largest force");
+        assert_eq!(
+            result_row("max_force", &unknown)[..3],
+            ["max force", "not reached", "N"]
+        );
+        let bad = QualityCheck::at_most(3.0, 1.0, "1", "");
+        assert_eq!(
+            quality_row("residual_ratio", &bad)[3],
+            "doubtful (at most 1)"
+        );
+    }
+}

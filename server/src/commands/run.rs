@@ -1,0 +1,90 @@
+//! `loadframe run`: a job without a server.
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use clap::Args;
+use loadframe_worker::run::{
+    DirectoryEnd, DirectoryError, DirectoryOptions, News, run_to_directory,
+};
+use loadframe_worker::{StopCause, StopSwitch, available_threads};
+
+use super::failure::{Code, Failure};
+use super::progress::ProgressDisplay;
+use super::results;
+use super::signals::stop_signal;
+use super::source::SpecArgument;
+use super::terminal::{say, say_json};
+
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    spec: SpecArgument,
+    /// Folder for the result files; an interrupted run goes on there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Threads to use; all cores when left out. The result does not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    threads: Option<u16>,
+    /// Seconds between checkpoints
+    #[arg(long, value_name = "S", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
+    checkpoint_every: u32,
+    /// Print outcome.json
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
+    let source = arguments.spec.read()?;
+    let submission = source.submission()?;
+    let switch = Arc::new(StopSwitch::default());
+    tokio::spawn({
+        let switch = Arc::clone(&switch);
+        async move {
+            stop_signal().await;
+            switch.stop(StopCause::Shutdown);
+        }
+    });
+    let out = arguments.out.clone();
+    let run = tokio::task::spawn_blocking(move || {
+        let mut display = ProgressDisplay::start(&submission.name);
+        let options = DirectoryOptions {
+            threads: arguments
+                .threads
+                .map_or_else(available_threads, usize::from),
+            checkpoint_every: Duration::from_secs(arguments.checkpoint_every.into()),
+            switch: &switch,
+        };
+        let end = run_to_directory(&submission.spec, &out, options, &mut |news| match news {
+            News::Progress(progress) => display.show(&progress),
+            News::Log(message) => display.log(message),
+        });
+        display.end();
+        end
+    });
+    let folder = arguments.out.display();
+    let outcome = match run.await.map_err(|error| Failure::of(&error))? {
+        Ok(DirectoryEnd::Finished(outcome)) => outcome,
+        Ok(DirectoryEnd::AlreadyThere(outcome)) => {
+            if !arguments.json {
+                say(&format!("{folder} held the result of this spec already."));
+            }
+            outcome
+        }
+        Ok(DirectoryEnd::Suspended) => {
+            let message =
+                format!("stopped; {folder} holds a checkpoint, and the same command goes on");
+            return Err(Failure::new(Code::Interrupted, message));
+        }
+        Err(error @ (DirectoryError::Occupied(_) | DirectoryError::InUse(_))) => {
+            return Err(Failure::new(Code::Usage, error.to_string()));
+        }
+        Err(error) => return Err(Failure::of(&error)),
+    };
+    if arguments.json {
+        return say_json(&outcome);
+    }
+    results::show(&outcome);
+    say(&format!("\n{} files in {folder}", outcome.files.len() + 1));
+    Ok(())
+}

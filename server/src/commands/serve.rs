@@ -1,0 +1,112 @@
+//! `loadframe serve`
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use loadframe_server::store::StoreOptions;
+use loadframe_server::{ServeConfig, ServeError, serve};
+
+use super::failure::{Code, Failure, chain};
+use super::signals::stop_signal;
+use super::terminal::start_log;
+
+/// Options of a server, for `serve` and `lab`.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ServerOptions {
+    /// Address to listen on; beyond this machine every request needs a token
+    #[arg(long, value_name = "HOST:PORT", default_value = ServeConfig::DEFAULT_LISTEN)]
+    listen: String,
+    /// Folder of the database and the files
+    #[arg(long, value_name = "DIR", default_value = "loadframe-data")]
+    data: PathBuf,
+    /// Demand a token on this machine too
+    #[arg(long)]
+    require_token: bool,
+    /// A token that is always valid
+    #[arg(
+        long,
+        env = "LOADFRAME_TOKEN",
+        hide_env_values = true,
+        value_name = "TOKEN"
+    )]
+    pub(crate) token: Option<String>,
+    /// A further name under which a server without tokens answers
+    #[arg(long = "allow-host", value_name = "NAME")]
+    allowed_hosts: Vec<String>,
+    /// Seconds a silent worker keeps its job
+    #[arg(long, value_name = "S", default_value_t = 30.0, value_parser = positive)]
+    lease_s: f64,
+    /// Most seconds of wall time for a job
+    #[arg(long, value_name = "S", value_parser = positive)]
+    job_time_limit_s: Option<f64>,
+    /// Most seconds on one core that a job's estimate may reach
+    #[arg(long, value_name = "S", default_value_t = ServeConfig::DEFAULT_LIMITS.wall_s, value_parser = positive)]
+    limit_wall_s: f64,
+    /// Most memory that a job's estimate may reach
+    #[arg(long, value_name = "MB", default_value_t = ServeConfig::DEFAULT_LIMITS.memory_mb, value_parser = positive)]
+    limit_memory_mb: f64,
+    /// Most bytes of files that a job's estimate may reach
+    #[arg(long, value_name = "MB", default_value_t = ServeConfig::DEFAULT_LIMITS.disk_mb, value_parser = positive)]
+    limit_disk_mb: f64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    server: ServerOptions,
+}
+
+/// A number of seconds or megabytes; a day in a thousand years is as good as none.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    const MOST: f64 = 1e11;
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number <= MOST => Ok(number),
+        _ => Err(format!("a number above 0 and up to {MOST:e} is needed")),
+    }
+}
+
+impl ServerOptions {
+    pub(crate) fn config(&self) -> ServeConfig {
+        ServeConfig {
+            listen: self.listen.clone(),
+            store: StoreOptions {
+                lease: Duration::from_secs_f64(self.lease_s),
+                job_time_limit: self.job_time_limit_s.map(Duration::from_secs_f64),
+                ..StoreOptions::new(&self.data)
+            },
+            limits: loadframe_api::Limits {
+                wall_s: self.limit_wall_s,
+                memory_mb: self.limit_memory_mb,
+                disk_mb: self.limit_disk_mb,
+            },
+            require_token: self.require_token,
+            token: self.token.clone().filter(|token| !token.is_empty()),
+            allowed_hosts: self.allowed_hosts.clone(),
+        }
+    }
+}
+
+pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
+    start_log("info");
+    let ready = |address| tracing::info!("open http://{address}/ for the lab page");
+    serve(arguments.server.config(), ready, stop_signal())
+        .await
+        .map_err(|error| failure(&error))
+}
+
+/// Why a server did not start, and what to do about it.
+pub(crate) fn failure(error: &ServeError) -> Failure {
+    match error {
+        ServeError::Listen { listen, source } => {
+            let advice = match source.kind() {
+                std::io::ErrorKind::AddrInUse => {
+                    "another program listens there, perhaps another lab; choose an address with --listen HOST:PORT"
+                }
+                _ => "choose an address of this machine with --listen HOST:PORT",
+            };
+            let message = format!("cannot listen on {listen} ({source}): {advice}");
+            Failure::new(Code::Usage, message)
+        }
+        error => Failure::new(Code::Failed, chain(error)),
+    }
+}

@@ -1,0 +1,87 @@
+//! The one way out to the terminal.
+use std::io::{self, Write};
+
+use serde::Serialize;
+use tracing_subscriber::EnvFilter;
+
+use super::failure::Failure;
+
+/// A line for people or scripts on standard output. A reader that went away is not an error.
+pub(crate) fn say(line: &str) {
+    let _ = writeln!(io::stdout(), "{line}");
+}
+
+/// A line on standard error.
+pub(crate) fn complain(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// A value as JSON on standard output.
+pub(crate) fn say_json(value: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| Failure::of(&error))?;
+    say(&text);
+    Ok(())
+}
+
+/// A wire enum as its word: `queued`, `timed_out`.
+pub(crate) fn word(value: &impl Serialize) -> String {
+    match serde_json::to_value(value) {
+        Ok(serde_json::Value::String(word)) => word,
+        _ => String::new(),
+    }
+}
+
+/// Sends the log to standard error, filtered by `LOADFRAME_LOG`.
+pub(crate) fn start_log(default: &str) {
+    let filter =
+        EnvFilter::try_from_env("LOADFRAME_LOG").unwrap_or_else(|_| EnvFilter::new(default));
+    // a second subscriber in the same process is refused, and the first one serves both
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(io::stderr)
+        .with_target(false)
+        .try_init();
+}
+
+/// A time span as people say it.
+pub(crate) fn span(seconds: f64) -> String {
+    match seconds {
+        s if s < 0.0995 => format!("{:.0} ms", s * 1000.0),
+        s if s < 9.95 => format!("{s:.1} s"),
+        s if s < 99.5 => format!("{s:.0} s"),
+        s if s < 99.5 * 60.0 => format!("{:.0} min", s / 60.0),
+        s if s < 48.0 * 3600.0 => format!("{:.1} h", s / 3600.0),
+        s => format!("{:.1} days", s / 86_400.0),
+    }
+}
+
+/// A size in megabytes as people say it.
+pub(crate) fn size(megabytes: f64) -> String {
+    match megabytes {
+        m if m < 0.9995 => format!("{:.0} kB", m * 1000.0),
+        m if m < 99.95 => format!("{m:.1} MB"),
+        m if m < 9995.0 => format!("{m:.0} MB"),
+        m => format!("{:.1} GB", m / 1000.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spans_and_sizes_keep_two_or_three_digits() {
+        let spans = [0.02, 3.21, 42.4, 600.0, 7200.0, 400_000.0].map(span);
+        assert_eq!(
+            spans,
+            ["20 ms", "3.2 s", "42 s", "10 min", "2.0 h", "4.6 days"]
+        );
+        let sizes = [0.5, 12.34, 340.0, 20_000.0].map(size);
+        assert_eq!(sizes, ["500 kB", "12.3 MB", "340 MB", "20.0 GB"]);
+    }
+
+    #[test]
+    fn enums_are_said_by_their_word() {
+        assert_eq!(word(&loadframe_api::JobOutcome::TimedOut), "timed_out");
+    }
+}
