@@ -12,61 +12,112 @@ const SUFFICIENT_DECREASE: f64 = 1e-4;
 /// Relative rounding error of an energy that is a chunked sum over bonds. Differences below it say
 /// nothing; the slopes at both ends then tell whether the energy fell.
 const ENERGY_ROUND_OFF: f64 = 1e-13;
+/// A step is lengthened while the slope at its end is still this part of the slope at its start. A
+/// Newton step ends far below; one that leaves a saddle ends above, and would need hundreds more.
+const STILL_STEEP: f64 = 0.8;
+const LENGTHENING: f64 = 4.0;
 /// A trial step is shortened at least to half, at most to a tenth: the slopes' secant is exact for
 /// a parabola, but the bond law has kinks.
 const SHORTENING: [f64; 2] = [0.1, 0.5];
 /// 0.5⁴⁰ is below the rounding of a displacement.
 const TRIALS: usize = 40;
 
-/// Sets `trial` to the accepted point along `direction` and returns true, or returns false when no
-/// step lowers the energy.
-///
-/// # Errors
-/// The interrupt that ended it early.
-pub(super) fn descend(
-    assembly: &Assembly,
-    start: &Configuration,
-    direction: &[Vector],
-    trial: &mut Configuration,
-    team: &Team,
-    meter: &mut Meter<'_>,
-) -> Result<bool, Interrupt> {
-    let slope_at = |configuration: &Configuration| {
-        -ordered_sum(assembly.free(), |node| {
-            configuration.resultants[node].dot(&direction[node])
-        })
-    };
-    let slope = slope_at(start);
-    if slope >= 0.0 {
-        return Ok(false);
+/// A line to search along.
+pub(super) struct Line<'a> {
+    pub(super) assembly: &'a Assembly,
+    pub(super) start: &'a Configuration,
+    pub(super) direction: &'a [Vector],
+    /// Largest multiple of the direction.
+    pub(super) longest: f64,
+}
+
+impl Line<'_> {
+    /// Sets `trial` to a point on the line with sufficiently less energy and returns true, or
+    /// returns false when there is none.
+    ///
+    /// # Errors
+    /// The interrupt that ended it early.
+    pub(super) fn descend(
+        &self,
+        trial: &mut Configuration,
+        team: &Team,
+        meter: &mut Meter<'_>,
+    ) -> Result<bool, Interrupt> {
+        let slope = self.slope(self.start);
+        if slope >= 0.0 {
+            return Ok(false);
+        }
+        let mut length = self.longest.min(1.0);
+        for _ in 0..TRIALS {
+            self.place(trial, length, team, meter)?;
+            if self.descends(trial, length, slope) {
+                self.lengthen(trial, length, slope, team, meter)?;
+                return Ok(true);
+            }
+            let secant = slope / (slope - self.slope(trial));
+            length *= if secant.is_finite() {
+                secant.clamp(SHORTENING[0], SHORTENING[1])
+            } else {
+                SHORTENING[0]
+            };
+        }
+        Ok(false)
     }
-    let noise = ENERGY_ROUND_OFF * start.energy;
-    let mut length = 1.0;
-    for _ in 0..TRIALS {
-        for ((trial, start), direction) in
-            (trial.displacements.iter_mut().zip(&start.displacements)).zip(direction)
-        {
+
+    /// Goes on from an accepted point while it pays.
+    fn lengthen(
+        &self,
+        trial: &mut Configuration,
+        accepted: f64,
+        slope: f64,
+        team: &Team,
+        meter: &mut Meter<'_>,
+    ) -> Result<(), Interrupt> {
+        let mut accepted = accepted;
+        while accepted < self.longest && self.slope(trial) < STILL_STEEP * slope {
+            let length = (LENGTHENING * accepted).min(self.longest);
+            self.place(trial, length, team, meter)?;
+            if !self.descends(trial, length, slope) {
+                return self.place(trial, accepted, team, meter);
+            }
+            accepted = length;
+        }
+        Ok(())
+    }
+
+    fn place(
+        &self,
+        trial: &mut Configuration,
+        length: f64,
+        team: &Team,
+        meter: &mut Meter<'_>,
+    ) -> Result<(), Interrupt> {
+        meter.spend(self.assembly.bonds.len())?;
+        let line = self.start.displacements.iter().zip(self.direction);
+        for (trial, (start, direction)) in trial.displacements.iter_mut().zip(line) {
             *trial = start + direction * length;
         }
-        meter.spend(assembly.bonds.len())?;
-        trial.update(assembly, team);
-        let end_slope = slope_at(trial);
+        trial.update(self.assembly, team);
+        Ok(())
+    }
+
+    /// Armijo's rule.
+    fn descends(&self, trial: &Configuration, length: f64, slope: f64) -> bool {
         let promised = slope * length;
+        let noise = ENERGY_ROUND_OFF * self.start.energy;
         let change = if promised.abs() < noise {
             // the trapezoidal rule on the slopes, free of the cancellation in the energies
-            0.5 * (slope + end_slope) * length
+            0.5 * (slope + self.slope(trial)) * length
         } else {
-            trial.energy - start.energy
+            trial.energy - self.start.energy
         };
-        if change <= SUFFICIENT_DECREASE * promised {
-            return Ok(true);
-        }
-        let secant = slope / (slope - end_slope);
-        length *= if secant.is_finite() {
-            secant.clamp(SHORTENING[0], SHORTENING[1])
-        } else {
-            SHORTENING[0]
-        };
+        change <= SUFFICIENT_DECREASE * promised
     }
-    Ok(false)
+
+    /// dE/d length.
+    fn slope(&self, at: &Configuration) -> f64 {
+        -ordered_sum(self.assembly.free(), |node| {
+            at.resultants[node].dot(&self.direction[node])
+        })
+    }
 }

@@ -10,7 +10,7 @@ use super::{
     Search, Settled,
     block_jacobi::BlockJacobi,
     conjugate_gradients::{Stop, newton_step},
-    line_search::descend,
+    line_search::Line,
     work::Meter,
 };
 use crate::{
@@ -86,8 +86,13 @@ pub(super) fn solve(
             if step.curves_down && least_transverse == TRUE_HESSIAN {
                 continue;
             }
-            let direction = capped(step.direction, search.step_cap);
-            if descend(assembly, &here, &direction, &mut there, team, meter)? {
+            let line = Line {
+                assembly,
+                start: &here,
+                direction: &step.direction,
+                longest: search.step_cap / farthest(&step.direction),
+            };
+            if line.descend(&mut there, team, meter)? {
                 accepted = true;
                 break;
             }
@@ -109,14 +114,8 @@ fn relative_residual(norm: f64, previous_norm: f64) -> f64 {
     (norm / previous_norm).clamp(TIGHTEST_RESIDUAL, LOOSEST_RESIDUAL)
 }
 
-/// The step, shortened as a whole so that no node moves farther than `cap` [mm].
-fn capped(mut direction: Vec<Vector>, cap: f64) -> Vec<Vector> {
-    let square = |step: &Vector| step.norm_squared();
-    let farthest = direction.iter().map(square).fold(0.0, f64::max).sqrt();
-    if farthest > cap {
-        for step in &mut direction {
-            *step *= cap / farthest;
-        }
-    }
-    direction
+/// Longest displacement of a node in a step [mm].
+fn farthest(step: &[Vector]) -> f64 {
+    let squares = step.iter().map(Vector::norm_squared);
+    squares.fold(0.0, f64::max).sqrt()
 }
