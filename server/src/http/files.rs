@@ -41,7 +41,7 @@ async fn list(
 /// Download a result file
 ///
 /// Whole or by byte range. The `ETag` is the file's SHA-256, which never changes.
-#[utoipa::path(get, path = "/v1/jobs/{id}/files/{name}", tag = "Results",
+#[utoipa::path(get, path = "/v1/jobs/{id}/files/{*name}", tag = "Results",
     params(("id" = Uuid, Path, description = "Id of the job"),
            ("name" = String, Path, description = "Name of the file, slashes included", min_length = 1, max_length = 200),
            ("Range" = Option<String>, Header, description = "A byte range, such as `bytes=0-999` or `bytes=-500`"),

@@ -72,6 +72,15 @@ fn build() -> serde_json::Result<Value> {
         "type": "http", "scheme": "bearer",
         "description": "Demanded where the server listens beyond its own machine. `loadframe token create` on the server makes one.",
     }});
+    name_wildcards(&mut document);
     answers::complete(&mut document);
     Ok(document)
+}
+
+/// The router's `{*name}`, which takes slashes too, is `{name}` in OpenAPI.
+fn name_wildcards(document: &mut Value) {
+    if let Some(paths) = document["paths"].as_object_mut() {
+        let named = std::mem::take(paths).into_iter();
+        paths.extend(named.map(|(path, item)| (path.replace("{*", "{"), item)));
+    }
 }
