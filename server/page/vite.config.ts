@@ -4,7 +4,7 @@ import { defineConfig } from "vitest/config";
 // Names carry a hash of the content, so the server may let browsers keep assets for ever and two
 // builds of the same sources are the same bytes.
 export default defineConfig({
-  plugins: [svelte()],
+  plugins: [svelte({ configFile: false })],
   build: {
     target: "es2022",
     outDir: "dist",
