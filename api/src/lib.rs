@@ -13,6 +13,7 @@ mod event;
 mod file_name;
 mod job;
 pub mod kinds;
+mod message;
 mod outcome;
 mod problem;
 mod schema;
@@ -31,6 +32,7 @@ pub use job::{
     ReasonCode, WorkerView,
 };
 pub use kinds::{Example, JobKind, JobSpec};
+pub use message::Message;
 pub use outcome::{
     Cost, FileEntry, Outcome, OutcomeStatus, Provenance, QualityCheck, Quantity, Report, Warning,
 };

@@ -15,7 +15,7 @@ use crate::{Envelope, JobChanges, JobKind, JobSpec, Violation};
 const LISTED: usize = 100;
 
 /// A schema compiled for checking, with its text for messages.
-struct Checker {
+pub(crate) struct Checker {
     schema: Value,
     validator: Option<Validator>,
 }
@@ -75,7 +75,7 @@ fn kind_checker(kind: JobKind) -> &'static Checker {
 }
 
 impl Checker {
-    fn of<T: JsonSchema>() -> Self {
+    pub(crate) fn of<T: JsonSchema>() -> Self {
         let settings =
             SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
         let schema = settings
@@ -87,7 +87,7 @@ impl Checker {
         Self { schema, validator }
     }
 
-    fn violations(&self, value: &Value) -> Vec<Violation> {
+    pub(crate) fn violations(&self, value: &Value) -> Vec<Violation> {
         let Some(validator) = &self.validator else {
             return vec![Violation::new(
                 "",

@@ -25,6 +25,7 @@ mod openapi;
 mod page;
 pub mod problem;
 mod state;
+mod worker;
 mod workers;
 
 use axum::Router;
@@ -48,6 +49,7 @@ fn routes() -> OpenApiRouter<AppState> {
         .merge(archive::router())
         .merge(kinds::router())
         .merge(workers::router())
+        .merge(worker::router())
         .merge(health::router())
         .merge(metrics::router())
         .merge(openapi::router())

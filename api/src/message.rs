@@ -1,0 +1,71 @@
+//! Messages of workers, read as carefully as submissions.
+use std::sync::OnceLock;
+
+use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
+
+use crate::SubmissionError;
+use crate::envelope::{parse, typed};
+use crate::schema::Checker;
+use crate::worker::{ClaimRequest, CompleteRequest, FailRequest, ProgressReport, ReleaseRequest};
+
+/// The body of a worker's request.
+pub trait Message: DeserializeOwned + JsonSchema {
+    /// Reads and checks a message.
+    ///
+    /// # Errors
+    /// Every violation of the message's schema, with pointers into the body.
+    fn from_slice(body: &[u8]) -> Result<Self, SubmissionError>;
+}
+
+macro_rules! messages {
+    ($($message:ty),+ $(,)?) => {
+        $(impl Message for $message {
+            fn from_slice(body: &[u8]) -> Result<Self, SubmissionError> {
+                static CHECKER: OnceLock<Checker> = OnceLock::new();
+                let checker = CHECKER.get_or_init(Checker::of::<Self>);
+                let violations = checker.violations(&parse(body)?);
+                if violations.is_empty() {
+                    typed(body, "")
+                } else {
+                    Err(SubmissionError::Invalid(violations))
+                }
+            }
+        })+
+    };
+}
+
+messages!(
+    ClaimRequest,
+    ProgressReport,
+    CompleteRequest,
+    FailRequest,
+    ReleaseRequest
+);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_are_held_against_their_schema() {
+        let good = br#"{"progress": 0.5, "phase": "step 3", "points": {"columns": ["a"], "first": 0, "rows": [[1.5]]}}"#;
+        let report = ProgressReport::from_slice(good).expect("a good report");
+        assert_eq!(report.points.map(|block| block.rows), Some(vec![vec![1.5]]));
+
+        let bad = br#"{"progress": 2, "phase": 3, "surprise": 1, "points": {"columns": [], "first": -1, "rows": []}}"#;
+        let Err(SubmissionError::Invalid(violations)) = ProgressReport::from_slice(bad) else {
+            panic!("accepted");
+        };
+        let pointers: Vec<_> = violations.iter().map(|v| v.pointer.as_str()).collect();
+        for pointer in ["/progress", "/phase", "/surprise"] {
+            assert!(pointers.contains(&pointer), "{pointer} in {pointers:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_json_is_told_apart() {
+        let broken = FailRequest::from_slice(b"{\"code\":");
+        assert!(matches!(broken, Err(SubmissionError::Syntax(_))));
+    }
+}

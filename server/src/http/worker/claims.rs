@@ -1,0 +1,58 @@
+//! `POST /v1/worker/claims`: a worker waits for a job.
+use std::time::Duration;
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use loadframe_api::worker::ClaimRequest;
+use tokio::time::{Instant, timeout_at};
+
+use super::super::AppState;
+use super::super::body::JsonBody;
+use super::super::problem::{ApiError, Result};
+use super::message;
+
+/// A waiting worker looks again at least this often: its row tells that it is there.
+const LOOK_EVERY: Duration = Duration::from_secs(5);
+
+/// Claim a job
+///
+/// Answers with the next job for this worker, and waits up to `wait_s` seconds for one. Jobs go by
+/// priority, then in the order of their submission. A worker whose answer was lost on the way
+/// claims again and is given the same lease.
+#[utoipa::path(post, path = "/v1/worker/claims", tag = "Worker",
+    request_body(content = ref("#/components/schemas/ClaimRequest"), description = "Who asks, and for what"),
+    responses((status = 200, description = "A job, under a lease", body = ref("#/components/schemas/Lease")),
+              (status = 204, description = "No job came"),
+              (status = 408, description = "The body did not arrive in time"),
+              (status = 413, description = "The body is too large"),
+              (status = 415, description = "The body is not declared as JSON"),
+              (status = 422, description = "The message does not fit its schema")))]
+pub(super) async fn claim(State(state): State<AppState>, body: JsonBody) -> Result<Response> {
+    let request: ClaimRequest = message(&body)?;
+    // its room is for others while this one waits
+    drop(body);
+    let end = Instant::now() + Duration::from_secs_f64(request.wait_s);
+    let mut queued = state.store.queued();
+    loop {
+        // seen before looking: a job that comes in between wakes at once
+        queued.borrow_and_update();
+        if let Some(lease) = state.store.claim(&request).await? {
+            metrics::counter!("loadframe_claims_total").increment(1);
+            return Ok(Json(lease).into_response());
+        }
+        let now = Instant::now();
+        if now >= end {
+            return Ok(StatusCode::NO_CONTENT.into_response());
+        }
+        let look_again = end.min(now + LOOK_EVERY);
+        tokio::select! {
+            // its end or a change: either way the next look tells
+            _ = timeout_at(look_again, queued.changed()) => {}
+            () = state.stopping.cancelled() => {
+                return Err(ApiError::busy("the server is stopping", 1));
+            }
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Files and checkpoints under a lease, streamed to and from the disk.
+use std::io;
+
+use axum::Json;
+use axum::body::Body;
+use axum::extract::{DefaultBodyLimit, Path, Query, State};
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
+use futures_util::TryStreamExt;
+use loadframe_api::FileEntry;
+use loadframe_api::worker::{CheckpointInfo, CheckpointQuery, UploadQuery};
+use tokio::fs::File;
+use tokio::io::AsyncRead;
+use tokio_util::io::{ReaderStream, StreamReader};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::super::AppState;
+use super::super::problem::{ApiError, Result};
+use super::{HeldLease, counted};
+
+pub(super) fn router() -> OpenApiRouter<AppState> {
+    OpenApiRouter::default()
+        .routes(routes!(upload))
+        .routes(routes!(save_checkpoint, checkpoint))
+        // the store bounds what it takes in, and keeps none of it in memory
+        .layer(DefaultBodyLimit::disable())
+}
+
+/// Upload a file of the result
+///
+/// The body is the file. It is published with `complete`; uploading a name again replaces it.
+#[utoipa::path(put, path = "/v1/worker/leases/{id}/files/{*name}", tag = "Worker",
+    params(("id" = Uuid, Path, description = "Id of the lease"),
+           ("name" = String, Path, description = "Name of the file, which may contain `/`"),
+           ("sha256" = String, Query, description = "SHA-256 of the body in hexadecimal digits", min_length = 64, max_length = 64),
+           ("Loadframe-Lease-Token" = Uuid, Header, description = "Token of the lease")),
+    request_body(content = Vec<u8>, content_type = "application/octet-stream", description = "The file"),
+    responses((status = 200, description = "The file is stored", body = ref("#/components/schemas/FileEntry")),
+              (status = 409, description = "The lease is no longer held"),
+              (status = 413, description = "The file is too large"),
+              (status = 422, description = "The name is not allowed, or the content has another SHA-256")))]
+async fn upload(
+    State(state): State<AppState>,
+    HeldLease(key): HeldLease,
+    path: Path<(String, String)>,
+    Query(query): Query<UploadQuery>,
+    body: Body,
+) -> Result<Json<FileEntry>> {
+    let Path((_, name)) = path;
+    let uploaded = state.store.upload(key, &name, &query.sha256, reader(body));
+    Ok(Json(counted(uploaded.await)?))
+}
+
+/// Store a checkpoint
+///
+/// The body is the checkpoint. All files uploaded so far by this attempt belong to it; it replaces
+/// the job's earlier one.
+#[utoipa::path(put, path = "/v1/worker/leases/{id}/checkpoint", tag = "Worker",
+    params(("id" = Uuid, Path, description = "Id of the lease"),
+           ("sha256" = String, Query, description = "SHA-256 of the body in hexadecimal digits", min_length = 64, max_length = 64),
+           ("wall_s" = f64, Query, description = "Wall time [s] of the work up to it", minimum = 0),
+           ("cpu_s" = f64, Query, description = "Processor time [s] of the work up to it", minimum = 0),
+           ("Loadframe-Lease-Token" = Uuid, Header, description = "Token of the lease")),
+    request_body(content = Vec<u8>, content_type = "application/octet-stream", description = "The checkpoint"),
+    responses((status = 200, description = "The checkpoint is stored", body = ref("#/components/schemas/CheckpointInfo")),
+              (status = 409, description = "The lease is no longer held"),
+              (status = 413, description = "The checkpoint is too large"),
+              (status = 422, description = "The content has another SHA-256, or a time is negative")))]
+async fn save_checkpoint(
+    State(state): State<AppState>,
+    HeldLease(key): HeldLease,
+    Query(query): Query<CheckpointQuery>,
+    body: Body,
+) -> Result<Json<CheckpointInfo>> {
+    let saved = state.store.save_checkpoint(key, &query, reader(body));
+    Ok(Json(counted(saved.await)?))
+}
+
+/// Fetch the checkpoint to go on from
+#[utoipa::path(get, path = "/v1/worker/leases/{id}/checkpoint", tag = "Worker",
+    params(("id" = Uuid, Path, description = "Id of the lease"),
+           ("Loadframe-Lease-Token" = Uuid, Header, description = "Token of the lease")),
+    responses((status = 200, description = "The checkpoint", body = Vec<u8>, content_type = "application/octet-stream"),
+              (status = 404, description = "The job has no checkpoint"),
+              (status = 409, description = "The lease is no longer held")))]
+async fn checkpoint(
+    State(state): State<AppState>,
+    HeldLease(key): HeldLease,
+) -> Result<Response> {
+    let (info, path) = counted(state.store.checkpoint(key).await)?;
+    let file = File::open(path).await.map_err(|error| ApiError::internal(&error))?;
+    let headers = [
+        (header::CONTENT_TYPE, "application/octet-stream".to_owned()),
+        (header::CONTENT_LENGTH, info.bytes.to_string()),
+    ];
+    Ok((headers, Body::from_stream(ReaderStream::new(file))).into_response())
+}
+
+/// A body as something to read from.
+fn reader(body: Body) -> impl AsyncRead + Send + Unpin {
+    StreamReader::new(body.into_data_stream().map_err(io::Error::other))
+}
