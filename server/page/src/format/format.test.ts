@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { formatJson } from "./json";
 import { formatBytes, formatChosen, formatNumber } from "./numbers";
 import { formatAgo, formatDuration, formatEta } from "./time";
-import { showQuantity, showUnit } from "./words";
+import { sentence, showQuantity, showUnit } from "./words";
 
 const plain = (text: string): string => text.replaceAll("\u202f", " ");
 
@@ -35,6 +35,7 @@ describe("times", () => {
   it.each([
     [0.85, "850 ms"],
     [9.94, "9.9 s"],
+    [3, "3 s"],
     [59.4, "59 s"],
     [200, "3 min 20 s"],
     [3600, "1 h"],
@@ -83,6 +84,12 @@ describe("quantities", () => {
 describe("chosen numbers", () => {
   it.each([[0.01, "0.01"], [1000, "1000"], [12.5, "12.5"], [1e-6, "1 × 10⁻⁶"]])("%f reads %s", (value, text) =>
     expect(plain(formatChosen(value))).toBe(text));
+});
+
+describe("reasons", () => {
+  it("are written as sentences", () => {
+    expect(["no load path", "It ended.", ""].map(sentence)).toEqual(["No load path.", "It ended.", ""]);
+  });
 });
 
 describe("JSON", () => {

@@ -5,7 +5,8 @@ import { NARROW } from "./numbers";
 export function formatDuration(seconds: number): string {
   if (!Number.isFinite(seconds) || seconds < 0) return "–";
   if (seconds < 1) return `${Math.round(seconds * 1000)}${NARROW}ms`;
-  if (seconds < 10) return `${seconds.toFixed(1)}${NARROW}s`;
+  // Whole seconds are those of a running clock.
+  if (seconds < 10 && !Number.isInteger(seconds)) return `${seconds.toFixed(1)}${NARROW}s`;
   const whole = Math.round(seconds);
   if (whole < 60) return `${whole}${NARROW}s`;
   if (whole < 3600) return pair(Math.floor(whole / 60), "min", whole % 60, "s");

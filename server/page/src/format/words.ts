@@ -8,6 +8,12 @@ export function humanise(name: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
+/** A reason as it came (lower case, no full stop) as a sentence. */
+export function sentence(text: string): string {
+  const trimmed = text.trim();
+  return trimmed.charAt(0).toUpperCase() + trimmed.slice(1) + (/[.!?]$/.test(trimmed) || trimmed === "" ? "" : ".");
+}
+
 /** A job's state in one word: how it ended, once it has. */
 export function stateOf(job: Job): string {
   if (job.status !== "finished") {
