@@ -31,7 +31,7 @@ impl<'a> Meter<'a> {
         Self {
             work,
             source,
-            next_look: work.bond_evaluations,
+            next_look: work.bond_evaluations + EVALUATIONS_BETWEEN_LOOKS,
         }
     }
 

@@ -1,0 +1,29 @@
+//! The number of threads changes no bit of any result.
+mod scene;
+
+use loadframe_api::spec::nonwoven_tensile::Solver;
+use loadframe_physics::{Ending, Uninterrupted};
+use scene::{Record, polyester, run, run_with, solver};
+
+#[test]
+fn results_have_the_same_bits_on_any_number_of_threads() {
+    // more nodes and bonds than a chunk of the ordered sums holds
+    let mut spec = polyester(25, 31, 3);
+    spec.output.snapshot_every_steps = 1;
+    for (method, step) in [(Solver::NewtonCg, 0.3), (Solver::Parallel, 0.7)] {
+        spec.test.strain_step = step;
+        spec.test.max_strain = 3.0 * step;
+        spec.accuracy = solver(method, 10.0);
+        let (expected, record) = run(&spec);
+        assert!(expected.summary["broken_bonds"].value > Some(0.0));
+        for threads in [2, 3, 8] {
+            let mut other = Record::default();
+            let ending = run_with(&spec, &mut other, &Uninterrupted, None, threads);
+            let Ending::Finished(report) = ending else {
+                panic!("{ending:?}")
+            };
+            assert_eq!(report, expected, "{threads} threads");
+            assert!(other.files == record.files, "{threads} threads");
+        }
+    }
+}
