@@ -3,6 +3,7 @@
 //! A typed spec, a [`Recorder`] and perhaps a checkpoint go in; curve points and files go to the
 //! recorder and a [`Report`] comes out. Nothing here knows a clock, a path, the network, the
 //! environment or a global: the same spec and seed give the same bytes on any number of threads.
+mod calibration;
 mod checkpoint;
 mod csv;
 mod curve;
@@ -17,6 +18,7 @@ use std::fmt;
 
 use loadframe_api::{JobSpec, Report};
 
+pub use calibration::calibration_spec;
 pub use checkpoint::CheckpointError;
 pub use error::SimulationError;
 pub use recorder::{Interrupt, InterruptSource, Recorder, Uninterrupted};
