@@ -60,13 +60,18 @@ async fn supervise(post: Post, stop: CancellationToken) {
         let started = Instant::now();
         match post.start() {
             Ok(mut child) => {
+                // `wait` would close the child's input, which tells it to stop
+                let lifeline = child.stdin.take();
                 tokio::select! {
                     end = child.wait() => match end {
                         // told to stop by the terminal, like this process
                         Ok(status) if status.success() => {}
                         end => tracing::warn!(worker = %post.name, ?end, "a worker died and is started again"),
                     },
-                    () = stop.cancelled() => return end(child).await,
+                    () = stop.cancelled() => {
+                        drop(lifeline);
+                        return end(child).await;
+                    }
                 }
             }
             Err(error) => {
@@ -84,9 +89,8 @@ async fn supervise(post: Post, stop: CancellationToken) {
     }
 }
 
-/// The end of its standard input tells a worker to stop.
+/// Waits for a worker that has been told to stop by the end of its input.
 async fn end(mut child: Child) {
-    drop(child.stdin.take());
     if tokio::time::timeout(GRACE, child.wait()).await.is_err() {
         let _ = child.kill().await;
     }
