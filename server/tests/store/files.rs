@@ -1,0 +1,136 @@
+//! Bytes on their way in, and out again.
+use std::io;
+use std::pin::Pin;
+use std::task::{Context, Poll};
+
+use loadframe_api::sha256_hex;
+use loadframe_api::worker::ReleaseReason;
+use loadframe_server::store::StoreError;
+use tokio::io::{AsyncRead, ReadBuf};
+
+use crate::lab::{LONG, Lab, is_invalid, is_lost, is_missing, key};
+
+/// A body that breaks off after its first bytes.
+struct Broken(&'static [u8]);
+
+impl AsyncRead for Broken {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        _: &mut Context<'_>,
+        buffer: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
+        if self.0.is_empty() {
+            return Poll::Ready(Err(io::ErrorKind::ConnectionReset.into()));
+        }
+        buffer.put_slice(self.0);
+        self.0 = &[];
+        Poll::Ready(Ok(()))
+    }
+}
+
+fn incoming(lab: &Lab) -> usize {
+    std::fs::read_dir(lab.folder.path().join("incoming"))
+        .unwrap()
+        .count()
+}
+
+#[tokio::test]
+async fn what_does_not_arrive_whole_and_right_leaves_nothing() {
+    let lab = Lab::open(LONG).await;
+    lab.submit().await;
+    let lease = lab.lease().await;
+    let content: &[u8] = b"content";
+    let right = sha256_hex(content);
+    let wrong = "0".repeat(64);
+    assert!(is_invalid(
+        lab.upload(key(&lease), "a.txt", &wrong, content).await
+    ));
+    assert!(is_invalid(
+        lab.upload(key(&lease), "a.txt", "../../etc/passwd", content)
+            .await
+    ));
+    assert!(is_invalid(
+        lab.upload(key(&lease), "../a.txt", &right, content).await
+    ));
+    let broken = lab
+        .upload(key(&lease), "a.txt", &right, Broken(b"con"))
+        .await;
+    assert!(matches!(broken, Err(StoreError::Interrupted(_))));
+    assert_eq!((lab.blobs().await, incoming(&lab)), (0, 0));
+
+    let mut forged = key(&lease);
+    forged.token = uuid::Uuid::new_v4();
+    assert!(is_lost(lab.upload(forged, "a.txt", &right, content).await));
+    lab.release(key(&lease), ReleaseReason::Shutdown)
+        .await
+        .unwrap();
+    assert!(is_lost(
+        lab.upload(key(&lease), "a.txt", &right, content).await
+    ));
+    assert_eq!((lab.blobs().await, incoming(&lab)), (0, 0));
+}
+
+#[tokio::test]
+async fn an_attempt_that_ends_without_a_result_leaves_only_its_checkpoint() {
+    let lab = Lab::open(LONG).await;
+    let id = lab.submit().await;
+    let lease = lab.lease().await;
+    lab.put(&lease, "kept.vtp", b"before the checkpoint").await;
+    lab.checkpoint_with(&lease, b"first", 1.0).await;
+    lab.checkpoint_with(&lease, b"second", 2.0).await;
+    lab.put(&lease, "lost.vtp", b"after the checkpoint").await;
+    lab.release(key(&lease), ReleaseReason::Shutdown)
+        .await
+        .unwrap();
+
+    let next = lab.lease().await;
+    let (_, path) = lab.checkpoint(key(&next)).await.unwrap();
+    assert_eq!(std::fs::read(path).unwrap(), b"second");
+    lab.finish(&next).await;
+    // the checkpoint has served, and what it brought was not named by the result
+    let other = lab.submit().await;
+    lab.delete(other).await.unwrap();
+    assert_eq!(lab.blobs().await, lab.files(id).await.unwrap().len());
+    assert!(is_missing(lab.file(id, "kept.vtp").await));
+    assert!(is_lost(lab.checkpoint(key(&next)).await));
+}
+
+#[tokio::test]
+async fn an_upload_replaces_the_one_before_it() {
+    let lab = Lab::open(LONG).await;
+    let id = lab.submit().await;
+    let lease = lab.lease().await;
+    lab.put(&lease, "notes.txt", b"first").await;
+    let second = lab.put(&lease, "notes.txt", b"second").await;
+    let mut result = lab.result(&lease).await;
+    result.files.push(second);
+    lab.complete(key(&lease), &result).await.unwrap();
+    let (_, path) = lab.file(id, "notes.txt").await.unwrap();
+    assert_eq!(std::fs::read(path).unwrap(), b"second");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_same_content_uploaded_and_deleted_at_once_is_never_lost() {
+    let lab = Lab::open(LONG).await;
+    for round in 0..30 {
+        let old = lab.submit().await;
+        let lease = lab.lease().await;
+        lab.finish(&lease).await;
+        let new = lab.submit().await;
+        let lease = lab.lease().await;
+        let store = lab.store.clone();
+        let deleting = tokio::spawn(async move { store.delete(old).await });
+        lab.finish(&lease).await;
+        deleting.await.unwrap().unwrap();
+        for file in lab.files(new).await.unwrap() {
+            let (_, path) = lab.file(new, &file.name).await.unwrap();
+            assert_eq!(
+                std::fs::metadata(path).unwrap().len(),
+                file.bytes,
+                "round {round}"
+            );
+        }
+        lab.delete(new).await.unwrap();
+        assert_eq!(lab.blobs().await, 0);
+    }
+}

@@ -1,0 +1,187 @@
+//! A store in a temporary folder, with users and workers that do as they are told.
+use std::ops::Deref;
+use std::time::Duration;
+
+use loadframe_api::worker::{CheckpointQuery, ClaimRequest, CompleteRequest, Lease};
+use loadframe_api::{
+    Calibration, Cost, FileEntry, JobKind, JobView, Outcome, OutcomeStatus, Provenance, Quantity,
+    Submission, sha256_hex,
+};
+use loadframe_server::store::{LeaseKey, Store, StoreError, StoreOptions};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use uuid::Uuid;
+
+/// A store that is gone with its folder.
+pub(crate) struct Lab {
+    pub(crate) store: Store,
+    pub(crate) folder: TempDir,
+}
+
+impl Deref for Lab {
+    type Target = Store;
+
+    fn deref(&self) -> &Store {
+        &self.store
+    }
+}
+
+/// Leases that no test outlives.
+pub(crate) const LONG: Duration = Duration::from_secs(3600);
+/// Leases that have run out when the next sweep looks, and not before it.
+pub(crate) const NONE: Duration = Duration::ZERO;
+
+impl Lab {
+    pub(crate) async fn open(lease: Duration) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(options(&folder, lease)).await.unwrap();
+        Self { store, folder }
+    }
+
+    /// Closes the store and opens it again.
+    pub(crate) async fn reopen(self, lease: Duration) -> Self {
+        let Self { store, folder } = self;
+        drop(store);
+        let store = Store::open(options(&folder, lease)).await.unwrap();
+        Self { store, folder }
+    }
+
+    pub(crate) async fn submit(&self) -> Uuid {
+        self.submit_with("", 0).await
+    }
+
+    pub(crate) async fn submit_with(&self, name: &str, priority: i32) -> Uuid {
+        let submission = submission(name, priority);
+        self.enqueue(&submission, None).await.unwrap().job.id
+    }
+
+    pub(crate) async fn lease(&self) -> Lease {
+        self.claim(&worker("bench")).await.unwrap().unwrap()
+    }
+
+    pub(crate) async fn view(&self, id: Uuid) -> JobView {
+        self.job(id).await.unwrap()
+    }
+
+    /// Uploads a file under a lease.
+    pub(crate) async fn put(&self, lease: &Lease, name: &str, content: &[u8]) -> FileEntry {
+        let sha256 = sha256_hex(content);
+        let upload = self.upload(key(lease), name, &sha256, content);
+        upload.await.unwrap()
+    }
+
+    /// Leaves a checkpoint after `wall_s` of work.
+    pub(crate) async fn checkpoint_with(&self, lease: &Lease, state: &[u8], wall_s: f64) {
+        let query = CheckpointQuery {
+            sha256: sha256_hex(state),
+            wall_s,
+            cpu_s: wall_s,
+        };
+        self.save_checkpoint(key(lease), &query, state)
+            .await
+            .unwrap();
+    }
+
+    /// Uploads and completes what a worker with one extra file would.
+    pub(crate) async fn finish(&self, lease: &Lease) -> CompleteRequest {
+        let request = self.result(lease).await;
+        self.complete(key(lease), &request).await.unwrap();
+        request
+    }
+
+    /// A result that has been uploaded, not completed.
+    pub(crate) async fn result(&self, lease: &Lease) -> CompleteRequest {
+        let mut files = vec![self.put(lease, "curve.csv", b"a,b\n1,2\n").await];
+        let outcome = outcome(lease, &files);
+        let text = serde_json::to_vec(&outcome).unwrap();
+        files.push(self.put(lease, "outcome.json", &text).await);
+        CompleteRequest { outcome, files }
+    }
+
+    /// How many blobs lie in the folder.
+    pub(crate) async fn blobs(&self) -> usize {
+        let root = self.folder.path().join("blobs");
+        let folders = std::fs::read_dir(root).unwrap();
+        folders
+            .map(|folder| std::fs::read_dir(folder.unwrap().path()).unwrap().count())
+            .sum()
+    }
+}
+
+pub(crate) fn options(folder: &TempDir, lease: Duration) -> StoreOptions {
+    StoreOptions {
+        lease,
+        ..StoreOptions::new(folder.path())
+    }
+}
+
+pub(crate) fn key(lease: &Lease) -> LeaseKey {
+    LeaseKey {
+        id: lease.id,
+        token: lease.token,
+    }
+}
+
+/// The smallest example, under a name.
+pub(crate) fn submission(name: &str, priority: i32) -> Submission {
+    let example = JobKind::NonwovenTensile.examples()[2];
+    let mut body: Value = serde_json::from_str(example.body).unwrap();
+    body["name"] = json!(name);
+    body["priority"] = json!(priority);
+    Submission::from_slice(body.to_string().as_bytes()).unwrap()
+}
+
+/// A worker process just started.
+pub(crate) fn worker(name: &str) -> ClaimRequest {
+    ClaimRequest {
+        worker_id: Uuid::new_v4(),
+        name: name.to_owned(),
+        host: "lab".to_owned(),
+        threads: 1,
+        engine_version: "1".to_owned(),
+        kinds: JobKind::ALL.to_vec(),
+        calibration: Some(Calibration {
+            bond_evaluations_per_s: 2.0e8,
+        }),
+        wait_s: 0.0,
+    }
+}
+
+pub(crate) fn outcome(lease: &Lease, files: &[FileEntry]) -> Outcome {
+    let force = Quantity::new(12.5, "N", "largest force");
+    Outcome {
+        kind: lease.kind,
+        status: OutcomeStatus::Succeeded,
+        stop_reason: "max_strain".to_owned(),
+        summary: [("max_force".to_owned(), force)].into_iter().collect(),
+        quality: indexmap::IndexMap::new(),
+        cost: Cost::default(),
+        provenance: Provenance {
+            spec_sha256: lease.spec_sha256.clone(),
+            engine_version: "1".to_owned(),
+            engine_commit: "unknown".to_owned(),
+            seed: 1,
+            threads: 1,
+            started_at: "2026-11-21T09:00:00Z".to_owned(),
+            host: "lab".to_owned(),
+        },
+        warnings: Vec::new(),
+        files: files.to_vec(),
+    }
+}
+
+pub(crate) fn is_lost<T>(result: Result<T, StoreError>) -> bool {
+    matches!(result, Err(StoreError::LeaseLost))
+}
+
+pub(crate) fn is_conflict<T>(result: Result<T, StoreError>) -> bool {
+    matches!(result, Err(StoreError::Conflict(_)))
+}
+
+pub(crate) fn is_invalid<T>(result: Result<T, StoreError>) -> bool {
+    matches!(result, Err(StoreError::Invalid(_)))
+}
+
+pub(crate) fn is_missing<T>(result: Result<T, StoreError>) -> bool {
+    matches!(result, Err(StoreError::NotFound(_)))
+}

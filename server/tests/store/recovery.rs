@@ -1,0 +1,142 @@
+//! Servers that come and go.
+use loadframe_server::store::{IdempotencyKey, Store, StoreError};
+use tokio::runtime::Builder;
+
+use crate::lab::{LONG, Lab, NONE, is_lost, key, options, submission};
+
+#[tokio::test]
+async fn a_lease_outlives_the_server() {
+    let lab = Lab::open(NONE).await;
+    let id = lab.submit().await;
+    let lease = lab.lease().await;
+    // run out when the server comes back; but that was the server's absence, not the worker's
+    let lab = lab.reopen(LONG).await;
+    assert_eq!(lab.sweep().await.unwrap(), 0);
+    lab.heartbeat(key(&lease)).await.unwrap();
+    lab.finish(&lease).await;
+    assert_eq!(lab.files(id).await.unwrap().len(), 2);
+}
+
+#[tokio::test]
+async fn a_start_removes_what_a_crash_left() {
+    let lab = Lab::open(LONG).await;
+    let id = lab.submit().await;
+    let lease = lab.lease().await;
+    lab.finish(&lease).await;
+    let data = lab.folder.path();
+    std::fs::write(data.join("incoming/half"), b"half a file").unwrap();
+    let orphan = data.join("blobs/ab").join(format!("ab{}", "0".repeat(62)));
+    std::fs::write(&orphan, b"renamed, but no row was committed").unwrap();
+
+    let lab = lab.reopen(LONG).await;
+    // whatever is deleted now waits for the collector, which has the leftovers first
+    let other = lab.submit().await;
+    lab.delete(other).await.unwrap();
+    assert!(!orphan.exists());
+    assert_eq!(
+        std::fs::read_dir(lab.folder.path().join("incoming"))
+            .unwrap()
+            .count(),
+        0
+    );
+    assert_eq!(lab.files(id).await.unwrap().len(), 2);
+    assert_eq!(lab.blobs().await, 2);
+}
+
+#[tokio::test]
+async fn a_folder_has_one_server() {
+    let lab = Lab::open(LONG).await;
+    let second = Store::open(options(&lab.folder, LONG)).await;
+    assert!(matches!(second, Err(StoreError::InUse(_))));
+    let beside = Store::open_beside(options(&lab.folder, LONG))
+        .await
+        .unwrap();
+    let token = beside.create_token("made beside").await.unwrap();
+    assert!(lab.check_token(&token.secret).await.unwrap());
+}
+
+/// Everything in the process that belongs to the store is dropped in the middle of its work, at a
+/// different moment each round.
+#[test]
+fn a_store_dropped_in_its_work_has_kept_what_it_answered_and_doubled_nothing() {
+    const JOBS: usize = 60;
+    let named = |job: usize| IdempotencyKey {
+        key: format!("job-{job}"),
+        body_sha256: "body".to_owned(),
+    };
+    let runtime = || {
+        Builder::new_multi_thread()
+            .worker_threads(2)
+            .enable_all()
+            .build()
+            .unwrap()
+    };
+    for round in 0..10 {
+        let folder = tempfile::tempdir().unwrap();
+        let first = runtime();
+        let answered = first.block_on(async {
+            let store = Store::open(options(&folder, LONG)).await.unwrap();
+            let (tell, mut answers) = tokio::sync::mpsc::unbounded_channel();
+            for job in 0..JOBS {
+                let (store, tell) = (store.clone(), tell.clone());
+                tokio::spawn(async move {
+                    let enqueued = store.enqueue(&submission("", 0), Some(named(job))).await;
+                    let _ = tell.send((job, enqueued.unwrap().job.id));
+                });
+            }
+            let mut answered = Vec::new();
+            while answered.len() < 1 + round * 5 {
+                answered.push(answers.recv().await.unwrap());
+            }
+            answered
+        });
+        first.shutdown_background();
+
+        runtime().block_on(async {
+            let store = reopened(&folder).await;
+            for (job, id) in answered {
+                assert_eq!(
+                    store.job(id).await.unwrap().id,
+                    id,
+                    "an accepted job was lost"
+                );
+                let again = store
+                    .enqueue(&submission("", 0), Some(named(job)))
+                    .await
+                    .unwrap();
+                assert_eq!((again.job.id, again.replayed), (id, true));
+            }
+            for job in 0..JOBS {
+                store
+                    .enqueue(&submission("", 0), Some(named(job)))
+                    .await
+                    .unwrap();
+            }
+            assert_eq!(store.counts().await.unwrap().queued, JOBS as u64);
+        });
+    }
+}
+
+/// Opens the store once the dropped one has let go of the folder.
+async fn reopened(folder: &tempfile::TempDir) -> Store {
+    loop {
+        match Store::open(options(folder, LONG)).await {
+            Err(StoreError::InUse(_)) => tokio::task::yield_now().await,
+            opened => return opened.unwrap(),
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_server_killed_between_upload_and_complete_lets_the_worker_go_on() {
+    let lab = Lab::open(LONG).await;
+    let id = lab.submit().await;
+    let lease = lab.lease().await;
+    let result = lab.result(&lease).await;
+    let lab = lab.reopen(LONG).await;
+    lab.complete(key(&lease), &result).await.unwrap();
+    let lab = lab.reopen(LONG).await;
+    lab.complete(key(&lease), &result).await.unwrap();
+    assert_eq!(lab.files(id).await.unwrap().len(), 2);
+    assert!(is_lost(lab.heartbeat(key(&lease)).await));
+}
