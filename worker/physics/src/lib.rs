@@ -3,6 +3,11 @@
 //! A typed spec, a [`Recorder`] and perhaps a checkpoint go in; curve points and files go to the
 //! recorder and a [`Report`] comes out. Nothing here knows a clock, a path, the network, the
 //! environment or a global: the same spec and seed give the same bytes on any number of threads.
+#![allow(
+    clippy::doc_markdown,
+    reason = "equations in comments have subscripts: f_r, F_lim"
+)]
+
 mod calibration;
 mod checkpoint;
 mod csv;
@@ -25,6 +30,7 @@ pub use recorder::{Interrupt, InterruptSource, Recorder, Uninterrupted};
 
 /// How a simulation ended.
 #[derive(Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is one per run")]
 pub enum Ending {
     /// It ran to its own end; all files are with the recorder.
     Finished(Report),

@@ -1,4 +1,5 @@
 //! Networks whose forces can be written down.
+#![allow(clippy::float_cmp, reason = "some results are exact")]
 mod scene;
 
 use loadframe_api::spec::nonwoven_tensile::{Bond, Breaking, Jaw, NetworkBond};

@@ -1,4 +1,5 @@
 //! The files a test leaves behind.
+#![allow(clippy::float_cmp, reason = "some results are exact")]
 mod scene;
 
 use scene::{array, floats, polyester, run};

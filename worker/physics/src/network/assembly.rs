@@ -193,7 +193,8 @@ impl Assembly {
             let nodes = nodes.iter();
             nodes.map(|node| resultants[*node as usize].y).sum::<f64>()
         };
-        [-along_y(&self.top), along_y(&self.bottom)]
+        // a difference, because the negative of zero is written as -0
+        [0.0 - along_y(&self.top), along_y(&self.bottom)]
     }
 }
 

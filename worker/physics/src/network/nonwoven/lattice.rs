@@ -137,7 +137,7 @@ impl Points {
                 (true, 0) => Hold::Bottom,
                 (true, _) => Hold::Top,
             };
-            let offset = if row % 2 == 0 { 0.5 } else { 0.0 };
+            let offset = if row.is_multiple_of(2) { 0.5 } else { 0.0 };
             for layer in 0..lattice.layers {
                 for column in 0..numbering.columns(row) {
                     let place = [f64::from(column) + offset, f64::from(row), f64::from(layer)];
@@ -170,7 +170,7 @@ impl Points {
         }
         if row + 1 < lattice.rows {
             let above = numbering.first(row + 1, layer);
-            if row % 2 == 0 {
+            if row.is_multiple_of(2) {
                 self.join_run(first, above, columns);
                 self.join_run(first, above + 1, columns);
             } else {
@@ -204,6 +204,7 @@ fn middle_rows(numbering: &Numbering<'_>) -> Vec<[u32; 2]> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::float_cmp, reason = "these numbers are exact")]
     use super::*;
 
     fn pet(jaws: Jaws) -> Lattice {

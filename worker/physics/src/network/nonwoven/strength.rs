@@ -64,6 +64,7 @@ pub(super) fn strengths(
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::float_cmp, reason = "these numbers are exact")]
     use super::*;
 
     const SAMPLES: usize = 20_000;
