@@ -18,7 +18,7 @@ use crate::{ENGINE_VERSION, calibrate, host_name};
 const CLAIM_WAIT_S: f64 = 2.0;
 /// A claim unanswered for so much longer is one to a server that hangs.
 const CLAIM_MARGIN: Duration = Duration::from_secs(10);
-/// Pause after a claim to a server that is away.
+/// Pause after a claim to a server that is away, and after a lease that was lost.
 const AWAY_PAUSE: Duration = Duration::from_millis(500);
 
 /// What a worker is told at its start.
@@ -133,7 +133,14 @@ impl Worker {
             match self.claim().await {
                 Ok(Some(lease)) => {
                     tracing::info!(job = %lease.job_id, attempt = lease.attempt, kind = %lease.kind, "claimed");
-                    self.workplace.carry_out(lease).await;
+                    let job_id = lease.job_id;
+                    match self.workplace.carry_out(lease).await {
+                        Ok(()) => tracing::info!(job = %job_id, "lease ended"),
+                        Err(error) => {
+                            tracing::warn!(job = %job_id, %error, "everything of this attempt is dropped");
+                            self.pause().await;
+                        }
+                    }
                     idle_since = Instant::now();
                 }
                 Ok(None) => {}
@@ -142,10 +149,7 @@ impl Worker {
                         tracing::warn!(%error, "waiting for the server");
                     }
                     is_away = true;
-                    tokio::select! {
-                        () = tokio::time::sleep(AWAY_PAUSE) => {}
-                        () = shutdown.cancelled() => {}
-                    }
+                    self.pause().await;
                     if !self.is_idle_too_long(idle_since) {
                         continue;
                     }
@@ -161,6 +165,13 @@ impl Worker {
             }
         }
         Ok(WorkerEnd::Stopped)
+    }
+
+    async fn pause(&self) {
+        tokio::select! {
+            () = tokio::time::sleep(AWAY_PAUSE) => {}
+            () = self.workplace.shutdown.cancelled() => {}
+        }
     }
 
     fn is_idle_too_long(&self, idle_since: Instant) -> bool {

@@ -44,8 +44,11 @@ pub(crate) struct Workplace {
 type RunEnd = Result<Result<Ended, RunError>, JoinError>;
 
 impl Workplace {
-    /// Carries out the job of `lease`; returns when the lease is ended or lost.
-    pub(crate) async fn carry_out(&self, lease: Lease) {
+    /// Carries out the job of `lease` and ends the lease.
+    ///
+    /// # Errors
+    /// When the lease was lost; everything of this attempt is dropped.
+    pub(crate) async fn carry_out(&self, lease: Lease) -> Result<(), ServerError> {
         let switch = Arc::new(StopSwitch::default());
         let client = LeaseClient::new(self.server.clone(), &lease, Arc::clone(&switch));
         let _heartbeat = AbortOnDropHandle::new(tokio::spawn(heartbeat::keep_alive(
@@ -60,7 +63,7 @@ impl Workplace {
                 switch.stop(StopCause::Shutdown);
             }
         }));
-        let ended = match self.run(&lease, &client, &switch).await {
+        match self.run(&lease, &client, &switch).await {
             Ok(ended) => ended,
             Err(AttemptError::Server(error @ ServerError::LeaseLost)) => Err(error),
             Err(error) => {
@@ -69,12 +72,6 @@ impl Workplace {
                     reason: error.to_string(),
                 };
                 client.fail(&reason).await
-            }
-        };
-        match ended {
-            Ok(()) => tracing::info!(job = %lease.job_id, "lease ended"),
-            Err(error) => {
-                tracing::warn!(job = %lease.job_id, %error, "everything of this attempt is dropped")
             }
         }
     }
