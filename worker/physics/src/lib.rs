@@ -7,6 +7,10 @@
     clippy::doc_markdown,
     reason = "equations in comments have subscripts: f_r, F_lim"
 )]
+#![allow(
+    rustdoc::broken_intra_doc_links,
+    reason = "units stand in square brackets"
+)]
 
 mod calibration;
 mod checkpoint;

@@ -87,7 +87,7 @@ impl Search {
 
 impl Settled {
     /// The free node that keeps an unbalanced assembly from equilibrium although nothing resists
-    /// its motion along its resultant: it belongs to a mechanism.
+    /// its motion along its resultant: it belongs to a mechanism, or buckles.
     pub(crate) fn mechanism(&self, assembly: &Assembly) -> Option<usize> {
         /// Stiffness along the resultant below which a node counts as unresisted, relative to the
         /// stiffness of its stiffest bond.
@@ -98,14 +98,71 @@ impl Settled {
         let node = self.residual.node;
         let along = self.configuration.resultants[node].normalize();
         let (mut resistance, mut stiffest) = (0.0, 0.0_f64);
-        for (bond, ends) in assembly.ends.iter().enumerate() {
-            if ends.contains(&(node as u32)) {
-                let state = &self.configuration.bonds[bond];
-                let square = state.direction.dot(&along).powi(2);
-                resistance += state.axial * square + state.transverse.max(0.0) * (1.0 - square);
-                stiffest = stiffest.max(state.axial);
-            }
+        for bond in assembly.incidence().of(node) {
+            let state = &self.configuration.bonds[*bond as usize];
+            let square = state.direction.dot(&along).powi(2);
+            resistance += state.axial * square + state.transverse * (1.0 - square);
+            stiffest = stiffest.max(state.axial);
         }
         (resistance <= UNRESISTED * stiffest).then(|| assembly.network_node(node))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        SimulationError, Uninterrupted,
+        network::{Bonds, Hold, Network, law::BondLaw, load_path::parts},
+    };
+
+    /// The mechanism found in a node just beside the line between two jaws 10 mm apart, not moved
+    /// from there, between bonds of this rest length.
+    fn mechanism(rest_length: f64) -> Result<Option<usize>, SimulationError> {
+        let law = BondLaw {
+            modulus: 1.0,
+            friction_modulus: 0.0,
+            compression_stiffness: 1.0,
+        };
+        let network = Network {
+            positions: vec![
+                Vector::zeros(),
+                Vector::new(0.1, 5.0, 0.0),
+                Vector::new(0.0, 10.0, 0.0),
+            ],
+            holds: vec![Hold::Bottom, Hold::Free, Hold::Top],
+            bonds: Bonds {
+                ends: vec![[0, 1], [1, 2]],
+                rest_lengths: vec![rest_length; 2],
+                laws: vec![law; 2],
+                strengths: vec![f64::INFINITY; 2],
+            },
+        };
+        let intact = [true; 2];
+        let assembly = Assembly::new(&network, &intact, &parts(&network, &intact));
+        let search = Search {
+            method: Method::NewtonCg,
+            iteration_limit: 0,
+            force_limit: 1e-6,
+            step_cap: 1.0,
+        };
+        let start = vec![Vector::zeros(); 3];
+        let mut meter = Meter::new(work::Work::default(), &Uninterrupted);
+        let settled = search
+            .run(&assembly, start, &Team::new(1)?, &mut meter)
+            .expect("nothing interrupts");
+        Ok(settled.mechanism(&assembly))
+    }
+
+    #[test]
+    fn a_node_that_compressed_bonds_push_aside_is_a_mechanism() -> Result<(), SimulationError> {
+        assert_eq!(mechanism(8.0)?, Some(1));
+        Ok(())
+    }
+
+    #[test]
+    fn a_node_that_stretched_bonds_pull_back_is_not() -> Result<(), SimulationError> {
+        assert_eq!(mechanism(4.0)?, None);
+        Ok(())
     }
 }

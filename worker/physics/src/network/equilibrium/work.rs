@@ -56,3 +56,37 @@ impl<'a> Meter<'a> {
         self.source.interrupt().map_or(Ok(()), Err)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    #[derive(Default)]
+    struct Looks(AtomicU64);
+
+    impl InterruptSource for Looks {
+        fn interrupt(&self) -> Option<Interrupt> {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            None
+        }
+    }
+
+    #[test]
+    fn looks_follow_the_work_whatever_the_size_of_a_pass() -> Result<(), Interrupt> {
+        for pass in [8, 30_000, 7_000_000] {
+            let looks = Looks::default();
+            let mut meter = Meter::new(Work::default(), &looks);
+            for _ in 0..10_000_000 / pass {
+                meter.spend(pass)?;
+            }
+            let expected = meter.work.bond_evaluations / EVALUATIONS_BETWEEN_LOOKS.max(pass as u64);
+            let found = looks.0.load(Ordering::Relaxed);
+            assert!(
+                found.abs_diff(expected) <= 1,
+                "{found} looks, {expected} expected"
+            );
+        }
+        Ok(())
+    }
+}
