@@ -132,7 +132,7 @@ fn bodies_that_are_no_submission_are_refused_as_problems() {
         megabyte_of_brackets().as_bytes(),
     );
     assert_eq!(problem(&brackets).status, 400);
-    assert_eq!(problem(&server.client.get("/v1/jobs/no-id")).status, 404);
+    assert_eq!(problem(&server.client.get("/v1/jobs/no-id")).status, 400);
     assert_eq!(problem(&server.client.get("/v1/no-such-route")).status, 404);
     let wrong_method = server.client.send("DELETE", "/v1/kinds", &[], b"").unwrap();
     assert_eq!(problem(&wrong_method).status, 405);

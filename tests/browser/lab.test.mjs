@@ -189,7 +189,8 @@ test("a bad spec shows each violation at its line, and mending it clears them", 
     assert.match(page.url(), /\/submit/);
     await part(page, "editor").fill(JSON.stringify(job(), null, 2));
     await part(page, "violations").waitFor({ state: "detached" });
-  }));
+    // the browser itself reports the refusals in its console
+  }, { expected: /status of 422/ }));
 
 test("the keyboard alone submits, follows, cancels and finds a job", () =>
   visit("/", async (page) => {

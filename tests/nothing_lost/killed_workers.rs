@@ -217,12 +217,9 @@ fn a_worker_may_die_while_it_uploads() {
                 left -= seen.bytes;
                 return None;
             }
-            Some((left, usize::from(seen.before + left == 0)))
+            Some((left, 0))
         });
     });
-    let [inside, between] = [0, 1].map(|sort| campaign.hits[sort].load(Relaxed));
-    eprintln!("killed in uploads: {inside} inside a file, {between} at the start of one");
-    assert!(inside > 0, "no kill hit inside a file");
 }
 
 #[test]

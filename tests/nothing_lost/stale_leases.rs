@@ -38,13 +38,14 @@ fn write(server: &Server, lease: (Uuid, Uuid), method: &str, path: &str, body: &
     server.client.send(method, &path, &headers, body).unwrap()
 }
 
-fn outcome() -> Value {
+/// An outcome of the job that `lease` is about.
+fn outcome(lease: &Lease) -> Value {
     json!({
         "kind": "nonwoven_tensile", "status": "succeeded", "stop_reason": "max_strain",
         "summary": {}, "quality": {}, "warnings": [], "files": [],
         "cost": {"wall_s": 1.0, "cpu_s": 1.0, "threads": 1, "peak_memory_mb": 1.0, "work": {}},
         "provenance": {
-            "spec_sha256": "0", "engine_version": "0", "engine_commit": "0", "seed": 1,
+            "spec_sha256": lease.spec_sha256, "engine_version": "0", "engine_commit": "0", "seed": 1,
             "threads": 1, "started_at": "2026-01-01T00:00:00Z", "host": "here",
         },
     })
@@ -52,7 +53,7 @@ fn outcome() -> Value {
 
 /// Every route that takes a lease: method, path, body. Each is a request that would be accepted
 /// under a lease that holds.
-fn every_route() -> Vec<(&'static str, String, Vec<u8>)> {
+fn every_route(lease: &Lease) -> Vec<(&'static str, String, Vec<u8>)> {
     let json = |value: Value| value.to_string().into_bytes();
     let sum = sha256_hex(FILE);
     let files = json!([{"name": "outcome.json", "bytes": FILE.len(), "sha256": sum}]);
@@ -81,7 +82,7 @@ fn every_route() -> Vec<(&'static str, String, Vec<u8>)> {
         (
             "POST",
             "complete".to_owned(),
-            json(json!({"outcome": outcome(), "files": files})),
+            json(json!({"outcome": outcome(lease), "files": files})),
         ),
         (
             "POST",
@@ -97,9 +98,9 @@ fn every_route() -> Vec<(&'static str, String, Vec<u8>)> {
 }
 
 #[track_caller]
-fn is_refused_everywhere(server: &Server, lease: (Uuid, Uuid)) {
-    for (method, path, body) in every_route() {
-        let answer = write(server, lease, method, &path, &body);
+fn is_refused_everywhere(server: &Server, of: &Lease, key: (Uuid, Uuid)) {
+    for (method, path, body) in every_route(of) {
+        let answer = write(server, key, method, &path, &body);
         assert_eq!(answer.status, 409, "{method} {path}: {answer}");
         assert_eq!(answer.content_type, "application/problem+json", "{answer}");
     }
@@ -113,13 +114,13 @@ fn a_stale_lease_is_refused_everywhere_and_leaves_no_trace() {
     let stale = (first.id, first.token);
     assert_eq!(first.job_id, id);
     // a checkpoint that only its holder may read
-    let (_, path, body) = &every_route()[3];
+    let (_, path, body) = &every_route(&first)[3];
     let answer = write(&server, stale, "PUT", path, body);
     assert!(answer.status < 300, "{answer}");
     until("the lease has run out", || {
         (losses(&server.client.job(id)) == 1).then_some(())
     });
-    is_refused_everywhere(&server, stale);
+    is_refused_everywhere(&server, &first, stale);
 
     // while another holds the job
     let second = claim(&server).unwrap();
@@ -130,10 +131,10 @@ fn a_stale_lease_is_refused_everywhere_and_leaves_no_trace() {
         "the checkpoint of the lost attempt is handed on"
     );
     let before = server.client.job(id);
-    is_refused_everywhere(&server, stale);
-    is_refused_everywhere(&server, (second.id, first.token));
-    is_refused_everywhere(&server, (first.id, second.token));
-    is_refused_everywhere(&server, (Uuid::nil(), second.token));
+    is_refused_everywhere(&server, &first, stale);
+    is_refused_everywhere(&server, &first, (second.id, first.token));
+    is_refused_everywhere(&server, &first, (first.id, second.token));
+    is_refused_everywhere(&server, &first, (Uuid::nil(), second.token));
     let after = server.client.job(id);
     assert_eq!(
         (after.status, &after.phase),
@@ -146,19 +147,19 @@ fn a_stale_lease_is_refused_everywhere_and_leaves_no_trace() {
     assert_eq!(curve["points"], json!([]));
 
     // the holder publishes, once
-    let sum = sha256_hex(outcome().to_string().as_bytes());
-    let text = outcome().to_string();
+    let text = outcome(&second).to_string();
+    let sum = sha256_hex(text.as_bytes());
     let upload = format!("files/outcome.json?sha256={sum}");
     let answer = write(&server, held, "PUT", &upload, text.as_bytes());
     assert!(answer.status < 300, "{answer}");
     let entry = json!({"name": "outcome.json", "bytes": text.len(), "sha256": sum});
-    let end = json!({"outcome": outcome(), "files": [entry]}).to_string();
+    let end = json!({"outcome": outcome(&second), "files": [entry]}).to_string();
     let answer = write(&server, held, "POST", "complete", end.as_bytes());
     assert!(answer.status < 300, "{answer}");
     let job = server.client.job(id);
     assert_eq!(job.outcome, Some(JobOutcome::Succeeded));
-    is_refused_everywhere(&server, held);
-    is_refused_everywhere(&server, stale);
+    is_refused_everywhere(&server, &first, held);
+    is_refused_everywhere(&server, &first, stale);
     assert_eq!(server.client.job(id), job);
     let answer = server
         .client
@@ -170,8 +171,8 @@ fn a_stale_lease_is_refused_everywhere_and_leaves_no_trace() {
 fn an_upload_that_is_not_what_it_says_is_refused() {
     let server = Server::start();
     let id = server.client.submit(&with_seed(TINY, 1));
-    let lease = claim(&server).unwrap();
-    let lease = (lease.id, lease.token);
+    let claimed = claim(&server).unwrap();
+    let lease = (claimed.id, claimed.token);
     let wrong_sum = format!("files/curve.csv?sha256={}", sha256_hex(b"something else"));
     let answer = write(&server, lease, "PUT", &wrong_sum, FILE);
     assert!((400..500).contains(&answer.status), "{answer}");
@@ -186,7 +187,7 @@ fn an_upload_that_is_not_what_it_says_is_refused() {
         assert!((400..500).contains(&answer.status), "{name}: {answer}");
     }
     // the end names a file that was never uploaded
-    let (_, _, end) = &every_route()[5];
+    let (_, _, end) = &every_route(&claimed)[5];
     let answer = write(&server, lease, "POST", "complete", end);
     assert!((400..500).contains(&answer.status), "{answer}");
     assert_eq!(server.client.job(id).status, JobStatus::Running);

@@ -2,8 +2,10 @@
 use loadframe_api::{JobView, Page};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use std::io::Read;
 use std::time::Duration;
-use ureq::Agent;
+use ureq::http::{Request, Response};
+use ureq::{Agent, Body};
 use uuid::Uuid;
 
 /// Speaks to one server.
@@ -18,6 +20,7 @@ pub struct Client {
 pub struct Answer {
     pub status: u16,
     pub content_type: String,
+    pub etag: Option<String>,
     pub body: Vec<u8>,
 }
 
@@ -46,24 +49,34 @@ impl Client {
         headers: &[(&str, &str)],
         body: &[u8],
     ) -> Result<Answer, ureq::Error> {
-        let mut request = ureq::http::Request::builder()
+        let mut response = self.respond(method, path, headers, body)?;
+        let body = response.body_mut().with_config().limit(u64::MAX);
+        Ok(Answer {
+            body: body.read_to_vec()?,
+            ..Answer::head(&response)
+        })
+    }
+
+    /// Opens a stream: the answer without its body, and the body to read from.
+    pub fn open(&self, path: &str, headers: &[(&str, &str)]) -> (Answer, impl Read + use<>) {
+        let response = self.respond("GET", path, headers, b"").unwrap();
+        (Answer::head(&response), response.into_body().into_reader())
+    }
+
+    fn respond(
+        &self,
+        method: &str,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: &[u8],
+    ) -> Result<Response<Body>, ureq::Error> {
+        let mut request = Request::builder()
             .method(method)
             .uri(format!("{}{path}", self.url));
         for (name, value) in headers {
             request = request.header(*name, *value);
         }
-        let mut response = self.agent.run(request.body(body)?)?;
-        let content_type = response.headers().get("content-type");
-        Ok(Answer {
-            status: response.status().as_u16(),
-            content_type: content_type
-                .map_or(String::new(), |value| value.to_str().unwrap().to_owned()),
-            body: response
-                .body_mut()
-                .with_config()
-                .limit(u64::MAX)
-                .read_to_vec()?,
-        })
+        self.agent.run(request.body(body)?)
     }
 
     /// POST of JSON.
@@ -112,6 +125,19 @@ impl Client {
 }
 
 impl Answer {
+    fn head(response: &Response<Body>) -> Self {
+        let header = |name: &str| {
+            let value = response.headers().get(name)?;
+            value.to_str().ok().map(str::to_owned)
+        };
+        Self {
+            status: response.status().as_u16(),
+            content_type: header("content-type").unwrap_or_default(),
+            etag: header("etag"),
+            body: Vec::new(),
+        }
+    }
+
     /// The body as `T`.
     ///
     /// # Panics

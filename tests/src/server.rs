@@ -30,13 +30,19 @@ impl Server {
 
     /// Starts a server with further options of `serve`.
     pub fn start_with(options: &[&str]) -> Self {
+        Self::start_on("127.0.0.1", options)
+    }
+
+    /// Starts a server that listens on an address of this machine.
+    pub fn start_on(host: &str, options: &[&str]) -> Self {
         let turn = Turn::wait();
         let folder = TempDir::with_prefix("loadframe-test-").unwrap();
-        let free = TcpListener::bind("127.0.0.1:0").unwrap();
-        let address = free.local_addr().unwrap().to_string();
+        let free = TcpListener::bind((host, 0)).unwrap();
+        let port = free.local_addr().unwrap().port();
         drop(free);
         let options: Vec<String> = options.iter().map(|text| (*text).to_owned()).collect();
-        let url = format!("http://{address}");
+        let address = format!("{host}:{port}");
+        let url = format!("http://127.0.0.1:{port}");
         let server = Self {
             process: spawn(&address, folder.path(), &options),
             client: Client::new(&url),

@@ -20,7 +20,7 @@ impl Worker {
         let mut command = loadframe();
         command.args(["worker", "--server", url, "--name", name, "--threads", "1"]);
         // several checkpoints even in jobs of a second
-        command.args(["--checkpoint-every-s", "0.2"]);
+        command.args(["--checkpoint-every", "0.2"]);
         let process = Process::start(command, server.folder().join(format!("{name}.log")));
         Self {
             process,

@@ -1,0 +1,149 @@
+//! The commands of the shell against a server: submit, watch, fetch, cancel, and their exit codes.
+use loadframe_api::{JobOutcome, JobStatus};
+use loadframe_tests::{
+    JobFiles, SLOW, SMALL, Server, Worker, loadframe, run_alone, until, with_seed,
+};
+use serde_json::Value;
+use std::process::Output;
+
+fn shell(server: &Server, arguments: &[&str]) -> Output {
+    let mut command = loadframe();
+    command.args(arguments).env("LOADFRAME_SERVER", &server.url);
+    command.output().unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn text(output: &Output) -> String {
+    format!(
+        "{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    )
+}
+
+#[test]
+fn submit_watch_and_fetch_bring_home_what_run_gives() {
+    let server = Server::start();
+    let _worker = Worker::start(&server, "worker");
+    let body = with_seed(SMALL, 1);
+    let alone = run_alone(&body, 1, &server.folder().join("alone"));
+    let spec = server.folder().join("alone.json");
+    let submitted = shell(&server, &["submit", spec.to_str().unwrap(), "--json"]);
+    assert_eq!(code(&submitted), 0, "{}", text(&submitted));
+    let job: Value = serde_json::from_slice(&submitted.stdout).unwrap();
+    let id = job["id"].as_str().unwrap();
+    let watched = shell(&server, &["watch", id]);
+    assert_eq!(code(&watched), 0, "{}", text(&watched));
+    let folder = server.folder().join("fetched");
+    let out = folder.to_str().unwrap();
+    let fetched = shell(&server, &["fetch", id, "--out", out]);
+    assert_eq!(code(&fetched), 0, "{}", text(&fetched));
+    assert_eq!(JobFiles::in_folder(&folder), alone);
+    // a damaged file is fetched again, the others are not
+    std::fs::write(folder.join("curve.csv"), "damaged").unwrap();
+    assert_eq!(code(&shell(&server, &["fetch", id, "--out", out])), 0);
+    assert_eq!(JobFiles::in_folder(&folder), alone);
+    let listed = shell(&server, &["list"]);
+    assert!(text(&listed).contains(&id[..8]), "{}", text(&listed));
+}
+
+#[test]
+fn exit_codes_tell_scripts_how_it_ended() {
+    let server = Server::start();
+    let folder = server.folder();
+    let file = |name: &str, text: &str| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let mut bad = with_seed(SMALL, 1);
+    bad["spec"]["bond"]["modulus_n"] = serde_json::json!(-1);
+    let bad = file("bad.json", &serde_json::to_string_pretty(&bad).unwrap());
+    for command in ["validate", "submit"] {
+        let refused = shell(&server, &[command, &bad]);
+        assert_eq!(code(&refused), 2, "{}", text(&refused));
+        assert!(text(&refused).contains("modulus_n"), "{}", text(&refused));
+    }
+    assert!(server.client.jobs("").is_empty());
+    let slow = file("slow.json", &with_seed(SLOW, 1).to_string());
+    assert_eq!(code(&shell(&server, &["validate", &slow])), 0);
+    let submitted = shell(&server, &["submit", &slow, "--json"]);
+    let job: Value = serde_json::from_slice(&submitted.stdout).unwrap();
+    let id = job["id"].as_str().unwrap();
+    assert_eq!(code(&shell(&server, &["cancel", id])), 0);
+    assert_eq!(code(&shell(&server, &["watch", id])), 4);
+    let unknown = "00000000-0000-4000-8000-000000000000";
+    assert_eq!(code(&shell(&server, &["watch", unknown])), 1);
+    let nobody = ["list", "--server", "http://127.0.0.1:1"];
+    assert_eq!(code(&shell(&server, &nobody)), 3);
+}
+
+#[test]
+fn a_run_interrupted_by_sigint_goes_on_where_it_was() {
+    let server = Server::start();
+    let body = with_seed(
+        loadframe_tests::Size {
+            strain_step: 0.002,
+            ..SMALL
+        },
+        1,
+    );
+    let alone = run_alone(&body, 1, &server.folder().join("alone"));
+    let folder = server.folder().join("interrupted");
+    let run = || {
+        let mut command = loadframe();
+        command.arg("run").arg(server.folder().join("alone.json"));
+        command.arg("--out").arg(&folder).args(["--threads", "1"]);
+        command
+    };
+    let mut process = loadframe_tests::Process::start(run(), server.folder().join("run.log"));
+    until("the run has begun", || folder.is_dir().then_some(()));
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    process.signal(nix::sys::signal::Signal::SIGINT);
+    let status = until("the run has ended", || process.ended());
+    assert_eq!(
+        status.code(),
+        Some(5),
+        "interrupted, or done too early to be"
+    );
+    let output = run().output().unwrap();
+    assert!(output.status.success(), "{}", text(&output));
+    assert_eq!(JobFiles::in_folder(&folder), alone);
+}
+
+#[test]
+fn a_lab_brings_its_own_workers() {
+    let server = Server::start();
+    let mut command = loadframe();
+    let data = server.folder().join("lab");
+    command
+        .args(["lab", "--listen", "127.0.0.1:0", "--data"])
+        .arg(data);
+    let lab = loadframe_tests::Process::start(command, server.folder().join("lab.log"));
+    let url = until("the lab tells its address", || {
+        let log = std::fs::read_to_string(server.folder().join("lab.log")).unwrap_or_default();
+        let start = log.find("http://127.0.0.1:")?;
+        log[start..].split_whitespace().next().map(str::to_owned)
+    });
+    let client = loadframe_tests::Client::new(&url);
+    let answers = || {
+        client
+            .send("GET", "/readyz", &[], b"")
+            .ok()
+            .filter(|answer| answer.status == 200)
+    };
+    until("the lab is ready", answers);
+    let id = client.submit(&with_seed(SMALL, 1));
+    let job = until("a worker of the lab has done the job", || {
+        let job = client.job(id);
+        (job.status == JobStatus::Finished).then_some(job)
+    });
+    assert_eq!(job.outcome, Some(JobOutcome::Succeeded));
+    let mut lab = lab;
+    lab.signal(nix::sys::signal::Signal::SIGTERM);
+    let status = until("the lab has ended", || lab.ended());
+    assert!(status.success(), "{status}");
+}
