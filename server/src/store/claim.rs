@@ -28,6 +28,7 @@ struct Given {
     kind: String,
     spec: String,
     spec_sha256: String,
+    has_checkpoint: bool,
 }
 
 impl Store {
@@ -81,14 +82,19 @@ impl Change {
         };
         let given: Given = sqlx::query_as(
             "SELECT a.seq AS attempt, a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
-                    j.spec_sha256
+                    j.spec_sha256,
+                    EXISTS (SELECT 1 FROM checkpoints c WHERE c.job = a.job) AS has_checkpoint
              FROM attempts a JOIN jobs j ON j.seq = a.job JOIN specs s ON s.job = a.job
              WHERE a.seq = ?",
         )
         .bind(attempt)
         .fetch_one(&mut self.connection)
         .await?;
-        let checkpoint = checkpoint_of(&mut self.connection, given.attempt).await?;
+        let checkpoint = if given.has_checkpoint {
+            checkpoint_of(&mut self.connection, given.attempt).await?
+        } else {
+            None
+        };
         Ok(Some((given, checkpoint)))
     }
 
@@ -107,7 +113,7 @@ impl Change {
 
     async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<Life>> {
         let life = sqlx::query_as(
-            "SELECT seq, id, status, outcome, asked, losses, version FROM jobs
+            "SELECT seq, id, status, outcome, asked, losses, attempt, version FROM jobs
              WHERE status = 'queued' AND kind IN (SELECT value FROM json_each(?))
              ORDER BY priority DESC, seq LIMIT 1",
         )
@@ -127,9 +133,10 @@ impl Change {
     ) -> Result<i64> {
         let why = format!("running on {} ({})", worker.name, worker.host);
         self.step(job, Input::Claim, Some(why), None).await?;
-        let number: i64 = sqlx::query_scalar(
+        let (number, resumed_wall_s): (i64, Option<f64>) = sqlx::query_as(
             "UPDATE jobs SET attempt = attempt + 1, started_at = COALESCE(started_at, ?)
-             WHERE seq = ? RETURNING attempt",
+             WHERE seq = ?
+             RETURNING attempt, (SELECT wall_s FROM checkpoints c WHERE c.job = jobs.seq)",
         )
         .bind(self.now.as_millis())
         .bind(job.seq)
@@ -138,8 +145,7 @@ impl Change {
         let attempt = sqlx::query(
             "INSERT INTO attempts (id, token, job, number, worker, worker_name, host, started_at,
                                    lease_until, resumed_wall_s)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9,
-                     COALESCE((SELECT wall_s FROM checkpoints WHERE job = ?3), 0.0))",
+             VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         )
         .bind(Uuid::now_v7())
         .bind(Uuid::new_v4())
@@ -150,17 +156,20 @@ impl Change {
         .bind(&worker.host)
         .bind(self.now.as_millis())
         .bind(self.now.as_millis() + lease)
+        .bind(resumed_wall_s.unwrap_or(0.0))
         .execute(&mut self.connection)
         .await?
         .last_insert_rowid();
-        sqlx::query(
-            "INSERT INTO attempt_files (attempt, name, bytes, sha256)
-             SELECT ?, name, bytes, sha256 FROM checkpoint_files WHERE job = ?",
-        )
-        .bind(attempt)
-        .bind(job.seq)
-        .execute(&mut self.connection)
-        .await?;
+        if resumed_wall_s.is_some() {
+            sqlx::query(
+                "INSERT INTO attempt_files (attempt, name, bytes, sha256)
+                 SELECT ?, name, bytes, sha256 FROM checkpoint_files WHERE job = ?",
+            )
+            .bind(attempt)
+            .bind(job.seq)
+            .execute(&mut self.connection)
+            .await?;
+        }
         Ok(attempt)
     }
 }

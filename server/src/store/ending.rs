@@ -165,6 +165,9 @@ impl Change {
             .into_iter()
             .map(|(name, (_, sha256))| (name, sha256))
             .unzip();
+        if names.is_empty() {
+            return Ok(());
+        }
         self.garbage(contents);
         sqlx::query(
             "DELETE FROM attempt_files

@@ -16,8 +16,6 @@ use super::{LeaseKey, Result, Store, StoreError};
 const LARGEST_FILE: u64 = 8 << 30;
 /// Largest checkpoint [bytes].
 const LARGEST_CHECKPOINT: u64 = 8 << 30;
-/// Files of a result.
-const MOST_FILES: i64 = 100_000;
 
 impl Store {
     /// Takes in a result file. It belongs to the attempt, and to the job only after `complete`.
@@ -201,14 +199,6 @@ impl Change {
         .bind(&file.sha256)
         .execute(&mut self.connection)
         .await?;
-        let count: i64 = sqlx::query_scalar("SELECT COUNT(*) FROM attempt_files WHERE attempt = ?")
-            .bind(held.seq)
-            .fetch_one(&mut self.connection)
-            .await?;
-        if count > MOST_FILES {
-            let sentence = format!("a result has at most {MOST_FILES} files");
-            return Err(StoreError::Invalid(sentence));
-        }
         Ok(())
     }
 

@@ -19,6 +19,7 @@ pub(super) struct Held {
     pub(super) seq: i64,
     pub(super) token: Uuid,
     pub(super) number: u32,
+    pub(super) worker: Uuid,
     pub(super) ended_at: Option<i64>,
     pub(super) ended_by: Option<String>,
     pub(super) columns: String,
@@ -34,7 +35,7 @@ impl Held {
     /// [`StoreError::LeaseLost`] when there is none.
     pub(super) async fn find(connection: &mut SqliteConnection, key: LeaseKey) -> Result<Self> {
         sqlx::query_as(
-            "SELECT a.seq, a.token, a.number, a.ended_at, a.ended_by, a.columns, a.points,
+            "SELECT a.seq, a.token, a.number, a.worker, a.ended_at, a.ended_by, a.columns, a.points,
                     j.id AS job
              FROM attempts a JOIN jobs j ON j.seq = a.job WHERE a.id = ? AND a.token = ?",
         )
@@ -65,27 +66,20 @@ impl Change {
     /// # Errors
     /// [`StoreError::LeaseLost`] when the lease is not held.
     pub(super) async fn extend(&mut self, key: LeaseKey, lease: i64) -> Result<Held> {
-        let extended = sqlx::query(
+        let held: Held = sqlx::query_as(
             "UPDATE attempts SET lease_until = ?, heard = 1
-             WHERE id = ? AND token = ? AND ended_at IS NULL",
+             WHERE id = ? AND token = ? AND ended_at IS NULL
+             RETURNING seq, token, number, worker, ended_at, ended_by, columns, points,
+                       (SELECT id FROM jobs WHERE jobs.seq = attempts.job) AS job",
         )
         .bind(self.now.as_millis() + lease)
         .bind(key.id)
         .bind(key.token)
-        .execute(&mut self.connection)
-        .await?;
-        if extended.rows_affected() != 1 {
-            return Err(StoreError::LeaseLost);
-        }
-        sqlx::query(
-            "UPDATE workers SET last_seen_at = ?
-             WHERE id = (SELECT worker FROM attempts WHERE id = ?)",
-        )
-        .bind(self.now.as_millis())
-        .bind(key.id)
-        .execute(&mut self.connection)
-        .await?;
-        Held::live(&mut self.connection, key).await
+        .fetch_optional(&mut self.connection)
+        .await?
+        .ok_or(StoreError::LeaseLost)?;
+        self.hear_worker(held.worker).await?;
+        Ok(held)
     }
 
     async fn report(

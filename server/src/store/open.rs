@@ -55,7 +55,9 @@ impl Store {
             .pragma("journal_size_limit", LOG_KEPT)
             .disable_statement_logging();
         let mut connection = database.connect().await?;
-        sqlx::migrate!("../migrations").run(&mut connection).await?;
+        // `run` makes this future one that the compiler cannot see to be `Send`
+        let migrations = sqlx::migrate!("../migrations");
+        migrations.run_direct(None, &mut connection, false).await?;
         let last: Option<i64> = sqlx::query_scalar("SELECT MAX(seq) FROM events")
             .fetch_one(&mut connection)
             .await?;

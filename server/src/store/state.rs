@@ -22,6 +22,8 @@ pub(super) struct Life {
     outcome: Option<String>,
     asked: Option<String>,
     losses: u32,
+    /// Number of the last attempt.
+    attempt: u32,
     version: i64,
 }
 
@@ -41,7 +43,7 @@ impl Life {
     /// The life of the job `id`.
     pub(super) async fn of(connection: &mut SqliteConnection, id: Uuid) -> Result<Self> {
         sqlx::query_as(
-            "SELECT seq, id, status, outcome, asked, losses, version FROM jobs WHERE id = ?",
+            "SELECT seq, id, status, outcome, asked, losses, attempt, version FROM jobs WHERE id = ?",
         )
         .bind(id)
         .fetch_optional(connection)
@@ -161,8 +163,11 @@ impl Change {
                     .await?;
             self.garbage(files);
         }
-        self.keep_one_curve(life.seq, completed.then_some(ending.attempt))
-            .await
+        if life.attempt > 1 {
+            let result = completed.then_some(ending.attempt);
+            self.keep_one_curve(life.seq, result).await?;
+        }
+        Ok(())
     }
 
     /// Forgets the checkpoint of a job.

@@ -8,7 +8,11 @@ use super::writer::Change;
 use super::{Counts, Result, Store};
 
 /// A waiting worker is written down again when it was last seen this long ago [ms].
-const SEEN_EVERY: i64 = 5_000;
+const SEEN_EVERY: i64 = 2_000;
+/// A worker is taken for gone when it was silent for a lease and this long [ms].
+const GRACE: i64 = 5_000;
+/// The same for a working one, whose heartbeats come oftener.
+const HEARD_EVERY: i64 = 1_000;
 
 #[derive(FromRow)]
 struct WorkerRow {
@@ -44,12 +48,23 @@ impl Change {
         .await?;
         Ok(())
     }
+
+    /// Notes that a worker speaks under its lease.
+    pub(super) async fn hear_worker(&mut self, worker: Uuid) -> Result<()> {
+        sqlx::query("UPDATE workers SET last_seen_at = ?1 WHERE id = ?2 AND last_seen_at < ?3")
+            .bind(self.now.as_millis())
+            .bind(worker)
+            .bind(self.now.as_millis() - HEARD_EVERY)
+            .execute(&mut self.connection)
+            .await?;
+        Ok(())
+    }
 }
 
 impl Store {
     /// Moment after which a live worker was seen.
     fn alive_since(&self) -> i64 {
-        Timestamp::now().as_millis() - self.lease_millis() - SEEN_EVERY
+        Timestamp::now().as_millis() - self.lease_millis() - GRACE
     }
 
     /// Worker processes, the ones seen last first.

@@ -70,21 +70,18 @@ impl EventType {
 impl Change {
     /// Notes that a job has changed. Its number becomes the version of the job.
     pub(super) async fn event(&mut self, job: i64, id: Uuid, kind: EventType) -> Result<()> {
-        let event = sqlx::query("INSERT OR REPLACE INTO events (job, type, at) VALUES (?, ?, ?)")
-            .bind(id)
-            .bind(kind.name())
-            .bind(self.now.as_millis())
-            .execute(&mut self.connection)
-            .await?
-            .last_insert_rowid();
-        if kind != EventType::Deleted {
-            sqlx::query("UPDATE jobs SET version = ?, updated_at = ? WHERE seq = ?")
-                .bind(event)
-                .bind(self.now.as_millis())
-                .bind(job)
-                .execute(&mut self.connection)
-                .await?;
-        }
+        // two statements in one go: every statement is a way to the connection's thread and back
+        let event = sqlx::query(
+            "INSERT OR REPLACE INTO events (job, type, at) VALUES (?1, ?2, ?3);
+             UPDATE jobs SET version = last_insert_rowid(), updated_at = ?3 WHERE seq = ?4",
+        )
+        .bind(id)
+        .bind(kind.name())
+        .bind(self.now.as_millis())
+        .bind(job)
+        .execute(&mut self.connection)
+        .await?
+        .last_insert_rowid();
         self.effects.last_event = u64::try_from(event).ok();
         Ok(())
     }

@@ -14,7 +14,7 @@ use super::super::problem::{ApiError, Result};
 use super::message;
 
 /// A waiting worker looks again at least this often: its row tells that it is there.
-const LOOK_EVERY: Duration = Duration::from_secs(5);
+const LOOK_EVERY: Duration = Duration::from_secs(2);
 
 /// Claim a job
 ///

@@ -84,12 +84,11 @@ async fn save_checkpoint(
     responses((status = 200, description = "The checkpoint", body = Vec<u8>, content_type = "application/octet-stream"),
               (status = 404, description = "The job has no checkpoint"),
               (status = 409, description = "The lease is no longer held")))]
-async fn checkpoint(
-    State(state): State<AppState>,
-    HeldLease(key): HeldLease,
-) -> Result<Response> {
+async fn checkpoint(State(state): State<AppState>, HeldLease(key): HeldLease) -> Result<Response> {
     let (info, path) = counted(state.store.checkpoint(key).await)?;
-    let file = File::open(path).await.map_err(|error| ApiError::internal(&error))?;
+    let file = File::open(path)
+        .await
+        .map_err(|error| ApiError::internal(&error))?;
     let headers = [
         (header::CONTENT_TYPE, "application/octet-stream".to_owned()),
         (header::CONTENT_LENGTH, info.bytes.to_string()),
