@@ -67,7 +67,7 @@ pub async fn serve(
     }
     let stopping = state.stopping.clone();
     let sweeping = tokio::spawn(store.keep_sweeping());
-    let announcing = tokio::spawn(state.announcements.clone().run(state.store.clone()));
+    let announcing = tokio::spawn(state.announce());
     let folding = tokio::spawn(http::keep_metrics_folded());
 
     // an answer is often one small packet: waiting to fill it would add 40 ms

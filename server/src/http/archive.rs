@@ -35,7 +35,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
 /// Download all result files
 ///
 /// A zip in which every name begins with a folder named for the job.
-#[utoipa::path(get, path = "/v1/jobs/{id}/archive.zip", tag = "Results",
+#[utoipa::path(get, operation_id = "download_archive", path = "/v1/jobs/{id}/archive.zip", tag = "Results",
     params(("id" = Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The zip, written while it is sent", body = String, content_type = "application/zip",
                headers(("Content-Disposition" = String))),

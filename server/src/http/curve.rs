@@ -52,12 +52,12 @@ fn start() -> Number<0, 9_007_199_254_740_991> {
 /// As JSON, or as CSV if `Accept` prefers `text/csv`. It grows while the job runs: ask again with
 /// `since` set to `next`. A JSON answer that does not thin out holds at most 20 000 points; go on
 /// at `next` until `points` is empty. CSV holds all of them.
-#[utoipa::path(get, path = "/v1/jobs/{id}/curve", tag = "Results",
+#[utoipa::path(get, operation_id = "read_curve", path = "/v1/jobs/{id}/curve", tag = "Results",
     params(("id" = Uuid, Path, description = "Id of the job"), CurveQuery),
     responses((status = 200, description = "Points of the curve", headers(("Vary" = String)), content(
                   (ref("#/components/schemas/CurveView") = "application/json"),
                   (String = "text/csv"))),
-              (status = 404, description = "There is no such job, or no point yet")))]
+              (status = 404, description = "There is no such job")))]
 async fn by_accept(
     state: State<AppState>,
     id: Path<Uuid>,
@@ -75,10 +75,10 @@ async fn by_accept(
 }
 
 /// Read the curve as JSON
-#[utoipa::path(get, path = "/v1/jobs/{id}/curve.json", tag = "Results",
+#[utoipa::path(get, operation_id = "read_curve_json", path = "/v1/jobs/{id}/curve.json", tag = "Results",
     params(("id" = Uuid, Path, description = "Id of the job"), CurveQuery),
     responses((status = 200, description = "Points of the curve", body = ref("#/components/schemas/CurveView")),
-              (status = 404, description = "There is no such job, or no point yet")))]
+              (status = 404, description = "There is no such job")))]
 async fn as_json(
     State(state): State<AppState>,
     Path(id): Path<Uuid>,
@@ -95,10 +95,10 @@ async fn as_json(
 /// Read the curve as CSV
 ///
 /// A row of column names with their units, then full digits.
-#[utoipa::path(get, path = "/v1/jobs/{id}/curve.csv", tag = "Results",
+#[utoipa::path(get, operation_id = "read_curve_csv", path = "/v1/jobs/{id}/curve.csv", tag = "Results",
     params(("id" = Uuid, Path, description = "Id of the job"), CurveQuery),
     responses((status = 200, description = "Points of the curve", body = String, content_type = "text/csv"),
-              (status = 404, description = "There is no such job, or no point yet")))]
+              (status = 404, description = "There is no such job")))]
 async fn as_csv(
     State(state): State<AppState>,
     Path(id): Path<Uuid>,
@@ -163,8 +163,12 @@ async fn thinned(store: &Store, id: Uuid, since: u64, most: usize) -> Result<Cur
     })
 }
 
+/// The row of column names; nothing as long as there is no point.
 fn heading(curve: &CurveView) -> String {
-    curve.columns.join(",") + "\n"
+    match curve.columns.as_slice() {
+        [] => String::new(),
+        columns => columns.join(",") + "\n",
+    }
 }
 
 fn rows(curve: &CurveView) -> String {

@@ -26,9 +26,9 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
 }
 
 /// List the result files
-#[utoipa::path(get, path = "/v1/jobs/{id}/files", tag = "Results",
+#[utoipa::path(get, operation_id = "list_files", path = "/v1/jobs/{id}/files", tag = "Results",
     params(("id" = Uuid, Path, description = "Id of the job")),
-    responses((status = 200, description = "The files", body = ref("#/components/schemas/Page_of_FileEntry")),
+    responses((status = 200, description = "The files", body = ref("#/components/schemas/FileEntryPage")),
               (status = 404, description = "There is no such job")))]
 async fn list(
     State(state): State<AppState>,
@@ -41,7 +41,7 @@ async fn list(
 /// Download a result file
 ///
 /// Whole or by byte range. The `ETag` is the file's SHA-256, which never changes.
-#[utoipa::path(get, path = "/v1/jobs/{id}/files/{*name}", tag = "Results",
+#[utoipa::path(get, operation_id = "download_file", path = "/v1/jobs/{id}/files/{*name}", tag = "Results",
     params(("id" = Uuid, Path, description = "Id of the job"),
            ("name" = String, Path, description = "Name of the file, slashes included", min_length = 1, max_length = 200),
            ("Range" = Option<String>, Header, description = "A byte range, such as `bytes=0-999` or `bytes=-500`"),
@@ -70,9 +70,10 @@ async fn read(
     // only what concerns the range goes on: the tag of the file's content is known better here
     let mut request = Request::new(Body::empty());
     *request.method_mut() = method;
-    let range = headers.get(header::RANGE).filter(|range| is_bytes(range));
-    if let Some(range) = range.filter(|_| tag.allows_range(&headers)) {
-        request.headers_mut().insert(header::RANGE, range.clone());
+    let range = headers.get(header::RANGE);
+    let range = range.filter(|_| tag.allows_range(&headers));
+    if let Some(range) = range.and_then(|range| byte_range(range, entry.bytes)) {
+        request.headers_mut().insert(header::RANGE, range);
     }
     let served = ServeFile::new(path)
         .ignore_multi_range_requests(true)
@@ -103,7 +104,7 @@ async fn read(
 /// Read the outcome
 ///
 /// `outcome.json`: results with units, quality, cost, provenance, warnings, files.
-#[utoipa::path(get, path = "/v1/jobs/{id}/outcome", tag = "Results",
+#[utoipa::path(get, operation_id = "read_outcome", path = "/v1/jobs/{id}/outcome", tag = "Results",
     params(("id" = Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The outcome", body = ref("#/components/schemas/Outcome")),
               (status = 404, description = "There is no such job, or it has not succeeded yet")))]
@@ -122,9 +123,9 @@ struct LogQuery {
 }
 
 /// Read the log
-#[utoipa::path(get, path = "/v1/jobs/{id}/log", tag = "Results",
+#[utoipa::path(get, operation_id = "read_log", path = "/v1/jobs/{id}/log", tag = "Results",
     params(("id" = Uuid, Path, description = "Id of the job"), LogQuery),
-    responses((status = 200, description = "Lines of the log", body = ref("#/components/schemas/Page_of_LogLine")),
+    responses((status = 200, description = "Lines of the log", body = ref("#/components/schemas/LogLinePage")),
               (status = 404, description = "There is no such job")))]
 async fn log(
     State(state): State<AppState>,
@@ -136,9 +137,15 @@ async fn log(
     Ok(Json(Page { items, next: None }))
 }
 
-/// Ranges of other units are to be ignored (RFC 9110, 14.2).
-fn is_bytes(range: &HeaderValue) -> bool {
-    range.as_bytes().starts_with(b"bytes=")
+/// The range as far as it is one of bytes; others are to be ignored (RFC 9110, 14.2). The last
+/// bytes of a file that has fewer are the whole file (14.1.2), which `ServeFile` would refuse.
+fn byte_range(range: &HeaderValue, size: u64) -> Option<HeaderValue> {
+    let bytes = range.to_str().ok()?.strip_prefix("bytes=")?;
+    let last = bytes.strip_prefix('-').and_then(|last| last.parse().ok());
+    match last {
+        Some(last) if size < last => Some(HeaderValue::from_static("bytes=0-")),
+        _ => Some(range.clone()),
+    }
 }
 
 fn media_type(name: &str) -> HeaderValue {

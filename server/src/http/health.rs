@@ -31,7 +31,7 @@ pub(super) struct VersionView {
 }
 
 /// Is the process alive?
-#[utoipa::path(get, path = "/healthz", tag = "Service",
+#[utoipa::path(get, operation_id = "check_alive", path = "/healthz", tag = "Service",
     responses((status = 200, description = "It is", body = ref("#/components/schemas/Health"))))]
 async fn alive() -> Json<Health> {
     Json(Health { status: "ok" })
@@ -40,7 +40,7 @@ async fn alive() -> Json<Health> {
 /// Does the service take requests?
 ///
 /// 503 while it stops, or when the store does not answer.
-#[utoipa::path(get, path = "/readyz", tag = "Service",
+#[utoipa::path(get, operation_id = "check_ready", path = "/readyz", tag = "Service",
     responses((status = 200, description = "It does", body = ref("#/components/schemas/Health"))))]
 async fn ready(State(state): State<AppState>) -> Result<Json<Health>> {
     if state.stopping.is_cancelled() {
@@ -54,7 +54,7 @@ async fn ready(State(state): State<AppState>) -> Result<Json<Health>> {
 }
 
 /// Which version is this?
-#[utoipa::path(get, path = "/version", tag = "Service",
+#[utoipa::path(get, operation_id = "read_version", path = "/version", tag = "Service",
     responses((status = 200, description = "Version and commit", body = ref("#/components/schemas/VersionView"))))]
 async fn version() -> Json<VersionView> {
     Json(VersionView {

@@ -94,8 +94,8 @@ impl ExampleView {
 }
 
 /// List the kinds of jobs
-#[utoipa::path(get, path = "/v1/kinds", tag = "Kinds",
-    responses((status = 200, description = "Every kind", body = ref("#/components/schemas/Page_of_KindView"))))]
+#[utoipa::path(get, operation_id = "list_kinds", path = "/v1/kinds", tag = "Kinds",
+    responses((status = 200, description = "Every kind", body = ref("#/components/schemas/KindViewPage"))))]
 async fn list() -> Json<Page<KindView>> {
     let items = JobKind::ALL.iter().map(|kind| KindView::of(*kind));
     Json(Page {
@@ -105,7 +105,7 @@ async fn list() -> Json<Page<KindView>> {
 }
 
 /// Read a kind
-#[utoipa::path(get, path = "/v1/kinds/{kind}", tag = "Kinds",
+#[utoipa::path(get, operation_id = "read_kind", path = "/v1/kinds/{kind}", tag = "Kinds",
     params(KindPath),
     responses((status = 200, description = "The kind", body = ref("#/components/schemas/KindView")),
               (status = 404, description = "There is no such kind")))]
@@ -117,7 +117,7 @@ async fn read(Path(KindPath { kind }): Path<KindPath>) -> Result<Json<KindView>>
 ///
 /// JSON Schema 2020-12 with limits, defaults, descriptions and units (`x-unit`): the very one that
 /// submissions are checked against.
-#[utoipa::path(get, path = "/v1/kinds/{kind}/schema", tag = "Kinds",
+#[utoipa::path(get, operation_id = "read_kind_schema", path = "/v1/kinds/{kind}/schema", tag = "Kinds",
     params(KindPath,
            ("If-None-Match" = Option<String>, Header, description = "`ETag` of the answer you have")),
     responses((status = 200, description = "The schema", body = Object, content_type = "application/schema+json", headers(("ETag" = String))),
@@ -138,9 +138,9 @@ async fn schema(Path(KindPath { kind }): Path<KindPath>, headers: HeaderMap) -> 
 }
 
 /// List example jobs of a kind
-#[utoipa::path(get, path = "/v1/kinds/{kind}/examples", tag = "Kinds",
+#[utoipa::path(get, operation_id = "list_examples", path = "/v1/kinds/{kind}/examples", tag = "Kinds",
     params(KindPath),
-    responses((status = 200, description = "Examples, the one to start from first", body = ref("#/components/schemas/Page_of_ExampleView")),
+    responses((status = 200, description = "Examples, the one to start from first", body = ref("#/components/schemas/ExampleViewPage")),
               (status = 404, description = "There is no such kind")))]
 async fn examples(Path(KindPath { kind }): Path<KindPath>) -> Result<Json<Page<ExampleView>>> {
     let items = known(&kind)?.examples().iter().map(ExampleView::of);

@@ -72,7 +72,7 @@ fn describe() {
 }
 
 /// Prometheus metrics
-#[utoipa::path(get, path = "/metrics", tag = "Service",
+#[utoipa::path(get, operation_id = "read_metrics", path = "/metrics", tag = "Service",
     responses((status = 200, description = "Metrics as Prometheus text", body = String, content_type = "text/plain")))]
 async fn read(State(state): State<AppState>) -> Result<Response> {
     let Some(recorder) = recorder() else {

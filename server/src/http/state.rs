@@ -24,7 +24,7 @@ pub struct AppState {
     pub(crate) access: Arc<Access>,
     pub(super) bodies: BodyBudget,
     pub(super) archives: Arc<Semaphore>,
-    pub(crate) announcements: Announcements,
+    pub(super) announcements: Announcements,
 }
 
 impl AppState {
@@ -39,5 +39,10 @@ impl AppState {
             archives: Arc::new(Semaphore::new(archive::AT_ONCE)),
             announcements: Announcements::default(),
         }
+    }
+
+    /// Announces new events to all who follow, until dropped.
+    pub fn announce(&self) -> impl Future<Output = ()> + use<> {
+        self.announcements.clone().run(self.store.clone())
     }
 }

@@ -15,8 +15,8 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
 /// List the workers
 ///
 /// Every worker process heard of lately, and what it is doing.
-#[utoipa::path(get, path = "/v1/workers", tag = "Workers",
-    responses((status = 200, description = "The workers", body = ref("#/components/schemas/Page_of_WorkerView"))))]
+#[utoipa::path(get, operation_id = "list_workers", path = "/v1/workers", tag = "Workers",
+    responses((status = 200, description = "The workers", body = ref("#/components/schemas/WorkerViewPage"))))]
 async fn list(State(state): State<AppState>) -> Result<Json<Page<WorkerView>>> {
     let items = state.store.workers().await?;
     Ok(Json(Page { items, next: None }))

@@ -43,7 +43,7 @@ impl Announced {
 
 /// Where new events are announced; a clone is another handle on the same place.
 #[derive(Clone, Debug)]
-pub(crate) struct Announcements(broadcast::Sender<Arc<Announced>>);
+pub(in crate::http) struct Announcements(broadcast::Sender<Arc<Announced>>);
 
 impl Default for Announcements {
     fn default() -> Self {
@@ -58,7 +58,7 @@ impl Announcements {
     }
 
     /// Announces the store's new events until dropped.
-    pub(crate) async fn run(self, store: Store) {
+    pub(in crate::http) async fn run(self, store: Store) {
         let mut changes = store.changes();
         let mut last = store.last_event().await;
         loop {

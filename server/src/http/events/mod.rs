@@ -24,7 +24,7 @@ use super::AppState;
 use super::bounded::{Listed, Number};
 use super::problem::{ApiError, BAD_REQUEST, Result};
 use announcements::Announced;
-pub(crate) use announcements::Announcements;
+pub(super) use announcements::Announcements;
 use follower::Follower;
 
 /// Jobs one connection can ask for by name.
@@ -77,7 +77,7 @@ fn jobs_schema() -> utoipa::openapi::schema::Object {
 /// A stream of server-sent events: `job` (it changed), `progress`, `points` (there are new curve
 /// points to fetch), `deleted`. It begins with a `job` event of the present state; with
 /// `Last-Event-ID`, it goes on after that event instead. The server ends it only when it stops.
-#[utoipa::path(get, path = "/v1/jobs/{id}/events", tag = "Events",
+#[utoipa::path(get, operation_id = "follow_job", path = "/v1/jobs/{id}/events", tag = "Events",
     params(("id" = Uuid, Path, description = "Id of the job"), JobEventsQuery,
            ("Last-Event-ID" = Option<u64>, Header, description = "`id` of the last event received", minimum = 0, maximum = 9_007_199_254_740_991_u64)),
     responses((status = 200, description = "Events; `data` is as in the schema `Event`", body = String, content_type = "text/event-stream"),
@@ -97,7 +97,7 @@ async fn of_job(
 ///
 /// As following one job. Jobs named in `jobs` are each given once at the beginning; for all jobs,
 /// read the list after the stream has opened.
-#[utoipa::path(get, path = "/v1/events", tag = "Events",
+#[utoipa::path(get, operation_id = "follow_jobs", path = "/v1/events", tag = "Events",
     params(EventsQuery,
            ("Last-Event-ID" = Option<u64>, Header, description = "`id` of the last event received", minimum = 0, maximum = 9_007_199_254_740_991_u64)),
     responses((status = 200, description = "Events; `data` is as in the schema `Event`", body = String, content_type = "text/event-stream")))]

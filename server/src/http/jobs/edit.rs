@@ -13,7 +13,7 @@ use crate::store::JobEdit;
 ///
 /// What is left out stays as it is (JSON Merge Patch, RFC 7396, without deletions). The spec of a
 /// job never changes.
-#[utoipa::path(patch, path = "/v1/jobs/{id}", tag = "Jobs",
+#[utoipa::path(patch, operation_id = "change_job", path = "/v1/jobs/{id}", tag = "Jobs",
     params(("id" = Uuid, Path, description = "Id of the job")),
     request_body(content = ref("#/components/schemas/JobChanges"), description = "What to change"),
     responses((status = 200, description = "The changed job", body = ref("#/components/schemas/JobView")),

@@ -53,11 +53,11 @@ pub(in crate::http) struct ListQuery {
 ///
 /// Newest first, in pages: give `next` as `cursor` for the following one. Cheap to ask again: send
 /// the `ETag` back as `If-None-Match`.
-#[utoipa::path(get, path = "/v1/jobs", tag = "Jobs",
+#[utoipa::path(get, operation_id = "list_jobs", path = "/v1/jobs", tag = "Jobs",
     params(ListQuery,
            ("If-None-Match" = Option<String>, Header, description = "`ETag` of the answer you have")),
     responses((status = 200, description = "A page of jobs, without their specs",
-               body = ref("#/components/schemas/Page_of_JobView"), headers(("ETag" = String))),
+               body = ref("#/components/schemas/JobViewPage"), headers(("ETag" = String))),
               (status = 304, description = "No job has changed"),
               (status = 422, description = "The cursor is not one of this server")))]
 pub(super) async fn list(

@@ -33,7 +33,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
 ///
 /// With its normalised spec and, once succeeded, its results. Cheap to ask again: send the `ETag`
 /// back as `If-None-Match`.
-#[utoipa::path(get, path = "/v1/jobs/{id}", tag = "Jobs",
+#[utoipa::path(get, operation_id = "read_job", path = "/v1/jobs/{id}", tag = "Jobs",
     params(("id" = Uuid, Path, description = "Id of the job"),
            ("If-None-Match" = Option<String>, Header, description = "`ETag` of the answer you have")),
     responses((status = 200, description = "The job", body = ref("#/components/schemas/JobView"), headers(("ETag" = String))),
@@ -55,7 +55,7 @@ async fn read(
 /// Delete a job
 ///
 /// With its results, curve, log and files. A running job has to be cancelled first.
-#[utoipa::path(delete, path = "/v1/jobs/{id}", tag = "Jobs",
+#[utoipa::path(delete, operation_id = "delete_job", path = "/v1/jobs/{id}", tag = "Jobs",
     params(("id" = Uuid, Path, description = "Id of the job")),
     responses((status = 204, description = "It is gone, and its files are freed"),
               (status = 404, description = "There is no such job"),
@@ -69,7 +69,7 @@ async fn delete(State(state): State<AppState>, Path(id): Path<Uuid>) -> Result<S
 ///
 /// A queued or paused job ends at once, a running one within two seconds; what was computed so
 /// far is kept as its curve.
-#[utoipa::path(post, path = "/v1/jobs/{id}/cancel", tag = "Jobs",
+#[utoipa::path(post, operation_id = "cancel_job", path = "/v1/jobs/{id}/cancel", tag = "Jobs",
     params(("id" = Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The job; cancelled, or about to be", body = ref("#/components/schemas/JobView")),
               (status = 404, description = "There is no such job"),
@@ -81,7 +81,7 @@ async fn cancel(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>>
 /// Pause a job
 ///
 /// A running job leaves a checkpoint and frees its worker.
-#[utoipa::path(post, path = "/v1/jobs/{id}/pause", tag = "Jobs",
+#[utoipa::path(post, operation_id = "pause_job", path = "/v1/jobs/{id}/pause", tag = "Jobs",
     params(("id" = Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The job; paused, or about to be", body = ref("#/components/schemas/JobView")),
               (status = 404, description = "There is no such job"),
@@ -93,11 +93,11 @@ async fn pause(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>> 
 /// Resume a paused job
 ///
 /// It is queued again and goes on from its checkpoint.
-#[utoipa::path(post, path = "/v1/jobs/{id}/resume", tag = "Jobs",
+#[utoipa::path(post, operation_id = "resume_job", path = "/v1/jobs/{id}/resume", tag = "Jobs",
     params(("id" = Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The job, queued", body = ref("#/components/schemas/JobView")),
               (status = 404, description = "There is no such job"),
-              (status = 409, description = "It is not paused")))]
+              (status = 409, description = "It has ended")))]
 async fn resume(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>> {
     request(state, id, UserAction::Resume).await
 }
@@ -105,11 +105,11 @@ async fn resume(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>>
 /// Run a job again
 ///
 /// For jobs that ended without a result; earlier attempts stay on record.
-#[utoipa::path(post, path = "/v1/jobs/{id}/retry", tag = "Jobs",
+#[utoipa::path(post, operation_id = "retry_job", path = "/v1/jobs/{id}/retry", tag = "Jobs",
     params(("id" = Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The job, queued", body = ref("#/components/schemas/JobView")),
               (status = 404, description = "There is no such job"),
-              (status = 409, description = "It has a result, or has not ended")))]
+              (status = 409, description = "It has a result, is running or paused")))]
 async fn retry(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>> {
     request(state, id, UserAction::Retry).await
 }

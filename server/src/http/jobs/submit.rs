@@ -46,7 +46,7 @@ pub(in crate::http) struct DryRun {
 ///
 /// Send an `Idempotency-Key` to be able to repeat a submission whose answer was lost: the same key
 /// with the same body answers the same job, with another body 422.
-#[utoipa::path(post, path = "/v1/jobs", tag = "Jobs",
+#[utoipa::path(post, operation_id = "submit_job", path = "/v1/jobs", tag = "Jobs",
     params(SubmitQuery,
            ("Idempotency-Key" = Option<String>, Header, min_length = 1, max_length = 200, pattern = "^[!-~]+$",
             description = "Your name for this submission: printable ASCII without spaces")),

@@ -23,7 +23,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
 }
 
 /// This document
-#[utoipa::path(get, path = "/openapi.json", tag = "Service",
+#[utoipa::path(get, operation_id = "read_openapi", path = "/openapi.json", tag = "Service",
     params(("If-None-Match" = Option<String>, Header, description = "`ETag` of the answer you have")),
     responses((status = 200, description = "OpenAPI 3.1", body = Object, headers(("ETag" = String))),
               (status = 304, description = "It has not changed")))]
@@ -64,7 +64,8 @@ fn build() -> serde_json::Result<Value> {
         { "name": "Results", "description": "Curves, outcomes, files, logs" },
         { "name": "Events", "description": "What happens, as it happens" },
         { "name": "Kinds", "description": "What can be tested" },
-        { "name": "Workers", "description": "The machines that compute; their own side of the protocol" },
+        { "name": "Workers", "description": "The machines that compute" },
+        { "name": "Worker", "description": "A worker's own side: it claims a job under a lease and writes under it until it ends" },
         { "name": "Service", "description": "Health, metrics, this document" },
     ]);
     document["components"]["schemas"] = Value::Object(components::schemas());

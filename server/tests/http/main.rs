@@ -1,0 +1,13 @@
+//! The service by its router: every test has its own store in a fresh folder, and no socket.
+mod access;
+mod archive;
+mod curve;
+mod errors;
+mod events;
+mod files;
+mod jobs;
+mod kinds;
+mod openapi;
+mod page;
+mod service;
+mod support;

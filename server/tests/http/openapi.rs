@@ -1,0 +1,121 @@
+//! The document against itself and against the router.
+use serde_json::Value;
+
+use crate::support::{Lab, request};
+
+fn each(node: &Value, see: &mut impl FnMut(&serde_json::Map<String, Value>)) {
+    match node {
+        Value::Object(map) => {
+            see(map);
+            map.values().for_each(|child| each(child, see));
+        }
+        Value::Array(items) => items.iter().for_each(|child| each(child, see)),
+        _ => {}
+    }
+}
+
+#[tokio::test]
+async fn every_reference_leads_somewhere() {
+    let document = Lab::open().await.get("/openapi.json").await.json();
+    assert_eq!(document["openapi"], "3.1.0");
+    let mut count = 0;
+    each(&document, &mut |map| {
+        let mapping = map.get("discriminator").map(|of| &of["mapping"]);
+        let mapped = mapping
+            .and_then(Value::as_object)
+            .into_iter()
+            .flat_map(|of| of.values());
+        for target in map
+            .get("$ref")
+            .into_iter()
+            .chain(mapped)
+            .filter_map(Value::as_str)
+        {
+            let pointer = target.strip_prefix('#').expect("within the document");
+            assert!(document.pointer(pointer).is_some(), "{target}");
+            count += 1;
+        }
+    });
+    assert!(count > 50, "{count} references");
+}
+
+#[tokio::test]
+async fn every_documented_operation_is_routed_and_no_other_method_is() {
+    let lab = Lab::open().await;
+    let document = lab.get("/openapi.json").await.json();
+    let paths = document["paths"].as_object().expect("paths");
+    assert!(paths.len() > 25, "{} paths", paths.len());
+    for (path, item) in paths {
+        let sample = path.replace("{name}", "a.csv").replace("{kind}", "sorcery");
+        let sample = sample.replace("{id}", "00000000-0000-4000-8000-000000000000");
+        // TRACE is never routed, so that the answer names what is
+        let answer = lab.send(request("TRACE", &sample, &[], "")).await;
+        answer.problem(405, "method-not-allowed");
+        let mut routed: Vec<&str> = answer
+            .header("allow")
+            .split(',')
+            .filter(|of| *of != "HEAD")
+            .collect();
+        routed.sort_unstable();
+        let documented = item.as_object().expect("an item").keys();
+        let mut documented: Vec<String> = documented.map(|method| method.to_uppercase()).collect();
+        documented.sort_unstable();
+        assert_eq!(routed, documented, "{path}");
+    }
+}
+
+#[tokio::test]
+async fn every_operation_says_how_it_can_fail() {
+    let document = Lab::open().await.get("/openapi.json").await.json();
+    let mut operations = std::collections::BTreeSet::new();
+    for (path, item) in document["paths"].as_object().expect("paths") {
+        for (method, operation) in item.as_object().expect("an item") {
+            let id = operation["operationId"].as_str().expect("an id");
+            assert!(operations.insert(id.to_owned()), "{id} is there twice");
+            assert!(operation["summary"].is_string(), "{method} {path}");
+            let answers = operation["responses"].as_object().expect("answers");
+            assert!(
+                answers.keys().any(|status| status.starts_with('2')),
+                "{method} {path}"
+            );
+            for (status, answer) in answers
+                .iter()
+                .filter(|(status, _)| status.starts_with(['4', '5']))
+            {
+                let schema = &answer["content"]["application/problem+json"]["schema"]["$ref"];
+                assert_eq!(
+                    schema, "#/components/schemas/Problem",
+                    "{method} {path} {status}"
+                );
+            }
+            if path.contains('{') {
+                assert!(
+                    answers.contains_key("404") || path.contains("/worker/"),
+                    "{method} {path}"
+                );
+            }
+            let guarded = path.starts_with("/v1/") || path == "/metrics";
+            assert_eq!(answers.contains_key("401"), guarded, "{method} {path}");
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_submission_is_one_named_variant_for_each_kind() {
+    let document = Lab::open().await.get("/openapi.json").await.json();
+    let schemas = &document["components"]["schemas"];
+    let submission = &schemas["Submission"];
+    assert_eq!(submission["discriminator"]["propertyName"], "kind");
+    for kind in loadframe_api::JobKind::ALL {
+        let target = submission["discriminator"]["mapping"][kind.name()].as_str();
+        let variant = document
+            .pointer(&target.expect("a variant")[1..])
+            .expect("its schema");
+        assert_eq!(variant["properties"]["kind"]["const"], kind.name());
+        assert_eq!(variant["additionalProperties"], false);
+        assert_eq!(
+            variant["examples"].as_array().map(Vec::len),
+            Some(kind.examples().len())
+        );
+    }
+}

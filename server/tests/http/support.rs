@@ -1,0 +1,233 @@
+//! A laboratory for a test: the router over a fresh store, and a worker played by hand.
+use std::net::SocketAddr;
+
+use axum::Router;
+use axum::body::{Body, Bytes, to_bytes};
+use axum::extract::ConnectInfo;
+use axum::http::{HeaderMap, Request, Response, header};
+use loadframe_api::worker::{ClaimRequest, CompleteRequest, CurveBlock, Lease, ProgressReport};
+use loadframe_api::{FileEntry, JobKind, Outcome, sha256_hex};
+use loadframe_server::ServeConfig;
+use loadframe_server::http::{AppState, router};
+use loadframe_server::store::{LeaseKey, Store};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use tower::ServiceExt;
+use uuid::Uuid;
+
+/// Larger answers than any test reads.
+const MOST: usize = 64 << 20;
+
+pub(crate) struct Lab {
+    pub(crate) store: Store,
+    pub(crate) state: AppState,
+    router: Router,
+    _data: TempDir,
+}
+
+/// An answer, read to its end.
+#[derive(Debug)]
+pub(crate) struct Answer {
+    pub(crate) status: u16,
+    pub(crate) headers: HeaderMap,
+    pub(crate) body: Bytes,
+}
+
+impl Lab {
+    /// An open server on this machine.
+    pub(crate) async fn open() -> Self {
+        Self::with(|_| {}).await
+    }
+
+    /// A server with other settings.
+    pub(crate) async fn with(change: impl FnOnce(&mut ServeConfig)) -> Self {
+        let data = TempDir::new().expect("a folder");
+        let mut config = ServeConfig::new(data.path());
+        change(&mut config);
+        let store = Store::open(config.store.clone()).await.expect("a store");
+        let address = config.listen.parse().expect("an address");
+        let state = AppState::new(store.clone(), &config, address);
+        Self {
+            router: router(state.clone()),
+            store,
+            state,
+            _data: data,
+        }
+    }
+
+    /// The answer as it comes, for streams.
+    pub(crate) async fn begin(&self, mut request: Request<Body>) -> Response<Body> {
+        let peer = SocketAddr::from(([192, 0, 2, 1], 40_000));
+        request.extensions_mut().insert(ConnectInfo(peer));
+        let host = "localhost".parse().expect("a header");
+        request.headers_mut().entry(header::HOST).or_insert(host);
+        let answer = self.router.clone().oneshot(request).await;
+        answer.expect("the router answers everything")
+    }
+
+    pub(crate) async fn send(&self, request: Request<Body>) -> Answer {
+        let (parts, body) = self.begin(request).await.into_parts();
+        Answer {
+            status: parts.status.as_u16(),
+            headers: parts.headers,
+            body: to_bytes(body, MOST).await.unwrap_or_default(),
+        }
+    }
+
+    pub(crate) async fn get(&self, path: &str) -> Answer {
+        self.send(request("GET", path, &[], "")).await
+    }
+
+    pub(crate) async fn get_with(&self, path: &str, headers: &[(&str, &str)]) -> Answer {
+        self.send(request("GET", path, headers, "")).await
+    }
+
+    pub(crate) async fn post(&self, path: &str, body: &str) -> Answer {
+        self.send(request("POST", path, &[JSON], body)).await
+    }
+
+    /// Submits the quick example; its id.
+    pub(crate) async fn submit(&self) -> Uuid {
+        let answer = self.post("/v1/jobs", example()).await;
+        assert_eq!(answer.status, 201, "{answer:?}");
+        let id = answer.json()["id"].as_str().expect("an id").to_owned();
+        id.parse().expect("a UUID")
+    }
+
+    /// Claims the next job as a worker would.
+    pub(crate) async fn claim(&self) -> Lease {
+        let claim = ClaimRequest {
+            worker_id: Uuid::from_u128(7),
+            name: "by hand".to_owned(),
+            host: "test".to_owned(),
+            threads: 1,
+            engine_version: "0".to_owned(),
+            kinds: JobKind::ALL.to_vec(),
+            calibration: None,
+            wait_s: 0.0,
+        };
+        let lease = self.store.claim(&claim).await.expect("a claim");
+        lease.expect("a job is waiting")
+    }
+
+    /// Reports points of a curve with these columns.
+    pub(crate) async fn report(&self, lease: &Lease, first: u64, rows: Vec<Vec<f64>>) {
+        let report = ProgressReport {
+            progress: 0.5,
+            phase: "pulling".to_owned(),
+            eta_s: Some(1.0),
+            points: Some(CurveBlock {
+                columns: vec!["strain".to_owned(), "force_n".to_owned()],
+                first,
+                rows,
+            }),
+            log: vec!["a line".to_owned()],
+        };
+        let reported = self.store.report(key(lease), &report).await;
+        reported.expect("the lease is held");
+    }
+
+    /// Submits a job and finishes it with these files beside `outcome.json`; its id.
+    pub(crate) async fn finished(&self, files: &[(&str, &[u8])]) -> Uuid {
+        let id = self.submit().await;
+        let lease = self.claim().await;
+        assert_eq!(lease.job_id, id);
+        self.report(&lease, 0, vec![vec![0.0, 1.0], vec![1.0, 2.5e-7]])
+            .await;
+        let outcome = outcome(&lease.spec_sha256);
+        let text = outcome.to_string();
+        let mut entries = Vec::new();
+        for (name, bytes) in files.iter().chain(&[("outcome.json", text.as_bytes())]) {
+            let uploaded = self
+                .store
+                .upload(key(&lease), name, &sha256_hex(bytes), *bytes)
+                .await;
+            entries.push(uploaded.expect("the lease is held"));
+        }
+        let outcome: Outcome = serde_json::from_value(outcome).expect("an outcome");
+        let complete = CompleteRequest {
+            outcome,
+            files: entries,
+        };
+        let completed = self.store.complete(key(&lease), &complete).await;
+        completed.expect("the lease is held");
+        id
+    }
+}
+
+impl Answer {
+    pub(crate) fn json(&self) -> Value {
+        serde_json::from_slice(&self.body).unwrap_or_else(|error| panic!("{error}: {self:?}"))
+    }
+
+    pub(crate) fn text(&self) -> String {
+        String::from_utf8(self.body.to_vec()).expect("text")
+    }
+
+    pub(crate) fn header(&self, name: &str) -> &str {
+        let value = self.headers.get(name).map(|value| value.to_str());
+        value.and_then(Result::ok).unwrap_or("")
+    }
+
+    /// The problem, having checked its form.
+    pub(crate) fn problem(&self, status: u16, slug: &str) -> Value {
+        assert_eq!(
+            self.status,
+            status,
+            "{}",
+            String::from_utf8_lossy(&self.body)
+        );
+        assert_eq!(self.header("content-type"), "application/problem+json");
+        let problem = self.json();
+        assert_eq!(problem["type"], format!("/problems/{slug}"));
+        assert_eq!(problem["status"], status);
+        assert_ne!(problem["title"], "");
+        assert_ne!(problem["detail"], "");
+        problem
+    }
+}
+
+pub(crate) const JSON: (&str, &str) = ("content-type", "application/json");
+
+pub(crate) fn request(
+    method: &str,
+    path: &str,
+    headers: &[(&str, &str)],
+    body: &str,
+) -> Request<Body> {
+    let request = Request::builder().method(method).uri(path);
+    let request = headers.iter().fold(request, |request, (name, value)| {
+        request.header(*name, *value)
+    });
+    request
+        .body(Body::from(body.to_owned()))
+        .expect("a request")
+}
+
+/// The body of a job that is done in no time.
+pub(crate) fn example() -> &'static str {
+    let examples = JobKind::NonwovenTensile.examples();
+    let quick = examples
+        .iter()
+        .find(|example| example.name.ends_with("quick"));
+    quick.expect("there is a quick example").body
+}
+
+pub(crate) fn key(lease: &Lease) -> LeaseKey {
+    LeaseKey {
+        id: lease.id,
+        token: lease.token,
+    }
+}
+
+/// `outcome.json` of a job with one result.
+fn outcome(spec_sha256: &str) -> Value {
+    json!({
+        "kind": "nonwoven_tensile", "status": "succeeded", "stop_reason": "max_strain",
+        "summary": { "max_force": { "value": 12.5, "unit": "N" } }, "quality": {},
+        "cost": { "wall_s": 1.0, "cpu_s": 1.0, "threads": 1, "peak_memory_mb": 10.0, "work": {} },
+        "provenance": { "spec_sha256": spec_sha256, "engine_version": "0", "engine_commit": "unknown", "seed": 1,
+                        "threads": 1, "started_at": "2026-11-21T09:00:00Z", "host": "test" },
+        "warnings": [], "files": Vec::<FileEntry>::new(),
+    })
+}
