@@ -15,14 +15,15 @@ const LINE_EVERY: Duration = Duration::from_secs(5);
 #[derive(Debug)]
 pub(crate) struct ProgressDisplay {
     bar: ProgressBar,
-    last_line: Option<Instant>,
+    /// The last line said where no bar can be drawn, and when.
+    last_line: Option<(String, Instant)>,
 }
 
 impl ProgressDisplay {
     pub(crate) fn start(title: &str) -> Self {
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
         let style = ProgressStyle::with_template(
-            "{prefix:.bold} {bar:32.cyan/dim} {percent:>3} %  {elapsed} {wide_msg}",
+            "{prefix:.bold}\n{bar:40.cyan/dim} {percent:>3} %  {wide_msg}",
         );
         if let Ok(style) = style {
             bar.set_style(style.progress_chars("━━╌"));
@@ -42,12 +43,13 @@ impl ProgressDisplay {
         });
         let message = format!("{}{left}", progress.phase);
         if self.bar.is_hidden() {
-            let is_due = self
-                .last_line
-                .is_none_or(|last| last.elapsed() >= LINE_EVERY);
+            let line = format!("{:3.0} %  {message}", 100.0 * progress.fraction);
+            let last = self.last_line.as_ref();
+            let is_due =
+                last.is_none_or(|(last, said)| said.elapsed() >= LINE_EVERY && *last != line);
             if is_due && !progress.phase.is_empty() {
-                complain(&format!("{:3.0} %  {message}", 100.0 * progress.fraction));
-                self.last_line = Some(Instant::now());
+                complain(&line);
+                self.last_line = Some((line, Instant::now()));
             }
             return;
         }

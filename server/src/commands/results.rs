@@ -97,12 +97,30 @@ fn table(rows: &[[String; 4]]) {
             .unwrap_or(0)
     };
     let (name, value, unit) = (width(0), width(1), width(2));
+    let columns = terminal_columns();
     for row in rows {
         let line = format!(
             "  {:name$}  {:>value$} {:unit$}  {}",
             row[0], row[1], row[2], row[3]
         );
-        say(line.trim_end());
+        say(&shortened(line.trim_end(), columns));
+    }
+}
+
+/// Columns of the terminal, `None` when output goes elsewhere.
+fn terminal_columns() -> Option<usize> {
+    let (_, columns) = console::Term::stdout().size_checked()?;
+    Some(columns.into())
+}
+
+/// A line cut so that it does not wrap: a wrapped table is no table. All words are in the file.
+fn shortened(line: &str, columns: Option<usize>) -> String {
+    match columns {
+        Some(columns) if line.chars().count() > columns => {
+            let kept: String = line.chars().take(columns.saturating_sub(1)).collect();
+            format!("{}…", kept.trim_end())
+        }
+        _ => line.to_owned(),
     }
 }
 
@@ -125,6 +143,13 @@ mod tests {
         for (value, text) in cases {
             assert_eq!(number(value), text);
         }
+    }
+
+    #[test]
+    fn lines_fit_the_terminal_and_stay_whole_elsewhere() {
+        assert_eq!(shortened("a long line", Some(7)), "a long…");
+        assert_eq!(shortened("a long line", Some(11)), "a long line");
+        assert_eq!(shortened("a long line", None), "a long line");
     }
 
     #[test]

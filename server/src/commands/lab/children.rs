@@ -1,5 +1,6 @@
 //! The worker processes of a lab.
 use std::io;
+use std::path::PathBuf;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
@@ -25,6 +26,7 @@ pub(super) struct Children {
 /// What a worker process is started with.
 #[derive(Clone, Debug)]
 struct Post {
+    executable: PathBuf,
     name: String,
     threads: u16,
     server: String,
@@ -32,11 +34,21 @@ struct Post {
 }
 
 impl Children {
-    pub(super) fn start(count: usize, threads: u16, server: &str, token: Option<String>) -> Self {
+    /// # Errors
+    /// When this process's own executable cannot be found.
+    pub(super) fn start(
+        count: usize,
+        threads: u16,
+        server: &str,
+        token: Option<String>,
+    ) -> io::Result<Self> {
+        // asked once: after an update of the file its name would no longer be known
+        let executable = std::env::current_exe()?;
         let stop = CancellationToken::new();
         let mut supervisors = JoinSet::new();
         for number in 1..=count {
             let post = Post {
+                executable: executable.clone(),
                 name: format!("lab-{number}"),
                 threads,
                 server: server.to_owned(),
@@ -44,7 +56,7 @@ impl Children {
             };
             supervisors.spawn(supervise(post, stop.clone()));
         }
-        Self { supervisors, stop }
+        Ok(Self { supervisors, stop })
     }
 
     /// Lets all workers save their jobs and end.
@@ -98,7 +110,7 @@ async fn end(mut child: Child) {
 
 impl Post {
     fn start(&self) -> io::Result<Child> {
-        let mut command = Command::new(std::env::current_exe()?);
+        let mut command = Command::new(&self.executable);
         command
             .args(["worker", "--exit-with-parent"])
             .args(["--server", &self.server])

@@ -92,7 +92,8 @@ async fn open(
         || (available_threads() / usize::from(arguments.threads)).max(1),
         usize::from,
     );
-    let children = Children::start(workers, arguments.threads, &url, token);
+    let children = Children::start(workers, arguments.threads, &url, token)
+        .map_err(|error| Failure::of(&error))?;
     say(&format!(
         "The lab is open at {url} ({})",
         staff(workers, arguments.threads)
