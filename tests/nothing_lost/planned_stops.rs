@@ -2,7 +2,7 @@
 //! elsewhere to the same bytes.
 use loadframe_api::{AttemptEnd, JobOutcome, JobStatus, JobView, ReasonCode};
 use loadframe_tests::{
-    Chance, Cut, JobFiles, Relay, Server, Size, Worker, is_sound, run_alone, until, with_seed,
+    Chance, Cut, JobFiles, LONG, Relay, Server, Worker, is_sound, run_alone, until, with_seed,
 };
 use nix::sys::signal::Signal;
 use std::sync::Arc;
@@ -10,12 +10,6 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 use uuid::Uuid;
 
-/// A job of a few seconds with snapshots, so that checkpoints carry files.
-const JOB: Size = Size {
-    strain_step: 0.002,
-    snapshot_every_steps: 50,
-    ..loadframe_tests::SMALL
-};
 /// More stops than a job may lose workers, so that a stop counted as a loss would show.
 const STOPS: usize = 5;
 
@@ -31,7 +25,7 @@ struct Scene {
 impl Scene {
     fn new(test: &str) -> Self {
         let server = Server::start();
-        let body = with_seed(JOB, 1);
+        let body = with_seed(LONG, 1);
         let begin = Instant::now();
         let alone = run_alone(&body, 1, &server.folder().join("alone"));
         let duration = begin.elapsed();

@@ -1,7 +1,7 @@
 //! The commands of the shell against a server: submit, watch, fetch, cancel, and their exit codes.
 use loadframe_api::{JobOutcome, JobStatus};
 use loadframe_tests::{
-    JobFiles, SLOW, SMALL, Server, Worker, loadframe, run_alone, until, with_seed,
+    JobFiles, LONG, SLOW, SMALL, Server, Worker, loadframe, run_alone, until, with_seed,
 };
 use serde_json::Value;
 use std::process::Output;
@@ -84,13 +84,7 @@ fn exit_codes_tell_scripts_how_it_ended() {
 #[test]
 fn a_run_interrupted_by_sigint_goes_on_where_it_was() {
     let server = Server::start();
-    let body = with_seed(
-        loadframe_tests::Size {
-            strain_step: 0.002,
-            ..SMALL
-        },
-        1,
-    );
+    let body = with_seed(LONG, 1);
     let alone = run_alone(&body, 1, &server.folder().join("alone"));
     let folder = server.folder().join("interrupted");
     let run = || {

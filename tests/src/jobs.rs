@@ -29,11 +29,18 @@ pub const SMALL: Size = Size {
     snapshot_every_steps: 10,
 };
 
-/// Takes many seconds, in thousands of short steps: long enough to be stopped half-way, whenever
-/// that is.
+/// Takes seconds, with snapshots, in a thousand steps: long enough to be stopped several times.
+pub const LONG: Size = Size {
+    points_per_row: 31,
+    rows: 35,
+    strain_step: 0.001,
+    snapshot_every_steps: 100,
+};
+
+/// Takes a minute or so, in thousands of steps: not done before a test has had its way with it.
 pub const SLOW: Size = Size {
-    points_per_row: 15,
-    rows: 17,
+    points_per_row: 49,
+    rows: 51,
     strain_step: 0.0002,
     snapshot_every_steps: 0,
 };

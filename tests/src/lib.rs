@@ -23,7 +23,7 @@ mod worker;
 
 pub use client::{Answer, Client};
 pub use files::JobFiles;
-pub use jobs::{SLOW, SMALL, Size, TINY, is_sound, losses, run_alone, with_seed};
+pub use jobs::{LONG, SLOW, SMALL, Size, TINY, is_sound, losses, run_alone, with_seed};
 pub use process::{Process, loadframe};
 pub use random::Chance;
 pub use relay::{Cut, Relay, Seen};
