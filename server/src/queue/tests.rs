@@ -1,4 +1,5 @@
 //! Every input in every state.
+#![allow(clippy::unwrap_used, reason = "a refusal fails the test")]
 use loadframe_api::worker::FailCode;
 use loadframe_api::{AttemptEnd, JobOutcome, ReasonCode};
 use proptest::prelude::*;

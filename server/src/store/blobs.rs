@@ -36,6 +36,8 @@ pub(super) struct Blobs {
 pub(super) enum Garbage {
     /// These may be named by no row any more.
     Perhaps(Vec<String>),
+    /// Any of all the files may be.
+    PerhapsAny,
     /// Tell when all before is done.
     Barrier(oneshot::Sender<()>),
 }
@@ -76,7 +78,7 @@ impl Blobs {
 
     /// Removes what a crash left: half-received files now, stored ones without a row soon.
     pub(super) async fn recover(&self) -> Result<()> {
-        let (root, incoming) = (self.root.clone(), self.incoming.clone());
+        let incoming = self.incoming.clone();
         blocking(&self.incoming, move || {
             for entry in std::fs::read_dir(incoming)? {
                 std::fs::remove_file(entry?.path())?;
@@ -84,17 +86,7 @@ impl Blobs {
             Ok(())
         })
         .await?;
-        let names = blocking(&self.root, move || {
-            let mut names = Vec::new();
-            for folder in std::fs::read_dir(root)? {
-                for file in std::fs::read_dir(folder?.path())? {
-                    names.extend(file?.file_name().into_string());
-                }
-            }
-            Ok(names)
-        })
-        .await?;
-        self.suspect(names);
+        let _ = self.garbage.send(Garbage::PerhapsAny);
         Ok(())
     }
 
@@ -202,24 +194,59 @@ impl Blobs {
         let (root, in_use) = (self.root.clone(), self.in_use.clone());
         async move {
             while let Some(report) = reports.recv().await {
-                match report {
-                    Garbage::Barrier(done) => drop(done.send(())),
-                    Garbage::Perhaps(names) => {
-                        for names in names.chunks(NAMES_AT_ONCE) {
-                            let alone = in_use.write().await;
-                            if let Err(error) = remove_unnamed(&root, &reads, names).await {
-                                tracing::error!(%error, "files without a row stay for now");
-                            }
-                            drop(alone);
-                        }
+                let names = match report {
+                    Garbage::Perhaps(names) => Ok(names),
+                    Garbage::PerhapsAny => every_name(&root).await,
+                    Garbage::Barrier(done) => {
+                        // whoever waited may have gone
+                        let _ = done.send(());
+                        continue;
                     }
+                };
+                let removed = match names {
+                    Ok(names) => remove_unnamed(&root, &reads, &in_use, &names).await,
+                    Err(error) => Err(error),
+                };
+                if let Err(error) = removed {
+                    tracing::error!(%error, "files without a row stay for now");
                 }
             }
         }
     }
 }
 
-async fn remove_unnamed(root: &Path, reads: &SqlitePool, names: &[String]) -> Result<()> {
+/// Names of all files in the folder.
+async fn every_name(root: &Path) -> Result<Vec<String>> {
+    let folder = root.to_owned();
+    blocking(root, move || {
+        let mut names = Vec::new();
+        for folder in std::fs::read_dir(folder)? {
+            for file in std::fs::read_dir(folder?.path())? {
+                names.extend(file?.file_name().into_string());
+            }
+        }
+        Ok(names)
+    })
+    .await
+}
+
+/// Removes those of the files that no row names.
+async fn remove_unnamed(
+    root: &Path,
+    reads: &SqlitePool,
+    in_use: &RwLock<()>,
+    names: &[String],
+) -> Result<()> {
+    for names in names.chunks(NAMES_AT_ONCE) {
+        let alone = in_use.write().await;
+        remove_unnamed_alone(root, reads, names).await?;
+        drop(alone);
+    }
+    Ok(())
+}
+
+/// The same while nobody stores a file.
+async fn remove_unnamed_alone(root: &Path, reads: &SqlitePool, names: &[String]) -> Result<()> {
     let forgotten: Vec<String> = sqlx::query_scalar(
         "SELECT value FROM json_each(?)
          WHERE NOT EXISTS (SELECT 1 FROM attempt_files WHERE sha256 = value)

@@ -9,10 +9,10 @@ use super::{Counts, Result, Store};
 
 /// A waiting worker is written down again when it was last seen this long ago [ms].
 const SEEN_EVERY: i64 = 2_000;
-/// A worker is taken for gone when it was silent for a lease and this long [ms].
-const GRACE: i64 = 5_000;
 /// The same for a working one, whose heartbeats come oftener.
 const HEARD_EVERY: i64 = 1_000;
+/// A worker is taken for gone when it was silent for a lease and this long [ms].
+const GRACE: i64 = 5_000;
 
 #[derive(FromRow)]
 struct WorkerRow {
@@ -62,7 +62,7 @@ impl Change {
 }
 
 impl Store {
-    /// Moment after which a live worker was seen.
+    /// A live worker was seen since this moment.
     fn alive_since(&self) -> i64 {
         Timestamp::now().as_millis() - self.lease_millis() - GRACE
     }

@@ -69,7 +69,7 @@ async fn pause_keeps_the_checkpoint_and_resume_goes_on_from_it() {
     let lease = lab.lease().await;
     assert_eq!(lease.attempt, 2);
     let checkpoint = lease.checkpoint.clone().unwrap();
-    assert_eq!(checkpoint.files, [kept.clone()]);
+    assert_eq!(checkpoint.files, std::slice::from_ref(&kept));
     assert_eq!(checkpoint.wall_s.to_bits(), 12.5_f64.to_bits());
     let (info, path) = lab.checkpoint(key(&lease)).await.unwrap();
     assert_eq!(info, checkpoint);
