@@ -47,7 +47,7 @@ pub struct Submission {
 pub enum SubmissionError {
     /// The text is not JSON.
     #[error("not JSON: {}", .0.detail)]
-    Syntax(Violation),
+    Syntax(Box<Violation>),
     /// It is JSON, but not a job that can be run.
     #[error("{} violations", .0.len())]
     Invalid(Vec<Violation>),
@@ -160,7 +160,7 @@ impl SubmissionError {
     pub fn into_problem(self) -> Problem {
         match self {
             Self::Syntax(violation) => Problem {
-                violations: vec![violation.clone()],
+                violations: vec![(*violation).clone()],
                 ..Problem::new(400, "not-json", "The body is not JSON", violation.detail)
             },
             Self::Invalid(violations) => {
@@ -198,15 +198,17 @@ fn syntax(pointer: String, error: &serde_json::Error) -> SubmissionError {
     } else {
         "syntax"
     };
-    SubmissionError::Syntax(
-        Violation::new(pointer, code, error.to_string())
-            .value(format!("line {}, column {}", error.line(), error.column()))
-            .allowed("JSON (RFC 8259): finite numbers within ±1.8e308, at most 127 levels deep"),
-    )
+    let violation = Violation::new(pointer, code, error.to_string())
+        .value(format!("line {}, column {}", error.line(), error.column()))
+        .allowed("JSON (RFC 8259): finite numbers within ±1.8e308, at most 127 levels deep");
+    SubmissionError::Syntax(Box::new(violation))
 }
 
 /// Parses into `T`; what is refused is said with its pointer under `prefix`.
-pub(crate) fn typed<'de, T: Deserialize<'de>>(text: &'de [u8], prefix: &str) -> Result<T, SubmissionError> {
+pub(crate) fn typed<'de, T: Deserialize<'de>>(
+    text: &'de [u8],
+    prefix: &str,
+) -> Result<T, SubmissionError> {
     let mut reader = serde_json::Deserializer::from_slice(text);
     serde_path_to_error::deserialize(&mut reader).map_err(|error| {
         let place = format!("{prefix}{}", pointer(error.path()));

@@ -14,7 +14,7 @@ const BLOCK: usize = 32_768;
 
 /// Points joined by lines, with data on both.
 pub(crate) struct Lines<'a> {
-    pub(crate) points: &'a [[f32; 3]],
+    pub(crate) points: &'a [[f64; 3]],
     /// Points at the ends of each line.
     pub(crate) ends: &'a [[u32; 2]],
     pub(crate) point_data: &'a [Array<'a>],
@@ -29,7 +29,7 @@ pub(crate) struct Array<'a> {
 }
 
 enum Values<'a> {
-    Floats(&'a [f32]),
+    Floats(&'a [f64]),
     Bytes(&'a [u8]),
     Indices(&'a [i32]),
 }
@@ -40,12 +40,12 @@ pub(crate) struct Series {
 }
 
 impl<'a> Array<'a> {
-    pub(crate) fn scalars(name: &'a str, values: &'a [f32]) -> Self {
+    pub(crate) fn scalars(name: &'a str, values: &'a [f64]) -> Self {
         Self::new(name, 1, Values::Floats(values))
     }
 
     /// Three values for each vector.
-    pub(crate) fn vectors(name: &'a str, values: &'a [f32]) -> Self {
+    pub(crate) fn vectors(name: &'a str, values: &'a [f64]) -> Self {
         Self::new(name, 3, Values::Floats(values))
     }
 
@@ -68,7 +68,7 @@ impl<'a> Array<'a> {
     /// The array's element of the XML header, pointing to `offset` in the appended data.
     fn declare(&self, out: &mut dyn Write, offset: usize) -> io::Result<()> {
         let kind = match self.values {
-            Values::Floats(_) => "Float32",
+            Values::Floats(_) => "Float64",
             Values::Bytes(_) => "UInt8",
             Values::Indices(_) => "Int32",
         };
@@ -108,7 +108,7 @@ impl Lines<'_> {
     /// Those of `out`.
     pub(crate) fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let (points, lines) = (self.points.len(), self.ends.len());
-        let coordinates: &[f32] = self.points.as_flattened();
+        let coordinates: &[f64] = self.points.as_flattened();
         let connectivity: Vec<i32> = self.ends.iter().flatten().map(|end| *end as i32).collect();
         let offsets: Vec<i32> = (1..=lines as i32).map(|line| 2 * line).collect();
         let positions = [Array::vectors("Points", coordinates)];

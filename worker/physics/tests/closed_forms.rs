@@ -82,10 +82,7 @@ fn springs_in_series_share_the_force() {
     }
     let strains = scene::floats(&record.files["snapshots/step_00010.vtp"], "strain");
     for (found, expected) in strains.iter().zip([0.2 / 1.0, 0.2 / 2.0, 0.2 / 3.0]) {
-        assert!(
-            (f64::from(*found) - expected).abs() < 1e-7,
-            "single precision"
-        );
+        assert_close(*found, expected);
     }
 }
 

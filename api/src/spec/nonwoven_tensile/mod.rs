@@ -212,11 +212,11 @@ impl Accuracy {
 }
 
 impl Test {
-    /// Strain steps until `max_strain`, the last one included.
+    /// Strain steps until `max_strain`; the last one is shorter where they do not come out even.
     pub fn steps(&self) -> u64 {
-        // a ratio a hair below a whole number is that number: 3.0/0.01 must give 300, not 299
+        // a ratio a hair above a whole number is that number: 0.3/0.1 must give 3, not 4
         let ratio = self.max_strain / self.strain_step;
-        (ratio * (1.0 + 1e-12)).floor().max(1.0) as u64
+        (ratio * (1.0 - 1e-12)).ceil().max(1.0) as u64
     }
 }
 

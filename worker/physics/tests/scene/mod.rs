@@ -230,12 +230,12 @@ pub(crate) fn value(report: &Report, name: &str) -> f64 {
         .unwrap_or_else(|| panic!("{name} is unknown"))
 }
 
-/// The numbers of a Float32 array in a `.vtp` file.
-pub(crate) fn floats(file: &[u8], name: &str) -> Vec<f32> {
+/// The numbers of a Float64 array in a `.vtp` file.
+pub(crate) fn floats(file: &[u8], name: &str) -> Vec<f64> {
     let bytes = array(file, name);
-    let numbers = bytes.chunks_exact(4);
+    let numbers = bytes.chunks_exact(8);
     numbers
-        .map(|bytes| f32::from_le_bytes(bytes.try_into().expect("four bytes")))
+        .map(|bytes| f64::from_le_bytes(bytes.try_into().expect("eight bytes")))
         .collect()
 }
 

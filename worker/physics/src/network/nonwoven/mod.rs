@@ -65,6 +65,15 @@ pub(crate) fn run(
     for point in &experiment.state.points {
         recorder.point(&tables::values(point))?;
     }
+    if context.checkpoint.is_none() {
+        let network = &experiment.specimen.network;
+        recorder.log(&format!(
+            "{} nodes, {} bonds, {} mm between the jaws",
+            network.positions.len(),
+            network.bonds.len(),
+            experiment.specimen.gauge_length
+        ));
+    }
     let keep = |experiment: &mut Experiment<'_>, meter: &Meter<'_>, recorder: &mut dyn Recorder| {
         experiment.state.work = meter.work;
         let checkpoint = Checkpoint {
@@ -75,7 +84,12 @@ pub(crate) fn run(
         Ok::<(), SimulationError>(())
     };
     let stop_reason = loop {
+        let was_whole = experiment.state.events.is_empty();
         match experiment.advance(&mut meter) {
+            Ok(Advance::Broke) if was_whole => recorder.log(&format!(
+                "the first bonds break at {} nominal strain",
+                experiment.nominal_strain()
+            )),
             Ok(Advance::Broke) => {}
             Ok(Advance::StepDone(stop)) => {
                 record_step(&mut experiment, stop.is_some(), recorder)?;
@@ -97,6 +111,12 @@ pub(crate) fn run(
             keep(&mut experiment, &meter, recorder)?;
         }
     };
+    recorder.log(&format!(
+        "{} at {} nominal strain, {} bonds broken",
+        stop_reason.name().replace('_', " "),
+        experiment.nominal_strain(),
+        experiment.state.events.len()
+    ));
     experiment.state.work = meter.work;
     tables::write(spec, &experiment.specimen, &experiment.state, recorder)?;
     recorder.progress(1.0, "finished");

@@ -19,9 +19,9 @@ use crate::{
 
 /// Bond quantities of a snapshot; zero for broken and unloaded bonds.
 struct Fields {
-    strain: Vec<f32>,
-    force: Vec<f32>,
-    force_over_strength: Vec<f32>,
+    strain: Vec<f64>,
+    force: Vec<f64>,
+    force_over_strength: Vec<f64>,
     broken: Vec<u8>,
 }
 
@@ -37,12 +37,12 @@ pub(super) fn take(experiment: &mut Experiment<'_>, recorder: &mut dyn Recorder)
     let network = &experiment.specimen.network;
     let displacements = &experiment.state.displacements;
     let moved = network.positions.iter().zip(displacements);
-    let points: Vec<[f32; 3]> = moved
-        .map(|(position, moved)| (position + moved).map(|value| value as f32).into())
+    let points: Vec<[f64; 3]> = moved
+        .map(|(position, moved)| (position + moved).into())
         .collect();
     let moved = displacements.iter();
-    let displacement: Vec<f32> = moved
-        .flat_map(|moved| [moved.x as f32, moved.y as f32, moved.z as f32])
+    let displacement: Vec<f64> = moved
+        .flat_map(|moved| [moved.x, moved.y, moved.z])
         .collect();
     let jaw = network.holds.iter().map(|hold| match hold {
         Hold::Free => 0,
@@ -99,11 +99,11 @@ fn fields(experiment: &Experiment<'_>) -> Fields {
     for (local, state) in configuration.bonds.iter().enumerate() {
         let bond = loaded.assembly.bonds[local] as usize;
         let shift = loaded.assembly.shift(local, &configuration.displacements);
-        fields.strain[bond] = loaded.assembly.shapes[local].strain(&shift) as f32;
-        fields.force[bond] = state.tension as f32;
+        fields.strain[bond] = loaded.assembly.shapes[local].strain(&shift);
+        fields.force[bond] = state.tension;
         // a bond without strength is at its strength as soon as it is loaded
         if strengths[bond] > 0.0 {
-            fields.force_over_strength[bond] = (state.tension / strengths[bond]) as f32;
+            fields.force_over_strength[bond] = state.tension / strengths[bond];
         }
     }
     fields
