@@ -2,23 +2,15 @@
 use std::io::{self, Write};
 use std::time::Instant;
 
-use loadframe_api::{Calibration, Submission};
-use loadframe_physics::{Ending, Recorder, RunContext, Uninterrupted, simulate};
+use loadframe_api::Calibration;
+use loadframe_physics::{Ending, Recorder, RunContext, Uninterrupted, calibration_spec, simulate};
 
 /// The best of so many runs counts: others on the machine can only make a run slower.
 const RUNS: usize = 3;
 
-/// A fabric of the size of the PET example in section, a tenth of its work in steps. Large enough
-/// to leave the innermost cache, small enough to take a moment.
-const JOB: &str = r#"{"kind": "nonwoven_tensile", "spec": {"version": 1,
-    "fabric": {"lattice": {"points_per_row": 49, "rows": 51, "layers": 3, "spacing_mm": [20, 20, 10], "irregularity": [0.5, 0.5, 0.5]}},
-    "bond": {"modulus_n": 0.399, "friction_modulus_n": 1.473, "compression_stiffness_n": 0.157},
-    "test": {"strain_step": 0.02, "max_strain": 0.04, "breaking": "none"},
-    "output": {"snapshot_every_steps": 0}}}"#;
-
 /// The speed of one core of this machine, `None` when the run did not give one.
 pub fn calibrate() -> Option<Calibration> {
-    let spec = Submission::from_slice(JOB.as_bytes()).ok()?.spec;
+    let spec = calibration_spec();
     let speed = |_| {
         let context = RunContext {
             threads: 1,

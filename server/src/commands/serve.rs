@@ -1,4 +1,5 @@
 //! `loadframe serve`
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -88,7 +89,7 @@ impl ServerOptions {
 
 pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     start_log("info");
-    let ready = |address| tracing::info!("open http://{address}/ for the lab page");
+    let ready = |address| tracing::info!("open http://{}/ for the lab page", reachable(address));
     serve(arguments.server.config(), ready, stop_signal())
         .await
         .map_err(|error| failure(&error))
@@ -108,5 +109,32 @@ pub(crate) fn failure(error: &ServeError) -> Failure {
             Failure::new(Code::Usage, message)
         }
         error => Failure::new(Code::Failed, chain(error)),
+    }
+}
+
+/// The address under which this machine itself reaches a server bound to `address`.
+pub(crate) fn reachable(address: SocketAddr) -> SocketAddr {
+    let ip = match address.ip() {
+        IpAddr::V4(ip) if ip.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
+        IpAddr::V6(ip) if ip.is_unspecified() => Ipv6Addr::LOCALHOST.into(),
+        ip => ip,
+    };
+    SocketAddr::new(ip, address.port())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_server_on_all_addresses_is_reached_over_loopback() {
+        for (bound, reached) in [
+            ("0.0.0.0:80", "127.0.0.1:80"),
+            ("[::]:80", "[::1]:80"),
+            ("192.0.2.1:80", "192.0.2.1:80"),
+        ] {
+            let bound: SocketAddr = bound.parse().expect("an address");
+            assert_eq!(reachable(bound).to_string(), reached);
+        }
     }
 }

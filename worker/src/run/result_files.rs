@@ -39,15 +39,16 @@ impl ResultFiles {
             io::Error::new(io::ErrorKind::InvalidInput, format!("{name:?}: {error}"))
         })?;
         let path = self.path(name);
-        if let Some(parent) = path.parent() {
-            std::fs::create_dir_all(parent)?;
-        }
         let mut partial = path.clone().into_os_string();
         partial.push(".partial");
-        let mut out = BufWriter::with_capacity(BUFFER_BYTES, Hashed::new(File::create(&partial)?));
-        write(&mut out)?;
-        let written = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-        std::fs::rename(&partial, &path)?;
+        let partial = PathBuf::from(partial);
+        let written = write_hashed(&partial, write)
+            .and_then(|written| std::fs::rename(&partial, &path).map(|()| written))
+            .map_err(|error| {
+                // a full disk is not kept full by what did not fit on it
+                let _ = std::fs::remove_file(&partial);
+                io::Error::new(error.kind(), format!("{}: {error}", path.display()))
+            })?;
         let entry = FileEntry {
             name: name.to_owned(),
             bytes: written.bytes,
@@ -65,6 +66,18 @@ impl ResultFiles {
     pub(crate) fn entries(&self) -> Vec<FileEntry> {
         self.entries.values().cloned().collect()
     }
+}
+
+fn write_hashed(
+    path: &Path,
+    write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<Hashed> {
+    if let Some(parent) = path.parent() {
+        std::fs::create_dir_all(parent)?;
+    }
+    let mut out = BufWriter::with_capacity(BUFFER_BYTES, Hashed::new(File::create(path)?));
+    write(&mut out)?;
+    out.into_inner().map_err(io::IntoInnerError::into_error)
 }
 
 /// SHA-256 of a file's content in hexadecimal digits.
@@ -150,7 +163,8 @@ mod tests {
         let mut files = ResultFiles::open(folder.path(), &[]);
         let full = files.write("a.csv", &mut |_| Err(io::Error::other("disk full")));
         assert!(full.is_err() && files.entries().is_empty());
-        assert!(!folder.path().join("a.csv").exists());
+        let left = std::fs::read_dir(folder.path()).expect("a folder").count();
+        assert_eq!(left, 0);
         assert!(files.write("../a.csv", &mut |_| Ok(())).is_err());
     }
 }

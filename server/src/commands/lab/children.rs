@@ -87,7 +87,7 @@ async fn supervise(post: Post, stop: CancellationToken) {
                 }
             }
             Err(error) => {
-                tracing::error!(worker = %post.name, %error, "a worker could not be started")
+                tracing::error!(worker = %post.name, %error, "a worker could not be started");
             }
         }
         if started.elapsed() >= HEALTHY {

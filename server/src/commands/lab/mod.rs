@@ -6,7 +6,7 @@
 mod children;
 mod demo;
 
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::net::SocketAddr;
 
 use clap::Args;
 use loadframe_server::serve;
@@ -16,7 +16,7 @@ use tokio::sync::oneshot;
 use tokio_util::sync::CancellationToken;
 
 use super::failure::{Code, Failure};
-use super::serve::{ServerOptions, failure};
+use super::serve::{ServerOptions, failure, reachable};
 use super::signals::stop_signal;
 use super::terminal::{complain, say, start_log};
 use children::Children;
@@ -137,16 +137,6 @@ fn staff(workers: usize, threads: u16) -> String {
     }
 }
 
-/// The address under which this machine itself reaches a server bound to `address`.
-fn reachable(address: SocketAddr) -> SocketAddr {
-    let ip = match address.ip() {
-        IpAddr::V4(ip) if ip.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
-        IpAddr::V6(ip) if ip.is_unspecified() => Ipv6Addr::LOCALHOST.into(),
-        ip => ip,
-    };
-    SocketAddr::new(ip, address.port())
-}
-
 fn open_browser(url: &str) {
     let opener = if cfg!(target_os = "macos") {
         "open"
@@ -164,22 +154,5 @@ fn open_browser(url: &str) {
         complain(&format!(
             "no browser could be opened ({opener}: {error}); open {url} yourself"
         ));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_server_on_all_addresses_is_reached_over_loopback() {
-        for (bound, reached) in [
-            ("0.0.0.0:80", "127.0.0.1:80"),
-            ("[::]:80", "[::1]:80"),
-            ("192.0.2.1:80", "192.0.2.1:80"),
-        ] {
-            let bound: SocketAddr = bound.parse().expect("an address");
-            assert_eq!(reachable(bound).to_string(), reached);
-        }
     }
 }
