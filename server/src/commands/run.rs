@@ -7,7 +7,7 @@ use clap::Args;
 use loadframe_worker::run::{
     DirectoryEnd, DirectoryError, DirectoryOptions, News, run_to_directory,
 };
-use loadframe_worker::{StopCause, StopSwitch, available_threads};
+use loadframe_worker::{StopCause, StopSwitch};
 
 use super::failure::{Code, Failure};
 use super::progress::ProgressDisplay;
@@ -23,9 +23,9 @@ pub(crate) struct Arguments {
     /// Folder for the result files; an interrupted run goes on there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Threads to use; all cores when left out. The result does not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
-    threads: Option<u16>,
+    /// Threads to use; the result does not depend on it
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    threads: u16,
     /// Seconds between checkpoints
     #[arg(long, value_name = "S", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     checkpoint_every: u32,
@@ -49,9 +49,7 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     let run = tokio::task::spawn_blocking(move || {
         let mut display = ProgressDisplay::start(&submission.name);
         let options = DirectoryOptions {
-            threads: arguments
-                .threads
-                .map_or_else(available_threads, usize::from),
+            threads: arguments.threads.into(),
             checkpoint_every: Duration::from_secs(arguments.checkpoint_every.into()),
             switch: &switch,
         };

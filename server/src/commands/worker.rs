@@ -3,9 +3,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use loadframe_worker::{
-    Worker, WorkerEnd, WorkerError, WorkerOptions, available_threads, host_name,
-};
+use loadframe_worker::{Worker, WorkerEnd, WorkerError, WorkerOptions, host_name};
 
 use super::connection::Connection;
 use super::failure::{Code, Failure};
@@ -24,9 +22,9 @@ pub(crate) struct Arguments {
     /// Label of this worker; the machine's name when left out
     #[arg(long, value_name = "LABEL")]
     name: Option<String>,
-    /// Threads for a job; all cores when left out
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
-    threads: Option<u16>,
+    /// Threads for a job; one worker for each core does more than one worker on all
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    threads: u16,
     /// Folder for files on their way to the server; the system's temporary one when left out
     #[arg(long, value_name = "DIR")]
     scratch: Option<PathBuf>,
@@ -50,9 +48,7 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
         server: arguments.connection.client()?,
         heartbeat_server: arguments.connection.client()?,
         name: arguments.name.unwrap_or_else(host_name),
-        threads: arguments
-            .threads
-            .map_or_else(available_threads, usize::from),
+        threads: arguments.threads.into(),
         scratch: arguments.scratch.unwrap_or_else(std::env::temp_dir),
         checkpoint_every: Duration::from_secs_f64(arguments.checkpoint_every),
         exit_when_idle: arguments.exit_when_idle.map(Duration::from_secs_f64),

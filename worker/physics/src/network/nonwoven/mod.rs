@@ -87,8 +87,8 @@ pub(crate) fn run(
         let was_whole = experiment.state.events.is_empty();
         match experiment.advance(&mut meter) {
             Ok(Advance::Broke) if was_whole => recorder.log(&format!(
-                "the first bonds break at {} nominal strain",
-                experiment.nominal_strain()
+                "the first bonds break at {:.4} % strain",
+                100.0 * experiment.nominal_strain()
             )),
             Ok(Advance::Broke) => {}
             Ok(Advance::StepDone(stop)) => {
@@ -112,9 +112,9 @@ pub(crate) fn run(
         }
     };
     recorder.log(&format!(
-        "{} at {} nominal strain, {} bonds broken",
+        "{} at {:.4} % strain, {} bonds broken",
         stop_reason.name().replace('_', " "),
-        experiment.nominal_strain(),
+        100.0 * experiment.nominal_strain(),
         experiment.state.events.len()
     ));
     experiment.state.work = meter.work;
