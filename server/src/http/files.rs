@@ -47,10 +47,13 @@ async fn list(
            ("Range" = Option<String>, Header, description = "A byte range, such as `bytes=0-999` or `bytes=-500`"),
            ("If-Range" = Option<String>, Header, description = "`ETag` the range belongs to; of another file, all is sent"),
            ("If-None-Match" = Option<String>, Header, description = "`ETag` of the file you have")),
-    responses((status = 200, description = "The file", body = String, content_type = "application/octet-stream",
-               headers(("ETag" = String), ("Content-Disposition" = String), ("Accept-Ranges" = String))),
-              (status = 206, description = "The range", body = String, content_type = "application/octet-stream",
-               headers(("ETag" = String), ("Content-Range" = String))),
+    responses((status = 200, description = "The file",
+               headers(("ETag" = String), ("Content-Disposition" = String), ("Accept-Ranges" = String)), content(
+                  (String = "application/octet-stream"), (serde_json::Value = "application/json"), (String = "application/jsonl"),
+                  (String = "application/xml"), (String = "text/csv"), (String = "text/plain"))),
+              (status = 206, description = "The range", headers(("ETag" = String), ("Content-Range" = String)), content(
+                  (String = "application/octet-stream"), (serde_json::Value = "application/json"), (String = "application/jsonl"),
+                  (String = "application/xml"), (String = "text/csv"), (String = "text/plain"))),
               (status = 304, description = "You have it"),
               (status = 404, description = "There is no such job or file"),
               (status = 416, description = "The file has no such range", headers(("Content-Range" = String)))))]

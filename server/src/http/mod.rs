@@ -4,9 +4,9 @@
 //! [`kinds`], [`workers`], the [`worker`] side, [`health`] and [`metrics`]. Every handler carries its
 //! part of the OpenAPI document, which [`openapi`] completes and [`docs`] shows to people.
 //!
-//! Around them, from the outside: tracing, security headers, [`metrics`], [`problem::only_problems`]
-//! (whatever goes wrong, the answer is `application/problem+json`), panics caught, compression,
-//! [`access`].
+//! Around them, from the outside: tracing, security headers, [`metrics`], compression,
+//! [`problem::only_problems`] (whatever goes wrong, the answer is `application/problem+json`),
+//! panics caught, [`access`].
 mod access;
 mod archive;
 mod body;
@@ -63,9 +63,9 @@ pub fn router(state: AppState) -> Router {
         .fallback(page::serve)
         .method_not_allowed_fallback(problem::method_not_allowed)
         .layer(from_fn_with_state(state.clone(), access::guard))
-        .layer(CompressionLayer::new().compress_when(page::is_worth_compressing))
         .layer(CatchPanicLayer::custom(problem::after_panic))
         .layer(from_fn(problem::only_problems))
+        .layer(CompressionLayer::new().compress_when(page::worth_compressing()))
         .layer(from_fn(metrics::count))
         .layer(from_fn(page::protect))
         .layer(TraceLayer::new_for_http())

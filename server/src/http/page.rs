@@ -4,6 +4,7 @@ use axum::http::{Extensions, HeaderMap, HeaderValue, Method, StatusCode, Version
 use axum::middleware::Next;
 use axum::response::{Html, IntoResponse, Response};
 use rust_embed::{Embed, EmbeddedFile};
+use tower_http::compression::predicate::{Predicate, SizeAbove};
 
 use super::conditional::EntityTag;
 use super::problem::ApiError;
@@ -103,29 +104,22 @@ pub(super) async fn protect(request: Request, next: Next) -> Response {
     response
 }
 
-/// Whether an answer shrinks and may: texts that are not streams or byte ranges of files.
-pub(super) fn is_worth_compressing(
-    _: StatusCode,
-    _: Version,
-    headers: &HeaderMap,
-    _: &Extensions,
-) -> bool {
+/// Answers that shrink and may: texts that are not streams or byte ranges of files.
+pub(super) fn worth_compressing() -> impl Predicate {
     /// Smaller ones fit a packet anyway [bytes].
     const SMALL: u64 = 1024;
-    let text = |name| {
-        headers
-            .get(name)
-            .and_then(|value: &HeaderValue| value.to_str().ok())
-    };
-    let media_type = text(header::CONTENT_TYPE).unwrap_or("");
+    SizeAbove::new(SMALL).and(is_compressible)
+}
+
+fn is_compressible(_: StatusCode, _: Version, headers: &HeaderMap, _: &Extensions) -> bool {
+    let media_type = headers.get(header::CONTENT_TYPE);
+    let media_type = media_type
+        .and_then(|value| value.to_str().ok())
+        .unwrap_or("");
     let essence = media_type.split(';').next().unwrap_or("");
     let is_text = essence.starts_with("text/")
         || essence.ends_with("json")
         || essence.ends_with("javascript")
         || essence == "image/svg+xml";
-    let length = text(header::CONTENT_LENGTH).and_then(|length| length.parse::<u64>().ok());
-    is_text
-        && essence != "text/event-stream"
-        && !headers.contains_key(header::ACCEPT_RANGES)
-        && length.is_none_or(|length| length >= SMALL)
+    is_text && essence != "text/event-stream" && !headers.contains_key(header::ACCEPT_RANGES)
 }

@@ -50,6 +50,16 @@ async fn the_frameworks_own_refusals_are_problems_too() {
 }
 
 #[tokio::test]
+async fn problems_can_be_read_by_clients_that_take_gzip() {
+    let lab = Lab::open().await;
+    let refused = lab
+        .get_with("/v1/jobs?limit=0", &[("accept-encoding", "gzip")])
+        .await;
+    refused.problem(400, "bad-request");
+    assert_eq!(refused.header("content-encoding"), "");
+}
+
+#[tokio::test]
 async fn a_body_longer_than_it_says_is_refused() {
     let lab = Lab::open().await;
     let short = [JSON, ("content-length", "10")];

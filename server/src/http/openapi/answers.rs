@@ -49,6 +49,9 @@ pub(super) fn complete(document: &mut Value) {
                 // an open server asks for none
                 operation["security"] = json!([{}, { "token": [] }]);
             }
+            if let Some(body) = operation.get_mut("requestBody") {
+                body["required"] = json!(true);
+            }
             complete_answers(&mut operation["responses"]);
             let parameters = operation
                 .get_mut("parameters")
