@@ -64,7 +64,7 @@ impl Process {
         self.child.try_wait().unwrap()
     }
 
-    /// Resident memory [bytes], now.
+    /// Resident memory now, in bytes.
     pub fn resident_bytes(&self) -> u64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.id())).unwrap();
         let line = status
