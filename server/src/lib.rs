@@ -6,8 +6,8 @@
 //! vocabulary of `loadframe-api` and asks the [`store`], which alone knows SQL and files.
 pub mod config;
 pub mod http;
-mod serve;
 pub mod queue;
+mod serve;
 pub mod store;
 
 pub use config::ServeConfig;

@@ -188,7 +188,7 @@ mod tests {
                     "{} points of {most}",
                     points.len()
                 );
-                let has = |place: usize| points.iter().any(|point| point[0] == place as f64);
+                let has = |place: usize| points.iter().any(|point| point[0] as usize == place);
                 assert!(
                     has(0) && has(777) && has(1234) && has(count - 1),
                     "{count} {most}"

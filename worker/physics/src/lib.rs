@@ -3,14 +3,6 @@
 //! A typed spec, a [`Recorder`] and perhaps a checkpoint go in; curve points and files go to the
 //! recorder and a [`Report`] comes out. Nothing here knows a clock, a path, the network, the
 //! environment or a global: the same spec and seed give the same bytes on any number of threads.
-#![allow(
-    clippy::doc_markdown,
-    reason = "equations in comments have subscripts: f_r, F_lim"
-)]
-#![allow(
-    rustdoc::broken_intra_doc_links,
-    reason = "units stand in square brackets"
-)]
 
 mod calibration;
 mod checkpoint;

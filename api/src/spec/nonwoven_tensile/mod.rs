@@ -202,7 +202,7 @@ impl Accuracy {
             Self::Knobs(knobs) => return knobs.clone(),
             Self::Preset(Preset::Draft) => 5.0,
             Self::Preset(Preset::Standard) => 100.0,
-            Self::Preset(Preset::Reference) => 1e6,
+            Self::Preset(Preset::Reference) => 1e4,
         };
         Knobs {
             force_accuracy,

@@ -119,7 +119,7 @@ fn kind(schema: &Map<String, Value>) -> String {
     let format = format.filter(|format| ["uuid", "date-time"].contains(format));
     match schema.get("items") {
         Some(items) => format!("{} of {}", text(&name), describe(items)),
-        None => format.map_or(text(&name), |format| text(format)),
+        None => format.map_or(text(&name), text),
     }
 }
 
