@@ -2,10 +2,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::SubmissionError;
-use crate::envelope::{parse, typed};
-use crate::schema::changes_violations;
-
 /// The body of `PATCH /v1/jobs/{id}`; what is left out stays as it is.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -29,24 +25,10 @@ pub struct JobChanges {
     pub priority: Option<i32>,
 }
 
-impl JobChanges {
-    /// Reads and checks changes.
-    ///
-    /// # Errors
-    /// Every violation found, with pointers into the body.
-    pub fn from_slice(body: &[u8]) -> Result<Self, SubmissionError> {
-        let violations = changes_violations(&parse(body)?);
-        if violations.is_empty() {
-            typed(body, "")
-        } else {
-            Err(SubmissionError::Invalid(violations))
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Message, SubmissionError};
 
     #[test]
     fn changes_keep_to_the_limits_of_a_submission() {

@@ -1,15 +1,15 @@
-//! Messages of workers, read as carefully as submissions.
+//! Messages other than submissions, read as carefully.
 use std::sync::OnceLock;
 
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 
-use crate::SubmissionError;
 use crate::envelope::{parse, typed};
 use crate::schema::Checker;
 use crate::worker::{ClaimRequest, CompleteRequest, FailRequest, ProgressReport, ReleaseRequest};
+use crate::{JobChanges, SubmissionError};
 
-/// The body of a worker's request.
+/// The body of a request.
 pub trait Message: DeserializeOwned + JsonSchema {
     /// Reads and checks a message.
     ///
@@ -36,6 +36,7 @@ macro_rules! messages {
 }
 
 messages!(
+    JobChanges,
     ClaimRequest,
     ProgressReport,
     CompleteRequest,

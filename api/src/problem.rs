@@ -63,15 +63,16 @@ impl Violation {
     }
 
     /// With the value given; long ones are shortened, so that an error is never larger than its cause.
-    pub fn value(mut self, value: impl Into<Value>) -> Self {
-        const LONGEST: usize = 120;
-        let value = value.into();
-        let text = value.to_string();
-        self.value = Some(if text.len() <= LONGEST {
-            value
-        } else {
-            let cut: String = text.chars().take(LONGEST).collect();
-            Value::String(format!("{cut}…"))
+    pub fn value(self, value: impl Into<Value>) -> Self {
+        self.given(&value.into())
+    }
+
+    /// With the value given, of which only what is shown is copied.
+    pub fn given(mut self, value: &Value) -> Self {
+        let mut beginning = Beginning(Vec::new());
+        self.value = Some(match serde_json::to_writer(&mut beginning, value) {
+            Ok(()) => value.clone(),
+            Err(_) => Value::String(beginning.text() + "…"),
         });
         self
     }
@@ -86,6 +87,38 @@ impl Violation {
     pub fn unit(mut self, unit: &str) -> Self {
         self.unit = Some(unit.to_owned());
         self
+    }
+}
+
+/// The first bytes written to it; refuses to take more.
+struct Beginning(Vec<u8>);
+
+impl Beginning {
+    /// Most bytes taken.
+    const LONGEST: usize = 120;
+
+    /// What was taken, without a character that was cut.
+    fn text(&self) -> String {
+        let whole = match std::str::from_utf8(&self.0) {
+            Ok(_) => self.0.len(),
+            Err(cut) => cut.valid_up_to(),
+        };
+        String::from_utf8_lossy(&self.0[..whole]).into_owned()
+    }
+}
+
+impl std::io::Write for Beginning {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let room = Self::LONGEST - self.0.len();
+        self.0.extend(bytes.iter().take(room));
+        if bytes.len() > room {
+            return Err(std::io::ErrorKind::FileTooLarge.into());
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
     }
 }
 
@@ -120,3 +153,21 @@ impl std::fmt::Display for Problem {
 }
 
 impl std::error::Error for Problem {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn long_values_are_cut_between_characters() {
+        let shown = |value: Value| Violation::new("", "", "").given(&value).value;
+        assert_eq!(shown(json!([1, "a"])), Some(json!([1, "a"])));
+        let long = "é".repeat(100);
+        // the quote and 59 characters of two bytes fit
+        let cut = format!("\"{}…", "é".repeat(59));
+        assert_eq!(shown(json!(long)), Some(json!(cut)));
+        let many = shown(json!(vec![1; 1000])).expect("a value");
+        assert_eq!(many.as_str().map(str::len), Some(120 + "…".len()));
+    }
+}

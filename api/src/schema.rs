@@ -9,7 +9,7 @@ use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value};
 
 use crate::kinds::{Spec, SpecVisitor};
-use crate::{Envelope, JobChanges, JobKind, JobSpec, Violation};
+use crate::{Envelope, JobKind, JobSpec, Violation};
 
 /// At most this many violations are listed; a hundred are as clear as a million.
 const LISTED: usize = 100;
@@ -45,14 +45,6 @@ pub(crate) fn envelope_violations(body: &Value) -> Vec<Violation> {
     static CHECKER: OnceLock<Checker> = OnceLock::new();
     CHECKER
         .get_or_init(Checker::of::<Envelope>)
-        .violations(body)
-}
-
-/// Everything in changes of a job that their schema refuses.
-pub(crate) fn changes_violations(body: &Value) -> Vec<Violation> {
-    static CHECKER: OnceLock<Checker> = OnceLock::new();
-    CHECKER
-        .get_or_init(Checker::of::<JobChanges>)
         .violations(body)
 }
 
@@ -114,8 +106,7 @@ impl Checker {
         let node = self.schema.pointer(node_path).unwrap_or(&Value::Null);
         let given = error.instance();
         let at = |code: &str, detail: String| {
-            let violation =
-                Violation::new(pointer.clone(), code, detail).value(given.as_ref().clone());
+            let violation = Violation::new(pointer.clone(), code, detail).given(given);
             let violation = violation.allowed(describe(node));
             match self.unit(node_path) {
                 Some(unit) => violation.unit(unit),
@@ -134,7 +125,7 @@ impl Checker {
                         "unknown_field",
                         format!("there is no field {name:?} here"),
                     )
-                    .value(given.get(name).cloned().unwrap_or_default())
+                    .given(given.get(name).unwrap_or(&Value::Null))
                     .allowed(format!("fields: {known}"))
                 }));
             }

@@ -203,3 +203,18 @@ fn mutate(value: &mut Value, at: usize, with: &Value, seen: &mut usize) {
         _ => {}
     }
 }
+
+#[test]
+fn a_body_of_too_many_values_is_refused_unread() {
+    // commas within a text count as text
+    let text = format!("[\"{}\"]", ",\\\"[{".repeat(2_000_000));
+    let found = Submission::from_slice(text.as_bytes());
+    assert!(
+        matches!(found, Err(SubmissionError::Invalid(violations)) if violations[0].code == "wrong_type")
+    );
+    let many = format!("[{}0]", "0,".repeat(4_000_000));
+    let found = Submission::from_slice(many.as_bytes());
+    assert!(
+        matches!(found, Err(SubmissionError::Invalid(violations)) if violations[0].code == "too_large")
+    );
+}

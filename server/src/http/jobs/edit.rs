@@ -1,7 +1,7 @@
 //! `PATCH /v1/jobs/{id}`.
 use axum::Json;
 use axum::extract::{Path, State};
-use loadframe_api::{JobChanges, JobView};
+use loadframe_api::{JobChanges, JobView, Message};
 use uuid::Uuid;
 
 use super::super::AppState;
