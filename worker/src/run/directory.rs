@@ -195,3 +195,96 @@ impl Destination for Keeper<'_> {
         std::fs::rename(partial, self.folder.join(CHECKPOINT_FILE))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::StopCause;
+    use crate::run::cost::Spent;
+    use loadframe_api::{JobKind, Submission};
+
+    fn spec() -> JobSpec {
+        let example = JobKind::NonwovenTensile.examples()[1];
+        let submission = Submission::from_slice(example.body.as_bytes());
+        submission.expect("a valid example").spec
+    }
+
+    /// Runs into `folder`, throwing `switch` once the job is so far; also returns the log.
+    fn run(folder: &Path, stop_at: f64) -> (Result<DirectoryEnd, DirectoryError>, Vec<String>) {
+        let switch = StopSwitch::default();
+        let mut log = Vec::new();
+        let options = DirectoryOptions {
+            threads: 1,
+            checkpoint_every: Duration::from_secs(3600),
+            switch: &switch,
+        };
+        let end = run_to_directory(&spec(), folder, options, &mut |news| match news {
+            News::Progress(progress) if progress.fraction >= stop_at => {
+                switch.stop(StopCause::Shutdown);
+            }
+            News::Progress(_) => {}
+            News::Log(message) => log.push(message.to_owned()),
+        });
+        (end, log)
+    }
+
+    const NEVER: f64 = 2.0;
+
+    fn table(folder: &Path) -> Vec<u8> {
+        std::fs::read(folder.join("curve.csv")).expect("a curve")
+    }
+
+    #[test]
+    fn a_stopped_run_goes_on_to_the_same_result() {
+        let [alone, stopped] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+        let (end, log_alone) = run(alone.path(), NEVER);
+        assert!(matches!(end, Ok(DirectoryEnd::Finished(_))), "{end:?}");
+        let (end, log_before) = run(stopped.path(), 0.3);
+        assert!(matches!(end, Ok(DirectoryEnd::Suspended)), "{end:?}");
+        let (end, log_after) = run(stopped.path(), NEVER);
+        assert!(matches!(end, Ok(DirectoryEnd::Finished(_))), "{end:?}");
+        assert_eq!(table(stopped.path()), table(alone.path()));
+        assert_eq!([log_before, log_after].concat(), log_alone);
+        let log = |folder: &Path| std::fs::read(folder.join("log.jsonl")).expect("a log");
+        assert_eq!(log(stopped.path()), log(alone.path()));
+        assert!(!stopped.path().join(CHECKPOINT_FILE).exists());
+        let (end, _) = run(stopped.path(), NEVER);
+        assert!(matches!(end, Ok(DirectoryEnd::AlreadyThere(_))), "{end:?}");
+    }
+
+    #[test]
+    fn a_checkpoint_that_cannot_be_used_costs_time_not_the_result() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let state = b"not what a simulation gave".to_vec();
+        let damaged = SavedRun::new(&spec().sha256(), Spent::default(), vec![], vec![], state);
+        for bytes in [damaged.to_bytes(), b"not even a header".to_vec()] {
+            let place = folder.path().join(CHECKPOINT_FILE);
+            std::fs::write(place, bytes).expect("written");
+            let (end, log) = run(folder.path(), NEVER);
+            assert!(matches!(end, Ok(DirectoryEnd::Finished(_))), "{end:?}");
+            assert!(log[0].ends_with("starting from the beginning"), "{log:?}");
+        }
+    }
+
+    #[test]
+    fn a_file_changed_behind_the_checkpoint_is_noticed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (end, _) = run(folder.path(), 0.3);
+        assert!(matches!(end, Ok(DirectoryEnd::Suspended)), "{end:?}");
+        let snapshot = folder.path().join("snapshots/step_00000.vtp");
+        std::fs::write(&snapshot, "something else").expect("there");
+        let (end, log) = run(folder.path(), NEVER);
+        assert!(matches!(end, Ok(DirectoryEnd::Finished(_))), "{end:?}");
+        assert!(log[0].starts_with("snapshots/step_00000.vtp"), "{log:?}");
+        assert_ne!(std::fs::read(&snapshot).expect("there"), b"something else");
+    }
+
+    #[test]
+    fn files_of_something_else_are_left_alone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("thesis.tex"), "").expect("written");
+        let (end, _) = run(folder.path(), NEVER);
+        assert!(matches!(end, Err(DirectoryError::Occupied(_))), "{end:?}");
+        assert_eq!(folder.path().read_dir().expect("a folder").count(), 1);
+    }
+}
