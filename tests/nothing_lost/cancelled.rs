@@ -59,7 +59,8 @@ fn while_queued_or_paused_it_ends_at_once() {
 
 #[test]
 fn while_running_it_frees_the_worker_in_time() {
-    let server = Server::start();
+    // so long a job is only taken where the limits allow it
+    let server = Server::start_with(&["--lease-s", "2", "--limit-wall-s", "1e11"]);
     let worker = Worker::start(&server, "worker");
     let slow_steps = with_seed(SLOW, 1);
     // one equilibrium alone takes longer than the promise
