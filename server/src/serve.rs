@@ -1,12 +1,17 @@
 //! A server's life: open the store, bind, answer until told to stop.
 use std::net::SocketAddr;
+use std::time::Duration;
 
 use axum::serve::ListenerExt;
 use tokio::net::TcpListener;
+use tokio::task::{JoinHandle, JoinSet};
 
 use crate::config::{SHUTDOWN_GRACE, ServeConfig};
 use crate::http::{self, AppState};
 use crate::store::{Store, StoreError};
+
+/// Wait before a task that ended is started again.
+const BEFORE_RESTART: Duration = Duration::from_secs(1);
 
 /// Why a server could not start or go on.
 #[derive(Debug, thiserror::Error)]
@@ -66,9 +71,10 @@ pub async fn serve(
         );
     }
     let stopping = state.stopping.clone();
-    let sweeping = tokio::spawn(store.keep_sweeping());
-    let announcing = tokio::spawn(state.announce());
-    let folding = tokio::spawn(http::keep_metrics_folded());
+    let sweeping = keep_up("sweeping", move || store.clone().keep_sweeping());
+    let announcer = state.clone();
+    let announcing = keep_up("announcing", move || announcer.announce());
+    let folding = keep_up("folding metrics", http::keep_metrics_folded);
 
     // an answer is often one small packet: waiting to fill it would add 40 ms
     let listener = listener.tap_io(|connection| {
@@ -97,4 +103,20 @@ pub async fn serve(
         task.abort();
     }
     end.map_err(ServeError::Serve)
+}
+
+/// Runs a task that should not end, and again should it end after all, until aborted.
+fn keep_up<F: Future<Output = ()> + Send + 'static>(
+    name: &'static str,
+    task: impl Fn() -> F + Send + 'static,
+) -> JoinHandle<()> {
+    tokio::spawn(async move {
+        loop {
+            // a set aborts what is in it when it is dropped
+            let mut running = JoinSet::from_iter([task()]);
+            let end = running.join_next().await;
+            tracing::error!(task = name, ?end, "a task ended and is started again");
+            tokio::time::sleep(BEFORE_RESTART).await;
+        }
+    })
 }

@@ -68,6 +68,7 @@ pub fn router(state: AppState) -> Router {
         .layer(CompressionLayer::new().compress_when(page::worth_compressing()))
         .layer(from_fn(metrics::count))
         .layer(from_fn(page::protect))
-        .layer(TraceLayer::new_for_http())
+        // who makes a 5xx says so in the log himself, with its cause
+        .layer(TraceLayer::new_for_http().on_failure(()))
         .with_state(state)
 }

@@ -101,6 +101,15 @@ async fn every_operation_says_how_it_can_fail() {
 }
 
 #[tokio::test]
+async fn a_submission_leads_to_what_can_be_done_with_the_job() {
+    let document = Lab::open().await.get("/openapi.json").await.json();
+    let links = &document["paths"]["/v1/jobs"]["post"]["responses"]["201"]["links"];
+    for id in ["read_job", "cancel_job", "read_curve", "download_archive"] {
+        assert_eq!(links[id]["operationId"], id);
+    }
+}
+
+#[tokio::test]
 async fn a_submission_is_one_named_variant_for_each_kind() {
     let document = Lab::open().await.get("/openapi.json").await.json();
     let schemas = &document["components"]["schemas"];

@@ -27,6 +27,22 @@ const HEADERS: &[(&str, &str, &str)] = &[
     ("503", "Retry-After", "Seconds to wait"),
 ];
 
+/// Says in the answer to a submission which routes go on from the job.
+pub(super) fn link_jobs(document: &mut Value) {
+    let mut links = Map::new();
+    let paths = document["paths"].as_object().into_iter().flatten();
+    for (_, item) in paths.filter(|(path, _)| path.starts_with("/v1/jobs/{id}")) {
+        for operation in item.as_object().into_iter().flat_map(Map::values) {
+            if let Some(id) = operation["operationId"].as_str() {
+                let link =
+                    json!({ "operationId": id, "parameters": { "id": "$response.body#/id" } });
+                links.insert(id.to_owned(), link);
+            }
+        }
+    }
+    document["paths"]["/v1/jobs"]["post"]["responses"]["201"]["links"] = Value::Object(links);
+}
+
 /// Completes the answers and parameters of every operation.
 pub(super) fn complete(document: &mut Value) {
     let Some(paths) = document["paths"].as_object_mut() else {
@@ -65,7 +81,11 @@ pub(super) fn complete(document: &mut Value) {
 
 /// Gives every error the one form of all errors.
 fn complete_answers(answers: &mut Value) {
-    for (status, answer) in answers.as_object_mut().into_iter().flatten() {
+    let Some(answers) = answers.as_object_mut() else {
+        return;
+    };
+    answers.sort_keys();
+    for (status, answer) in answers {
         if status.starts_with(['4', '5']) {
             answer["content"] = json!({ "application/problem+json": {
                 "schema": { "$ref": "#/components/schemas/Problem" },

@@ -2,7 +2,8 @@
 //!
 //! Handlers name their bodies by reference and list the answers of their own. What is the same
 //! for all is completed here: [`components`] fills in the schemas, [`answers`] gives every error the
-//! one form all errors have and adds those that any route may answer.
+//! one form all errors have, adds those that any route may answer, and links a submission to what
+//! can be done with the job.
 mod answers;
 mod components;
 
@@ -75,6 +76,7 @@ fn build() -> serde_json::Result<Value> {
     }});
     name_wildcards(&mut document);
     answers::complete(&mut document);
+    answers::link_jobs(&mut document);
     Ok(document)
 }
 
