@@ -141,7 +141,7 @@ fn evaluations_per_bond(spec: &NonwovenTensile) -> f64 {
             let digits = accuracy
                 .powf(if accuracy < 1.0 { 0.55 } else { 0.28 })
                 .min(60.0);
-            let waves = (spec.fabric.rows() / 50.0).powf(0.4);
+            let waves = (spec.fabric.rows() / 50.0).powf(0.6);
             let strain = (spec.test.max_strain / 0.1).powf(-0.2);
             let flat = if spec.fabric.is_flat() { FLAT } else { 1.0 };
             flat * 1_700.0 * digits * waves * steps.sqrt() * strain
