@@ -101,6 +101,21 @@ async fn every_operation_says_how_it_can_fail() {
 }
 
 #[tokio::test]
+async fn the_example_bodies_are_accepted() {
+    let lab = Lab::open().await;
+    let document = lab.get("/openapi.json").await.json();
+    let body = &document["paths"]["/v1/jobs"]["post"]["requestBody"];
+    let examples = &body["content"]["application/json"]["examples"];
+    let examples = examples.as_object().expect("examples");
+    assert!(!examples.is_empty());
+    for example in examples.values() {
+        let body = example["value"].to_string();
+        let answer = lab.post("/v1/jobs", &body).await;
+        assert_eq!(answer.status, 201, "{answer:?}");
+    }
+}
+
+#[tokio::test]
 async fn a_submission_leads_to_what_can_be_done_with_the_job() {
     let document = Lab::open().await.get("/openapi.json").await.json();
     let links = &document["paths"]["/v1/jobs"]["post"]["responses"]["201"]["links"];

@@ -75,11 +75,21 @@ impl Operation<'_> {
         else {
             return String::new();
         };
+        let examples = content["examples"].as_object().into_iter().flatten();
+        let examples = examples.map(|(name, example)| {
+            let json = serde_json::to_string_pretty(&example["value"]).unwrap_or_default();
+            let summary = line(example["summary"].as_str().unwrap_or(name));
+            format!(
+                "<details><summary>Example: {summary}</summary><pre>{}</pre></details>",
+                text(&json)
+            )
+        });
         format!(
-            "<h3>Body</h3><p>{} <code>{}</code> {}</p>",
+            "<h3>Body</h3><p>{} <code>{}</code> {}</p>{}",
             line(body["description"].as_str().unwrap_or("")),
             text(media_type),
             schema::describe(&content["schema"]),
+            examples.collect::<String>(),
         )
     }
 

@@ -65,6 +65,17 @@ fn submission(kind: JobKind, spec_name: &str, envelope: &Value) -> Value {
     schema
 }
 
+/// The example jobs by name, as OpenAPI examples of a body.
+pub(super) fn examples() -> Map<String, Value> {
+    let examples = JobKind::ALL.iter().flat_map(|kind| kind.examples());
+    let examples = examples.filter_map(|example| {
+        let job: Value = serde_json::from_str(example.body).ok()?;
+        let shown = json!({ "summary": job["name"], "value": job });
+        Some((example.name.to_owned(), shown))
+    });
+    examples.collect()
+}
+
 /// `nonwoven_tensile` as `NonwovenTensile`.
 fn type_name(kind: JobKind) -> String {
     let words = kind.name().split('_').map(|word| {

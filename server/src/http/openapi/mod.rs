@@ -74,6 +74,8 @@ fn build() -> serde_json::Result<Value> {
         "type": "http", "scheme": "bearer",
         "description": "Demanded where the server listens beyond its own machine. `loadframe token create` on the server makes one.",
     }});
+    let submission = &mut document["paths"]["/v1/jobs"]["post"]["requestBody"];
+    submission["content"]["application/json"]["examples"] = Value::Object(components::examples());
     name_wildcards(&mut document);
     answers::complete(&mut document);
     answers::link_jobs(&mut document);
