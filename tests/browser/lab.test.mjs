@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
+import { availableParallelism } from "node:os";
 import { startLab } from "./lab.mjs";
 import { chromium } from "playwright-core";
 
@@ -242,6 +243,93 @@ test("the list lives: a job submitted elsewhere appears and finishes without a r
     await page.request.delete(`/v1/jobs/${id}`);
     await row.waitFor({ state: "detached" });
   }));
+
+test("notes, tags and priority are edited in their place, by keyboard", () =>
+  visit("/", async (page) => {
+    // more work that does not end than a lab has workers, so that the last job waits
+    const ids = [];
+    for (let count = 0; count <= 2 * availableParallelism(); count++) {
+      const answer = await page.request.post("/v1/jobs", { data: { ...endless(), name: "To be described" } });
+      ids.push((await answer.json()).id);
+    }
+    const id = ids.at(-1);
+    const stored = async () => (await page.request.get(`/v1/jobs/${id}`)).json();
+    await page.goto(`/jobs/${id}`);
+    await state(page, "queued").waitFor();
+    /** Opens a field by keyboard and writes into it. */
+    const write = async (button, field, text) => {
+      await part(page, button).focus();
+      await page.keyboard.press("Enter");
+      await page.waitForFunction((field) => document.activeElement?.dataset.testid === field, field);
+      await page.keyboard.press("Control+A");
+      await page.keyboard.insertText(text);
+    };
+    /** The field is gone and the focus back where it was. */
+    const isLeft = async (button, field) => {
+      await part(page, field).waitFor({ state: "detached" });
+      await page.waitForFunction((button) => document.activeElement?.dataset.testid === button, button);
+    };
+
+    const notes = "Cut along the machine direction.\n  Second line <b>as written</b>";
+    await write("edit-notes", "notes-input", notes.split("\n")[0]);
+    await page.keyboard.press("Enter");
+    await page.keyboard.insertText(notes.split("\n")[1]);
+    await page.keyboard.press("Control+Enter");
+    await isLeft("edit-notes", "notes-input");
+    assert.equal(await part(page, "job-notes").innerText(), notes);
+    assert.equal((await stored()).notes, notes);
+
+    await write("edit-tags", "tags-input", " PET, batch 7 ,, PET");
+    await page.keyboard.press("Enter");
+    await isLeft("edit-tags", "tags-input");
+    assert.deepEqual(await part(page, "job-tags").getByRole("link").allInnerTexts(), ["PET", "batch 7"]);
+    assert.deepEqual((await stored()).tags, ["PET", "batch 7"]);
+
+    // what the server refuses stands at the field, which keeps what was written
+    await write("edit-priority", "priority-input", "5000");
+    await page.keyboard.press("Enter");
+    const complaint = part(page, "priority-input-error");
+    assert.match(await complaint.innerText(), /out of range.*-1000 … 1000/);
+    assert.equal(await part(page, "priority-input").getAttribute("aria-invalid"), "true");
+    assert.equal(await part(page, "priority-input").inputValue(), "5000");
+    await part(page, "edit-notes").click();
+    await part(page, "edit-tags").click();
+    await picture(page, "edit");
+    await isAccessible(page, "a job being edited");
+    await part(page, "priority-input").focus();
+    await page.keyboard.press("Control+A");
+    await page.keyboard.type("-7");
+    await page.keyboard.press("Enter");
+    await isLeft("edit-priority", "priority-input");
+    assert.equal((await stored()).priority, -7);
+
+    // Escape leaves everything as it was
+    await part(page, "tags-input").fill("gone");
+    await page.keyboard.press("Escape");
+    await isLeft("edit-tags", "tags-input");
+    await part(page, "notes-input").fill("gone");
+    await page.keyboard.press("Escape");
+    await isLeft("edit-notes", "notes-input");
+    await write("rename", "name-input", "");
+    await page.keyboard.press("Enter");
+    await part(page, "name-input-error").waitFor();
+    await page.keyboard.press("Escape");
+    await isLeft("rename", "name-input");
+    const { name, notes: kept, tags } = await stored();
+    assert.deepEqual([name, kept, tags], ["To be described", notes, ["PET", "batch 7"]]);
+
+    // what no longer waits has no priority to change
+    for (const id of ids) await page.request.post(`/v1/jobs/${id}/cancel`);
+    await state(page, "cancelled").waitFor();
+    await part(page, "edit-priority").waitFor({ state: "detached" });
+    await part(page, "edit-notes").waitFor();
+    await page.setViewportSize(PHONE);
+    await part(page, "edit-tags").click();
+    await part(page, "edit-notes").click();
+    await fitsThePhone(page, "a job being edited");
+    await picture(page, "phone-edit");
+    // the browser itself reports the refusals in its console
+  }, { expected: /status of 422/ }));
 
 test("every view fits a phone", async () => {
   const created = await fetch(`${lab.url}/v1/jobs`, {

@@ -1,5 +1,6 @@
 // Requests to the server: token, errors as problems, the server's clock.
 import { setServerTime } from "../clock.svelte";
+import { sentence } from "../format/words";
 import { askForToken, session } from "./session.svelte";
 import type { Problem, Violation } from "./types";
 
@@ -31,6 +32,17 @@ export class Unreachable extends Error {
 /** What to tell a person about something that went wrong. */
 export function messageOf(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
+}
+
+/** The same in one line for each thing that is wrong, if the server found several. */
+export function complaintsOf(error: unknown): string[] {
+  const violations = error instanceof Refusal ? error.violations : [];
+  if (violations.length === 0) return [messageOf(error)];
+  return violations.map(({ pointer, detail, allowed, value }) => {
+    // Of a list, which one.
+    const which = /\/\d+$/.test(pointer) ? `“${String(value)}”: ` : "";
+    return `${which}${sentence(detail)}${allowed ? ` Allowed: ${allowed}.` : ""}`;
+  });
 }
 
 export interface RequestOptions {
