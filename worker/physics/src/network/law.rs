@@ -28,6 +28,13 @@ impl BondLaw {
         }
     }
 
+    /// u at which a tension T ≥ 0 [N] is reached, the positive root of f_r u² + e u − T = 0 (1).
+    pub(crate) fn strain(&self, tension: f64) -> f64 {
+        let discriminant = self.modulus * self.modulus + 4.0 * self.friction_modulus * tension;
+        // in the form that also holds for f_r = 0
+        2.0 * tension / (self.modulus + discriminant.sqrt())
+    }
+
     /// T'(u) [N]. At u = 0 it is e, so that an unloaded network has its tensile stiffness.
     #[inline]
     pub(crate) fn slope(&self, strain: f64) -> f64 {
@@ -66,6 +73,17 @@ mod tests {
     fn tension_follows_equations_1_and_2() {
         assert!((PET.tension(0.5) - (0.399 * 0.5 + 1.473 * 0.25)).abs() < ROUND_OFF);
         assert!((PET.tension(-0.5) - (-0.157 * 0.5)).abs() < ROUND_OFF);
+    }
+
+    #[test]
+    fn strain_is_the_inverse_of_tension() {
+        let straight = BondLaw {
+            friction_modulus: 0.0,
+            ..PET
+        };
+        for law in [PET, straight] {
+            assert!((law.strain(law.tension(1.1)) - 1.1).abs() < 4.0 * ROUND_OFF);
+        }
     }
 
     #[test]

@@ -4,10 +4,11 @@
 //! [`lattice`] or as given, with drawn [`strength`]; [`experiment`] strains it step by step from
 //! the guess of [`predictor`] and keeps everything that counts in a [`state`]; [`snapshot`],
 //! [`tables`] and [`report`] turn that into files and results. [`width`] measures lateral
-//! contraction. This file holds the loop, which alone talks to the recorder.
+//! contraction, [`progress`] how far the test is. This file holds the loop, which alone talks to the recorder.
 mod experiment;
 mod lattice;
 mod predictor;
+mod progress;
 mod report;
 mod snapshot;
 mod specimen;
@@ -16,7 +17,7 @@ mod strength;
 mod tables;
 mod width;
 
-use loadframe_api::spec::nonwoven_tensile::{Breaking, NonwovenTensile};
+use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -26,6 +27,7 @@ use crate::{
     parallel::Team,
 };
 use experiment::{Advance, Experiment, Halt, StopReason};
+use progress::Yardstick;
 use specimen::Specimen;
 use state::State;
 
@@ -58,6 +60,7 @@ pub(crate) fn run(
         None => State::new(specimen.network.positions.len()),
     };
     let team = Team::new(context.threads)?;
+    let yardstick = Yardstick::new(spec, &specimen);
     let mut meter = Meter::new(state.work, context.interrupt);
     let mut experiment = Experiment::new(spec, specimen, state, team);
     let has_width = experiment.specimen.width_gauge.is_some();
@@ -87,8 +90,8 @@ pub(crate) fn run(
         let was_whole = experiment.state.events.is_empty();
         match experiment.advance(&mut meter) {
             Ok(Advance::Broke) if was_whole => recorder.log(&format!(
-                "the first bonds break at {:.4} % strain",
-                100.0 * experiment.nominal_strain()
+                "the first bonds break at {} strain",
+                yardstick.percent(experiment.nominal_strain())
             )),
             Ok(Advance::Broke) => {}
             Ok(Advance::StepDone(stop)) => {
@@ -105,16 +108,16 @@ pub(crate) fn run(
             }
             Err(Halt::Failed(error)) => return Err(error),
         }
-        let (fraction, phase) = progress(spec, &experiment);
+        let (fraction, phase) = yardstick.measure(spec, &experiment.state);
         recorder.progress(fraction, &phase);
         if recorder.checkpoint_due() {
             keep(&mut experiment, &meter, recorder)?;
         }
     };
     recorder.log(&format!(
-        "{} at {:.4} % strain, {} bonds broken",
+        "{} at {} strain, {} bonds broken",
         stop_reason.name().replace('_', " "),
-        100.0 * experiment.nominal_strain(),
+        yardstick.percent(experiment.nominal_strain()),
         experiment.state.events.len()
     ));
     experiment.state.work = meter.work;
@@ -139,30 +142,6 @@ fn record_step(
         snapshot::take(experiment, recorder)?;
     }
     Ok(())
-}
-
-/// Fraction of the work done and what is being done.
-fn progress(spec: &NonwovenTensile, experiment: &Experiment<'_>) -> (f64, String) {
-    let strain = experiment.nominal_strain();
-    let broken = experiment.state.events.len();
-    let phase = format!(
-        "straining, {:.4} % strain, {broken} bonds broken",
-        100.0 * strain
-    );
-    let end = spec.test.max_strain;
-    let expected = match spec.test.breaking {
-        Breaking::None => end,
-        _ => experiment.specimen.expected_rupture_strain().min(end),
-    };
-    /// What is kept of the bar for a rupture later than expected.
-    const RESERVE: f64 = 0.1;
-    let expected_part = (strain / expected).min(1.0) * (1.0 - RESERVE);
-    let late = if end > expected {
-        ((strain - expected) / (end - expected)).clamp(0.0, 1.0)
-    } else {
-        strain / end
-    };
-    (expected_part + late * RESERVE, phase)
 }
 
 /// Tells the specs of checkpoints apart.

@@ -150,21 +150,27 @@ impl Specimen {
             .count()
     }
 
-    /// Strain at which a bond of the mean law along the pulling direction reaches the mean
-    /// strength: about where a network is torn. Infinite when no bond can break.
+    /// Strain at which a weak bond of the mean law along the pulling direction breaks: about where
+    /// a network is torn. Infinite when no bond can break.
+    ///
+    /// A network tears long before its bond of mean strength would: by a quarter for polyester.
+    /// Where a bond one deviation weaker than most breaks, 18 lattices from 15 x 17 x 3 to
+    /// 49 x 51 x 1, with σ from 0 to 0.8, ended at 0.94 to 1.39 of it, for σ up to 0.365 at most
+    /// 1.16.
     pub(super) fn expected_rupture_strain(&self) -> f64 {
-        let strengths = self.network.bonds.strengths.iter();
-        let breakable = strengths.filter(|strength| strength.is_finite());
-        let (sum, count) = breakable.fold((0.0, 0.0), |(sum, count), s| (sum + s, count + 1.0));
-        if count == 0.0 {
+        let strengths = self.network.bonds.strengths.iter().copied();
+        let mut breakable: Vec<f64> = strengths.filter(|strength| strength.is_finite()).collect();
+        if breakable.is_empty() {
             return f64::INFINITY;
         }
-        let strength = sum / count;
-        let (linear, square) = (self.mean_law.modulus, self.mean_law.friction_modulus);
-        // the positive root of f_r u² + e u − s = 0, in the form that also holds for f_r = 0
-        2.0 * strength / (linear + (linear * linear + 4.0 * square * strength).sqrt())
+        let rank = (breakable.len() as f64 * WEAKER_BY_ONE_DEVIATION) as usize;
+        let (_, strength, _) = breakable.select_nth_unstable_by(rank, f64::total_cmp);
+        self.mean_law.strain(*strength)
     }
 }
+
+/// Part of a normal distribution below its mean less one standard deviation.
+const WEAKER_BY_ONE_DEVIATION: f64 = 0.159;
 
 /// Node and bond numbers are 32 bits wide.
 fn check_size(lattice: &spec::Lattice) -> Result<(), SimulationError> {
