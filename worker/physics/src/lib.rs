@@ -14,6 +14,7 @@ mod parallel;
 mod recorder;
 mod rng;
 mod vtk;
+mod wide;
 
 use std::fmt;
 

@@ -35,11 +35,6 @@ impl Team {
         Ok(Self { pool })
     }
 
-    /// Whether there is more than one thread.
-    pub(crate) fn is_parallel(&self) -> bool {
-        self.pool.is_some()
-    }
-
     /// Lets `work` fill chunk after chunk of `items` and sums what it returns. `work` is given the
     /// index of its first item.
     pub(crate) fn fill<T: Send>(
@@ -67,12 +62,6 @@ impl Team {
     }
 }
 
-/// Sum of `term(0) + ... + term(count - 1)` in the order [`Team::fill`] uses.
-pub(crate) fn ordered_sum(count: usize, term: impl Fn(usize) -> f64) -> f64 {
-    let chunk_sum = |start: usize| (start..count.min(start + CHUNK)).map(&term).sum::<f64>();
-    (0..count).step_by(CHUNK).map(chunk_sum).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,7 +75,8 @@ mod tests {
             }
             items.iter().sum()
         };
-        let expected = ordered_sum(100_003, term).to_bits();
+        let mut items = vec![0.0; 100_003];
+        let expected = Team::new(1)?.fill(&mut items, work).to_bits();
         for threads in [1, 2, 3, 8] {
             let mut items = vec![0.0; 100_003];
             let sum = Team::new(threads)?.fill(&mut items, work);

@@ -80,7 +80,7 @@ fn an_equilibrium_that_was_abandoned_is_searched_again() {
     spec.test.strain_step = 0.1;
     spec.accuracy = solver(Solver::NewtonCg, 1e6);
     let expected = run(&spec);
-    let first = AtLook::new(Interrupt::Suspend, 9);
+    let first = AtLook::new(Interrupt::Suspend, 3);
     let mut record = Record::default();
     let ending = run_with(&spec, &mut record, &first, None, 1);
     assert!(matches!(ending, Ending::Suspended));

@@ -1,20 +1,28 @@
-//! An assembly at some displacements: energy, bond states, resultants.
-use super::{
-    Vector,
-    assembly::{Assembly, BondState},
-};
-use crate::parallel::Team;
+//! A network at some displacements: energy, tensions, resultants, stiffness.
+use crate::wide::wide;
 
-/// What follows from the displacements of an assembly's nodes.
+use super::{
+    Laws,
+    assembly::{Assembly, BondState, NO_LENGTH},
+    blocks::{BLOCK, Buffer},
+    field::{Field, Real, sum},
+    law::BondLaw,
+    stiffness::Stiffness,
+};
+
+/// What follows from the displacements of a network's nodes; `T` is the precision of the
+/// stiffness, which only points the way.
 #[derive(Clone, Debug)]
-pub(crate) struct Configuration {
+pub(crate) struct Configuration<T = f32> {
     /// Of every node [mm]; those of held nodes are given.
-    pub(crate) displacements: Vec<Vector>,
+    pub(crate) displacements: Field<f64>,
     /// E [N mm].
     pub(crate) energy: f64,
-    pub(crate) bonds: Vec<BondState>,
+    /// T of every bond [N], zero where it does not act.
+    pub(crate) tensions: Vec<f64>,
     /// Sum of the bond forces on every node [N], held ones included.
-    pub(crate) resultants: Vec<Vector>,
+    pub(crate) resultants: Field<f64>,
+    pub(crate) stiffness: Stiffness<T>,
 }
 
 /// Roundings that separate a computed resultant from the exact one, in units of the machine
@@ -22,7 +30,7 @@ pub(crate) struct Configuration {
 /// its force, one for the sum.
 const ROUNDINGS: f64 = 8.0;
 
-/// How far an assembly is from equilibrium.
+/// How far a network is from equilibrium.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual {
     /// Largest resultant of a free node [N].
@@ -43,76 +51,142 @@ pub(crate) enum Verdict {
     Unbalanced,
 }
 
-impl Configuration {
-    /// The assembly at `displacements`.
-    pub(crate) fn new(assembly: &Assembly, displacements: Vec<Vector>, team: &Team) -> Self {
-        let unset = BondState {
-            direction: Vector::zeros(),
-            tension: 0.0,
-            axial: 0.0,
-            transverse: 0.0,
-        };
+impl<T: Real> Configuration<T> {
+    /// The network at `displacements`.
+    pub(crate) fn new(assembly: &Assembly, displacements: Field<f64>) -> Self {
+        let (nodes, bonds, dimensions) =
+            (assembly.nodes(), assembly.bonds(), assembly.dimensions());
         let mut configuration = Self {
             displacements,
             energy: 0.0,
-            bonds: vec![unset; assembly.bonds.len()],
-            resultants: vec![Vector::zeros(); assembly.nodes()],
+            tensions: vec![0.0; bonds],
+            resultants: Field::zeros(nodes, dimensions),
+            stiffness: Stiffness::zeros(bonds, dimensions),
         };
-        configuration.update(assembly, team);
+        configuration.update(assembly);
         configuration
     }
 
     /// Makes everything follow the displacements, (4)-(7).
-    pub(crate) fn update(&mut self, assembly: &Assembly, team: &Team) {
-        let displacements = &self.displacements;
-        self.energy = team.fill(&mut self.bonds, |start, states| {
-            let mut energy = 0.0;
-            for (offset, state) in states.iter_mut().enumerate() {
-                let bond = start + offset;
-                let shift = assembly.shift(bond, displacements);
-                let (response, stored) = assembly.shapes[bond].respond(&shift);
-                *state = response;
-                energy += stored;
-            }
-            energy
-        });
-        let bonds = &self.bonds;
-        assembly.sum_over_bonds(team, &mut self.resultants, |bond| {
-            bonds[bond].direction * bonds[bond].tension
-        });
+    pub(crate) fn update(&mut self, assembly: &Assembly) {
+        wide(
+            #[inline(always)]
+            || match (&assembly.laws, assembly.dimensions()) {
+                (Laws::Same(law), 2) => self.update_in::<2>(assembly, |_| *law),
+                (Laws::Same(law), _) => self.update_in::<3>(assembly, |_| *law),
+                (Laws::Each(laws), 2) => self.update_in::<2>(assembly, |bond| laws[bond]),
+                (Laws::Each(laws), _) => self.update_in::<3>(assembly, |bond| laws[bond]),
+            },
+        );
     }
 
-    /// H p for nodal vectors p (7), with every transverse stiffness b raised to at least
-    /// `least_transverse`: 0 drops the part that makes H indefinite. p must vanish at held nodes.
-    pub(crate) fn multiply(
-        &self,
-        assembly: &Assembly,
-        team: &Team,
-        least_transverse: f64,
-        vector: &[Vector],
-        product: &mut [Vector],
-    ) {
-        assembly.sum_over_bonds(team, product, |bond| {
-            let state = &self.bonds[bond];
-            let [first, second] = assembly.ends[bond];
-            let apart = vector[first as usize] - vector[second as usize];
-            let transverse = state.transverse.max(least_transverse);
-            let along = (state.axial - transverse) * state.direction.dot(&apart);
-            apart * transverse + state.direction * along
-        });
+    #[inline(always)]
+    fn update_in<const D: usize>(&mut self, assembly: &Assembly, law: impl Fn(usize) -> BondLaw) {
+        let positions = assembly.positions.components();
+        let displacements = self.displacements.components();
+        let mut resultants = self.resultants.components_mut();
+        for component in &mut resultants {
+            component.fill(0.0);
+        }
+        let mut forces: Buffer<f64> = [[0.0; BLOCK]; 3];
+        let mut place_scratch = [forces; 2];
+        let mut move_scratch = [forces; 2];
+        let mut energies = [0.0; BLOCK];
+        let no_excess = [0.0; BLOCK];
+        self.energy = 0.0;
+        for block in &assembly.blocks {
+            let (start, count) = (block.start, block.count);
+            let [first, second] =
+                block.at_ends::<f64, D>(&assembly.ends, &positions, &mut place_scratch);
+            let [moved_first, moved_second] =
+                block.at_ends::<f64, D>(&assembly.ends, &displacements, &mut move_scratch);
+            let rest_lengths = &assembly.rest_lengths[start..][..count];
+            let acts = &assembly.acts[start..][..count];
+            let excess = if assembly.excess.is_empty() {
+                &no_excess[..count]
+            } else {
+                &assembly.excess[start..][..count]
+            };
+            let tensions = &mut self.tensions[start..][..count];
+            let transverse = &mut self.stiffness.transverse[start..][..count];
+            let axial = self.stiffness.axial.each_mut().map(
+                #[inline(always)]
+                |axial| {
+                    let start = start.min(axial.len());
+                    let end = (start + count).min(axial.len());
+                    &mut axial[start..end]
+                },
+            );
+            let energies = &mut energies[..count];
+            let [ax, ay, az] = axial;
+            let [fx, fy, fz] = forces.each_mut().map(|force| &mut force[..count]);
+            for bond in 0..count {
+                // from the second end to the first
+                let x = first[0][bond] - second[0][bond];
+                let y = first[1][bond] - second[1][bond];
+                let wx = moved_first[0][bond] - moved_second[0][bond];
+                let wy = moved_first[1][bond] - moved_second[1][bond];
+                let (mut z, mut wz) = (0.0, 0.0);
+                if D == 3 {
+                    z = first[2][bond] - second[2][bond];
+                    wz = moved_first[2][bond] - moved_second[2][bond];
+                }
+                let (px, py, pz) = (x + wx, y + wy, z + wz);
+                let mut square = px * px + py * py;
+                let mut elongation = wx * (x + px) + wy * (y + py);
+                if D == 3 {
+                    square += pz * pz;
+                    elongation += wz * (z + pz);
+                }
+                let rest = rest_lengths[bond];
+                let act = f64::from(acts[bond]);
+                let length = square.sqrt();
+                let strain = (elongation + excess[bond]) / ((length + rest) * rest);
+                let law = law(start + bond);
+                let tension = act * law.tension(strain);
+                let inverse = if length > NO_LENGTH * rest {
+                    1.0 / length
+                } else {
+                    0.0
+                };
+                energies[bond] = act * rest * law.energy(strain);
+                tensions[bond] = tension;
+                transverse[bond] = T::new(tension * inverse);
+                let root = T::new(act * law.axial_excess(strain) * inverse).sqrt();
+                ax[bond] = T::new(px * inverse) * root;
+                ay[bond] = T::new(py * inverse) * root;
+                // the first end is pulled towards the second
+                let pull = -tension * inverse;
+                fx[bond] = px * pull;
+                fy[bond] = py * pull;
+                if D == 3 {
+                    az[bond] = T::new(pz * inverse) * root;
+                    fz[bond] = pz * pull;
+                }
+            }
+            self.energy += sum(energies);
+            block.scatter::<f64, D>(&assembly.ends, &forces, &mut resultants);
+        }
+    }
+
+    /// The state of a bond.
+    pub(crate) fn bond(&self, assembly: &Assembly, bond: usize) -> BondState {
+        let [first, second] = assembly.ends[bond].map(|node| self.displacements.at(node as usize));
+        assembly.respond(bond, &first, &second)
     }
 
     /// The largest resultant, and whether `force_limit` [N] or round-off bounds all of them.
     pub(crate) fn residual(&self, assembly: &Assembly, force_limit: f64) -> Residual {
         let mut largest = 0.0;
-        let mut node = 0;
-        for (index, resultant) in self.resultants[..assembly.free()].iter().enumerate() {
-            let magnitude = resultant.norm();
+        let mut node = assembly.free().start;
+        for index in assembly.free() {
+            let square = self.resultants.at(index).norm_squared();
             // a NaN must not pass for a balanced node
-            if magnitude > largest || magnitude.is_nan() {
-                (largest, node) = (magnitude, index);
+            if square > largest || square.is_nan() {
+                (largest, node) = (square, index);
             }
         }
+        let largest = largest.sqrt();
         let verdict = if largest <= force_limit {
             Verdict::Balanced
         } else if self.is_within_round_off(assembly, force_limit, node) {
@@ -130,33 +204,25 @@ impl Configuration {
     /// Whether every resultant beyond the limit, the one of node `worst` above all, is within the
     /// rounding error of its bonds.
     fn is_within_round_off(&self, assembly: &Assembly, force_limit: f64, worst: usize) -> bool {
-        // far from equilibrium the worst node alone answers, at little cost
-        let of_worst = |bond: &usize| assembly.ends[*bond].contains(&(worst as u32));
-        let bonds = 0..self.bonds.len();
-        let rounding: f64 = bonds
-            .clone()
-            .filter(of_worst)
-            .map(|bond| self.round_off(assembly, bond))
-            .sum();
-        let is_beyond = |node: usize, rounding: f64| {
-            let resultant = self.resultants[node].norm();
-            resultant > force_limit.max(rounding) || resultant.is_nan()
-        };
-        if is_beyond(worst, rounding) {
-            return false;
-        }
-        let mut roundings = vec![0.0; assembly.nodes()];
-        for bond in bonds {
-            for node in assembly.ends[bond] {
-                roundings[node as usize] += self.round_off(assembly, bond);
+        let is_beyond = |node: usize| {
+            let resultant = self.resultants.at(node).norm();
+            if resultant <= force_limit {
+                return false;
             }
-        }
-        (0..assembly.free()).all(|node| !is_beyond(node, roundings[node]))
+            let bonds = assembly.incidence().of(node).iter();
+            let rounding: f64 = bonds
+                .map(|bond| self.round_off(assembly, *bond as usize))
+                .sum();
+            resultant > rounding || resultant.is_nan()
+        };
+        // far from equilibrium the worst node alone answers, at little cost
+        !is_beyond(worst) && !assembly.free().any(is_beyond)
     }
 
     fn round_off(&self, assembly: &Assembly, bond: usize) -> f64 {
-        let [first, second] = assembly.ends[bond].map(|node| self.displacements[node as usize]);
-        self.bonds[bond].round_off(first.amax() + second.amax())
+        let [first, second] = assembly.ends[bond].map(|node| self.displacements.at(node as usize));
+        let state = assembly.respond(bond, &first, &second);
+        state.round_off(first.amax() + second.amax())
     }
 }
 
@@ -165,43 +231,5 @@ impl BondState {
     pub(crate) fn round_off(&self, moved: f64) -> f64 {
         let stiffness = self.axial.max(self.transverse.abs());
         ROUNDINGS * f64::EPSILON * (self.tension.abs() + stiffness * moved)
-    }
-}
-
-impl Assembly {
-    /// Sets every node's entry to the sum of `force(bond)` over the bonds it is the first end of,
-    /// less the sum over those it is the second end of, both in ascending order.
-    fn sum_over_bonds(
-        &self,
-        team: &Team,
-        sums: &mut [Vector],
-        force: impl Fn(usize) -> Vector + Sync,
-    ) {
-        if !team.is_parallel() {
-            sums.fill(Vector::zeros());
-            for (bond, [first, second]) in self.ends.iter().enumerate() {
-                let force = force(bond);
-                sums[*first as usize] += force;
-                sums[*second as usize] -= force;
-            }
-            return;
-        }
-        // each bond is computed at both its ends, so that no two threads write to one node
-        let incidence = self.incidence();
-        team.fill(sums, |start, sums| {
-            for (offset, sum) in sums.iter_mut().enumerate() {
-                let node = start + offset;
-                *sum = Vector::zeros();
-                for bond in incidence.of(node) {
-                    let bond = *bond as usize;
-                    if self.ends[bond][0] as usize == node {
-                        *sum += force(bond);
-                    } else {
-                        *sum -= force(bond);
-                    }
-                }
-            }
-            0.0
-        });
     }
 }

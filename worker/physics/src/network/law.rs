@@ -19,7 +19,7 @@ pub(crate) struct BondLaw {
 
 impl BondLaw {
     /// T(u) [N], (1) and (2).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn tension(&self, strain: f64) -> f64 {
         if strain < 0.0 {
             self.compression_stiffness * strain
@@ -36,7 +36,7 @@ impl BondLaw {
     }
 
     /// T'(u) [N]. At u = 0 it is e, so that an unloaded network has its tensile stiffness.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn slope(&self, strain: f64) -> f64 {
         if strain < 0.0 {
             self.compression_stiffness
@@ -45,8 +45,19 @@ impl BondLaw {
         }
     }
 
+    /// (a − b) l [N], what the axial stiffness (7) has more than the transverse one, times the
+    /// length: T'(1 + u) − T = e + f_r u (2 + u), or r_c in compression. Never negative.
+    #[inline(always)]
+    pub(crate) fn axial_excess(&self, strain: f64) -> f64 {
+        if strain < 0.0 {
+            self.compression_stiffness
+        } else {
+            self.modulus + self.friction_modulus * strain * (2.0 + strain)
+        }
+    }
+
     /// Energy stored per rest length [N mm/mm]: e u²/2 + f_r u³/3, or r_c u²/2 (3).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn energy(&self, strain: f64) -> f64 {
         let square = strain * strain;
         if strain < 0.0 {

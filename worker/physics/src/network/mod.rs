@@ -26,13 +26,16 @@
 //! they hang on, count as unloaded, and cost nothing. Bonds between two nodes of one jaw never
 //! change length and count as unloaded as well.
 pub(crate) mod assembly;
+mod blocks;
 pub(crate) mod configuration;
 pub(crate) mod equilibrium;
+pub(crate) mod field;
 mod incidence;
 pub(crate) mod law;
 pub(crate) mod load_path;
 pub(crate) mod nonwoven;
 pub(crate) mod rupture;
+mod stiffness;
 
 use law::BondLaw;
 
@@ -65,9 +68,34 @@ pub(crate) struct Bonds {
     pub(crate) ends: Vec<[u32; 2]>,
     /// l₀ [mm].
     pub(crate) rest_lengths: Vec<f64>,
-    pub(crate) laws: Vec<BondLaw>,
+    pub(crate) laws: Laws,
     /// Tension at which the bond breaks [N]; infinite for one that never does.
     pub(crate) strengths: Vec<f64>,
+}
+
+/// The laws of bonds.
+#[derive(Clone, Debug)]
+pub(crate) enum Laws {
+    /// One for all.
+    Same(BondLaw),
+    /// One for each.
+    Each(Vec<BondLaw>),
+}
+
+impl Default for Laws {
+    fn default() -> Self {
+        Self::Each(Vec::new())
+    }
+}
+
+impl Laws {
+    #[inline]
+    pub(crate) fn of(&self, bond: usize) -> BondLaw {
+        match self {
+            Self::Same(law) => *law,
+            Self::Each(laws) => laws[bond],
+        }
+    }
 }
 
 impl Network {

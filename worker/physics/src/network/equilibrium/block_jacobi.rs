@@ -1,67 +1,103 @@
 //! Preconditioner of the conjugate gradients: the inverse of each node's own stiffness.
-use crate::{
-    network::{Vector, assembly::Assembly, configuration::Configuration},
-    parallel::ordered_sum,
+use crate::wide::wide;
+
+use crate::network::{
+    assembly::Assembly,
+    blocks::BLOCK,
+    field::{Field, Real, dot, sum},
+    stiffness::Stiffness,
 };
 
-/// Inverse 3 x 3 blocks, one per free node.
+/// Inverse 3 x 3 blocks, one per node; zero for nodes that are held or that nothing holds.
 #[derive(Debug)]
-pub(super) struct BlockJacobi {
-    inverses: Vec<Symmetric>,
+pub(super) struct BlockJacobi<T> {
+    /// xx, yy, xy, and in space zz, xz, yz.
+    inverses: [Vec<T>; 6],
+    dimensions: usize,
     /// Mean over the directions of what the blocks multiply, summed over the nodes [mm/N].
     compliance: f64,
 }
 
-/// A symmetric 3 x 3 matrix.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Symmetric {
-    xx: f64,
-    yy: f64,
-    zz: f64,
-    xy: f64,
-    xz: f64,
-    yz: f64,
-}
+/// Places of the diagonal among them.
+const DIAGONAL: [usize; 3] = [0, 1, 3];
 
 /// Part of its trace added to a block's diagonal. Without it a node on nearly parallel bonds, such
 /// as a dangling one, is thrown far aside by a tiny force; with much more the block is no longer
 /// the node's stiffness and iterations grow.
 const TRACE_SHARE: f64 = 0.02;
 
-impl BlockJacobi {
-    /// From the bond states, without the transverse part of bonds in compression, so that every
-    /// block is positive.
-    pub(super) fn new(assembly: &Assembly, configuration: &Configuration) -> Self {
-        let mut blocks = vec![Symmetric::default(); assembly.nodes()];
-        for (state, [first, second]) in configuration.bonds.iter().zip(&assembly.ends) {
-            let transverse = state.transverse.max(0.0);
-            let stiffness = Symmetric::bond(&state.direction, state.axial - transverse, transverse);
-            blocks[*first as usize].add(&stiffness);
-            blocks[*second as usize].add(&stiffness);
+impl<T: Real> BlockJacobi<T> {
+    /// Without the transverse part of bonds in compression, so that every block is positive.
+    pub(super) fn new(assembly: &Assembly, stiffness: &Stiffness<T>) -> Self {
+        let parts = if assembly.dimensions() == 2 { 3 } else { 6 };
+        let mut blocks: [Vec<T>; 6] = [0, 1, 2, 3, 4, 5].map(|part| {
+            let length = if part < parts { assembly.nodes() } else { 0 };
+            vec![T::zero(); length]
+        });
+        wide(
+            #[inline(always)]
+            || {
+                if assembly.dimensions() == 2 {
+                    add_bonds::<T, 2>(assembly, stiffness, &mut blocks);
+                    invert::<T, 2>(&mut blocks);
+                } else {
+                    add_bonds::<T, 3>(assembly, stiffness, &mut blocks);
+                    invert::<T, 3>(&mut blocks);
+                }
+            },
+        );
+        let free = assembly.free();
+        for inverse in blocks.iter_mut().filter(|part| !part.is_empty()) {
+            inverse[..free.start].fill(T::zero());
+            inverse[free.end..].fill(T::zero());
         }
-        blocks.truncate(assembly.free());
-        let mut compliance = 0.0;
-        for block in &mut blocks {
-            *block = block.inverse();
-            compliance += block.trace() / 3.0;
-        }
+        let diagonal = DIAGONAL.map(|part| sum(&blocks[part]));
         Self {
             inverses: blocks,
-            compliance,
+            dimensions: assembly.dimensions(),
+            compliance: diagonal.iter().sum::<f64>() / 3.0,
         }
     }
 
-    /// The preconditioned force on a node: about the displacement that relieves it.
-    #[inline]
-    pub(super) fn apply(&self, node: usize, force: &Vector) -> Vector {
-        self.inverses[node].times(force)
+    /// Sets `moved` to about the displacements that relieve `forces`; returns their product.
+    pub(super) fn apply(&self, forces: &Field<T>, moved: &mut Field<T>) -> f64 {
+        wide(
+            #[inline(always)]
+            || {
+                if self.dimensions == 2 {
+                    self.apply_in::<2>(forces, moved)
+                } else {
+                    self.apply_in::<3>(forces, moved)
+                }
+            },
+        )
     }
 
-    /// The squared preconditioned norm of the free nodes' `forces`.
-    pub(super) fn norm(&self, forces: &[Vector]) -> f64 {
-        ordered_sum(forces.len(), |node| {
-            forces[node].dot(&self.apply(node, &forces[node]))
-        })
+    #[inline(always)]
+    fn apply_in<const D: usize>(&self, forces: &Field<T>, moved: &mut Field<T>) -> f64 {
+        let forces = forces.components();
+        let nodes = forces[0].len();
+        let [mx, my, mz] = moved.components_mut();
+        let [xx, yy, xy, zz, xz, yz] = self.inverses.each_ref().map(Vec::as_slice);
+        let (xx, yy, xy) = (&xx[..nodes], &yy[..nodes], &xy[..nodes]);
+        let [fx, fy, fz] = forces;
+        let (fx, fy) = (&fx[..nodes], &fy[..nodes]);
+        let (mx, my) = (&mut mx[..nodes], &mut my[..nodes]);
+        if D == 2 {
+            for node in 0..nodes {
+                mx[node] = xx[node] * fx[node] + xy[node] * fy[node];
+                my[node] = xy[node] * fx[node] + yy[node] * fy[node];
+            }
+            return dot(fx, mx) + dot(fy, my);
+        }
+        let (zz, xz, yz) = (&zz[..nodes], &xz[..nodes], &yz[..nodes]);
+        let (fz, mz) = (&fz[..nodes], &mut mz[..nodes]);
+        for node in 0..nodes {
+            mx[node] = xx[node] * fx[node] + xy[node] * fy[node] + xz[node] * fz[node];
+            my[node] = xy[node] * fx[node] + yy[node] * fy[node] + yz[node] * fz[node];
+            mz[node] = xz[node] * fx[node] + yz[node] * fy[node] + zz[node] * fz[node];
+        }
+        dot(fx, mx) + dot(fy, my) + dot(fz, mz)
     }
 
     /// The squared preconditioned norm of a residual with magnitude `force` at every node.
@@ -70,62 +106,97 @@ impl BlockJacobi {
     }
 }
 
-impl Symmetric {
-    /// `along` n nᵀ + `all` 1.
-    fn bond(direction: &Vector, along: f64, all: f64) -> Self {
-        let scaled = direction * along;
-        Self {
-            xx: scaled.x * direction.x + all,
-            yy: scaled.y * direction.y + all,
-            zz: scaled.z * direction.z + all,
-            xy: scaled.x * direction.y,
-            xz: scaled.x * direction.z,
-            yz: scaled.y * direction.z,
+/// Sums K = b⁺ 1 + (what is left of s sᵀ) of the bonds into the blocks of their ends.
+#[inline(always)]
+fn add_bonds<T: Real, const D: usize>(
+    assembly: &Assembly,
+    stiffness: &Stiffness<T>,
+    blocks: &mut [Vec<T>; 6],
+) {
+    let mut parts = [[T::zero(); BLOCK]; 6];
+    for block in &assembly.blocks {
+        let (start, count) = (block.start, block.count);
+        let [sx, sy, sz] = stiffness.axial.each_ref();
+        let (sx, sy) = (&sx[start..][..count], &sy[start..][..count]);
+        let sz = if D == 3 { &sz[start..][..count] } else { sx };
+        let transverse = &stiffness.transverse[start..][..count];
+        let [xx, yy, xy, zz, xz, yz] = parts.each_mut().map(|part| &mut part[..count]);
+        for bond in 0..count {
+            let (x, y) = (sx[bond], sy[bond]);
+            let z = if D == 3 { sz[bond] } else { T::zero() };
+            let b = transverse[bond];
+            let square = x * x + y * y + z * z;
+            // a n nᵀ of a compressed bond: s sᵀ shortened from a − b to a
+            let left = if b < T::zero() && square > T::zero() {
+                (square + b).max(T::zero()) / square
+            } else {
+                T::one()
+            };
+            let b = b.max(T::zero());
+            xx[bond] = b + left * x * x;
+            yy[bond] = b + left * y * y;
+            xy[bond] = left * x * y;
+            if D == 3 {
+                zz[bond] = b + left * z * z;
+                xz[bond] = left * x * z;
+                yz[bond] = left * y * z;
+            }
+        }
+        let used = if D == 3 { 6 } else { 3 };
+        for (values, sums) in parts.iter().zip(blocks.iter_mut()).take(used) {
+            block.share(&assembly.ends, values, sums);
         }
     }
+}
 
-    fn add(&mut self, other: &Self) {
-        self.xx += other.xx;
-        self.yy += other.yy;
-        self.zz += other.zz;
-        self.xy += other.xy;
-        self.xz += other.xz;
-        self.yz += other.yz;
-    }
-
-    fn trace(&self) -> f64 {
-        self.xx + self.yy + self.zz
-    }
-
-    /// The inverse after the diagonal was raised; zero for a block without stiffness, so that the
-    /// node stays put. Entries that vanish by symmetry stay exactly zero: flat networks stay flat.
-    fn inverse(&self) -> Self {
-        let floor = TRACE_SHARE * self.trace();
-        let (xx, yy, zz) = (self.xx + floor, self.yy + floor, self.zz + floor);
-        let (xy, xz, yz) = (self.xy, self.xz, self.yz);
-        let minors = [yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy];
-        let determinant = xx * minors[0] + xy * minors[1] + xz * minors[2];
-        if !determinant.is_normal() {
-            return Self::default();
+/// Inverts the blocks after their diagonals were raised; a block without stiffness becomes zero,
+/// so that the node stays put.
+#[inline(always)]
+fn invert<T: Real, const D: usize>(blocks: &mut [Vec<T>; 6]) {
+    let [xx, yy, xy, zz, xz, yz] = blocks.each_mut().map(Vec::as_mut_slice);
+    let nodes = xx.len();
+    let (yy, xy) = (&mut yy[..nodes], &mut xy[..nodes]);
+    let share = T::new(TRACE_SHARE);
+    // scaled by the trace, so that no product of stiffnesses leaves the range of numbers
+    let scale = |trace: T| {
+        if trace > T::min_positive_value() {
+            T::one() / trace
+        } else {
+            T::zero()
         }
-        let scale = 1.0 / determinant;
-        Self {
-            xx: minors[0] * scale,
-            xy: minors[1] * scale,
-            xz: minors[2] * scale,
-            yy: (xx * zz - xz * xz) * scale,
-            zz: (xx * yy - xy * xy) * scale,
-            yz: (xy * xz - xx * yz) * scale,
+    };
+    if D == 2 {
+        for node in 0..nodes {
+            let scale = scale(xx[node] + yy[node]);
+            let (a, b, c) = (
+                xx[node] * scale + share,
+                yy[node] * scale + share,
+                xy[node] * scale,
+            );
+            let inverse = scale / (a * b - c * c);
+            xx[node] = b * inverse;
+            yy[node] = a * inverse;
+            xy[node] = -c * inverse;
         }
+        return;
     }
-
-    #[inline]
-    fn times(&self, vector: &Vector) -> Vector {
-        Vector::new(
-            self.xx * vector.x + self.xy * vector.y + self.xz * vector.z,
-            self.xy * vector.x + self.yy * vector.y + self.yz * vector.z,
-            self.xz * vector.x + self.yz * vector.y + self.zz * vector.z,
-        )
+    let (zz, xz, yz) = (&mut zz[..nodes], &mut xz[..nodes], &mut yz[..nodes]);
+    for node in 0..nodes {
+        let scale = scale(xx[node] + yy[node] + zz[node]);
+        let (a, b, c) = (
+            xx[node] * scale + share,
+            yy[node] * scale + share,
+            zz[node] * scale + share,
+        );
+        let (d, e, f) = (xy[node] * scale, xz[node] * scale, yz[node] * scale);
+        let minors = [b * c - f * f, e * f - d * c, d * f - e * b];
+        let inverse = scale / (a * minors[0] + d * minors[1] + e * minors[2]);
+        xx[node] = minors[0] * inverse;
+        xy[node] = minors[1] * inverse;
+        xz[node] = minors[2] * inverse;
+        yy[node] = (a * c - e * e) * inverse;
+        zz[node] = (a * b - d * d) * inverse;
+        yz[node] = (d * e - a * f) * inverse;
     }
 }
 
@@ -133,25 +204,44 @@ impl Symmetric {
 mod tests {
     use super::*;
 
+    /// One node with these six entries.
+    fn block(entries: [f64; 6]) -> [Vec<f64>; 6] {
+        entries.map(|entry| vec![entry])
+    }
+
     #[test]
     fn the_inverse_undoes_the_raised_block() {
-        let along = Vector::new(1.0, 2.0, -0.5).normalize();
-        let block = Symmetric::bond(&along, 3.0, 0.1);
-        let vector = Vector::new(0.3, -0.7, 0.2);
-        let raised = block.times(&vector) + vector * (TRACE_SHARE * block.trace());
-        // condition number about 20, so a few tens of roundings
-        assert!((block.inverse().times(&raised) - vector).norm() < 1e-14);
+        let (xx, yy, xy, zz, xz, yz) = (2.0, 5.0, 0.7, 1.0, -0.3, 0.4);
+        let mut blocks = block([xx, yy, xy, zz, xz, yz]);
+        invert::<f64, 3>(&mut blocks);
+        let [ixx, iyy, ixy, izz, ixz, iyz] = blocks.map(|part| part[0]);
+        let raise = TRACE_SHARE * (xx + yy + zz);
+        let first_row = [
+            (xx + raise) * ixx + xy * ixy + xz * ixz,
+            (xx + raise) * ixy + xy * iyy + xz * iyz,
+            (xx + raise) * ixz + xy * iyz + xz * izz,
+        ];
+        for (value, expected) in first_row.iter().zip([1.0, 0.0, 0.0]) {
+            assert!((value - expected).abs() < 1e-14, "{first_row:?}");
+        }
     }
 
     #[test]
     fn a_node_without_stiffness_stays_put() {
-        assert_eq!(Symmetric::default().inverse(), Symmetric::default());
+        let mut blocks = block([0.0; 6]);
+        invert::<f64, 3>(&mut blocks);
+        assert_eq!(blocks, block([0.0; 6]));
+        let mut flat = block([0.0; 6]);
+        invert::<f64, 2>(&mut flat);
+        assert_eq!(flat, block([0.0; 6]));
     }
 
     #[test]
-    fn a_flat_block_keeps_flat_forces_flat() {
-        let block = Symmetric::bond(&Vector::new(0.6, 0.8, 0.0), 3.0, 0.1);
-        let moved = block.inverse().times(&Vector::new(0.3, -0.7, 0.0));
-        assert_eq!(moved.z.to_bits(), 0.0_f64.to_bits());
+    fn stiffnesses_at_the_ends_of_single_precision_are_inverted() {
+        for size in [1e-30_f32, 1e30] {
+            let mut blocks = [1.0, 2.0, 0.1, 3.0, 0.2, 0.3].map(|entry| vec![entry * size]);
+            invert::<f32, 3>(&mut blocks);
+            assert!(blocks.iter().all(|part| part[0].is_normal()), "{blocks:?}");
+        }
     }
 }

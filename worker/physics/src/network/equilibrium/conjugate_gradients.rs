@@ -1,18 +1,33 @@
 //! Preconditioned conjugate gradients for the Newton step H d = F.
+use crate::wide::wide;
+
 use super::{block_jacobi::BlockJacobi, work::Meter};
 use crate::{
     Interrupt,
-    network::{Vector, assembly::Assembly, configuration::Configuration},
-    parallel::{Team, ordered_sum},
+    network::{
+        assembly::Assembly,
+        field::{Field, Real},
+        stiffness::Stiffness,
+    },
 };
 
-/// A Newton step.
+/// Memory that steps use one after the other.
 #[derive(Debug)]
-pub(super) struct Step {
-    /// d of every node [mm], zero at held ones.
-    pub(super) direction: Vec<Vector>,
-    /// The Hessian was found to curve downwards; `direction` then is what was found before.
-    pub(super) curves_down: bool,
+pub(super) struct Scratch<T> {
+    residual: Field<T>,
+    search: Field<T>,
+    product: Field<T>,
+}
+
+impl<T: Real> Scratch<T> {
+    pub(super) fn new(assembly: &Assembly) -> Self {
+        let zeros = Field::zeros(assembly.nodes(), assembly.dimensions());
+        Self {
+            residual: zeros.clone(),
+            search: zeros.clone(),
+            product: zeros,
+        }
+    }
 }
 
 /// When the iterations end, in terms of the squared preconditioned norm of the residual.
@@ -24,82 +39,95 @@ pub(super) struct Stop {
     pub(super) iterations: usize,
 }
 
-/// What one free node keeps between iterations, side by side because it is used together.
-struct Row {
-    solution: Vector,
-    residual: Vector,
-    preconditioned: Vector,
+/// The equations H d = F of a Newton step.
+#[derive(Debug)]
+pub(super) struct Equations<'a, T> {
+    pub(super) assembly: &'a Assembly,
+    pub(super) stiffness: &'a Stiffness<T>,
+    pub(super) preconditioner: &'a BlockJacobi<T>,
+    /// F, zero at held nodes.
+    pub(super) force: &'a Field<T>,
 }
 
-/// Solves for the Newton step with every transverse bond stiffness raised to `least_transverse`.
+/// Sets `step` to the Newton step, zero at held nodes. Returns false when the Hessian was found to
+/// curve downwards; `step` then is what was found before.
 ///
 /// # Errors
 /// The interrupt that ended it early.
-pub(super) fn newton_step(
-    assembly: &Assembly,
-    configuration: &Configuration,
-    preconditioner: &BlockJacobi,
-    least_transverse: f64,
+pub(super) fn newton_step<T: Real>(
+    equations: &Equations<'_, T>,
+    step: &mut Field<T>,
+    scratch: &mut Scratch<T>,
     stop: Stop,
-    team: &Team,
     meter: &mut Meter<'_>,
-) -> Result<Step, Interrupt> {
-    let free = assembly.free();
-    let force = &configuration.resultants[..free];
-    let start = |(node, force): (usize, &Vector)| Row {
-        solution: Vector::zeros(),
-        residual: *force,
-        preconditioned: preconditioner.apply(node, force),
-    };
-    let mut rows: Vec<Row> = force.iter().enumerate().map(start).collect();
-    let start_norm = preconditioner.norm(force);
-    let mut search = vec![Vector::zeros(); assembly.nodes()];
-    for (search, row) in search.iter_mut().zip(&rows) {
-        *search = row.preconditioned;
-    }
-    let mut product = vec![Vector::zeros(); assembly.nodes()];
-    let enough = (stop.relative * start_norm).max(stop.absolute);
-    let mut norm = start_norm;
-    let mut curves_down = false;
+) -> Result<bool, Interrupt> {
+    let Equations {
+        assembly,
+        stiffness,
+        preconditioner,
+        force,
+    } = equations;
+    let Scratch {
+        residual,
+        search,
+        product,
+    } = scratch;
+    residual.copy_from(force);
+    step.clear();
+    let mut norm = preconditioner.apply(residual, search);
+    let enough = (stop.relative * norm).max(stop.absolute);
     for _ in 0..stop.iterations {
         if norm <= enough {
             break;
         }
-        meter.spend(assembly.bonds.len())?;
+        meter.spend(assembly.bonds())?;
         meter.work.conjugate_gradient_iterations += 1;
-        configuration.multiply(assembly, team, least_transverse, &search, &mut product);
-        let curvature = ordered_sum(free, |node| search[node].dot(&product[node]));
+        stiffness.multiply(assembly, search, product);
+        let curvature = wide(
+            #[inline(always)]
+            || search.dot(product, assembly.free()),
+        );
         if curvature.is_nan() || curvature <= 0.0 {
-            curves_down = true;
-            break;
+            return Ok(false);
         }
         let length = norm / curvature;
-        let next_norm = team.fill(&mut rows, |start, rows| {
-            let mut norm = 0.0;
-            for (offset, row) in rows.iter_mut().enumerate() {
-                let node = start + offset;
-                row.solution += search[node] * length;
-                row.residual -= product[node] * length;
-                row.preconditioned = preconditioner.apply(node, &row.residual);
-                norm += row.residual.dot(&row.preconditioned);
-            }
-            norm
-        });
-        let turn = next_norm / norm;
+        wide(
+            #[inline(always)]
+            || {
+                add(step, T::new(length), search);
+                add(residual, T::new(-length), product);
+            },
+        );
+        // the product is used up: its place serves for the preconditioned residual
+        let next_norm = preconditioner.apply(residual, product);
+        let turn = T::new(next_norm / norm);
         norm = next_norm;
-        team.fill(&mut search[..free], |start, search| {
-            for (offset, search) in search.iter_mut().enumerate() {
-                *search = rows[start + offset].preconditioned + *search * turn;
-            }
-            0.0
-        });
+        wide(
+            #[inline(always)]
+            || turn_to(search, turn, product),
+        );
     }
-    let mut direction = search;
-    for (direction, row) in direction.iter_mut().zip(&rows) {
-        *direction = row.solution;
+    Ok(true)
+}
+
+/// `values` += `factor` `others`.
+#[inline(always)]
+fn add<T: Real>(values: &mut Field<T>, factor: T, others: &Field<T>) {
+    let pairs = values.components_mut().into_iter().zip(others.components());
+    for (values, others) in pairs {
+        for (value, other) in values.iter_mut().zip(others) {
+            *value += factor * *other;
+        }
     }
-    Ok(Step {
-        direction,
-        curves_down,
-    })
+}
+
+/// `values` = `others` + `factor` `values`.
+#[inline(always)]
+fn turn_to<T: Real>(values: &mut Field<T>, factor: T, others: &Field<T>) {
+    let pairs = values.components_mut().into_iter().zip(others.components());
+    for (values, others) in pairs {
+        for (value, other) in values.iter_mut().zip(others) {
+            *value = *other + factor * *value;
+        }
+    }
 }

@@ -2,8 +2,8 @@
 use super::work::Meter;
 use crate::{
     Interrupt,
-    network::{Vector, assembly::Assembly, configuration::Configuration},
-    parallel::{Team, ordered_sum},
+    network::{assembly::Assembly, configuration::Configuration, field::Field},
+    wide::wide,
 };
 
 /// Part of the decrease promised by the slope that a step must keep (Armijo's rule); the usual
@@ -26,7 +26,7 @@ const TRIALS: usize = 40;
 pub(super) struct Line<'a> {
     pub(super) assembly: &'a Assembly,
     pub(super) start: &'a Configuration,
-    pub(super) direction: &'a [Vector],
+    pub(super) direction: &'a Field<f64>,
     /// Largest multiple of the direction.
     pub(super) longest: f64,
 }
@@ -40,7 +40,6 @@ impl Line<'_> {
     pub(super) fn descend(
         &self,
         trial: &mut Configuration,
-        team: &Team,
         meter: &mut Meter<'_>,
     ) -> Result<bool, Interrupt> {
         let slope = self.slope(self.start);
@@ -49,9 +48,9 @@ impl Line<'_> {
         }
         let mut length = self.longest.min(1.0);
         for _ in 0..TRIALS {
-            self.place(trial, length, team, meter)?;
+            self.place(trial, length, meter)?;
             if self.descends(trial, length, slope) {
-                self.lengthen(trial, length, slope, team, meter)?;
+                self.lengthen(trial, length, slope, meter)?;
                 return Ok(true);
             }
             let secant = slope / (slope - self.slope(trial));
@@ -70,15 +69,14 @@ impl Line<'_> {
         trial: &mut Configuration,
         accepted: f64,
         slope: f64,
-        team: &Team,
         meter: &mut Meter<'_>,
     ) -> Result<(), Interrupt> {
         let mut accepted = accepted;
         while accepted < self.longest && self.slope(trial) < STILL_STEEP * slope {
             let length = (LENGTHENING * accepted).min(self.longest);
-            self.place(trial, length, team, meter)?;
+            self.place(trial, length, meter)?;
             if !self.descends(trial, length, slope) {
-                return self.place(trial, accepted, team, meter);
+                return self.place(trial, accepted, meter);
             }
             accepted = length;
         }
@@ -89,15 +87,22 @@ impl Line<'_> {
         &self,
         trial: &mut Configuration,
         length: f64,
-        team: &Team,
         meter: &mut Meter<'_>,
     ) -> Result<(), Interrupt> {
-        meter.spend(self.assembly.bonds.len())?;
-        let line = self.start.displacements.iter().zip(self.direction);
-        for (trial, (start, direction)) in trial.displacements.iter_mut().zip(line) {
-            *trial = start + direction * length;
+        meter.spend(self.assembly.bonds())?;
+        let trials = trial.displacements.components_mut().into_iter();
+        let lines = self
+            .start
+            .displacements
+            .components()
+            .into_iter()
+            .zip(self.direction.components());
+        for (trial, (start, direction)) in trials.zip(lines) {
+            for (trial, (start, direction)) in trial.iter_mut().zip(start.iter().zip(direction)) {
+                *trial = start + direction * length;
+            }
         }
-        trial.update(self.assembly, team);
+        trial.update(self.assembly);
         Ok(())
     }
 
@@ -116,8 +121,10 @@ impl Line<'_> {
 
     /// dE/d length.
     fn slope(&self, at: &Configuration) -> f64 {
-        -ordered_sum(self.assembly.free(), |node| {
-            at.resultants[node].dot(&self.direction[node])
-        })
+        let free = self.assembly.free();
+        -wide(
+            #[inline(always)]
+            || at.resultants.dot(self.direction, free.clone()),
+        )
     }
 }

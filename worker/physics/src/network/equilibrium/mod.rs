@@ -22,6 +22,7 @@ use super::{
     Vector,
     assembly::Assembly,
     configuration::{Configuration, Residual, Verdict},
+    field::Field,
 };
 use crate::{Interrupt, parallel::Team};
 use work::Meter;
@@ -71,8 +72,11 @@ impl Search {
     ) -> Result<Settled, Interrupt> {
         meter.work.equilibria += 1;
         match self.method {
-            Method::NewtonCg => newton_cg::solve(self, assembly, displacements, team, meter),
-            Method::Sequential => sequential::solve(self, assembly, displacements, team, meter),
+            Method::NewtonCg => {
+                let start = Field::of(&displacements, assembly.dimensions());
+                newton_cg::solve(self, assembly, start, meter)
+            }
+            Method::Sequential => sequential::solve(self, assembly, displacements, meter),
             Method::Parallel { relaxation_factor } => parallel::solve(
                 self,
                 relaxation_factor,
@@ -96,10 +100,10 @@ impl Settled {
             return None;
         }
         let node = self.residual.node;
-        let along = self.configuration.resultants[node].normalize();
+        let along = self.configuration.resultants.at(node).normalize();
         let (mut resistance, mut stiffest) = (0.0, 0.0_f64);
         for bond in assembly.incidence().of(node) {
-            let state = &self.configuration.bonds[*bond as usize];
+            let state = self.configuration.bond(assembly, *bond as usize);
             let square = state.direction.dot(&along).powi(2);
             resistance += state.axial * square + state.transverse * (1.0 - square);
             stiffest = stiffest.max(state.axial);
@@ -113,7 +117,7 @@ mod tests {
     use super::*;
     use crate::{
         SimulationError, Uninterrupted,
-        network::{Bonds, Hold, Network, law::BondLaw, load_path::parts},
+        network::{Bonds, Hold, Laws, Network, law::BondLaw, load_path::parts},
     };
 
     /// The mechanism found in a node just beside the line between two jaws 10 mm apart, not moved
@@ -134,12 +138,13 @@ mod tests {
             bonds: Bonds {
                 ends: vec![[0, 1], [1, 2]],
                 rest_lengths: vec![rest_length; 2],
-                laws: vec![law; 2],
+                laws: Laws::Same(law),
                 strengths: vec![f64::INFINITY; 2],
             },
         };
         let intact = [true; 2];
-        let assembly = Assembly::new(&network, &intact, &parts(&network, &intact));
+        let mut assembly = Assembly::new(&network);
+        assembly.load(&network, &intact, &parts(&network, &intact));
         let search = Search {
             method: Method::NewtonCg,
             iteration_limit: 0,

@@ -9,28 +9,23 @@
 use super::{
     Search, Settled,
     block_jacobi::BlockJacobi,
-    conjugate_gradients::{Stop, newton_step},
+    conjugate_gradients::{Equations, Scratch, Stop, newton_step},
     line_search::Line,
     work::Meter,
 };
 use crate::{
     Interrupt,
     network::{
-        Vector,
         assembly::Assembly,
         configuration::{Configuration, Verdict},
+        field::{Field, Real},
+        stiffness::Stiffness,
     },
-    parallel::Team,
 };
 
-/// Keeps every transverse stiffness as it is.
-const TRUE_HESSIAN: f64 = f64::NEG_INFINITY;
-/// Drops the transverse stiffness of compressed bonds.
-const POSITIVE_HESSIAN: f64 = 0.0;
 /// Residual of a Newton step relative to the force it balances, when still far from equilibrium.
 /// Closer to it the step is solved more exactly, see [`relative_residual`].
 const LOOSEST_RESIDUAL: f64 = 0.1;
-const TIGHTEST_RESIDUAL: f64 = 1e-6;
 /// The last step need not be solved beyond this part of the force limit.
 const SHARE_OF_LIMIT: f64 = 0.1;
 /// Conjugate gradient iterations per step and free node: exact arithmetic needs three, one per
@@ -38,19 +33,71 @@ const SHARE_OF_LIMIT: f64 = 0.1;
 const ITERATIONS_PER_NODE: usize = 3;
 const LEAST_ITERATIONS: usize = 100;
 
+/// Arithmetic of the Newton step. The energy and its slope are always double: a step in single
+/// precision points nearly the same way at half the memory traffic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Precision {
+    Single,
+    Double,
+}
+
+impl Precision {
+    /// To what part of itself a residual can fall in one step.
+    fn tightest_residual(self) -> f64 {
+        match self {
+            Self::Single => 1e-4,
+            Self::Double => 1e-6,
+        }
+    }
+}
+
+/// A Newton iteration: where it starts, how far it goes.
+struct Iteration<'a> {
+    search: &'a Search,
+    assembly: &'a Assembly,
+    here: &'a Configuration,
+    /// Part of itself that the residual is to fall to.
+    relative: f64,
+    /// Preconditioned norm of the resultants, squared, as the last iteration found it.
+    norm: f64,
+}
+
+/// Memory that iterations use one after the other.
+struct Memory<T> {
+    /// The resultants of the free nodes over the largest component among them: numbers of order
+    /// one stay within the range of single precision.
+    force: Field<T>,
+    step: Field<T>,
+    direction: Field<f64>,
+    scratch: Scratch<T>,
+}
+
+impl<T: Real> Memory<T> {
+    fn new(assembly: &Assembly) -> Self {
+        let zeros = Field::zeros(assembly.nodes(), assembly.dimensions());
+        Self {
+            force: zeros.clone(),
+            step: zeros,
+            direction: Field::zeros(assembly.nodes(), assembly.dimensions()),
+            scratch: Scratch::new(assembly),
+        }
+    }
+}
+
 /// See [`Search::run`].
 pub(super) fn solve(
     search: &Search,
     assembly: &Assembly,
-    displacements: Vec<Vector>,
-    team: &Team,
+    displacements: Field<f64>,
     meter: &mut Meter<'_>,
 ) -> Result<Settled, Interrupt> {
-    meter.spend(assembly.bonds.len())?;
-    let mut here = Configuration::new(assembly, displacements, team);
+    meter.spend(assembly.bonds())?;
+    let mut here = Configuration::new(assembly, displacements);
     let mut there = here.clone();
     let mut previous_norm = f64::INFINITY;
     let mut iterations = 0;
+    let mut precision = Precision::Single;
+    let mut single = Memory::<f32>::new(assembly);
     loop {
         let residual = here.residual(assembly, search.force_limit);
         if residual.verdict != Verdict::Unbalanced || iterations == search.iteration_limit {
@@ -61,61 +108,134 @@ pub(super) fn solve(
         }
         iterations += 1;
         meter.work.newton_iterations += 1;
-        let preconditioner = BlockJacobi::new(assembly, &here);
-        let norm = preconditioner.norm(&here.resultants[..assembly.free()]);
-        let stop = Stop {
-            relative: relative_residual(norm, previous_norm).powi(2),
-            // few nodes above the limit can hide in a small norm: go on by the loosest measure
-            absolute: preconditioner
-                .uniform_norm(SHARE_OF_LIMIT * search.force_limit)
-                .min(LOOSEST_RESIDUAL.powi(2) * norm),
-            iterations: LEAST_ITERATIONS + ITERATIONS_PER_NODE * assembly.free(),
+        let mut iteration = Iteration {
+            search,
+            assembly,
+            here: &here,
+            relative: precision.tightest_residual(),
+            norm: previous_norm,
         };
-        previous_norm = norm;
-        let mut accepted = false;
-        for least_transverse in [TRUE_HESSIAN, POSITIVE_HESSIAN] {
-            let step = newton_step(
-                assembly,
-                &here,
-                &preconditioner,
-                least_transverse,
-                stop,
-                team,
-                meter,
-            )?;
-            if step.curves_down && least_transverse == TRUE_HESSIAN {
-                continue;
+        let accepted = match precision {
+            Precision::Single => iteration.go(&here.stiffness, &mut single, &mut there, meter)?,
+            Precision::Double => {
+                let exact: Configuration<f64> =
+                    Configuration::new(assembly, here.displacements.clone());
+                iteration.go(
+                    &exact.stiffness,
+                    &mut Memory::new(assembly),
+                    &mut there,
+                    meter,
+                )?
             }
-            let line = Line {
-                assembly,
-                start: &here,
-                direction: &step.direction,
-                longest: search.step_cap / farthest(&step.direction),
-            };
-            if line.descend(&mut there, team, meter)? {
-                accepted = true;
-                break;
-            }
-        }
-        if !accepted {
+        };
+        previous_norm = iteration.norm;
+        if accepted {
+            std::mem::swap(&mut here, &mut there);
+        } else if precision == Precision::Single {
+            precision = Precision::Double;
+        } else {
             // neither Hessian leads down: this is as far as the arithmetic goes
             return Ok(Settled {
                 configuration: here,
                 residual,
             });
         }
-        std::mem::swap(&mut here, &mut there);
     }
+}
+
+impl Iteration<'_> {
+    /// Sets `there` to where a step leads; returns false when none leads down.
+    fn go<T: Real>(
+        &mut self,
+        stiffness: &Stiffness<T>,
+        memory: &mut Memory<T>,
+        there: &mut Configuration,
+        meter: &mut Meter<'_>,
+    ) -> Result<bool, Interrupt> {
+        let (assembly, here) = (self.assembly, self.here);
+        let preconditioner = BlockJacobi::new(assembly, stiffness);
+        let unit = scale_to_one(assembly, &here.resultants, &mut memory.force);
+        let norm = preconditioner.apply(&memory.force, &mut memory.step);
+        let previous_norm = std::mem::replace(&mut self.norm, norm * unit * unit);
+        let stop = Stop {
+            relative: relative_residual(self.norm, previous_norm, self.relative).powi(2),
+            // few nodes above the limit can hide in a small norm: go on by the loosest measure
+            absolute: preconditioner
+                .uniform_norm(SHARE_OF_LIMIT * self.search.force_limit / unit)
+                .min(LOOSEST_RESIDUAL.powi(2) * norm),
+            iterations: LEAST_ITERATIONS + ITERATIONS_PER_NODE * assembly.free().len(),
+        };
+        let solve = |stiffness: &Stiffness<T>, memory: &mut Memory<T>, meter: &mut Meter<'_>| {
+            let equations = Equations {
+                assembly,
+                stiffness,
+                preconditioner: &preconditioner,
+                force: &memory.force,
+            };
+            newton_step(
+                &equations,
+                &mut memory.step,
+                &mut memory.scratch,
+                stop,
+                meter,
+            )
+        };
+        if solve(stiffness, memory, meter)? && self.follow(memory, unit, there, meter)? {
+            return Ok(true);
+        }
+        solve(&stiffness.without_buckling(), memory, meter)?;
+        self.follow(memory, unit, there, meter)
+    }
+
+    /// Goes along a step, in units of `unit`, as far as the energy falls.
+    fn follow<T: Real>(
+        &self,
+        memory: &mut Memory<T>,
+        unit: f64,
+        there: &mut Configuration,
+        meter: &mut Meter<'_>,
+    ) -> Result<bool, Interrupt> {
+        let directions = memory.direction.components_mut().into_iter();
+        for (direction, step) in directions.zip(memory.step.components()) {
+            for (direction, step) in direction.iter_mut().zip(step) {
+                *direction = step.wide() * unit;
+            }
+        }
+        let line = Line {
+            assembly: self.assembly,
+            start: self.here,
+            longest: self.search.step_cap / memory.direction.longest_square().sqrt(),
+            direction: &memory.direction,
+        };
+        line.descend(there, meter)
+    }
+}
+
+/// Sets `scaled` to the resultants of the free nodes over the largest component among them;
+/// returns that [N].
+fn scale_to_one<T: Real>(
+    assembly: &Assembly,
+    resultants: &Field<f64>,
+    scaled: &mut Field<T>,
+) -> f64 {
+    let free = assembly.free();
+    let components = resultants.components();
+    let all = components.iter().filter(|component| !component.is_empty());
+    let magnitudes = all.flat_map(|component| component[free.clone()].iter().map(|f| f.abs()));
+    let unit = magnitudes.fold(0.0, f64::max);
+    for (scaled, component) in scaled.components_mut().into_iter().zip(components) {
+        if !component.is_empty() {
+            let pairs = scaled[free.clone()]
+                .iter_mut()
+                .zip(&component[free.clone()]);
+            pairs.for_each(|(scaled, force)| *scaled = T::new(force / unit));
+        }
+    }
+    unit
 }
 
 /// How exactly to solve a step: as the residual fell by the last step, so it is worth falling by
 /// this one ([EisenstatWalker1996], choice 2). `norm` is squared.
-fn relative_residual(norm: f64, previous_norm: f64) -> f64 {
-    (norm / previous_norm).clamp(TIGHTEST_RESIDUAL, LOOSEST_RESIDUAL)
-}
-
-/// Longest displacement of a node in a step [mm].
-fn farthest(step: &[Vector]) -> f64 {
-    let squares = step.iter().map(Vector::norm_squared);
-    squares.fold(0.0, f64::max).sqrt()
+fn relative_residual(norm: f64, previous_norm: f64, tightest: f64) -> f64 {
+    (norm / previous_norm).clamp(tightest, LOOSEST_RESIDUAL)
 }

@@ -77,6 +77,6 @@ pub(super) fn node_step(
 
 #[inline]
 fn bond_state(assembly: &Assembly, displacements: &[Vector], bond: u32) -> BondState {
-    let shift = assembly.shift(bond as usize, displacements);
-    assembly.shapes[bond as usize].respond(&shift).0
+    let [first, second] = assembly.ends[bond as usize].map(|node| &displacements[node as usize]);
+    assembly.respond(bond as usize, first, second)
 }

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     Interrupt,
-    network::{Vector, assembly::Assembly, configuration::Configuration},
+    network::{Vector, assembly::Assembly, configuration::Configuration, field::Field},
     parallel::Team,
 };
 
@@ -26,7 +26,7 @@ pub(super) fn solve(
 ) -> Result<Settled, Interrupt> {
     let incidence = assembly.incidence();
     let (limit, cap) = (search.force_limit, search.step_cap);
-    let mut awake: Vec<u32> = (0..assembly.free() as u32).collect();
+    let mut awake: Vec<u32> = assembly.free().map(|node| node as u32).collect();
     let mut is_awake = vec![true; assembly.nodes()];
     let mut visits: Vec<Option<NodeStep>> = Vec::new();
     for _ in 0..search.iteration_limit {
@@ -68,10 +68,16 @@ pub(super) fn solve(
             break;
         }
         awake.clear();
-        awake.extend((0..assembly.free() as u32).filter(|node| is_awake[*node as usize]));
+        awake.extend(
+            assembly
+                .free()
+                .map(|node| node as u32)
+                .filter(|node| is_awake[*node as usize]),
+        );
     }
-    meter.spend(assembly.bonds.len())?;
-    let configuration = Configuration::new(assembly, displacements, team);
+    meter.spend(assembly.bonds())?;
+    let configuration =
+        Configuration::new(assembly, Field::of(&displacements, assembly.dimensions()));
     let residual = configuration.residual(assembly, search.force_limit);
     Ok(Settled {
         configuration,

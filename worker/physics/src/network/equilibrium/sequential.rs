@@ -8,8 +8,7 @@
 use super::{Search, Settled, node_step::node_step, work::Meter};
 use crate::{
     Interrupt,
-    network::{Vector, assembly::Assembly, configuration::Configuration},
-    parallel::Team,
+    network::{Vector, assembly::Assembly, configuration::Configuration, field::Field},
 };
 
 /// Moves of one node per visit, the thesis' `i_bodMAX`. Nodes need a few; the bound is there for
@@ -21,7 +20,6 @@ pub(super) fn solve(
     search: &Search,
     assembly: &Assembly,
     mut displacements: Vec<Vector>,
-    team: &Team,
     meter: &mut Meter<'_>,
 ) -> Result<Settled, Interrupt> {
     let incidence = assembly.incidence();
@@ -29,7 +27,7 @@ pub(super) fn solve(
     for _ in 0..search.iteration_limit {
         meter.work.sweeps += 1;
         let mut any_moved = false;
-        for node in 0..assembly.free() {
+        for node in assembly.free() {
             if !std::mem::take(&mut is_awake[node]) {
                 continue;
             }
@@ -63,8 +61,9 @@ pub(super) fn solve(
             break;
         }
     }
-    meter.spend(assembly.bonds.len())?;
-    let configuration = Configuration::new(assembly, displacements, team);
+    meter.spend(assembly.bonds())?;
+    let configuration =
+        Configuration::new(assembly, Field::of(&displacements, assembly.dimensions()));
     let residual = configuration.residual(assembly, search.force_limit);
     Ok(Settled {
         configuration,

@@ -13,6 +13,7 @@ use crate::{
         assembly::Assembly,
         configuration::{Configuration, Verdict},
         equilibrium::{Method, Search, Settled, work::Meter},
+        field::Field,
         law::BondLaw,
         load_path::{Part, parts},
         rupture::{BreakingRule, Candidate, breaking},
@@ -87,12 +88,21 @@ impl Loaded {
         let network = &specimen.network;
         let intact = state.intact(network.bonds.len());
         let parts = parts(network, &intact);
-        let assembly = Assembly::new(network, &intact, &parts);
+        let mut assembly = Assembly::new(network);
+        assembly.load(network, &intact, &parts);
         Self {
             intact,
             parts,
             assembly,
         }
+    }
+
+    /// After bonds broke.
+    fn follow(&mut self, specimen: &Specimen, state: &State) {
+        let network = &specimen.network;
+        self.intact = state.intact(network.bonds.len());
+        self.parts = parts(network, &self.intact);
+        self.assembly.load(network, &self.intact, &self.parts);
     }
 }
 
@@ -168,7 +178,7 @@ impl<'a> Experiment<'a> {
         self.settled = Some(settled);
         if broken > 0 {
             self.state.round += 1;
-            self.loaded = Loaded::new(&self.specimen, &self.state);
+            self.loaded.follow(&self.specimen, &self.state);
             return Ok(Advance::Broke);
         }
         self.record(jaw_forces, energy);
@@ -197,9 +207,10 @@ impl<'a> Experiment<'a> {
         // of two guesses the one with less energy is closer to the minimum
         let repeated = jaw_move.repeat(last, network, parts, &state.displacements);
         let assembly = &self.loaded.assembly;
-        meter.spend(2 * assembly.bonds.len())?;
+        meter.spend(2 * assembly.bonds())?;
         let energy = |guess: &[Vector]| {
-            Configuration::new(assembly, assembly.pick(guess), &self.team).energy
+            let guess = Field::of(&assembly.pick(guess), assembly.dimensions());
+            Configuration::<f32>::new(assembly, guess).energy
         };
         if energy(&repeated) < energy(&stretched) {
             Ok(repeated)
@@ -264,26 +275,28 @@ impl<'a> Experiment<'a> {
             Breaking::None => BreakingRule::Never,
         };
         let assembly = &self.loaded.assembly;
-        let candidates = settled.configuration.bonds.iter().enumerate();
-        let candidates = candidates.map(|(local, bond)| Candidate {
-            bond: local,
-            tension: bond.tension,
-            strength: self.specimen.network.bonds.strengths[assembly.bonds[local] as usize],
+        let strengths = &self.specimen.network.bonds.strengths;
+        let candidates = settled
+            .configuration
+            .tensions
+            .iter()
+            .zip(strengths)
+            .enumerate();
+        let candidates = candidates.map(|(bond, (tension, strength))| Candidate {
+            bond,
+            tension: *tension,
+            strength: *strength,
         });
         let broken = breaking(rule, candidates);
         let (step, round) = (self.state.step, self.state.round + 1);
         let nominal_strain = self.nominal_strain();
-        let events = broken.iter().map(|candidate| {
-            let shift = assembly.shift(candidate.bond, &settled.configuration.displacements);
-            let (_, energy) = assembly.shapes[candidate.bond].respond(&shift);
-            Event {
-                step,
-                round,
-                nominal_strain,
-                bond: assembly.bonds[candidate.bond],
-                force: candidate.tension,
-                energy,
-            }
+        let events = broken.iter().map(|candidate| Event {
+            step,
+            round,
+            nominal_strain,
+            bond: candidate.bond as u32,
+            force: candidate.tension,
+            energy: settled.configuration.bond(assembly, candidate.bond).energy,
         });
         self.state.events.extend(events);
         broken.len()
@@ -331,9 +344,9 @@ impl<'a> Experiment<'a> {
             step: self.state.step,
             quantity,
         };
-        let first = |vectors: &[Vector]| {
-            let is_bad = |vector: &Vector| !vector.iter().all(|value| value.is_finite());
-            vectors.iter().position(is_bad)
+        let first = |field: &Field<f64>| {
+            let is_bad = |node: &usize| !field.at(*node).iter().all(|value| value.is_finite());
+            (0..self.loaded.assembly.nodes()).find(is_bad)
         };
         if let Some(node) = first(&configuration.displacements) {
             return Err(error(node, "displacement"));

@@ -96,14 +96,13 @@ fn fields(experiment: &Experiment<'_>) -> Fields {
         return fields;
     };
     let configuration = &settled.configuration;
-    for (local, state) in configuration.bonds.iter().enumerate() {
-        let bond = loaded.assembly.bonds[local] as usize;
-        let shift = loaded.assembly.shift(local, &configuration.displacements);
-        fields.strain[bond] = loaded.assembly.shapes[local].strain(&shift);
+    for (bond, strength) in strengths.iter().enumerate() {
+        let state = configuration.bond(&loaded.assembly, bond);
+        fields.strain[bond] = state.strain;
         fields.force[bond] = state.tension;
         // a bond without strength is at its strength as soon as it is loaded
-        if strengths[bond] > 0.0 {
-            fields.force_over_strength[bond] = state.tension / strengths[bond];
+        if *strength > 0.0 {
+            fields.force_over_strength[bond] = state.tension / strength;
         }
     }
     fields
@@ -114,7 +113,12 @@ fn histogram(experiment: &Experiment<'_>) -> Vec<HistogramBin> {
     let Some(settled) = &experiment.settled else {
         return Vec::new();
     };
-    let tensions = || settled.configuration.bonds.iter().map(|bond| bond.tension);
+    let acts = &experiment.loaded.assembly;
+    let tensions = || {
+        let all = settled.configuration.tensions.iter().copied().enumerate();
+        all.filter(|(bond, _)| acts.acts(*bond))
+            .map(|(_, tension)| tension)
+    };
     let lowest = tensions().fold(f64::INFINITY, f64::min);
     let highest = tensions().fold(f64::NEG_INFINITY, f64::max);
     let bins = if lowest < highest {

@@ -10,7 +10,7 @@ use super::{
 use crate::{
     SimulationError,
     network::{
-        Bonds, Hold, Network, Vector,
+        Bonds, Hold, Laws, Network, Vector,
         law::BondLaw,
         load_path::{carries_load, parts},
     },
@@ -60,7 +60,7 @@ impl Specimen {
         let given_strengths = (0..count).map(|bond| points.is_grip(bond).then_some(f64::INFINITY));
         let bonds = Bonds {
             rest_lengths: distances(&points.positions, &points.ends),
-            laws: vec![law; count],
+            laws: Laws::Same(law),
             strengths: strengths(given_strengths, distribution(spec).as_ref(), breaks(spec))?,
             ends: points.ends,
         };
@@ -116,7 +116,7 @@ impl Specimen {
             bonds: Bonds {
                 ends,
                 rest_lengths,
-                laws,
+                laws: Laws::Each(laws),
                 strengths: strengths(given_strengths, distribution(spec).as_ref(), breaks(spec))?,
             },
             positions,

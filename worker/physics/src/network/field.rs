@@ -1,0 +1,203 @@
+//! Vectors at nodes as kernels like them: one array per component, in either precision.
+use std::{iter::Sum, ops::Range};
+
+use num_traits::{Float, NumAssign};
+
+use super::Vector;
+
+/// The number type of a kernel: `f64` for what is reported, `f32` for what only points the way.
+pub(crate) trait Real:
+    Float + NumAssign + Sum + Default + Send + Sync + std::fmt::Debug + 'static
+{
+    fn new(value: f64) -> Self;
+    fn wide(self) -> f64;
+}
+
+impl Real for f32 {
+    #[inline(always)]
+    fn new(value: f64) -> Self {
+        value as Self
+    }
+
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+impl Real for f64 {
+    #[inline(always)]
+    fn new(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        self
+    }
+}
+
+/// A vector at every node. Components that vanish everywhere, as z in a plane, are empty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Field<T>([Vec<T>; 3]);
+
+impl<T: Real> Field<T> {
+    pub(crate) fn zeros(nodes: usize, dimensions: usize) -> Self {
+        Self([0, 1, 2].map(|axis| {
+            let length = if axis < dimensions { nodes } else { 0 };
+            vec![T::zero(); length]
+        }))
+    }
+
+    pub(crate) fn of(vectors: &[Vector], dimensions: usize) -> Self {
+        let mut field = Self::zeros(vectors.len(), dimensions);
+        for (axis, component) in field.0.iter_mut().enumerate() {
+            for (value, vector) in component.iter_mut().zip(vectors) {
+                *value = T::new(vector[axis]);
+            }
+        }
+        field
+    }
+
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        for (component, other) in self.0.iter_mut().zip(&other.0) {
+            component.copy_from_slice(other);
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        for component in &mut self.0 {
+            component.fill(T::zero());
+        }
+    }
+
+    /// The vector at a node.
+    #[inline]
+    pub(crate) fn at(&self, node: usize) -> Vector {
+        let component = |axis: usize| self.0[axis].get(node).map_or(0.0, |value| value.wide());
+        Vector::new(component(0), component(1), component(2))
+    }
+
+    pub(crate) fn axis(&self, axis: usize) -> &[T] {
+        &self.0[axis]
+    }
+
+    #[inline(always)]
+    pub(crate) fn components(&self) -> [&[T]; 3] {
+        self.0.each_ref().map(Vec::as_slice)
+    }
+
+    #[inline(always)]
+    pub(crate) fn components_mut(&mut self) -> [&mut [T]; 3] {
+        self.0.each_mut().map(Vec::as_mut_slice)
+    }
+
+    /// Σ a · b over the nodes of `range`, in an order that depends on nothing else.
+    #[inline(always)]
+    pub(crate) fn dot(&self, other: &Self, range: Range<usize>) -> f64 {
+        let mut total = 0.0;
+        for (a, b) in self.0.iter().zip(&other.0) {
+            if !a.is_empty() {
+                total += dot(&a[range.clone()], &b[range.clone()]);
+            }
+        }
+        total
+    }
+
+    /// Longest vector, squared.
+    #[inline(always)]
+    pub(crate) fn longest_square(&self) -> T {
+        let [x, y, z] = self.components();
+        let mut longest = T::zero();
+        for node in 0..x.len() {
+            let mut square = x[node] * x[node] + y[node] * y[node];
+            if let Some(z) = z.get(node) {
+                square += *z * *z;
+            }
+            longest = longest.max(square);
+        }
+        longest
+    }
+}
+
+/// Numbers summed side by side: as many as the widest vector registers hold, and fixed, so that
+/// the sum does not depend on the machine.
+const LANES: usize = 16;
+/// Numbers summed in the precision of the data before the sum goes on in double precision.
+const PANEL: usize = 512;
+
+/// Σ `values`.
+#[inline(always)]
+pub(crate) fn sum<T: Real>(values: &[T]) -> f64 {
+    let mut total = 0.0;
+    for panel in values.chunks(PANEL) {
+        let mut lanes = [T::zero(); LANES];
+        let mut groups = panel.chunks_exact(LANES);
+        for group in &mut groups {
+            for lane in 0..LANES {
+                lanes[lane] += group[lane];
+            }
+        }
+        for (lane, value) in lanes.iter_mut().zip(groups.remainder()) {
+            *lane += *value;
+        }
+        total += fold(&lanes);
+    }
+    total
+}
+
+/// Σ `a` `b`.
+#[inline(always)]
+pub(crate) fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
+    let mut total = 0.0;
+    for (a, b) in a.chunks(PANEL).zip(b.chunks(PANEL)) {
+        let mut lanes = [T::zero(); LANES];
+        let (mut many_a, mut many_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+        for (a, b) in (&mut many_a).zip(&mut many_b) {
+            for lane in 0..LANES {
+                lanes[lane] += a[lane] * b[lane];
+            }
+        }
+        let rest = many_a.remainder().iter().zip(many_b.remainder());
+        for (lane, (a, b)) in lanes.iter_mut().zip(rest) {
+            *lane += *a * *b;
+        }
+        total += fold(&lanes);
+    }
+    total
+}
+
+#[inline(always)]
+fn fold<T: Real>(lanes: &[T; LANES]) -> f64 {
+    let mut total = 0.0;
+    for lane in lanes {
+        total += lane.wide();
+    }
+    total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_and_products_take_every_number_once() {
+        // whole numbers, so that any order gives the same sum exactly
+        for count in [0, 1, 15, 16, 17, 511, 512, 513, 1300] {
+            let ones: Vec<f32> = vec![1.0; count];
+            let numbers: Vec<f32> = (0..count).map(|number| number as f32).collect();
+            let expected = (count * count.saturating_sub(1) / 2) as f64;
+            assert!((sum(&numbers) - expected).abs() < 0.5);
+            assert!((dot(&numbers, &ones) - expected).abs() < 0.5);
+        }
+    }
+
+    #[test]
+    fn a_flat_field_has_no_third_component() {
+        let field: Field<f64> = Field::of(&[Vector::new(3.0, 4.0, 0.0)], 2);
+        assert!(field.axis(2).is_empty());
+        assert_eq!(field.at(0), Vector::new(3.0, 4.0, 0.0));
+        assert!((field.longest_square() - 25.0).abs() < 1e-12);
+        assert!((field.dot(&field, 0..1) - 25.0).abs() < 1e-12);
+    }
+}
