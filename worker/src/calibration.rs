@@ -1,12 +1,14 @@
 //! How fast this machine is: a short run of the real solver, timed.
 use std::io::{self, Write};
-use std::time::Instant;
 
 use loadframe_api::Calibration;
 use loadframe_physics::{Ending, Recorder, RunContext, Uninterrupted, calibration_spec, simulate};
 
-/// The best of so many runs counts: others on the machine can only make a run slower.
-const RUNS: usize = 3;
+use crate::machine::processor_time_s;
+
+/// The best of so many runs counts: others on the machine, its caches above all, can only make a
+/// run slower.
+const RUNS: usize = 5;
 
 /// The speed of one core of this machine, `None` when the run did not give one.
 pub fn calibrate() -> Option<Calibration> {
@@ -17,9 +19,10 @@ pub fn calibrate() -> Option<Calibration> {
             interrupt: &Uninterrupted,
             checkpoint: None,
         };
-        let started = Instant::now();
+        let started_s = processor_time_s();
         let ending = simulate(&spec, context, &mut Deaf).ok()?;
-        let elapsed_s = started.elapsed().as_secs_f64();
+        // processor time: what others do on the machine meanwhile is not its speed
+        let elapsed_s = processor_time_s() - started_s;
         let Ending::Finished(report) = ending else {
             return None;
         };

@@ -6,7 +6,7 @@ use loadframe_api::{
     },
 };
 
-/// A job of some 3·10⁷ bond evaluations, 0.2 to 0.3 s on a core of 2020: a lattice too large for a
+/// A job of some 3·10⁷ bond evaluations, about 0.1 s on a core of 2023: a lattice too large for a
 /// core's own cache, as real ones are, strained without breaking. The `bond_evaluations` in its
 /// report's work over the time it took is the speed estimates are made with.
 pub fn calibration_spec() -> JobSpec {

@@ -3,12 +3,13 @@ use loadframe_api::spec::nonwoven_tensile::{Breaking, NonwovenTensile};
 
 use super::{experiment::nominal_strain, specimen::Specimen, state::State};
 
-/// What is kept of the bar for a rupture later than expected.
-const RESERVE: f64 = 0.1;
+/// What is kept of the bar for rupture itself: about half of the wall time of a polyester test goes
+/// by at the strains where it tears. The bar tells of time, so that the time left can be told.
+const RESERVE: f64 = 0.45;
 /// Part of the bonds whose breaking leaves 1/e of what was left. Polyester lattices of 28 000 and
 /// 183 000 bonds tear when 2 % are broken, and have 7 to 8 % broken at the end; nearly half of
 /// the wall time goes by between.
-const DAMAGE: f64 = 0.04;
+const DAMAGE: f64 = 0.05;
 /// Not more while it runs: a full bar means done.
 const NEARLY_DONE: f64 = 0.999;
 /// Decimals at most in a strain in percent.
@@ -99,12 +100,12 @@ mod tests {
     const ROUND_OFF: f64 = 1e-14;
 
     #[test]
-    fn the_bar_is_nearly_full_where_polyester_tears() {
+    fn the_bar_is_past_its_middle_where_polyester_tears_and_nearly_full_after() {
         // so many bonds are broken at these strains; it tears at 1.13, with 2125 broken at the end
-        assert!((PET.fraction(0.5, 0) - 0.9 * 0.5 / 1.137).abs() < ROUND_OFF);
-        assert!(PET.fraction(1.10, 449) > 0.9);
-        assert!(PET.fraction(1.13, 605) < 0.96);
-        assert!(PET.fraction(1.13, 2125) > 0.98);
+        assert!((PET.fraction(0.5, 0) - 0.55 * 0.5 / 1.137).abs() < ROUND_OFF);
+        assert!((0.5..0.7).contains(&PET.fraction(1.10, 449)));
+        assert!((0.6..0.75).contains(&PET.fraction(1.13, 605)));
+        assert!(PET.fraction(1.13, 2125) > 0.89);
     }
 
     #[test]
