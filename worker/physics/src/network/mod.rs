@@ -15,11 +15,13 @@
 //!   compression b < 0: bonds buckle, and E is not convex.
 //!
 //! **Data road.** [`Network`] is what a generator or a spec builds once and nothing changes after.
-//! [`load_path`] finds which nodes hang between both jaws. [`assembly`] packs these and their
-//! intact bonds, free nodes first, and holds the kernels: energy, resultants, Hessian times vector.
-//! [`equilibrium`] moves the free nodes of an assembly until their resultants vanish. [`rupture`]
-//! says which bonds break then. The test itself (steps, curve, files) belongs to the material:
-//! [`nonwoven`].
+//! [`assembly`] packs it for the solvers, free nodes between held ones, and cuts its bonds into
+//! [`blocks`] that are worked through as vectors. [`load_path`] finds which nodes hang between both
+//! jaws; only intact bonds among these act, the others stay where they are and do nothing. A
+//! [`configuration`] is an assembly at some displacements: energy, forces and the [`stiffness`] that
+//! Newton's method follows. [`equilibrium`] moves the free nodes until their resultants vanish.
+//! [`rupture`] says which bonds break then. The test itself (steps, curve, files) belongs to the
+//! material: [`nonwoven`].
 //!
 //! **Parts without load.** What hangs on one jaw only, or on none, cannot carry force from jaw to
 //! jaw: in equilibrium its pull on the jaw is zero. Such parts keep their shape, follow the jaw

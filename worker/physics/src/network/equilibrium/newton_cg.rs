@@ -5,7 +5,8 @@
 //! is solved again without the transverse stiffness of compressed bonds, which leaves a positive
 //! matrix ([NocedalWright2006] chapter 7 truncates there instead; on networks after the force
 //! maximum this gives steps too short to be of use). Steps are capped, and kept only when the
-//! energy falls.
+//! energy falls. Steps are found in single precision, and in double where single leads no further;
+//! energy and forces, which decide, are always double.
 use super::{
     Search, Settled,
     block_jacobi::BlockJacobi,
