@@ -1,7 +1,7 @@
 //! Kernels in the widest vector instructions that the machine has.
 //!
-//! No instruction changes a result: products and sums stay apart (nothing is fused), and sums have
-//! a fixed order.
+//! No machine changes a result: products and sums are fused where the code says so and nowhere
+//! else, and sums have a fixed order.
 use pulp::{Arch, Simd, WithSimd};
 
 /// Runs `kernel`, compiled for every kind of machine, as compiled for this one. It must be a

@@ -1,31 +1,32 @@
 //! A network packed for the solvers: which bonds act, and the kernels' view of them.
 //!
-//! Nodes are renumbered: those held by the bottom jaw, then the free ones, then those held by the
-//! top jaw, so that unknowns are a slice and no loop asks what is held. Free nodes keep their order
-//! and bonds their numbers: neighbours stay neighbours in memory, and runs stay runs when bonds
-//! break, because a bond that is broken or carries no load stays where it is and just does nothing.
+//! Nodes have [`places`](super::places) and bonds slots in [`blocks`](super::blocks); both stay the
+//! same when bonds break, because a bond that is broken or carries no load just does nothing.
 use std::{ops::Range, sync::OnceLock};
 
 use super::{
-    Hold, Laws, Network, Vector,
-    blocks::{Block, blocks},
+    Laws, Network, Vector,
+    blocks::{Block, Blocks},
     field::Field,
     incidence::Incidence,
     law::BondLaw,
     load_path::{Part, carries_load},
+    places::{NONE, Places},
 };
 
 /// Nodes and bonds as the solvers see them.
 #[derive(Clone, Debug)]
 pub(crate) struct Assembly {
-    /// Number in the network of each node.
-    nodes: Vec<u32>,
-    free: Range<usize>,
+    places: Places,
     /// Initial positions X [mm].
     pub(crate) positions: Field<f64>,
-    /// Local numbers of the ends of each bond.
-    pub(crate) ends: Vec<[u32; 2]>,
     pub(crate) blocks: Vec<Block>,
+    /// Places of the ends of the bond in each slot.
+    pub(crate) ends: Vec<[u32; 2]>,
+    /// Number in the network of the bond in each slot, or [`NONE`].
+    bonds: Vec<u32>,
+    /// Slot of each bond.
+    slots: Vec<u32>,
     /// l₀ [mm].
     pub(crate) rest_lengths: Vec<f64>,
     /// |X|² − l₀² [mm²], empty when all bonds begin at their rest length.
@@ -62,78 +63,81 @@ pub(crate) const NO_LENGTH: f64 = 1e-13;
 impl Assembly {
     /// Packs a network; no bond acts until [`Assembly::load`].
     pub(crate) fn new(network: &Network) -> Self {
-        const ABSENT: u32 = u32::MAX;
-        let count = network.positions.len();
-        let mut nodes = Vec::with_capacity(count);
-        let mut local = vec![ABSENT; count];
-        let mut take = |node: u32| {
-            if local[node as usize] == ABSENT {
-                local[node as usize] = nodes.len() as u32;
-                nodes.push(node);
+        let places = Places::new(network);
+        let place = |node: u32| places.of[node as usize];
+        let ends: Vec<[u32; 2]> = network.bonds.ends.iter().map(|e| e.map(place)).collect();
+        let Blocks {
+            blocks,
+            bonds,
+            ends,
+        } = Blocks::new(&ends);
+        let mut slots = vec![NONE; network.bonds.len()];
+        for (slot, bond) in bonds.iter().enumerate() {
+            if *bond != NONE {
+                slots[*bond as usize] = slot as u32;
             }
-        };
-        let held = |jaw: Hold| {
-            // in the order of their bonds, so that runs are runs at the jaws too
-            let met = network.bonds.ends.iter().flatten().copied();
-            let all = met.chain(0..count as u32);
-            all.filter(move |node| network.holds[*node as usize] == jaw)
-        };
-        held(Hold::Bottom).for_each(&mut take);
-        let is_free = |node: &u32| network.holds[*node as usize] == Hold::Free;
-        (0..count as u32).filter(is_free).for_each(&mut take);
-        held(Hold::Top).for_each(&mut take);
-        let bottom = network.holds.iter().filter(|hold| **hold == Hold::Bottom);
-        let first_free = bottom.count();
-        let free = (0..count as u32).filter(is_free).count();
-
-        let bonds = &network.bonds;
-        let ends_of = |ends: &[u32; 2]| ends.map(|node| local[node as usize]);
-        let ends: Vec<[u32; 2]> = bonds.ends.iter().map(ends_of).collect();
-        let excess = |(ends, rest): (&[u32; 2], &f64)| {
-            let [first, second] = ends.map(|node| network.positions[node as usize]);
-            let length = (first - second).norm();
+        }
+        let given = &network.bonds;
+        let of_bond = |bond: &u32| (*bond != NONE).then_some(*bond as usize);
+        let rest_lengths = bonds.iter().map(|bond| match of_bond(bond) {
+            Some(bond) => given.rest_lengths[bond],
+            // of a bond that never acts any length will do
+            None => 1.0,
+        });
+        let excess = bonds.iter().map(|bond| {
+            let Some(bond) = of_bond(bond) else {
+                return 0.0;
+            };
+            let [first, second] = given.ends[bond].map(|node| network.positions[node as usize]);
+            let (length, rest) = ((first - second).norm(), given.rest_lengths[bond]);
             // as a product, so that it is exactly zero when the rest length is the distance
             (length - rest) * (length + rest)
-        };
-        let pairs = bonds.ends.iter().zip(&bonds.rest_lengths);
-        let mut excess: Vec<f64> = pairs.map(excess).collect();
+        });
+        let mut excess: Vec<f64> = excess.collect();
         if excess.iter().all(|excess| *excess == 0.0) {
             excess = Vec::new();
         }
+        let laws = match &given.laws {
+            Laws::Same(law) => Laws::Same(*law),
+            Laws::Each(laws) => {
+                let of_slot = |bond: &u32| laws[of_bond(bond).unwrap_or(0)];
+                Laws::Each(bonds.iter().map(of_slot).collect())
+            }
+        };
         let heights = network.positions.iter().map(|node| node.z);
         let lowest = heights.clone().fold(f64::INFINITY, f64::min);
         let is_flat = heights.fold(f64::NEG_INFINITY, f64::max) <= lowest;
         let dimensions = if is_flat { 2 } else { 3 };
-        let positions: Vec<Vector> = nodes
-            .iter()
-            .map(|node| network.positions[*node as usize])
-            .collect();
-        Self {
-            positions: Field::of(&positions, dimensions),
-            nodes,
-            free: first_free..first_free + free,
-            blocks: blocks(&ends),
-            rest_lengths: bonds.rest_lengths.clone(),
+        let mut assembly = Self {
+            rest_lengths: rest_lengths.collect(),
             excess,
-            laws: bonds.laws.clone(),
-            acts: vec![0; ends.len()],
+            laws,
+            acts: vec![0; bonds.len()],
             acting: 0,
             dimensions,
             incidence: OnceLock::new(),
+            positions: Field::default(),
+            places,
+            blocks,
             ends,
-        }
+            bonds,
+            slots,
+        };
+        assembly.positions = Field::of(&assembly.pick(&network.positions), dimensions);
+        assembly
     }
 
     /// Lets the intact bonds that carry load act.
     pub(crate) fn load(&mut self, network: &Network, intact: &[bool], parts: &[Part]) {
         let bonds = self
-            .acts
-            .iter_mut()
+            .slots
+            .iter()
             .zip(intact.iter().zip(&network.bonds.ends));
         self.acting = 0;
-        for (acts, (intact, ends)) in bonds {
-            *acts = u8::from(*intact && carries_load(network, parts, *ends));
-            self.acting += usize::from(*acts);
+        for (slot, (intact, ends)) in bonds {
+            let acts = *intact && carries_load(network, parts, *ends);
+            self.acts[*slot as usize] = u8::from(acts);
+            self.acting += usize::from(acts);
         }
     }
 
@@ -142,23 +146,32 @@ impl Assembly {
         self.acting == 0
     }
 
-    pub(crate) fn acts(&self, bond: usize) -> bool {
-        self.acts[bond] != 0
+    pub(crate) fn acts(&self, slot: usize) -> bool {
+        self.acts[slot] != 0
     }
 
     /// All bonds, whether they act or not.
     pub(crate) fn bonds(&self) -> usize {
-        self.ends.len()
+        self.slots.len()
     }
 
-    /// The free nodes: the unknowns.
+    pub(crate) fn slot(&self, bond: usize) -> usize {
+        self.slots[bond] as usize
+    }
+
+    /// Slot of each bond, in the order of the network.
+    pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = usize> {
+        self.slots.iter().map(|slot| *slot as usize)
+    }
+
+    /// From the place of the first free node to that of the last: the unknowns.
     pub(crate) fn free(&self) -> Range<usize> {
-        self.free.clone()
+        self.places.free.clone()
     }
 
-    /// Number of nodes, held ones included.
-    pub(crate) fn nodes(&self) -> usize {
-        self.nodes.len()
+    /// Number of places, those of no node included.
+    pub(crate) fn places(&self) -> usize {
+        self.places.nodes.len()
     }
 
     /// Two when all nodes lie in one plane, which they then never leave; else three.
@@ -166,55 +179,61 @@ impl Assembly {
         self.dimensions
     }
 
-    /// Number in the network of a node.
-    pub(crate) fn network_node(&self, node: usize) -> usize {
-        self.nodes[node] as usize
+    /// Number in the network of the node at a place.
+    pub(crate) fn node(&self, place: usize) -> usize {
+        self.places.nodes[place] as usize
     }
 
-    /// The bonds of each node, listed when first asked for.
+    /// The slots of the bonds at each place, listed when first asked for.
     pub(crate) fn incidence(&self) -> &Incidence {
-        let nodes = self.nodes();
-        self.incidence
-            .get_or_init(|| Incidence::new(nodes, &self.ends))
+        self.incidence.get_or_init(|| {
+            let is_bond = |slot: usize| self.bonds[slot] != NONE;
+            Incidence::new(self.places(), &self.ends, is_bond)
+        })
     }
 
-    /// The part of a nodal array of the network that belongs to this assembly.
+    /// A nodal array of the network by places, zero where there is no node.
     pub(crate) fn pick(&self, of_network: &[Vector]) -> Vec<Vector> {
-        let nodes = self.nodes.iter();
-        nodes.map(|node| of_network[*node as usize]).collect()
+        let of_place = |node: &u32| of_network.get(*node as usize).copied();
+        let places = self.places.nodes.iter();
+        places
+            .map(|node| of_place(node).unwrap_or_default())
+            .collect()
     }
 
     /// Writes the free nodes' entries back into a nodal array of the network.
     pub(crate) fn put(&self, values: &Field<f64>, of_network: &mut [Vector]) {
-        for node in self.free() {
-            of_network[self.network_node(node)] = values.at(node);
+        for place in self.free() {
+            if let Some(value) = of_network.get_mut(self.node(place)) {
+                *value = values.at(place);
+            }
         }
     }
 
     /// Forces of the loaded bonds on the jaws along y [N], tension positive: top, bottom.
     pub(crate) fn jaw_forces(&self, resultants: &Field<f64>) -> [f64; 2] {
-        let along_y = |nodes: Range<usize>| resultants.axis(1)[nodes].iter().sum::<f64>();
+        let along_y = |places: Range<usize>| resultants.axis(1)[places].iter().sum::<f64>();
         // a difference, because the negative of zero is written as -0
-        let top = 0.0 - along_y(self.free.end..self.nodes());
-        [top, along_y(0..self.free.start)]
+        let top = 0.0 - along_y(self.free().end..self.places());
+        [top, along_y(0..self.free().start)]
     }
 
-    /// The state of one bond whose ends are displaced by `first` and `second`, (4)-(7).
+    /// The state of the bond in a slot whose ends are displaced by `first` and `second`, (4)-(7).
     #[inline]
-    pub(crate) fn respond(&self, bond: usize, first: &Vector, second: &Vector) -> BondState {
-        if !self.acts(bond) {
+    pub(crate) fn respond(&self, slot: usize, first: &Vector, second: &Vector) -> BondState {
+        if !self.acts(slot) {
             return BondState::default();
         }
-        let ends = self.ends[bond].map(|node| self.positions.at(node as usize));
+        let ends = self.ends[slot].map(|place| self.positions.at(place as usize));
         let span = ends[1] - ends[0];
         let shift = second - first;
-        let rest_length = self.rest_lengths[bond];
-        let excess = self.excess.get(bond).copied().unwrap_or(0.0);
+        let rest_length = self.rest_lengths[slot];
+        let excess = self.excess.get(slot).copied().unwrap_or(0.0);
         let vector = span + shift;
         let length = vector.norm();
         let strain =
             (shift.dot(&(span + vector)) + excess) / ((length + rest_length) * rest_length);
-        let law: BondLaw = self.laws.of(bond);
+        let law: BondLaw = self.laws.of(slot);
         let tension = law.tension(strain);
         let inverse = if length > NO_LENGTH * rest_length {
             1.0 / length

@@ -1,21 +1,30 @@
 //! Bonds in blocks that kernels work through as vectors.
 //!
-//! A lattice lists its bonds in runs whose ends are i, i + 1, ... and j, j + 1, ...: both ends of a
-//! block of such bonds are slices. Bonds of other networks fall into blocks that gather and scatter.
+//! Many networks, lattices above all, have runs of bonds that lie side by side: their ends are at
+//! places i, i + 1, ... and j, j + 1, ..., so that both ends of a block of them are slices. All
+//! other bonds fall into blocks that gather and scatter. Every block is a whole number of vectors
+//! long; slots that no bond fills, at the end of a block or in small gaps of a run, hold a bond
+//! that does not act.
+//!
 //! Every block goes through three steps: differences of a nodal field over the bonds, whatever the
 //! kernel makes of them, and sums of that back over the nodes.
-use super::field::Real;
+use super::{field::Real, places::NONE};
 
+/// Numbers worked on together: as many as the widest vector registers hold.
+pub(crate) const LANES: usize = 16;
 /// Bonds in a block, at most: their buffers stay in the core's nearest cache.
-pub(crate) const BLOCK: usize = 128;
-/// Shorter runs are gathered.
+pub(crate) const BLOCK: usize = 256;
+/// Fewer bonds side by side are gathered.
 const SHORTEST_RUN: usize = 8;
+/// A longer gap ends a run.
+const LONGEST_GAP: u32 = 8;
 
-/// Consecutive bonds.
+/// Bonds in consecutive slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Block {
-    /// Number of the first bond.
+    /// The first slot.
     pub(crate) start: usize,
+    /// Slots, a multiple of [`LANES`].
     pub(crate) count: usize,
     /// First ends of a run, `None` for bonds in no order.
     run: Option<[usize; 2]>,
@@ -24,35 +33,81 @@ pub(crate) struct Block {
 /// One value per bond of a block and component.
 pub(crate) type Buffer<T> = [[T; BLOCK]; 3];
 
-/// Cuts bonds into blocks.
-pub(crate) fn blocks(ends: &[[u32; 2]]) -> Vec<Block> {
-    let mut blocks: Vec<Block> = Vec::new();
-    let mut start = 0;
-    while start < ends.len() {
-        let most = (ends.len() - start).min(BLOCK);
-        let goes_on = |step: &usize| {
-            let step = *step;
-            ends[start + step] == ends[start].map(|end| end.wrapping_add(step as u32))
+/// Bonds in the order in which kernels work through them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Blocks {
+    pub(crate) blocks: Vec<Block>,
+    /// Number in the network of the bond in each slot, or [`NONE`].
+    pub(crate) bonds: Vec<u32>,
+    /// Places of the ends of the bond in each slot.
+    pub(crate) ends: Vec<[u32; 2]>,
+}
+
+impl Blocks {
+    /// Puts the bonds with these places of their `ends` into blocks.
+    pub(crate) fn new(ends: &[[u32; 2]]) -> Self {
+        let ends_of = |bond: u32| ends[bond as usize];
+        let offset = |bond: u32| {
+            let [first, second] = ends_of(bond);
+            i64::from(second) - i64::from(first)
         };
-        let count = 1 + (1..most).take_while(goes_on).count();
-        if count >= SHORTEST_RUN {
-            let run = Some(ends[start].map(|end| end as usize));
-            blocks.push(Block { start, count, run });
-        } else {
-            match blocks.last_mut() {
-                Some(last) if last.run.is_none() && last.count + count <= BLOCK => {
-                    last.count += count;
-                }
-                _ => blocks.push(Block {
-                    start,
-                    count,
-                    run: None,
-                }),
+        let mut order: Vec<u32> = (0..ends.len() as u32).collect();
+        order.sort_unstable_by_key(|bond| (offset(*bond), ends_of(*bond)[0], *bond));
+        let go_on = |bond: &u32, next: &u32| {
+            let gap = ends_of(*next)[0].wrapping_sub(ends_of(*bond)[0]);
+            offset(*bond) == offset(*next) && (1..=LONGEST_GAP + 1).contains(&gap)
+        };
+        let mut pieces: Vec<&[u32]> = Vec::new();
+        let mut loose: Vec<u32> = Vec::new();
+        for run in order.chunk_by(go_on) {
+            if run.len() < SHORTEST_RUN {
+                loose.extend(run);
+                continue;
+            }
+            let mut left = run;
+            while let Some(first) = left.first() {
+                let end = ends_of(*first)[0] + BLOCK as u32;
+                let (piece, rest) = left.split_at(left.partition_point(|b| ends_of(*b)[0] < end));
+                pieces.push(piece);
+                left = rest;
             }
         }
-        start += count;
+        // along memory
+        pieces.sort_unstable_by_key(|piece| (ends_of(piece[0])[0], offset(piece[0])));
+        loose.sort_unstable();
+
+        let mut blocks = Self::default();
+        for piece in pieces {
+            let [first, second] = ends_of(piece[0]);
+            let last = ends_of(piece[piece.len() - 1])[0];
+            let start = blocks.open((last - first + 1) as usize, Some([first, second]));
+            for bond in piece {
+                blocks.bonds[start + (ends_of(*bond)[0] - first) as usize] = *bond;
+            }
+        }
+        for piece in loose.chunks(BLOCK) {
+            let start = blocks.open(piece.len(), None);
+            for (slot, bond) in piece.iter().enumerate() {
+                blocks.bonds[start + slot] = *bond;
+                blocks.ends[start + slot] = ends_of(*bond);
+            }
+        }
+        blocks
     }
-    blocks
+
+    /// Adds a block with room for `bonds`; returns its first slot.
+    fn open(&mut self, bonds: usize, run: Option<[u32; 2]>) -> usize {
+        let (start, count) = (self.bonds.len(), bonds.next_multiple_of(LANES));
+        self.bonds.resize(start + count, NONE);
+        let ends = |slot: u32| run.map_or([0; 2], |run| run.map(|end| end + slot));
+        self.ends.extend((0..count as u32).map(ends));
+        self.blocks.push(Block {
+            start,
+            count,
+            run: run.map(|run| run.map(|end| end as usize)),
+        });
+        start
+    }
 }
 
 impl Block {
@@ -66,15 +121,16 @@ impl Block {
         scratch: &'a mut [Buffer<T>; 2],
     ) -> [[&'a [T]; 3]; 2] {
         let count = self.count;
-        let slice = |axis: usize, start: usize| {
-            let axis = if axis < D { axis } else { 0 };
-            &field[axis][start..][..count]
-        };
-        if let Some([first, second]) = self.run {
-            return [
-                [slice(0, first), slice(1, first), slice(2, first)],
-                [slice(0, second), slice(1, second), slice(2, second)],
-            ];
+        if let Some(run) = self.run {
+            return run.map(
+                #[inline(always)]
+                |start| {
+                    [0, 1, 2].map(
+                        #[inline(always)]
+                        |axis| &field[if axis < D { axis } else { 0 }][start..][..count],
+                    )
+                },
+            );
         }
         for (bond, pair) in ends[self.start..][..count].iter().enumerate() {
             for (scratch, node) in scratch.iter_mut().zip(pair) {
@@ -83,15 +139,15 @@ impl Block {
                 }
             }
         }
-        let [first, second] = scratch;
-        [
-            [&first[0][..count], &first[1][..count], &first[2][..count]],
-            [
-                &second[0][..count],
-                &second[1][..count],
-                &second[2][..count],
-            ],
-        ]
+        scratch.each_ref().map(
+            #[inline(always)]
+            |scratch| {
+                scratch.each_ref().map(
+                    #[inline(always)]
+                    |values| &values[..count],
+                )
+            },
+        )
     }
 
     /// Adds `forces` at the first ends and takes them away at the second ends.
@@ -126,19 +182,76 @@ impl Block {
     /// Adds one value of each bond to both its ends.
     #[inline(always)]
     pub(crate) fn share<T: Real>(&self, ends: &[[u32; 2]], values: &[T; BLOCK], sums: &mut [T]) {
-        let values = &values[..self.count];
+        let count = self.count;
         if let Some(run) = self.run {
             for end in run {
-                for (sum, value) in sums[end..][..self.count].iter_mut().zip(values) {
+                for (sum, value) in sums[end..][..count].iter_mut().zip(values) {
                     *sum += *value;
                 }
             }
         } else {
-            for (value, ends) in values.iter().zip(&ends[self.start..][..self.count]) {
+            for (value, ends) in values.iter().zip(&ends[self.start..][..count]) {
                 for end in ends {
                     sums[*end as usize] += *value;
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The blocks of these ends: which bonds they hold, and whether side by side.
+    fn contents(ends: &[[u32; 2]]) -> Vec<(Vec<u32>, bool)> {
+        let blocks = Blocks::new(ends);
+        assert_eq!(blocks.bonds.len(), blocks.ends.len());
+        let filled = |block: &Block| {
+            let bonds = blocks.bonds[block.start..][..block.count].iter();
+            bonds.copied().filter(|bond| *bond != NONE).collect()
+        };
+        for (slot, bond) in blocks.bonds.iter().enumerate() {
+            assert!(*bond == NONE || blocks.ends[slot] == ends[*bond as usize]);
+        }
+        let all = blocks.blocks.iter();
+        all.map(|block| (filled(block), block.run.is_some()))
+            .collect()
+    }
+
+    #[test]
+    fn runs_go_on_over_small_gaps_and_from_block_to_block() {
+        let bonds = 2 * BLOCK as u32;
+        // a gap of one in the middle, and what follows far away is another run
+        let mut ends: Vec<[u32; 2]> = (0..bonds).map(|bond| [bond, bond + 5]).collect();
+        ends.remove(100);
+        ends.extend((0..20).map(|bond| [bonds + 50 + bond, bonds + 55 + bond]));
+        let contents = contents(&ends);
+        let lengths: Vec<usize> = contents.iter().map(|(bonds, _)| bonds.len()).collect();
+        assert_eq!(lengths, [BLOCK - 1, BLOCK, 20]);
+        assert!(contents.iter().all(|(_, is_run)| *is_run));
+    }
+
+    #[test]
+    fn bonds_in_no_order_and_doubles_of_a_run_are_gathered() {
+        let mut ends: Vec<[u32; 2]> = (0..9).map(|bond| [bond, bond + 1]).collect();
+        ends.push([7, 2]);
+        ends.push([3, 4]);
+        let contents = contents(&ends);
+        let all: usize = contents.iter().map(|(bonds, _)| bonds.len()).sum();
+        assert_eq!(all, ends.len());
+        assert!(
+            contents
+                .iter()
+                .any(|(bonds, is_run)| !is_run && bonds.contains(&9))
+        );
+    }
+
+    #[test]
+    fn every_block_is_whole_vectors_long() {
+        let ends: Vec<[u32; 2]> = (0..300).map(|bond| [bond, (bond * 7) % 301]).collect();
+        for block in Blocks::new(&ends).blocks {
+            assert!(block.count > 0 && block.count.is_multiple_of(LANES) && block.count <= BLOCK);
         }
     }
 }

@@ -18,7 +18,7 @@ pub(crate) struct Configuration<T = f32> {
     pub(crate) displacements: Field<f64>,
     /// E [N mm].
     pub(crate) energy: f64,
-    /// T of every bond [N], zero where it does not act.
+    /// T of the bond in each slot [N], zero where it does not act.
     pub(crate) tensions: Vec<f64>,
     /// Sum of the bond forces on every node [N], held ones included.
     pub(crate) resultants: Field<f64>,
@@ -54,14 +54,14 @@ pub(crate) enum Verdict {
 impl<T: Real> Configuration<T> {
     /// The network at `displacements`.
     pub(crate) fn new(assembly: &Assembly, displacements: Field<f64>) -> Self {
-        let (nodes, bonds, dimensions) =
-            (assembly.nodes(), assembly.bonds(), assembly.dimensions());
+        let slots = assembly.ends.len();
+        let dimensions = assembly.dimensions();
         let mut configuration = Self {
             displacements,
             energy: 0.0,
-            tensions: vec![0.0; bonds],
-            resultants: Field::zeros(nodes, dimensions),
-            stiffness: Stiffness::zeros(bonds, dimensions),
+            tensions: vec![0.0; slots],
+            resultants: Field::zeros(assembly.places(), dimensions),
+            stiffness: Stiffness::zeros(slots, dimensions),
         };
         configuration.update(assembly);
         configuration
@@ -102,24 +102,19 @@ impl<T: Real> Configuration<T> {
                 block.at_ends::<f64, D>(&assembly.ends, &displacements, &mut move_scratch);
             let rest_lengths = &assembly.rest_lengths[start..][..count];
             let acts = &assembly.acts[start..][..count];
-            let excess = if assembly.excess.is_empty() {
-                &no_excess[..count]
-            } else {
-                &assembly.excess[start..][..count]
-            };
+            let excess = assembly.excess.get(start..start + count);
+            let excess = &excess.unwrap_or(&no_excess)[..count];
             let tensions = &mut self.tensions[start..][..count];
             let transverse = &mut self.stiffness.transverse[start..][..count];
-            let axial = self.stiffness.axial.each_mut().map(
+            let [ax, ay, az] = self.stiffness.axial.each_mut().map(
                 #[inline(always)]
-                |axial| {
-                    let start = start.min(axial.len());
-                    let end = (start + count).min(axial.len());
-                    &mut axial[start..end]
-                },
+                |axial| axial.get_mut(start..start + count).unwrap_or_default(),
+            );
+            let [fx, fy, fz] = forces.each_mut().map(
+                #[inline(always)]
+                |forces| &mut forces[..count],
             );
             let energies = &mut energies[..count];
-            let [ax, ay, az] = axial;
-            let [fx, fy, fz] = forces.each_mut().map(|force| &mut force[..count]);
             for bond in 0..count {
                 // from the second end to the first
                 let x = first[0][bond] - second[0][bond];
@@ -169,10 +164,11 @@ impl<T: Real> Configuration<T> {
         }
     }
 
-    /// The state of a bond.
-    pub(crate) fn bond(&self, assembly: &Assembly, bond: usize) -> BondState {
-        let [first, second] = assembly.ends[bond].map(|node| self.displacements.at(node as usize));
-        assembly.respond(bond, &first, &second)
+    /// The state of the bond in a slot.
+    pub(crate) fn bond(&self, assembly: &Assembly, slot: usize) -> BondState {
+        let [first, second] =
+            assembly.ends[slot].map(|place| self.displacements.at(place as usize));
+        assembly.respond(slot, &first, &second)
     }
 
     /// The largest resultant, and whether `force_limit` [N] or round-off bounds all of them.
@@ -211,7 +207,7 @@ impl<T: Real> Configuration<T> {
             }
             let bonds = assembly.incidence().of(node).iter();
             let rounding: f64 = bonds
-                .map(|bond| self.round_off(assembly, *bond as usize))
+                .map(|slot| self.round_off(assembly, *slot as usize))
                 .sum();
             resultant > rounding || resultant.is_nan()
         };
@@ -219,9 +215,10 @@ impl<T: Real> Configuration<T> {
         !is_beyond(worst) && !assembly.free().any(is_beyond)
     }
 
-    fn round_off(&self, assembly: &Assembly, bond: usize) -> f64 {
-        let [first, second] = assembly.ends[bond].map(|node| self.displacements.at(node as usize));
-        let state = assembly.respond(bond, &first, &second);
+    fn round_off(&self, assembly: &Assembly, slot: usize) -> f64 {
+        let [first, second] =
+            assembly.ends[slot].map(|place| self.displacements.at(place as usize));
+        let state = assembly.respond(slot, &first, &second);
         state.round_off(first.amax() + second.amax())
     }
 }

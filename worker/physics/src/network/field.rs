@@ -3,7 +3,7 @@ use std::{iter::Sum, ops::Range};
 
 use num_traits::{Float, NumAssign};
 
-use super::Vector;
+use super::{Vector, blocks::LANES};
 
 /// The number type of a kernel: `f64` for what is reported, `f32` for what only points the way.
 pub(crate) trait Real:
@@ -42,9 +42,9 @@ impl Real for f64 {
 pub(crate) struct Field<T>([Vec<T>; 3]);
 
 impl<T: Real> Field<T> {
-    pub(crate) fn zeros(nodes: usize, dimensions: usize) -> Self {
+    pub(crate) fn zeros(places: usize, dimensions: usize) -> Self {
         Self([0, 1, 2].map(|axis| {
-            let length = if axis < dimensions { nodes } else { 0 };
+            let length = if axis < dimensions { places } else { 0 };
             vec![T::zero(); length]
         }))
     }
@@ -92,6 +92,24 @@ impl<T: Real> Field<T> {
         self.0.each_mut().map(Vec::as_mut_slice)
     }
 
+    /// The components over the places of `range`.
+    #[inline(always)]
+    pub(crate) fn panel(&self, range: Range<usize>) -> [&[T]; 3] {
+        self.0.each_ref().map(
+            #[inline(always)]
+            |component| component.get(range.clone()).unwrap_or_default(),
+        )
+    }
+
+    /// The components over the places of `range`.
+    #[inline(always)]
+    pub(crate) fn panel_mut(&mut self, range: Range<usize>) -> [&mut [T]; 3] {
+        self.0.each_mut().map(
+            #[inline(always)]
+            |component| component.get_mut(range.clone()).unwrap_or_default(),
+        )
+    }
+
     /// Σ a · b over the nodes of `range`, in an order that depends on nothing else.
     #[inline(always)]
     pub(crate) fn dot(&self, other: &Self, range: Range<usize>) -> f64 {
@@ -120,9 +138,6 @@ impl<T: Real> Field<T> {
     }
 }
 
-/// Numbers summed side by side: as many as the widest vector registers hold, and fixed, so that
-/// the sum does not depend on the machine.
-const LANES: usize = 16;
 /// Numbers summed in the precision of the data before the sum goes on in double precision.
 const PANEL: usize = 512;
 
@@ -155,7 +170,7 @@ pub(crate) fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
         let (mut many_a, mut many_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
         for (a, b) in (&mut many_a).zip(&mut many_b) {
             for lane in 0..LANES {
-                lanes[lane] += a[lane] * b[lane];
+                lanes[lane] = a[lane].mul_add(b[lane], lanes[lane]);
             }
         }
         let rest = many_a.remainder().iter().zip(many_b.remainder());
@@ -167,8 +182,9 @@ pub(crate) fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
     total
 }
 
+/// Σ `lanes`, one after the other.
 #[inline(always)]
-fn fold<T: Real>(lanes: &[T; LANES]) -> f64 {
+pub(crate) fn fold<T: Real>(lanes: &[T; LANES]) -> f64 {
     let mut total = 0.0;
     for lane in lanes {
         total += lane.wide();

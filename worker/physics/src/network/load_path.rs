@@ -95,6 +95,7 @@ mod tests {
                 ends: ends.to_vec(),
                 ..Bonds::default()
             },
+            rows: Vec::new(),
         }
     }
 

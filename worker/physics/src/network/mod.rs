@@ -15,8 +15,8 @@
 //!   compression b < 0: bonds buckle, and E is not convex.
 //!
 //! **Data road.** [`Network`] is what a generator or a spec builds once and nothing changes after.
-//! [`assembly`] packs it for the solvers, free nodes between held ones, and cuts its bonds into
-//! [`blocks`] that are worked through as vectors. [`load_path`] finds which nodes hang between both
+//! [`assembly`] packs it for the solvers, free nodes between held ones, with its bonds in the
+//! [`blocks`] that vector instructions like. [`load_path`] finds which nodes hang between both
 //! jaws; only intact bonds among these act, the others stay where they are and do nothing. A
 //! [`configuration`] is an assembly at some displacements: energy, forces and the [`stiffness`] that
 //! Newton's method follows. [`equilibrium`] moves the free nodes until their resultants vanish.
@@ -36,6 +36,7 @@ mod incidence;
 pub(crate) mod law;
 pub(crate) mod load_path;
 pub(crate) mod nonwoven;
+mod places;
 pub(crate) mod rupture;
 mod stiffness;
 
@@ -62,6 +63,20 @@ pub(crate) struct Network {
     pub(crate) positions: Vec<Vector>,
     pub(crate) holds: Vec<Hold>,
     pub(crate) bonds: Bonds,
+    /// Rows of nodes, by ascending number; nodes of no row stand alone.
+    pub(crate) rows: Vec<Row>,
+}
+
+/// Nodes in a row along x, numbered in order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Row {
+    /// Number of the first node.
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+    /// About where the first node is [mm].
+    pub(crate) origin: Vector,
+    /// About how far the next is [mm].
+    pub(crate) spacing: f64,
 }
 
 /// The bonds of a network, one entry per bond in each array.

@@ -4,8 +4,11 @@ use crate::wide::wide;
 use super::{
     assembly::Assembly,
     blocks::{BLOCK, Buffer},
-    field::{Field, Real},
+    field::{Field, Real, sum},
 };
+
+/// Blocks whose work is summed in the precision of the data.
+const BLOCKS_PER_SUM: usize = 64;
 
 /// K = b 1 + s sᵀ of every bond, s = √(a − b) n: the stiffness (7) between its ends in four
 /// numbers. a > b always: a − b = (e + f_r u (2 + u))/l in tension, r_c/l in compression.
@@ -18,13 +21,13 @@ pub(crate) struct Stiffness<T> {
 }
 
 impl<T: Real> Stiffness<T> {
-    pub(crate) fn zeros(bonds: usize, dimensions: usize) -> Self {
+    pub(crate) fn zeros(slots: usize, dimensions: usize) -> Self {
         Self {
             axial: [0, 1, 2].map(|axis| {
-                let length = if axis < dimensions { bonds } else { 0 };
+                let length = if axis < dimensions { slots } else { 0 };
                 vec![T::zero(); length]
             }),
-            transverse: vec![T::zero(); bonds],
+            transverse: vec![T::zero(); slots],
         }
     }
 
@@ -49,18 +52,24 @@ impl<T: Real> Stiffness<T> {
         positive
     }
 
-    /// H p for a nodal field p (7), which must vanish at held nodes.
-    pub(crate) fn multiply(&self, assembly: &Assembly, field: &Field<T>, product: &mut Field<T>) {
+    /// Sets `product` to H p for a nodal field p (7), which must vanish at held nodes; returns
+    /// p · H p.
+    pub(crate) fn multiply(
+        &self,
+        assembly: &Assembly,
+        field: &Field<T>,
+        product: &mut Field<T>,
+    ) -> f64 {
         wide(
             #[inline(always)]
             || {
                 if assembly.dimensions() == 2 {
-                    self.multiply_in::<2>(assembly, field, product);
+                    self.multiply_in::<2>(assembly, field, product)
                 } else {
-                    self.multiply_in::<3>(assembly, field, product);
+                    self.multiply_in::<3>(assembly, field, product)
                 }
             },
-        );
+        )
     }
 
     #[inline(always)]
@@ -69,7 +78,7 @@ impl<T: Real> Stiffness<T> {
         assembly: &Assembly,
         field: &Field<T>,
         product: &mut Field<T>,
-    ) {
+    ) -> f64 {
         let field = field.components();
         let mut product = product.components_mut();
         for component in &mut product {
@@ -77,26 +86,34 @@ impl<T: Real> Stiffness<T> {
         }
         let mut forces: Buffer<T> = [[T::zero(); BLOCK]; 3];
         let mut scratch = [forces; 2];
-        for block in &assembly.blocks {
-            let at_ends = block.at_ends::<T, D>(&assembly.ends, &field, &mut scratch);
-            let axial = self
-                .axial
-                .each_ref()
-                .map(|axial| axial.get(block.start..).unwrap_or_default());
-            let transverse = &self.transverse[block.start..][..block.count];
-            force::<T, D>(axial, transverse, at_ends, &mut forces);
-            block.scatter::<T, D>(&assembly.ends, &forces, &mut product);
+        let mut work = [T::zero(); BLOCK];
+        let mut curvature = 0.0;
+        for blocks in assembly.blocks.chunks(BLOCKS_PER_SUM) {
+            for block in blocks {
+                let at_ends = block.at_ends::<T, D>(&assembly.ends, &field, &mut scratch);
+                let axial = self.axial.each_ref().map(
+                    #[inline(always)]
+                    |axial| axial.get(block.start..).unwrap_or_default(),
+                );
+                let transverse = &self.transverse[block.start..][..block.count];
+                force::<T, D>(axial, transverse, at_ends, &mut forces, &mut work);
+                block.scatter::<T, D>(&assembly.ends, &forces, &mut product);
+            }
+            curvature += sum(&work);
+            work = [T::zero(); BLOCK];
         }
+        curvature
     }
 }
 
-/// The forces K (p₁ − p₂) of a block's bonds.
+/// Sets `forces` to K (p₁ − p₂) of a block's bonds, and adds (p₁ − p₂) · K (p₁ − p₂) to `work`.
 #[inline(always)]
 fn force<T: Real, const D: usize>(
     axial: [&[T]; 3],
     transverse: &[T],
     [first, second]: [[&[T]; 3]; 2],
     forces: &mut Buffer<T>,
+    work: &mut [T; BLOCK],
 ) {
     let count = transverse.len();
     let [x1, y1, z1] = first.map(
@@ -111,26 +128,23 @@ fn force<T: Real, const D: usize>(
         #[inline(always)]
         |forces| &mut forces[..count],
     );
+    let work = &mut work[..count];
     let (sx, sy) = (&axial[0][..count], &axial[1][..count]);
-    if D == 2 {
-        for bond in 0..count {
-            let (x, y) = (x1[bond] - x2[bond], y1[bond] - y2[bond]);
-            let along = sx[bond] * x + sy[bond] * y;
-            fx[bond] = transverse[bond] * x + sx[bond] * along;
-            fy[bond] = transverse[bond] * y + sy[bond] * along;
-        }
-        return;
-    }
-    let sz = &axial[2][..count];
+    let sz = if D == 3 { &axial[2][..count] } else { sx };
     for bond in 0..count {
-        let (x, y, z) = (
-            x1[bond] - x2[bond],
-            y1[bond] - y2[bond],
-            z1[bond] - z2[bond],
-        );
-        let along = sx[bond] * x + sy[bond] * y + sz[bond] * z;
-        fx[bond] = transverse[bond] * x + sx[bond] * along;
-        fy[bond] = transverse[bond] * y + sy[bond] * along;
-        fz[bond] = transverse[bond] * z + sz[bond] * along;
+        let x = x1[bond] - x2[bond];
+        let y = y1[bond] - y2[bond];
+        let b = transverse[bond];
+        let mut along = sy[bond].mul_add(y, sx[bond] * x);
+        let mut across = y.mul_add(y, x * x);
+        if D == 3 {
+            let z = z1[bond] - z2[bond];
+            along = sz[bond].mul_add(z, along);
+            across = z.mul_add(z, across);
+            fz[bond] = sz[bond].mul_add(along, b * z);
+        }
+        fx[bond] = sx[bond].mul_add(along, b * x);
+        fy[bond] = sy[bond].mul_add(along, b * y);
+        work[bond] += along.mul_add(along, b * across);
     }
 }

@@ -4,7 +4,7 @@ use crate::wide::wide;
 use crate::network::{
     assembly::Assembly,
     blocks::BLOCK,
-    field::{Field, Real, dot, sum},
+    field::{Real, dot, sum},
     stiffness::Stiffness,
 };
 
@@ -13,7 +13,6 @@ use crate::network::{
 pub(super) struct BlockJacobi<T> {
     /// xx, yy, xy, and in space zz, xz, yz.
     inverses: [Vec<T>; 6],
-    dimensions: usize,
     /// Mean over the directions of what the blocks multiply, summed over the nodes [mm/N].
     compliance: f64,
 }
@@ -31,7 +30,7 @@ impl<T: Real> BlockJacobi<T> {
     pub(super) fn new(assembly: &Assembly, stiffness: &Stiffness<T>) -> Self {
         let parts = if assembly.dimensions() == 2 { 3 } else { 6 };
         let mut blocks: [Vec<T>; 6] = [0, 1, 2, 3, 4, 5].map(|part| {
-            let length = if part < parts { assembly.nodes() } else { 0 };
+            let length = if part < parts { assembly.places() } else { 0 };
             vec![T::zero(); length]
         });
         wide(
@@ -54,48 +53,42 @@ impl<T: Real> BlockJacobi<T> {
         let diagonal = DIAGONAL.map(|part| sum(&blocks[part]));
         Self {
             inverses: blocks,
-            dimensions: assembly.dimensions(),
             compliance: diagonal.iter().sum::<f64>() / 3.0,
         }
     }
 
-    /// Sets `moved` to about the displacements that relieve `forces`; returns their product.
-    pub(super) fn apply(&self, forces: &Field<T>, moved: &mut Field<T>) -> f64 {
-        wide(
-            #[inline(always)]
-            || {
-                if self.dimensions == 2 {
-                    self.apply_in::<2>(forces, moved)
-                } else {
-                    self.apply_in::<3>(forces, moved)
-                }
-            },
-        )
-    }
-
+    /// Sets `moved` to about the displacements that relieve `forces`, both from place `start` on
+    /// and whole vectors long; returns their product.
     #[inline(always)]
-    fn apply_in<const D: usize>(&self, forces: &Field<T>, moved: &mut Field<T>) -> f64 {
-        let forces = forces.components();
-        let nodes = forces[0].len();
-        let [mx, my, mz] = moved.components_mut();
-        let [xx, yy, xy, zz, xz, yz] = self.inverses.each_ref().map(Vec::as_slice);
-        let (xx, yy, xy) = (&xx[..nodes], &yy[..nodes], &xy[..nodes]);
+    pub(super) fn apply<const D: usize>(
+        &self,
+        start: usize,
+        forces: [&[T]; 3],
+        moved: [&mut [T]; 3],
+    ) -> f64 {
         let [fx, fy, fz] = forces;
-        let (fx, fy) = (&fx[..nodes], &fy[..nodes]);
-        let (mx, my) = (&mut mx[..nodes], &mut my[..nodes]);
+        let [mx, my, mz] = moved;
+        let count = fx.len();
+        let [xx, yy, xy, zz, xz, yz] = self.inverses.each_ref().map(
+            #[inline(always)]
+            |part| part.get(start..).unwrap_or_default(),
+        );
+        let (xx, yy, xy, fy) = (&xx[..count], &yy[..count], &xy[..count], &fy[..count]);
+        let (mx, my) = (&mut mx[..count], &mut my[..count]);
         if D == 2 {
-            for node in 0..nodes {
-                mx[node] = xx[node] * fx[node] + xy[node] * fy[node];
-                my[node] = xy[node] * fx[node] + yy[node] * fy[node];
+            for node in 0..count {
+                mx[node] = xy[node].mul_add(fy[node], xx[node] * fx[node]);
+                my[node] = yy[node].mul_add(fy[node], xy[node] * fx[node]);
             }
             return dot(fx, mx) + dot(fy, my);
         }
-        let (zz, xz, yz) = (&zz[..nodes], &xz[..nodes], &yz[..nodes]);
-        let (fz, mz) = (&fz[..nodes], &mut mz[..nodes]);
-        for node in 0..nodes {
-            mx[node] = xx[node] * fx[node] + xy[node] * fy[node] + xz[node] * fz[node];
-            my[node] = xy[node] * fx[node] + yy[node] * fy[node] + yz[node] * fz[node];
-            mz[node] = xz[node] * fx[node] + yz[node] * fy[node] + zz[node] * fz[node];
+        let (zz, xz, yz) = (&zz[..count], &xz[..count], &yz[..count]);
+        let (fz, mz) = (&fz[..count], &mut mz[..count]);
+        for node in 0..count {
+            let (x, y, z) = (fx[node], fy[node], fz[node]);
+            mx[node] = xz[node].mul_add(z, xy[node].mul_add(y, xx[node] * x));
+            my[node] = yz[node].mul_add(z, yy[node].mul_add(y, xy[node] * x));
+            mz[node] = zz[node].mul_add(z, yz[node].mul_add(y, xz[node] * x));
         }
         dot(fx, mx) + dot(fy, my) + dot(fz, mz)
     }
@@ -120,7 +113,10 @@ fn add_bonds<T: Real, const D: usize>(
         let (sx, sy) = (&sx[start..][..count], &sy[start..][..count]);
         let sz = if D == 3 { &sz[start..][..count] } else { sx };
         let transverse = &stiffness.transverse[start..][..count];
-        let [xx, yy, xy, zz, xz, yz] = parts.each_mut().map(|part| &mut part[..count]);
+        let [xx, yy, xy, zz, xz, yz] = parts.each_mut().map(
+            #[inline(always)]
+            |part| &mut part[..count],
+        );
         for bond in 0..count {
             let (x, y) = (sx[bond], sy[bond]);
             let z = if D == 3 { sz[bond] } else { T::zero() };

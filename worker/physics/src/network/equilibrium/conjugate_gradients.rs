@@ -1,4 +1,6 @@
 //! Preconditioned conjugate gradients for the Newton step H d = F.
+use std::ops::Range;
+
 use crate::wide::wide;
 
 use super::{block_jacobi::BlockJacobi, work::Meter};
@@ -21,7 +23,7 @@ pub(super) struct Scratch<T> {
 
 impl<T: Real> Scratch<T> {
     pub(super) fn new(assembly: &Assembly) -> Self {
-        let zeros = Field::zeros(assembly.nodes(), assembly.dimensions());
+        let zeros = Field::zeros(assembly.places(), assembly.dimensions());
         Self {
             residual: zeros.clone(),
             search: zeros.clone(),
@@ -64,8 +66,8 @@ pub(super) fn newton_step<T: Real>(
     let Equations {
         assembly,
         stiffness,
-        preconditioner,
         force,
+        ..
     } = equations;
     let Scratch {
         residual,
@@ -74,7 +76,7 @@ pub(super) fn newton_step<T: Real>(
     } = scratch;
     residual.copy_from(force);
     step.clear();
-    let mut norm = preconditioner.apply(residual, search);
+    let mut norm = precondition(equations, residual, search);
     let enough = (stop.relative * norm).max(stop.absolute);
     for _ in 0..stop.iterations {
         if norm <= enough {
@@ -82,26 +84,24 @@ pub(super) fn newton_step<T: Real>(
         }
         meter.spend(assembly.bonds())?;
         meter.work.conjugate_gradient_iterations += 1;
-        stiffness.multiply(assembly, search, product);
-        let curvature = wide(
-            #[inline(always)]
-            || search.dot(product, assembly.free()),
-        );
+        let curvature = stiffness.multiply(assembly, search, product);
         if curvature.is_nan() || curvature <= 0.0 {
             return Ok(false);
         }
-        let length = norm / curvature;
-        wide(
+        let length = T::new(norm / curvature);
+        let next_norm = wide(
             #[inline(always)]
             || {
-                add(step, T::new(length), search);
-                add(residual, T::new(-length), product);
+                if assembly.dimensions() == 2 {
+                    advance::<T, 2>(equations, length, search, product, step, residual)
+                } else {
+                    advance::<T, 3>(equations, length, search, product, step, residual)
+                }
             },
         );
-        // the product is used up: its place serves for the preconditioned residual
-        let next_norm = preconditioner.apply(residual, product);
         let turn = T::new(next_norm / norm);
         norm = next_norm;
+        // the product became the preconditioned residual
         wide(
             #[inline(always)]
             || turn_to(search, turn, product),
@@ -110,14 +110,80 @@ pub(super) fn newton_step<T: Real>(
     Ok(true)
 }
 
+/// Places worked on at once: their numbers stay in the core's nearest cache.
+const PANEL: usize = 256;
+
+fn panels(places: usize) -> impl Iterator<Item = Range<usize>> {
+    let starts = (0..places).step_by(PANEL);
+    starts.map(move |start| start..(start + PANEL).min(places))
+}
+
+/// Sets `moved` to the preconditioned `residual`; returns their product.
+pub(super) fn precondition<T: Real>(
+    equations: &Equations<'_, T>,
+    residual: &Field<T>,
+    moved: &mut Field<T>,
+) -> f64 {
+    let (assembly, preconditioner) = (equations.assembly, equations.preconditioner);
+    let mut norm = 0.0;
+    wide(
+        #[inline(always)]
+        || {
+            for panel in panels(assembly.places()) {
+                let start = panel.start;
+                let (residual, moved) = (residual.panel(panel.clone()), moved.panel_mut(panel));
+                norm += if assembly.dimensions() == 2 {
+                    preconditioner.apply::<2>(start, residual, moved)
+                } else {
+                    preconditioner.apply::<3>(start, residual, moved)
+                };
+            }
+        },
+    );
+    norm
+}
+
+/// Goes `length` along `search`: updates `step` and `residual` and sets `product`, which was the
+/// Hessian's product with `search`, to the preconditioned residual. Returns its squared norm.
+#[inline(always)]
+fn advance<T: Real, const D: usize>(
+    equations: &Equations<'_, T>,
+    length: T,
+    search: &Field<T>,
+    product: &mut Field<T>,
+    step: &mut Field<T>,
+    residual: &mut Field<T>,
+) -> f64 {
+    let mut norm = 0.0;
+    for panel in panels(equations.assembly.places()) {
+        let start = panel.start;
+        let (search, product) = (
+            search.panel(panel.clone()),
+            product.panel_mut(panel.clone()),
+        );
+        let (step, residual) = (step.panel_mut(panel.clone()), residual.panel_mut(panel));
+        for (step, search) in step.into_iter().zip(search).take(D) {
+            add(step, length, search);
+        }
+        for axis in 0..D {
+            add(residual[axis], -length, product[axis]);
+        }
+        let residual = residual.map(
+            #[inline(always)]
+            |component| &*component,
+        );
+        norm += equations
+            .preconditioner
+            .apply::<D>(start, residual, product);
+    }
+    norm
+}
+
 /// `values` += `factor` `others`.
 #[inline(always)]
-fn add<T: Real>(values: &mut Field<T>, factor: T, others: &Field<T>) {
-    let pairs = values.components_mut().into_iter().zip(others.components());
-    for (values, others) in pairs {
-        for (value, other) in values.iter_mut().zip(others) {
-            *value += factor * *other;
-        }
+fn add<T: Real>(values: &mut [T], factor: T, others: &[T]) {
+    for (value, other) in values.iter_mut().zip(others) {
+        *value = factor.mul_add(*other, *value);
     }
 }
 
@@ -127,7 +193,7 @@ fn turn_to<T: Real>(values: &mut Field<T>, factor: T, others: &Field<T>) {
     let pairs = values.components_mut().into_iter().zip(others.components());
     for (values, others) in pairs {
         for (value, other) in values.iter_mut().zip(others) {
-            *value = *other + factor * *value;
+            *value = factor.mul_add(*value, *other);
         }
     }
 }

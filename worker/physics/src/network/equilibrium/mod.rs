@@ -108,7 +108,7 @@ impl Settled {
             resistance += state.axial * square + state.transverse * (1.0 - square);
             stiffest = stiffest.max(state.axial);
         }
-        (resistance <= UNRESISTED * stiffest).then(|| assembly.network_node(node))
+        (resistance <= UNRESISTED * stiffest).then(|| assembly.node(node))
     }
 }
 
@@ -141,6 +141,7 @@ mod tests {
                 laws: Laws::Same(law),
                 strengths: vec![f64::INFINITY; 2],
             },
+            rows: Vec::new(),
         };
         let intact = [true; 2];
         let mut assembly = Assembly::new(&network);

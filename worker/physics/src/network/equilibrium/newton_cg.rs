@@ -10,7 +10,7 @@
 use super::{
     Search, Settled,
     block_jacobi::BlockJacobi,
-    conjugate_gradients::{Equations, Scratch, Stop, newton_step},
+    conjugate_gradients::{Equations, Scratch, Stop, newton_step, precondition},
     line_search::Line,
     work::Meter,
 };
@@ -75,11 +75,11 @@ struct Memory<T> {
 
 impl<T: Real> Memory<T> {
     fn new(assembly: &Assembly) -> Self {
-        let zeros = Field::zeros(assembly.nodes(), assembly.dimensions());
+        let zeros = Field::zeros(assembly.places(), assembly.dimensions());
         Self {
             force: zeros.clone(),
             step: zeros,
-            direction: Field::zeros(assembly.nodes(), assembly.dimensions()),
+            direction: Field::zeros(assembly.places(), assembly.dimensions()),
             scratch: Scratch::new(assembly),
         }
     }
@@ -156,7 +156,13 @@ impl Iteration<'_> {
         let (assembly, here) = (self.assembly, self.here);
         let preconditioner = BlockJacobi::new(assembly, stiffness);
         let unit = scale_to_one(assembly, &here.resultants, &mut memory.force);
-        let norm = preconditioner.apply(&memory.force, &mut memory.step);
+        let equations = Equations {
+            assembly,
+            stiffness,
+            preconditioner: &preconditioner,
+            force: &memory.force,
+        };
+        let norm = precondition(&equations, &memory.force, &mut memory.step);
         let previous_norm = std::mem::replace(&mut self.norm, norm * unit * unit);
         let stop = Stop {
             relative: relative_residual(self.norm, previous_norm, self.relative).powi(2),

@@ -27,7 +27,7 @@ pub(super) fn solve(
     let incidence = assembly.incidence();
     let (limit, cap) = (search.force_limit, search.step_cap);
     let mut awake: Vec<u32> = assembly.free().map(|node| node as u32).collect();
-    let mut is_awake = vec![true; assembly.nodes()];
+    let mut is_awake = vec![true; assembly.places()];
     let mut visits: Vec<Option<NodeStep>> = Vec::new();
     for _ in 0..search.iteration_limit {
         meter.work.sweeps += 1;

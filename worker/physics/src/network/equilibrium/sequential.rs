@@ -23,7 +23,7 @@ pub(super) fn solve(
     meter: &mut Meter<'_>,
 ) -> Result<Settled, Interrupt> {
     let incidence = assembly.incidence();
-    let mut is_awake = vec![true; assembly.nodes()];
+    let mut is_awake = vec![true; assembly.places()];
     for _ in 0..search.iteration_limit {
         meter.work.sweeps += 1;
         let mut any_moved = false;

@@ -276,15 +276,11 @@ impl<'a> Experiment<'a> {
         };
         let assembly = &self.loaded.assembly;
         let strengths = &self.specimen.network.bonds.strengths;
-        let candidates = settled
-            .configuration
-            .tensions
-            .iter()
-            .zip(strengths)
-            .enumerate();
-        let candidates = candidates.map(|(bond, (tension, strength))| Candidate {
+        let tensions = &settled.configuration.tensions;
+        let candidates = assembly.slots().zip(strengths).enumerate();
+        let candidates = candidates.map(|(bond, (slot, strength))| Candidate {
             bond,
-            tension: *tension,
+            tension: tensions[slot],
             strength: *strength,
         });
         let broken = breaking(rule, candidates);
@@ -296,7 +292,10 @@ impl<'a> Experiment<'a> {
             nominal_strain,
             bond: candidate.bond as u32,
             force: candidate.tension,
-            energy: settled.configuration.bond(assembly, candidate.bond).energy,
+            energy: settled
+                .configuration
+                .bond(assembly, assembly.slot(candidate.bond))
+                .energy,
         });
         self.state.events.extend(events);
         broken.len()
@@ -340,13 +339,13 @@ impl<'a> Experiment<'a> {
     fn check_finite(&self, settled: &Settled) -> Result<(), SimulationError> {
         let configuration = &settled.configuration;
         let error = |node, quantity| SimulationError::NonFinite {
-            node: self.loaded.assembly.network_node(node),
+            node: self.loaded.assembly.node(node),
             step: self.state.step,
             quantity,
         };
         let first = |field: &Field<f64>| {
             let is_bad = |node: &usize| !field.at(*node).iter().all(|value| value.is_finite());
-            (0..self.loaded.assembly.nodes()).find(is_bad)
+            (0..self.loaded.assembly.places()).find(is_bad)
         };
         if let Some(node) = first(&configuration.displacements) {
             return Err(error(node, "displacement"));

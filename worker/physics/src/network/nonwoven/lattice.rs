@@ -14,7 +14,7 @@ use loadframe_api::spec::nonwoven_tensile::{Jaws, Lattice};
 use rand::{RngExt, distr::StandardUniform};
 
 use crate::{
-    network::{Hold, Vector},
+    network::{Hold, Row, Vector},
     rng::{Purpose, Streams},
 };
 
@@ -24,6 +24,7 @@ pub(super) struct Points {
     pub(super) positions: Vec<Vector>,
     pub(super) holds: Vec<Hold>,
     pub(super) ends: Vec<[u32; 2]>,
+    pub(super) rows: Vec<Row>,
     /// Numbers of the first and the last halved diagonals, below and above the bonds of the lattice.
     grips: [Range<usize>; 2],
     /// First and last node of each row in the middle third, in every layer.
@@ -139,6 +140,13 @@ impl Points {
             };
             let offset = if row.is_multiple_of(2) { 0.5 } else { 0.0 };
             for layer in 0..lattice.layers {
+                let place = Vector::new(offset, f64::from(row), f64::from(layer));
+                self.rows.push(Row {
+                    first: self.positions.len() as u32,
+                    count: numbering.columns(row),
+                    origin: place.component_mul(&Vector::from(lattice.spacing_mm)),
+                    spacing: lattice.spacing_mm[0],
+                });
                 for column in 0..numbering.columns(row) {
                     let place = [f64::from(column) + offset, f64::from(row), f64::from(layer)];
                     let mut generator = streams.of(number);

@@ -96,8 +96,8 @@ fn fields(experiment: &Experiment<'_>) -> Fields {
         return fields;
     };
     let configuration = &settled.configuration;
-    for (bond, strength) in strengths.iter().enumerate() {
-        let state = configuration.bond(&loaded.assembly, bond);
+    for (bond, (strength, slot)) in strengths.iter().zip(loaded.assembly.slots()).enumerate() {
+        let state = configuration.bond(&loaded.assembly, slot);
         fields.strain[bond] = state.strain;
         fields.force[bond] = state.tension;
         // a bond without strength is at its strength as soon as it is loaded
@@ -113,11 +113,10 @@ fn histogram(experiment: &Experiment<'_>) -> Vec<HistogramBin> {
     let Some(settled) = &experiment.settled else {
         return Vec::new();
     };
-    let acts = &experiment.loaded.assembly;
+    let assembly = &experiment.loaded.assembly;
     let tensions = || {
-        let all = settled.configuration.tensions.iter().copied().enumerate();
-        all.filter(|(bond, _)| acts.acts(*bond))
-            .map(|(_, tension)| tension)
+        let acting = assembly.slots().filter(|slot| assembly.acts(*slot));
+        acting.map(|slot| settled.configuration.tensions[slot])
     };
     let lowest = tensions().fold(f64::INFINITY, f64::min);
     let highest = tensions().fold(f64::NEG_INFINITY, f64::max);

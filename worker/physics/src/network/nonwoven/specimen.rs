@@ -69,6 +69,7 @@ impl Specimen {
             positions: points.positions,
             holds: points.holds,
             bonds,
+            rows: points.rows,
         };
         Ok(Self {
             gauge_length: points.gauge_length,
@@ -120,6 +121,7 @@ impl Specimen {
                 strengths: strengths(given_strengths, distribution(spec).as_ref(), breaks(spec))?,
             },
             positions,
+            rows: Vec::new(),
         };
         let bottom = jaw_height(&network, Hold::Bottom)?;
         let gauge_length = jaw_height(&network, Hold::Top)? - bottom;

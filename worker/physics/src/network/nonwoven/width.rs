@@ -90,6 +90,7 @@ mod tests {
             positions: positions.to_vec(),
             holds: vec![Hold::Free; 4],
             bonds: Bonds::default(),
+            rows: Vec::new(),
         };
         let gauge = WidthGauge::slope(&network, 0.0, 3.0).expect("nodes spread along x");
         let displacements = positions.map(|p| Vector::new(3.0 - 0.2 * p.x, p.x, 0.0));
@@ -104,6 +105,7 @@ mod tests {
             positions,
             holds: vec![Hold::Free; 2],
             bonds: Bonds::default(),
+            rows: Vec::new(),
         };
         assert!(WidthGauge::slope(&network, -1.0, 3.0).is_none());
     }
