@@ -5,8 +5,9 @@
 use std::{ops::Range, sync::OnceLock};
 
 use super::{
-    Laws, Network, Vector,
+    Laws, Network, Row, Vector,
     blocks::{Block, Blocks},
+    equilibrium::multigrid::mesh::Mesh,
     field::Field,
     incidence::Incidence,
     law::BondLaw,
@@ -37,6 +38,7 @@ pub(crate) struct Assembly {
     acting: usize,
     dimensions: usize,
     incidence: OnceLock<Incidence>,
+    mesh: OnceLock<Option<Mesh>>,
 }
 
 /// How a bond responds at some displacements, (6) and (7).
@@ -116,6 +118,7 @@ impl Assembly {
             acting: 0,
             dimensions,
             incidence: OnceLock::new(),
+            mesh: OnceLock::new(),
             positions: Field::default(),
             places,
             blocks,
@@ -190,6 +193,56 @@ impl Assembly {
             let is_bond = |slot: usize| self.bonds[slot] != NONE;
             Incidence::new(self.places(), &self.ends, is_bond)
         })
+    }
+
+    /// The cells over the nodes, made when first asked for; `None` when there would be too few.
+    pub(crate) fn mesh(&self) -> Option<&Mesh> {
+        let mesh = self.mesh.get_or_init(|| {
+            let mean = |places: Range<usize>| {
+                let count = places.len() as f64;
+                self.positions.axis(1)[places].iter().sum::<f64>() / count
+            };
+            let Range { start, end } = self.free();
+            let after = self.places.nodes[end..].iter();
+            let top = after.take_while(|node| **node != NONE).count();
+            let heights = [mean(0..start), mean(end..end + top)];
+            let length = self
+                .slots()
+                .map(|slot| self.rest_lengths[slot])
+                .sum::<f64>();
+            Mesh::new(
+                &self.positions,
+                &self.rows(),
+                heights,
+                length / self.bonds() as f64,
+            )
+        });
+        mesh.as_ref()
+    }
+
+    /// The places of the free nodes row by row; nodes of no row are rows of one.
+    fn rows(&self) -> Vec<(Range<usize>, Row)> {
+        let mut rows = Vec::new();
+        let mut given = self.places.rows.iter().peekable();
+        let mut place = self.free().start;
+        while place < self.free().end {
+            if let Some((first, row)) = given.next_if(|(first, _)| *first == place) {
+                place += row.count as usize;
+                rows.push((*first..place, *row));
+                continue;
+            }
+            if self.places.nodes[place] != NONE {
+                let row = Row {
+                    first: self.places.nodes[place],
+                    count: 1,
+                    origin: self.positions.at(place),
+                    spacing: 0.0,
+                };
+                rows.push((place..place + 1, row));
+            }
+            place += 1;
+        }
+        rows
     }
 
     /// A nodal array of the network by places, zero where there is no node.

@@ -11,6 +11,8 @@ pub(crate) trait Real:
 {
     fn new(value: f64) -> Self;
     fn wide(self) -> f64;
+    fn widen(value: f32) -> Self;
+    fn narrow(self) -> f32;
 }
 
 impl Real for f32 {
@@ -23,6 +25,16 @@ impl Real for f32 {
     fn wide(self) -> f64 {
         f64::from(self)
     }
+
+    #[inline(always)]
+    fn widen(value: f32) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn narrow(self) -> f32 {
+        self
+    }
 }
 
 impl Real for f64 {
@@ -34,6 +46,16 @@ impl Real for f64 {
     #[inline(always)]
     fn wide(self) -> f64 {
         self
+    }
+
+    #[inline(always)]
+    fn widen(value: f32) -> Self {
+        Self::from(value)
+    }
+
+    #[inline(always)]
+    fn narrow(self) -> f32 {
+        self as f32
     }
 }
 
@@ -120,6 +142,15 @@ impl<T: Real> Field<T> {
             }
         }
         total
+    }
+
+    /// Adds `factor` times the `others`.
+    pub(crate) fn add(&mut self, factor: T, others: &Self) {
+        for (values, others) in self.0.iter_mut().zip(&others.0) {
+            for (value, other) in values.iter_mut().zip(others) {
+                *value += factor * *other;
+            }
+        }
     }
 
     /// Longest vector, squared.

@@ -20,6 +20,8 @@ pub(crate) struct Places {
     pub(crate) of: Vec<u32>,
     /// From the first to the last free node.
     pub(crate) free: Range<usize>,
+    /// Rows of free nodes and where they begin, in order.
+    pub(crate) rows: Vec<(usize, Row)>,
 }
 
 impl Places {
@@ -29,6 +31,7 @@ impl Places {
             nodes: Vec::with_capacity(count + LANES),
             of: vec![NONE; count],
             free: 0..0,
+            rows: Vec::new(),
         };
         places.take_held(network, Hold::Bottom);
         places.take_free(network);
@@ -61,14 +64,15 @@ impl Places {
         let mut rows = network.rows.iter().peekable();
         for node in 0..network.positions.len() as u32 {
             let begins = |row: &&Row| row.first == node;
-            let begins_row = rows.next_if(begins).is_some();
+            let row = rows.next_if(begins);
             if !is_free(node) {
                 continue;
             }
-            if let (true, Some(width)) = (begins_row, width) {
+            if let (Some(row), Some(width)) = (row, width) {
                 let taken = self.nodes.len() - first;
                 let begin = first + taken.next_multiple_of(width);
                 self.nodes.resize(begin, NONE);
+                self.rows.push((begin, *row));
             }
             self.take(node);
         }

@@ -31,6 +31,16 @@ impl<T: Real> Stiffness<T> {
         }
     }
 
+    /// xx, yy, xy, zz, xz, yz of the K of the bond in a slot; compressed, of a n nᵀ (7) alone, which
+    /// is positive.
+    pub(crate) fn positive(&self, slot: usize) -> [T; 6] {
+        let [x, y, z] = self
+            .axial
+            .each_ref()
+            .map(|axial| axial.get(slot).copied().unwrap_or_default());
+        positive_block([x, y, z], self.transverse[slot])
+    }
+
     /// Without the transverse part of compressed bonds, which makes H indefinite: K = a n nᵀ.
     pub(crate) fn without_buckling(&self) -> Self {
         let mut positive = self.clone();
@@ -104,6 +114,26 @@ impl<T: Real> Stiffness<T> {
         }
         curvature
     }
+}
+
+/// xx, yy, xy, zz, xz, yz of s sᵀ + b 1; where b is negative, of s sᵀ shortened from a − b to a.
+#[inline(always)]
+pub(crate) fn positive_block<T: Real>([x, y, z]: [T; 3], b: T) -> [T; 6] {
+    let square = x * x + y * y + z * z;
+    let left = if b < T::zero() && square > T::zero() {
+        (square + b).max(T::zero()) / square
+    } else {
+        T::one()
+    };
+    let b = b.max(T::zero());
+    [
+        b + left * x * x,
+        b + left * y * y,
+        left * x * y,
+        b + left * z * z,
+        left * x * z,
+        left * y * z,
+    ]
 }
 
 /// Sets `forces` to K (p₁ − p₂) of a block's bonds, and adds (p₁ − p₂) · K (p₁ − p₂) to `work`.

@@ -5,7 +5,7 @@ use crate::network::{
     assembly::Assembly,
     blocks::BLOCK,
     field::{Real, dot, sum},
-    stiffness::Stiffness,
+    stiffness::{Stiffness, positive_block},
 };
 
 /// Inverse 3 x 3 blocks, one per node; zero for nodes that are held or that nothing holds.
@@ -118,24 +118,11 @@ fn add_bonds<T: Real, const D: usize>(
             |part| &mut part[..count],
         );
         for bond in 0..count {
-            let (x, y) = (sx[bond], sy[bond]);
             let z = if D == 3 { sz[bond] } else { T::zero() };
-            let b = transverse[bond];
-            let square = x * x + y * y + z * z;
-            // a n nᵀ of a compressed bond: s sᵀ shortened from a − b to a
-            let left = if b < T::zero() && square > T::zero() {
-                (square + b).max(T::zero()) / square
-            } else {
-                T::one()
-            };
-            let b = b.max(T::zero());
-            xx[bond] = b + left * x * x;
-            yy[bond] = b + left * y * y;
-            xy[bond] = left * x * y;
+            let block = positive_block([sx[bond], sy[bond], z], transverse[bond]);
+            (xx[bond], yy[bond], xy[bond]) = (block[0], block[1], block[2]);
             if D == 3 {
-                zz[bond] = b + left * z * z;
-                xz[bond] = left * x * z;
-                yz[bond] = left * y * z;
+                (zz[bond], xz[bond], yz[bond]) = (block[3], block[4], block[5]);
             }
         }
         let used = if D == 3 { 6 } else { 3 };
@@ -148,7 +135,7 @@ fn add_bonds<T: Real, const D: usize>(
 /// Inverts the blocks after their diagonals were raised; a block without stiffness becomes zero,
 /// so that the node stays put.
 #[inline(always)]
-fn invert<T: Real, const D: usize>(blocks: &mut [Vec<T>; 6]) {
+pub(super) fn invert<T: Real, const D: usize>(blocks: &mut [Vec<T>; 6]) {
     let [xx, yy, xy, zz, xz, yz] = blocks.each_mut().map(Vec::as_mut_slice);
     let nodes = xx.len();
     let (yy, xy) = (&mut yy[..nodes], &mut xy[..nodes]);

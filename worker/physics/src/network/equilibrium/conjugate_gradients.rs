@@ -3,7 +3,7 @@ use std::ops::Range;
 
 use crate::wide::wide;
 
-use super::{block_jacobi::BlockJacobi, work::Meter};
+use super::{block_jacobi::BlockJacobi, multigrid::Multigrid, work::Meter};
 use crate::{
     Interrupt,
     network::{
@@ -17,7 +17,8 @@ use crate::{
 #[derive(Debug)]
 pub(super) struct Scratch<T> {
     residual: Field<T>,
-    search: Field<T>,
+    /// The last direction.
+    pub(super) search: Field<T>,
     product: Field<T>,
 }
 
@@ -46,23 +47,73 @@ pub(super) struct Stop {
 pub(super) struct Equations<'a, T> {
     pub(super) assembly: &'a Assembly,
     pub(super) stiffness: &'a Stiffness<T>,
-    pub(super) preconditioner: &'a BlockJacobi<T>,
+    pub(super) nodes: &'a BlockJacobi<T>,
     /// F, zero at held nodes.
     pub(super) force: &'a Field<T>,
 }
 
-/// Sets `step` to the Newton step, zero at held nodes. Returns false when the Hessian was found to
-/// curve downwards; `step` then is what was found before.
+/// The part of the preconditioner that sees long waves, once it is worth its cost.
+#[derive(Debug)]
+pub(super) struct Waves<'a> {
+    assembly: &'a Assembly,
+    grids: Option<Multigrid<'a>>,
+    /// Iterations of one step without it.
+    patience: usize,
+}
+
+/// Iterations after which the grids pay, for a network of few cells.
+const PATIENCE: usize = 40;
+/// With more corners they are known to pay from the start.
+const MANY_CORNERS: usize = 500;
+
+impl<'a> Waves<'a> {
+    pub(super) fn new(assembly: &'a Assembly) -> Self {
+        let patience = match assembly.mesh() {
+            None => usize::MAX,
+            Some(mesh) if mesh.corners() > MANY_CORNERS => 0,
+            Some(_) => PATIENCE,
+        };
+        Self {
+            assembly,
+            grids: None,
+            patience,
+        }
+    }
+
+    /// After so many iterations of a step: whether the preconditioner changed.
+    fn look<T: Real>(&mut self, iterations: usize, stiffness: &Stiffness<T>) -> bool {
+        if iterations < self.patience || self.grids.is_some() {
+            return false;
+        }
+        self.grids = Multigrid::new(self.assembly, stiffness);
+        self.patience = usize::MAX;
+        self.grids.is_some()
+    }
+}
+
+/// How the search for a Newton step ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Solved {
+    /// As exactly as asked.
+    Step,
+    /// The Hessian curves downwards along the last direction, [`Scratch::search`]: were it upwards
+    /// as strongly, the minimum along it would be this multiple away.
+    CurvesDown(f64),
+}
+
+/// Sets `step` to the Newton step, zero at held nodes, or to what was found of it before the
+/// Hessian was found to curve downwards.
 ///
 /// # Errors
 /// The interrupt that ended it early.
 pub(super) fn newton_step<T: Real>(
     equations: &Equations<'_, T>,
+    waves: &mut Waves<'_>,
     step: &mut Field<T>,
     scratch: &mut Scratch<T>,
     stop: Stop,
     meter: &mut Meter<'_>,
-) -> Result<bool, Interrupt> {
+) -> Result<Solved, Interrupt> {
     let Equations {
         assembly,
         stiffness,
@@ -76,20 +127,27 @@ pub(super) fn newton_step<T: Real>(
     } = scratch;
     residual.copy_from(force);
     step.clear();
-    let mut norm = precondition(equations, residual, search);
-    let enough = (stop.relative * norm).max(stop.absolute);
-    for _ in 0..stop.iterations {
+    waves.look(0, stiffness);
+    let mut norm = precondition(equations, waves, residual, search);
+    let mut enough = (stop.relative * norm).max(stop.absolute);
+    for iteration in 0..stop.iterations {
         if norm <= enough {
             break;
+        }
+        if waves.look(iteration, stiffness) {
+            // another preconditioner is another norm, and another start
+            let whole = precondition(equations, waves, force, product);
+            enough = (stop.relative * whole).max(stop.absolute);
+            norm = precondition(equations, waves, residual, search);
         }
         meter.spend(assembly.bonds())?;
         meter.work.conjugate_gradient_iterations += 1;
         let curvature = stiffness.multiply(assembly, search, product);
         if curvature.is_nan() || curvature <= 0.0 {
-            return Ok(false);
+            return Ok(Solved::CurvesDown(norm / curvature.abs()));
         }
         let length = T::new(norm / curvature);
-        let next_norm = wide(
+        let mut next_norm = wide(
             #[inline(always)]
             || {
                 if assembly.dimensions() == 2 {
@@ -99,6 +157,9 @@ pub(super) fn newton_step<T: Real>(
                 }
             },
         );
+        if let Some(grids) = &mut waves.grids {
+            next_norm += grids.correct(residual, product);
+        }
         let turn = T::new(next_norm / norm);
         norm = next_norm;
         // the product became the preconditioned residual
@@ -107,7 +168,7 @@ pub(super) fn newton_step<T: Real>(
             || turn_to(search, turn, product),
         );
     }
-    Ok(true)
+    Ok(Solved::Step)
 }
 
 /// Places worked on at once: their numbers stay in the core's nearest cache.
@@ -121,10 +182,11 @@ fn panels(places: usize) -> impl Iterator<Item = Range<usize>> {
 /// Sets `moved` to the preconditioned `residual`; returns their product.
 pub(super) fn precondition<T: Real>(
     equations: &Equations<'_, T>,
+    waves: &mut Waves<'_>,
     residual: &Field<T>,
     moved: &mut Field<T>,
 ) -> f64 {
-    let (assembly, preconditioner) = (equations.assembly, equations.preconditioner);
+    let (assembly, nodes) = (equations.assembly, equations.nodes);
     let mut norm = 0.0;
     wide(
         #[inline(always)]
@@ -133,13 +195,16 @@ pub(super) fn precondition<T: Real>(
                 let start = panel.start;
                 let (residual, moved) = (residual.panel(panel.clone()), moved.panel_mut(panel));
                 norm += if assembly.dimensions() == 2 {
-                    preconditioner.apply::<2>(start, residual, moved)
+                    nodes.apply::<2>(start, residual, moved)
                 } else {
-                    preconditioner.apply::<3>(start, residual, moved)
+                    nodes.apply::<3>(start, residual, moved)
                 };
             }
         },
     );
+    if let Some(grids) = &mut waves.grids {
+        norm += grids.correct(residual, moved);
+    }
     norm
 }
 
@@ -172,9 +237,7 @@ fn advance<T: Real, const D: usize>(
             #[inline(always)]
             |component| &*component,
         );
-        norm += equations
-            .preconditioner
-            .apply::<D>(start, residual, product);
+        norm += equations.nodes.apply::<D>(start, residual, product);
     }
     norm
 }

@@ -12,6 +12,7 @@
 mod block_jacobi;
 mod conjugate_gradients;
 mod line_search;
+pub(crate) mod multigrid;
 mod newton_cg;
 mod node_step;
 mod parallel;

@@ -3,14 +3,15 @@
 //! The energy is C¹ with kinks in its slope, and not convex where bonds are compressed. A step
 //! follows the true Hessian as long as it curves upwards along all search directions; otherwise it
 //! is solved again without the transverse stiffness of compressed bonds, which leaves a positive
-//! matrix ([NocedalWright2006] chapter 7 truncates there instead; on networks after the force
-//! maximum this gives steps too short to be of use). Steps are capped, and kept only when the
+//! matrix, and goes some way along the direction that was found to curve downwards
+//! ([NocedalWright2006] chapter 7 truncates there instead; on networks after the force maximum this
+//! gives steps too short to be of use). Steps are capped, and kept only when the
 //! energy falls. Steps are found in single precision, and in double where single leads no further;
 //! energy and forces, which decide, are always double.
 use super::{
     Search, Settled,
     block_jacobi::BlockJacobi,
-    conjugate_gradients::{Equations, Scratch, Stop, newton_step, precondition},
+    conjugate_gradients::{Equations, Scratch, Solved, Stop, Waves, newton_step, precondition},
     line_search::Line,
     work::Meter,
 };
@@ -26,9 +27,12 @@ use crate::{
 
 /// Residual of a Newton step relative to the force it balances, when still far from equilibrium.
 /// Closer to it the step is solved more exactly, see [`relative_residual`].
-const LOOSEST_RESIDUAL: f64 = 0.1;
+const LOOSEST_RESIDUAL: f64 = 0.2;
 /// The last step need not be solved beyond this part of the force limit.
 const SHARE_OF_LIMIT: f64 = 0.1;
+/// Farthest a node goes at once along a direction that curves downwards, in step caps: a buckle
+/// turns a bond, which bends the way.
+const FARTHEST_AWAY: f64 = 0.05;
 /// Conjugate gradient iterations per step and free node: exact arithmetic needs three, one per
 /// unknown; more means that the matrix is singular to working precision.
 const ITERATIONS_PER_NODE: usize = 3;
@@ -53,10 +57,11 @@ impl Precision {
 }
 
 /// A Newton iteration: where it starts, how far it goes.
-struct Iteration<'a> {
-    search: &'a Search,
+struct Iteration<'a, 'b> {
+    search: &'b Search,
     assembly: &'a Assembly,
-    here: &'a Configuration,
+    here: &'b Configuration,
+    waves: &'b mut Waves<'a>,
     /// Part of itself that the residual is to fall to.
     relative: f64,
     /// Preconditioned norm of the resultants, squared, as the last iteration found it.
@@ -99,6 +104,7 @@ pub(super) fn solve(
     let mut iterations = 0;
     let mut precision = Precision::Single;
     let mut single = Memory::<f32>::new(assembly);
+    let mut waves = Waves::new(assembly);
     loop {
         let residual = here.residual(assembly, search.force_limit);
         if residual.verdict != Verdict::Unbalanced || iterations == search.iteration_limit {
@@ -113,6 +119,7 @@ pub(super) fn solve(
             search,
             assembly,
             here: &here,
+            waves: &mut waves,
             relative: precision.tightest_residual(),
             norm: previous_norm,
         };
@@ -144,7 +151,7 @@ pub(super) fn solve(
     }
 }
 
-impl Iteration<'_> {
+impl Iteration<'_, '_> {
     /// Sets `there` to where a step leads; returns false when none leads down.
     fn go<T: Real>(
         &mut self,
@@ -154,44 +161,61 @@ impl Iteration<'_> {
         meter: &mut Meter<'_>,
     ) -> Result<bool, Interrupt> {
         let (assembly, here) = (self.assembly, self.here);
-        let preconditioner = BlockJacobi::new(assembly, stiffness);
+        let nodes = BlockJacobi::new(assembly, stiffness);
         let unit = scale_to_one(assembly, &here.resultants, &mut memory.force);
         let equations = Equations {
             assembly,
             stiffness,
-            preconditioner: &preconditioner,
+            nodes: &nodes,
             force: &memory.force,
         };
-        let norm = precondition(&equations, &memory.force, &mut memory.step);
+        let norm = precondition(&equations, self.waves, &memory.force, &mut memory.step);
         let previous_norm = std::mem::replace(&mut self.norm, norm * unit * unit);
         let stop = Stop {
             relative: relative_residual(self.norm, previous_norm, self.relative).powi(2),
             // few nodes above the limit can hide in a small norm: go on by the loosest measure
-            absolute: preconditioner
+            absolute: nodes
                 .uniform_norm(SHARE_OF_LIMIT * self.search.force_limit / unit)
                 .min(LOOSEST_RESIDUAL.powi(2) * norm),
             iterations: LEAST_ITERATIONS + ITERATIONS_PER_NODE * assembly.free().len(),
         };
-        let solve = |stiffness: &Stiffness<T>, memory: &mut Memory<T>, meter: &mut Meter<'_>| {
-            let equations = Equations {
-                assembly,
-                stiffness,
-                preconditioner: &preconditioner,
-                force: &memory.force,
-            };
-            newton_step(
-                &equations,
-                &mut memory.step,
-                &mut memory.scratch,
-                stop,
-                meter,
-            )
-        };
-        if solve(stiffness, memory, meter)? && self.follow(memory, unit, there, meter)? {
+        let solved = self.solve(stiffness, &nodes, memory, stop, meter)?;
+        if solved == Solved::Step && self.follow(memory, unit, there, meter)? {
             return Ok(true);
         }
-        solve(&stiffness.without_buckling(), memory, meter)?;
+        // the direction found to curve downwards leads away from the saddle, however flat that is
+        let away = match solved {
+            Solved::Step => None,
+            Solved::CurvesDown(length) => Some((length, memory.scratch.search.clone())),
+        };
+        let upwards = stiffness.without_buckling();
+        self.solve(&upwards, &nodes, memory, stop, meter)?;
+        if let Some((length, direction)) = away {
+            let reach = direction.longest_square().wide().sqrt() * unit;
+            let length = length.min(FARTHEST_AWAY * self.search.step_cap / reach);
+            if length.is_finite() {
+                memory.step.add(T::new(length), &direction);
+            }
+        }
         self.follow(memory, unit, there, meter)
+    }
+
+    fn solve<T: Real>(
+        &mut self,
+        stiffness: &Stiffness<T>,
+        nodes: &BlockJacobi<T>,
+        memory: &mut Memory<T>,
+        stop: Stop,
+        meter: &mut Meter<'_>,
+    ) -> Result<Solved, Interrupt> {
+        let equations = Equations {
+            assembly: self.assembly,
+            stiffness,
+            nodes,
+            force: &memory.force,
+        };
+        let (step, scratch) = (&mut memory.step, &mut memory.scratch);
+        newton_step(&equations, self.waves, step, scratch, stop, meter)
     }
 
     /// Goes along a step, in units of `unit`, as far as the energy falls.
