@@ -167,6 +167,12 @@ impl Assembly {
         self.slots.iter().map(|slot| *slot as usize)
     }
 
+    /// Number in the network of the bond in a slot, if there is one.
+    pub(crate) fn bond_in(&self, slot: usize) -> Option<usize> {
+        let bond = self.bonds[slot];
+        (bond != NONE).then_some(bond as usize)
+    }
+
     /// From the place of the first free node to that of the last: the unknowns.
     pub(crate) fn free(&self) -> Range<usize> {
         self.places.free.clone()

@@ -173,13 +173,27 @@ impl<T: Real> Configuration<T> {
 
     /// The largest resultant, and whether `force_limit` [N] or round-off bounds all of them.
     pub(crate) fn residual(&self, assembly: &Assembly, force_limit: f64) -> Residual {
-        let mut largest = 0.0;
-        let mut node = assembly.free().start;
-        for index in assembly.free() {
-            let square = self.resultants.at(index).norm_squared();
-            // a NaN must not pass for a balanced node
-            if square > largest || square.is_nan() {
-                (largest, node) = (square, index);
+        let [x, y, z] = self.resultants.components();
+        let (mut largest, mut node) = (0.0, assembly.free().start);
+        let mut squares = [0.0; BLOCK];
+        for start in assembly.free().step_by(BLOCK) {
+            let places = start..(start + BLOCK).min(assembly.free().end);
+            let squares = &mut squares[..places.len()];
+            let pairs = squares
+                .iter_mut()
+                .zip(x[places.clone()].iter().zip(&y[places.clone()]));
+            for (square, (x, y)) in pairs {
+                *square = x * x + y * y;
+            }
+            let thick = z.get(places).unwrap_or_default();
+            for (square, z) in squares.iter_mut().zip(thick) {
+                *square += z * z;
+            }
+            for (index, square) in squares.iter().enumerate() {
+                // a NaN must not pass for a balanced node
+                if *square > largest || square.is_nan() {
+                    (largest, node) = (*square, start + index);
+                }
             }
         }
         let largest = largest.sqrt();

@@ -26,22 +26,34 @@ const DIAGONAL: [usize; 3] = [0, 1, 3];
 const TRACE_SHARE: f64 = 0.02;
 
 impl<T: Real> BlockJacobi<T> {
-    /// Without the transverse part of bonds in compression, so that every block is positive.
-    pub(super) fn new(assembly: &Assembly, stiffness: &Stiffness<T>) -> Self {
+    pub(super) fn zeros(assembly: &Assembly) -> Self {
         let parts = if assembly.dimensions() == 2 { 3 } else { 6 };
-        let mut blocks: [Vec<T>; 6] = [0, 1, 2, 3, 4, 5].map(|part| {
+        let zeros = |part| {
             let length = if part < parts { assembly.places() } else { 0 };
             vec![T::zero(); length]
-        });
+        };
+        Self {
+            inverses: [0, 1, 2, 3, 4, 5].map(zeros),
+            compliance: 0.0,
+        }
+    }
+
+    /// Becomes that of this stiffness, without the transverse part of bonds in compression, so that
+    /// every block is positive.
+    pub(super) fn follow(&mut self, assembly: &Assembly, stiffness: &Stiffness<T>) {
+        let blocks = &mut self.inverses;
+        for part in blocks.iter_mut() {
+            part.fill(T::zero());
+        }
         wide(
             #[inline(always)]
             || {
                 if assembly.dimensions() == 2 {
-                    add_bonds::<T, 2>(assembly, stiffness, &mut blocks);
-                    invert::<T, 2>(&mut blocks);
+                    add_bonds::<T, 2>(assembly, stiffness, blocks);
+                    invert::<T, 2>(blocks);
                 } else {
-                    add_bonds::<T, 3>(assembly, stiffness, &mut blocks);
-                    invert::<T, 3>(&mut blocks);
+                    add_bonds::<T, 3>(assembly, stiffness, blocks);
+                    invert::<T, 3>(blocks);
                 }
             },
         );
@@ -51,10 +63,7 @@ impl<T: Real> BlockJacobi<T> {
             inverse[free.end..].fill(T::zero());
         }
         let diagonal = DIAGONAL.map(|part| sum(&blocks[part]));
-        Self {
-            inverses: blocks,
-            compliance: diagonal.iter().sum::<f64>() / 3.0,
-        }
+        self.compliance = diagonal.iter().sum::<f64>() / 3.0;
     }
 
     /// Sets `moved` to about the displacements that relieve `forces`, both from place `start` on

@@ -26,6 +26,7 @@ use super::{
     field::Field,
 };
 use crate::{Interrupt, parallel::Team};
+pub(crate) use newton_cg::Workspace;
 use work::Meter;
 
 /// The way to equilibrium.
@@ -69,13 +70,14 @@ impl Search {
         assembly: &Assembly,
         displacements: Vec<Vector>,
         team: &Team,
+        workspace: &mut Workspace,
         meter: &mut Meter<'_>,
     ) -> Result<Settled, Interrupt> {
         meter.work.equilibria += 1;
         match self.method {
             Method::NewtonCg => {
                 let start = Field::of(&displacements, assembly.dimensions());
-                newton_cg::solve(self, assembly, start, meter)
+                newton_cg::solve(self, assembly, &start, workspace, meter)
             }
             Method::Sequential => sequential::solve(self, assembly, displacements, meter),
             Method::Parallel { relaxation_factor } => parallel::solve(
@@ -156,7 +158,13 @@ mod tests {
         let start = vec![Vector::zeros(); 3];
         let mut meter = Meter::new(work::Work::default(), &Uninterrupted);
         let settled = search
-            .run(&assembly, start, &Team::new(1)?, &mut meter)
+            .run(
+                &assembly,
+                start,
+                &Team::new(1)?,
+                &mut Workspace::default(),
+                &mut meter,
+            )
             .expect("nothing interrupts");
         Ok(settled.mechanism(&assembly))
     }

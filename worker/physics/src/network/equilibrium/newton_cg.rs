@@ -19,7 +19,7 @@ use crate::{
     Interrupt,
     network::{
         assembly::Assembly,
-        configuration::{Configuration, Verdict},
+        configuration::{Configuration, Residual, Verdict},
         field::{Field, Real},
         stiffness::Stiffness,
     },
@@ -68,13 +68,39 @@ struct Iteration<'a, 'b> {
     norm: f64,
 }
 
+/// Memory that equilibria of one assembly use one after the other.
+#[derive(Debug, Default)]
+pub(crate) struct Workspace {
+    memory: Option<Memory<f32>>,
+    spare: Vec<Configuration>,
+}
+
+impl Workspace {
+    /// Takes back the memory of an equilibrium that is not needed any more.
+    pub(crate) fn take_back(&mut self, settled: Settled) {
+        self.spare.push(settled.configuration);
+    }
+
+    /// A configuration at `displacements`.
+    fn configuration(&mut self, assembly: &Assembly, displacements: &Field<f64>) -> Configuration {
+        let Some(mut configuration) = self.spare.pop() else {
+            return Configuration::new(assembly, displacements.clone());
+        };
+        configuration.displacements.copy_from(displacements);
+        configuration.update(assembly);
+        configuration
+    }
+}
+
 /// Memory that iterations use one after the other.
+#[derive(Debug)]
 struct Memory<T> {
     /// The resultants of the free nodes over the largest component among them: numbers of order
     /// one stay within the range of single precision.
     force: Field<T>,
     step: Field<T>,
     direction: Field<f64>,
+    nodes: BlockJacobi<T>,
     scratch: Scratch<T>,
 }
 
@@ -85,6 +111,7 @@ impl<T: Real> Memory<T> {
             force: zeros.clone(),
             step: zeros,
             direction: Field::zeros(assembly.places(), assembly.dimensions()),
+            nodes: BlockJacobi::zeros(assembly),
             scratch: Scratch::new(assembly),
         }
     }
@@ -94,59 +121,70 @@ impl<T: Real> Memory<T> {
 pub(super) fn solve(
     search: &Search,
     assembly: &Assembly,
-    displacements: Field<f64>,
+    displacements: &Field<f64>,
+    workspace: &mut Workspace,
     meter: &mut Meter<'_>,
 ) -> Result<Settled, Interrupt> {
     meter.spend(assembly.bonds())?;
-    let mut here = Configuration::new(assembly, displacements);
-    let mut there = here.clone();
+    let mut here = workspace.configuration(assembly, displacements);
+    // every step sets all of it
+    let mut there = workspace.spare.pop().unwrap_or_else(|| here.clone());
+    let memory = workspace.memory.take();
+    let mut single = memory.unwrap_or_else(|| Memory::new(assembly));
+    let settled = descend(search, assembly, &mut here, &mut there, &mut single, meter);
+    workspace.memory = Some(single);
+    workspace.spare.push(there);
+    let residual = settled?;
+    Ok(Settled {
+        configuration: here,
+        residual,
+    })
+}
+
+/// Moves `here` to equilibrium; `there` and `single` are memory.
+fn descend(
+    search: &Search,
+    assembly: &Assembly,
+    here: &mut Configuration,
+    there: &mut Configuration,
+    single: &mut Memory<f32>,
+    meter: &mut Meter<'_>,
+) -> Result<Residual, Interrupt> {
     let mut previous_norm = f64::INFINITY;
     let mut iterations = 0;
     let mut precision = Precision::Single;
-    let mut single = Memory::<f32>::new(assembly);
     let mut waves = Waves::new(assembly);
     loop {
         let residual = here.residual(assembly, search.force_limit);
         if residual.verdict != Verdict::Unbalanced || iterations == search.iteration_limit {
-            return Ok(Settled {
-                configuration: here,
-                residual,
-            });
+            return Ok(residual);
         }
         iterations += 1;
         meter.work.newton_iterations += 1;
         let mut iteration = Iteration {
             search,
             assembly,
-            here: &here,
+            here,
             waves: &mut waves,
             relative: precision.tightest_residual(),
             norm: previous_norm,
         };
         let accepted = match precision {
-            Precision::Single => iteration.go(&here.stiffness, &mut single, &mut there, meter)?,
+            Precision::Single => iteration.go(&here.stiffness, single, there, meter)?,
             Precision::Double => {
                 let exact: Configuration<f64> =
                     Configuration::new(assembly, here.displacements.clone());
-                iteration.go(
-                    &exact.stiffness,
-                    &mut Memory::new(assembly),
-                    &mut there,
-                    meter,
-                )?
+                iteration.go(&exact.stiffness, &mut Memory::new(assembly), there, meter)?
             }
         };
         previous_norm = iteration.norm;
         if accepted {
-            std::mem::swap(&mut here, &mut there);
+            std::mem::swap(here, there);
         } else if precision == Precision::Single {
             precision = Precision::Double;
         } else {
             // neither Hessian leads down: this is as far as the arithmetic goes
-            return Ok(Settled {
-                configuration: here,
-                residual,
-            });
+            return Ok(residual);
         }
     }
 }
@@ -161,12 +199,12 @@ impl Iteration<'_, '_> {
         meter: &mut Meter<'_>,
     ) -> Result<bool, Interrupt> {
         let (assembly, here) = (self.assembly, self.here);
-        let nodes = BlockJacobi::new(assembly, stiffness);
+        memory.nodes.follow(assembly, stiffness);
         let unit = scale_to_one(assembly, &here.resultants, &mut memory.force);
         let equations = Equations {
             assembly,
             stiffness,
-            nodes: &nodes,
+            nodes: &memory.nodes,
             force: &memory.force,
         };
         let norm = precondition(&equations, self.waves, &memory.force, &mut memory.step);
@@ -174,12 +212,13 @@ impl Iteration<'_, '_> {
         let stop = Stop {
             relative: relative_residual(self.norm, previous_norm, self.relative).powi(2),
             // few nodes above the limit can hide in a small norm: go on by the loosest measure
-            absolute: nodes
+            absolute: memory
+                .nodes
                 .uniform_norm(SHARE_OF_LIMIT * self.search.force_limit / unit)
                 .min(LOOSEST_RESIDUAL.powi(2) * norm),
             iterations: LEAST_ITERATIONS + ITERATIONS_PER_NODE * assembly.free().len(),
         };
-        let solved = self.solve(stiffness, &nodes, memory, stop, meter)?;
+        let solved = self.solve(stiffness, memory, stop, meter)?;
         if solved == Solved::Step && self.follow(memory, unit, there, meter)? {
             return Ok(true);
         }
@@ -189,7 +228,7 @@ impl Iteration<'_, '_> {
             Solved::CurvesDown(length) => Some((length, memory.scratch.search.clone())),
         };
         let upwards = stiffness.without_buckling();
-        self.solve(&upwards, &nodes, memory, stop, meter)?;
+        self.solve(&upwards, memory, stop, meter)?;
         if let Some((length, direction)) = away {
             let reach = direction.longest_square().wide().sqrt() * unit;
             let length = length.min(FARTHEST_AWAY * self.search.step_cap / reach);
@@ -203,7 +242,6 @@ impl Iteration<'_, '_> {
     fn solve<T: Real>(
         &mut self,
         stiffness: &Stiffness<T>,
-        nodes: &BlockJacobi<T>,
         memory: &mut Memory<T>,
         stop: Stop,
         meter: &mut Meter<'_>,
@@ -211,7 +249,7 @@ impl Iteration<'_, '_> {
         let equations = Equations {
             assembly: self.assembly,
             stiffness,
-            nodes,
+            nodes: &memory.nodes,
             force: &memory.force,
         };
         let (step, scratch) = (&mut memory.step, &mut memory.scratch);

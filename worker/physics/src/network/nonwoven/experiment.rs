@@ -12,7 +12,7 @@ use crate::{
         Vector,
         assembly::Assembly,
         configuration::{Configuration, Verdict},
-        equilibrium::{Method, Search, Settled, work::Meter},
+        equilibrium::{Method, Search, Settled, Workspace, work::Meter},
         field::Field,
         law::BondLaw,
         load_path::{Part, parts},
@@ -40,6 +40,7 @@ pub(super) struct Experiment<'a> {
     pub(super) loaded: Loaded,
     /// Bond states at the last equilibrium; `None` when nothing carries load, and before the first.
     pub(super) settled: Option<Settled>,
+    workspace: Workspace,
 }
 
 /// What follows from which bonds are intact.
@@ -48,6 +49,8 @@ pub(super) struct Loaded {
     pub(super) intact: Vec<bool>,
     pub(super) parts: Vec<Part>,
     pub(super) assembly: Assembly,
+    /// Of the bond in each slot [N].
+    strengths: Vec<f64>,
 }
 
 /// Why a test ended.
@@ -90,7 +93,14 @@ impl Loaded {
         let parts = parts(network, &intact);
         let mut assembly = Assembly::new(network);
         assembly.load(network, &intact, &parts);
+        let strengths = &network.bonds.strengths;
+        let of_slot = |slot| {
+            assembly
+                .bond_in(slot)
+                .map_or(f64::INFINITY, |bond| strengths[bond])
+        };
         Self {
+            strengths: (0..assembly.ends.len()).map(of_slot).collect(),
             intact,
             parts,
             assembly,
@@ -120,6 +130,7 @@ impl<'a> Experiment<'a> {
             step_cap: STEP_CAP * specimen.network.bonds.mean_rest_length(),
             loaded: Loaded::new(&specimen, &state),
             settled: None,
+            workspace: Workspace::default(),
             specimen,
             state,
         }
@@ -156,7 +167,11 @@ impl<'a> Experiment<'a> {
         }
         let assembly = &self.loaded.assembly;
         let search = self.search();
-        let settled = search.run(assembly, assembly.pick(&start), &self.team, meter)?;
+        if let Some(settled) = self.settled.take() {
+            self.workspace.take_back(settled);
+        }
+        let (from, team) = (assembly.pick(&start), &self.team);
+        let settled = search.run(assembly, from, team, &mut self.workspace, meter)?;
         self.check_finite(&settled).map_err(Halt::Failed)?;
 
         let mut displacements = start;
@@ -275,15 +290,22 @@ impl<'a> Experiment<'a> {
             Breaking::None => BreakingRule::Never,
         };
         let assembly = &self.loaded.assembly;
-        let strengths = &self.specimen.network.bonds.strengths;
-        let tensions = &settled.configuration.tensions;
-        let candidates = assembly.slots().zip(strengths).enumerate();
-        let candidates = candidates.map(|(bond, (slot, strength))| Candidate {
-            bond,
-            tension: tensions[slot],
-            strength: *strength,
-        });
-        let broken = breaking(rule, candidates);
+        let tensions = settled.configuration.tensions.iter();
+        let over = tensions
+            .zip(&self.loaded.strengths)
+            .enumerate()
+            .filter(|(_, (tension, strength))| tension > strength);
+        let mut candidates: Vec<Candidate> = over
+            .filter_map(|(slot, (tension, strength))| {
+                Some(Candidate {
+                    bond: assembly.bond_in(slot)?,
+                    tension: *tension,
+                    strength: *strength,
+                })
+            })
+            .collect();
+        candidates.sort_unstable_by_key(|candidate| candidate.bond);
+        let broken = breaking(rule, candidates.into_iter());
         let (step, round) = (self.state.step, self.state.round + 1);
         let nominal_strain = self.nominal_strain();
         let events = broken.iter().map(|candidate| Event {
