@@ -70,7 +70,7 @@ pub struct Test {
     /// Nominal strain at which the test ends at the latest.
     #[schemars(range(min = 1e-8, max = 100.0), extend("x-unit" = "1"))]
     pub max_strain: f64,
-    /// The test ends once the force falls below this fraction of its maximum.
+    /// The test ends once bonds broke and the force is below this fraction of its maximum.
     #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "1"))]
     pub stop_force_fraction: f64,
     pub breaking: Breaking,

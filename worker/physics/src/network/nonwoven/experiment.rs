@@ -349,7 +349,9 @@ impl<'a> Experiment<'a> {
     fn stop_reason(&self) -> Option<StopReason> {
         let test = &self.spec.test;
         let force = self.state.points.last().map_or(0.0, |point| point.force);
-        if force < test.stop_force_fraction * self.state.max_force {
+        // a force that falls although nothing broke is slack being taken up, not rupture
+        let has_broken = !self.state.events.is_empty();
+        if has_broken && force < test.stop_force_fraction * self.state.max_force {
             Some(StopReason::ForceDropped)
         } else if self.nominal_strain() >= test.max_strain {
             Some(StopReason::MaxStrain)
