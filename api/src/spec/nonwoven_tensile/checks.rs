@@ -17,6 +17,7 @@ pub(super) fn check(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
         Fabric::Network(network) => check_network(network, violations),
     }
     check_bond(spec, violations);
+    check_output(spec, violations);
     let steps = spec.test.steps();
     if spec.test.strain_step > spec.test.max_strain {
         violations.push(
@@ -44,6 +45,22 @@ pub(super) fn check(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
             .unit("1"),
         );
     }
+}
+
+fn check_output(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
+    let end = spec.test.max_strain;
+    let strains = spec.output.force_distribution_strains.iter().enumerate();
+    let beyond = strains.filter(|(_, strain)| **strain > end);
+    violations.extend(beyond.take(LISTED).map(|(index, strain)| {
+        Violation::new(
+            format!("/output/force_distribution_strains/{index}"),
+            "out_of_range",
+            "the test ends before this strain",
+        )
+        .value(*strain)
+        .allowed(format!("≤ max_strain = {end}"))
+        .unit("1")
+    }));
 }
 
 fn check_lattice(lattice: &Lattice, violations: &mut Vec<Violation>) {

@@ -148,9 +148,17 @@ pub struct Output {
     /// A snapshot (`.vtp`) and a force histogram every so many strain steps; 0 writes none.
     #[schemars(range(min = 0, max = 1_000_000_000))]
     pub snapshot_every_steps: u32,
-    /// Bins of the bond force histogram.
+    /// Bins of the bond force histograms, and of those of breaking events.
     #[schemars(range(min = 1, max = 10_000))]
     pub histogram_bins: u32,
+    /// Nominal strains at which the distribution of bond forces is written, each at the nearest
+    /// strain step; besides those of the snapshots.
+    #[schemars(
+        length(max = 1000),
+        inner(range(min = 0.0, max = 100.0)),
+        extend("x-unit" = "1")
+    )]
+    pub force_distribution_strains: Vec<f64>,
 }
 
 fn default_seed() -> u64 {
@@ -191,6 +199,7 @@ impl Default for Output {
         Self {
             snapshot_every_steps: 10,
             histogram_bins: 40,
+            force_distribution_strains: Vec::new(),
         }
     }
 }
