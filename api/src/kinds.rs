@@ -108,7 +108,8 @@ job_kinds! {
     NonwovenTensile("nonwoven_tensile"): spec::nonwoven_tensile::NonwovenTensile,
         "Nonwoven tensile test",
         "A fabric of bonds is pulled until it parts; every strain step is brought to equilibrium.",
-        ["nonwoven_tensile", "nonwoven_tensile_quick", "nonwoven_tensile_network"];
+        ["nonwoven_tensile", "nonwoven_tensile_quick", "nonwoven_tensile_network",
+            "nonwoven_tensile_repeats"];
 }
 
 /// Work that is the same for every kind, given the spec's type.

@@ -13,6 +13,7 @@ mod network;
 mod parallel;
 mod recorder;
 mod rng;
+mod statistics;
 mod vtk;
 mod wide;
 
@@ -68,6 +69,6 @@ pub fn simulate(
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
     match spec {
-        JobSpec::NonwovenTensile(spec) => network::nonwoven::run(spec, context, recorder),
+        JobSpec::NonwovenTensile(spec) => network::nonwoven::plan::run(spec, context, recorder),
     }
 }

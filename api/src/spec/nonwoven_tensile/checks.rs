@@ -8,6 +8,8 @@ const MOST_NODES: u64 = 20_000_000;
 const MOST_STEPS: u64 = 10_000_000;
 /// Rest lengths below this [mm] make stiffness overflow.
 const SHORTEST_BOND_MM: f64 = 1e-9;
+/// Seeds beyond 2⁵³ − 1 are not exact in every language's JSON.
+const LARGEST_SEED: u64 = (1 << 53) - 1;
 /// At most this many violations of one sort are listed.
 const LISTED: usize = 20;
 
@@ -18,6 +20,7 @@ pub(super) fn check(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
     }
     check_bond(spec, violations);
     check_output(spec, violations);
+    check_seeds(spec, violations);
     let steps = spec.test.steps();
     if spec.test.strain_step > spec.test.max_strain {
         violations.push(
@@ -61,6 +64,21 @@ fn check_output(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
         .allowed(format!("≤ max_strain = {end}"))
         .unit("1")
     }));
+}
+
+fn check_seeds(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
+    let others = u64::from(spec.test.repeats.saturating_sub(1));
+    if spec.seed > LARGEST_SEED - others {
+        violations.push(
+            Violation::new(
+                "/seed",
+                "out_of_range",
+                "the seeds of the repeats, which count on from this one, become too large",
+            )
+            .value(spec.seed)
+            .allowed(format!("0 … {}", LARGEST_SEED - others)),
+        );
+    }
 }
 
 fn check_lattice(lattice: &Lattice, violations: &mut Vec<Violation>) {

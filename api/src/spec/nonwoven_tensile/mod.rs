@@ -21,7 +21,8 @@ pub struct NonwovenTensile {
     /// Version of this spec's format.
     #[schemars(range(min = 1, max = 1))]
     pub version: u32,
-    /// Seed of every random stream of the test: irregularity, bond strength.
+    /// Seed of every random stream of the test: irregularity, bond strength. Repeats count on from
+    /// it, to at most 2⁵³ − 1.
     #[serde(default = "default_seed")]
     #[schemars(range(max = 9_007_199_254_740_991_u64))]
     pub seed: u64,
@@ -78,6 +79,10 @@ pub struct Test {
     /// it does not change the (quasi-static) result. 100 mm/min is the rate of ISO 9073-3.
     #[schemars(range(min = 1e-6, max = 1e6), extend("x-unit" = "mm/min"))]
     pub speed_mm_per_min: f64,
+    /// Tests of specimens drawn with the seeds `seed`, `seed` + 1, ...: results become means with
+    /// standard deviation and 95 % confidence interval. Curve and tables are those of the first.
+    #[schemars(range(min = 1, max = 1000))]
+    pub repeats: u32,
 }
 
 /// Which bonds break in a round of breaking.
@@ -173,6 +178,7 @@ impl Default for Test {
             stop_force_fraction: 0.1,
             breaking: Breaking::default(),
             speed_mm_per_min: 100.0,
+            repeats: 1,
         }
     }
 }

@@ -5,12 +5,16 @@
 //! the guess of [`predictor`] and keeps everything that counts in a [`state`]; [`snapshot`],
 //! [`distribution`], [`tables`], [`spectrum`] and [`report`] turn that into files and results.
 //! [`width`] measures lateral contraction, [`progress`] how far the test is. This file holds the
-//! loop, which alone talks to the recorder.
+//! loop, which alone talks to the recorder. [`plan`] stands above: a job of repeats is several such
+//! tests side by side, each speaking through a [`relay`], their results joined in [`repeats`].
 mod distribution;
 mod experiment;
 mod lattice;
+pub(crate) mod plan;
 mod predictor;
 mod progress;
+mod relay;
+mod repeats;
 mod report;
 mod snapshot;
 mod specimen;
@@ -41,11 +45,11 @@ struct Checkpoint {
     state: State,
 }
 
-/// Runs the test of `spec`.
+/// Runs a single test of `spec`, whatever repeats it asks for.
 ///
 /// # Errors
 /// What made a result impossible, see [`SimulationError`].
-pub(crate) fn run(
+fn run(
     spec: &NonwovenTensile,
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
