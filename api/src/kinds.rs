@@ -109,7 +109,7 @@ job_kinds! {
         "Nonwoven tensile test",
         "A fabric of bonds is pulled until it parts; every strain step is brought to equilibrium.",
         ["nonwoven_tensile", "nonwoven_tensile_quick", "nonwoven_tensile_network",
-            "nonwoven_tensile_repeats"];
+            "nonwoven_tensile_repeats", "nonwoven_tensile_directions"];
 }
 
 /// Work that is the same for every kind, given the spec's type.

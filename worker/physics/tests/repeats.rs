@@ -4,7 +4,10 @@ mod scene;
 
 use loadframe_api::{Report, spec::nonwoven_tensile::NonwovenTensile};
 use loadframe_physics::{Ending, Interrupt, RunContext, SimulationError, Uninterrupted, simulate};
-use scene::{AtLook, Record, polyester, run, run_with, value};
+use scene::{
+    AtLook, Record, assert_same, finished, polyester, run, run_with, suspended_again_and_again,
+    value,
+};
 
 const REPEATS: u32 = 4;
 
@@ -23,29 +26,6 @@ fn alone(index: u64) -> (Report, Record) {
     spec.test.repeats = 1;
     spec.seed += index;
     run(&spec)
-}
-
-fn finished(ending: Ending) -> Report {
-    match ending {
-        Ending::Finished(report) => report,
-        ending => panic!("{ending:?}"),
-    }
-}
-
-/// What a resumed run must have in common with one that was not stopped; work is a cost.
-fn assert_same(expected: &(Report, Record), found: &(Report, Record)) {
-    let without_work = |report: &Report| Report {
-        work: Default::default(),
-        ..report.clone()
-    };
-    assert_eq!(without_work(&expected.0), without_work(&found.0));
-    assert_eq!(expected.1.columns, found.1.columns);
-    assert_eq!(expected.1.points, found.1.points);
-    let names = |record: &Record| record.files.keys().cloned().collect::<Vec<_>>();
-    assert_eq!(names(&expected.1), names(&found.1));
-    for (name, bytes) in &expected.1.files {
-        assert!(*bytes == found.1.files[name], "{name} differs");
-    }
 }
 
 #[test]
@@ -117,18 +97,7 @@ fn suspended_repeats_end_with_the_same_bytes() {
     let expected = run(&spec);
     for threads in [1, 3] {
         for looks in [5, 40, 150] {
-            let (mut record, mut checkpoint, mut pieces) = (Record::default(), None, 0);
-            let report = loop {
-                pieces += 1;
-                let interrupt = AtLook::new(Interrupt::Suspend, looks);
-                let from: Option<&Vec<u8>> = checkpoint.as_ref();
-                let from = from.map(Vec::as_slice);
-                match run_with(&spec, &mut record, &interrupt, from, threads) {
-                    Ending::Suspended => checkpoint = record.checkpoint.clone(),
-                    ending => break finished(ending),
-                }
-            };
-            assert!(pieces > 1, "{looks} looks did not suspend");
+            let (report, record) = suspended_again_and_again(&spec, looks, threads);
             assert_same(&expected, &(report, record));
         }
     }

@@ -1,5 +1,5 @@
 //! What the JSON Schema cannot say: counts that must fit together, bonds that must hold something.
-use super::{Breaking, Fabric, Jaw, Lattice, Network, NonwovenTensile};
+use super::{Breaking, Direction, Fabric, Jaw, Lattice, Network, NonwovenTensile};
 use crate::Violation;
 
 /// More nodes than this are refused: a network of this size takes about 10 GB.
@@ -21,6 +21,7 @@ pub(super) fn check(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
     check_bond(spec, violations);
     check_output(spec, violations);
     check_seeds(spec, violations);
+    check_directions(spec, violations);
     let steps = spec.test.steps();
     if spec.test.strain_step > spec.test.max_strain {
         violations.push(
@@ -78,6 +79,35 @@ fn check_seeds(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
             .value(spec.seed)
             .allowed(format!("0 … {}", LARGEST_SEED - others)),
         );
+    }
+}
+
+/// Only a lattice can be held in another way than it is given, and needs free nodes then.
+fn check_directions(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
+    let mut directions = spec.test.directions.iter();
+    let Some(index) = directions.position(|direction| *direction == Direction::X) else {
+        return;
+    };
+    let refuse = |detail: &str| {
+        Violation::new(
+            format!("/test/directions/{index}"),
+            "not_allowed",
+            detail.to_owned(),
+        )
+        .value("x")
+        .allowed("\"y\"")
+    };
+    match &spec.fabric {
+        Fabric::Network(_) => violations.push(refuse(
+            "a network says which jaw holds each node, for a pull along y; to pull it along x give \
+             it turned, x and y exchanged and other nodes held, as a job of its own",
+        )),
+        Fabric::Lattice(lattice) if lattice.points_per_row < 3 => violations.push(refuse(&format!(
+            "a pull along x holds the first and last node of each row; with points_per_row = {} \
+             no node of a row is left between them (at least 3 are needed)",
+            lattice.points_per_row
+        ))),
+        Fabric::Lattice(_) => {}
     }
 }
 

@@ -128,19 +128,22 @@ pub(super) fn estimate(spec: &NonwovenTensile, calibration: &Calibration) -> Est
     } else {
         0.0
     };
-    // as many repeats are in memory at once as there are threads, which the spec does not know;
+    // as many tests are in memory at once as there are threads, which the spec does not know;
     // the estimate is for one core
-    let repeats = f64::from(spec.test.repeats);
+    let directions = spec.test.directions.len() as f64;
+    let tests = f64::from(spec.test.repeats) * directions;
     let one = START_S + slowdown * evaluations / calibration.bond_evaluations_per_s;
-    let curves = if repeats > 1.0 {
-        repeats * (RESULTS_MB + steps * POINT_MB)
+    let curves = if tests > 1.0 {
+        tests * (RESULTS_MB + steps * POINT_MB)
     } else {
         0.0
     };
     Estimate {
-        wall_s: repeats * one,
+        wall_s: tests * one,
         memory_mb: MEMORY_MB[0] + bonds * MEMORY_MB[1] + curves,
-        disk_mb: steps * STEP_MB + bonds * (EVENT_MB + SNAPSHOT_MB_PER_BOND * snapshots) + curves,
+        disk_mb: directions
+            * (steps * STEP_MB + bonds * (EVENT_MB + SNAPSHOT_MB_PER_BOND * snapshots))
+            + curves,
         calibrated: false,
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The model is a three-dimensional network of straight bonds in equilibrium at every strain step
 //! ([Jirsak1993], [Zilka2022]). Lengths are in mm, forces in N, strain is dimensionless; y is the
-//! pulling direction, x the width, z the thickness.
+//! pulling direction, x the width, z the thickness. A test along x is one of the same fabric turned.
 mod checks;
 mod estimate;
 mod fabric;
@@ -83,6 +83,23 @@ pub struct Test {
     /// standard deviation and 95 % confidence interval. Curve and tables are those of the first.
     #[schemars(range(min = 1, max = 1000))]
     pub repeats: u32,
+    /// The axes along which the specimen is pulled, each time from the start: `["y", "x"]` tests
+    /// the same nodes and bonds in both directions and relates the two. Curve and tables are those
+    /// of the first; results of the second end in `_along_x` (or `_along_y`).
+    #[schemars(length(min = 1, max = 2), extend("uniqueItems" = true))]
+    pub directions: Vec<Direction>,
+}
+
+/// An axis along which a specimen is pulled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Direction {
+    /// Along the columns of a lattice, by the jaws it is given with.
+    #[default]
+    Y,
+    /// Along the rows of a lattice: its jaws are taken off, and the first and last node of each row
+    /// are held instead.
+    X,
 }
 
 /// Which bonds break in a round of breaking.
@@ -179,6 +196,7 @@ impl Default for Test {
             breaking: Breaking::default(),
             speed_mm_per_min: 100.0,
             repeats: 1,
+            directions: vec![Direction::Y],
         }
     }
 }
@@ -222,6 +240,16 @@ impl Accuracy {
         Knobs {
             force_accuracy,
             ..Knobs::default()
+        }
+    }
+}
+
+impl Direction {
+    /// Name of the axis.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Y => "y",
+            Self::X => "x",
         }
     }
 }

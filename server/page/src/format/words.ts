@@ -29,17 +29,21 @@ export interface Shown {
   unit: string;
   /** The value as it came, for the tooltip. */
   exact: string;
+  /** What repeats say of it. */
+  scatter?: string;
 }
 
 /** A result as a lab reads it: strains in %, no unit for pure numbers. */
 export function showQuantity(name: string, quantity: Quantity): Shown {
   const { value, unit } = quantity;
-  const isStrain = unit === "1" && /strain|stretch/.test(name);
+  // A ratio of strains is not a strain.
+  const isStrain = unit === "1" && /strain|stretch/.test(name) && !name.startsWith("anisotropy");
   if (value === null) return { text: "–", unit: "", exact: "The test did not get far enough to know." };
   const exact = `${value}${unit === "1" ? " (dimensionless)" : ` ${unit}`}`;
-  if (isStrain) return { text: formatNumber(value * 100), unit: "%", exact };
-  const [factor, larger] = unit === "Pa" ? pascals(value) : [1, unit];
-  return { text: formatNumber(value / factor), unit: showUnit(larger), exact };
+  const [factor, larger] = isStrain ? [0.01, "%"] : unit === "Pa" ? pascals(value) : [1, unit];
+  const { deviation, n } = quantity;
+  const scatter = deviation && n ? `± ${formatNumber(deviation / factor)} (s, n = ${n})` : "";
+  return { text: formatNumber(value / factor), unit: showUnit(larger), exact, ...(scatter && { scatter }) };
 }
 
 /** Nobody speaks of 68 860 000 Pa. */

@@ -1,12 +1,13 @@
 //! Tensile test of a nonwoven.
 //!
 //! In the order in which a run calls them: [`specimen`] builds the network from the spec, from a
-//! [`lattice`] or as given, with drawn [`strength`]; [`experiment`] strains it step by step from
-//! the guess of [`predictor`] and keeps everything that counts in a [`state`]; [`snapshot`],
+//! [`lattice`], perhaps [`turned`], or as given, with drawn [`strength`]; [`experiment`] strains it
+//! step by step from the guess of [`predictor`] and keeps all that counts in a [`state`]; [`snapshot`],
 //! [`distribution`], [`tables`], [`spectrum`] and [`report`] turn that into files and results.
 //! [`width`] measures lateral contraction, [`progress`] how far the test is. This file holds the
-//! loop, which alone talks to the recorder. [`plan`] stands above: a job of repeats is several such
-//! tests side by side, each speaking through a [`relay`], their results joined in [`repeats`].
+//! loop, which alone talks to the recorder. [`plan`] stands above: a job of repeats or [`directions`]
+//! is several such tests side by side, each speaking through a [`relay`], their results joined.
+mod directions;
 mod distribution;
 mod experiment;
 mod lattice;
@@ -22,6 +23,7 @@ mod spectrum;
 mod state;
 mod strength;
 mod tables;
+mod turned;
 mod width;
 
 use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
@@ -45,7 +47,7 @@ struct Checkpoint {
     state: State,
 }
 
-/// Runs a single test of `spec`, whatever repeats it asks for.
+/// Runs a single test of `spec`, in its first direction, whatever repeats it asks for.
 ///
 /// # Errors
 /// What made a result impossible, see [`SimulationError`].

@@ -8,11 +8,15 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
-use loadframe_api::{Report, spec::nonwoven_tensile::NonwovenTensile};
+use loadframe_api::{
+    Report,
+    spec::nonwoven_tensile::{Direction, NonwovenTensile},
+};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    relay::{Curve, Gate, Message, Passage, Relay},
+    directions,
+    relay::{Curve, Gate, Message, Passage, Relay, Share},
     repeats,
 };
 use crate::{
@@ -56,7 +60,7 @@ pub(crate) fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    if spec.test.repeats <= 1 {
+    if tests(spec) <= 1 {
         return super::run(spec, context, recorder);
     }
     let mut plan = Plan::new(spec, context, recorder)?;
@@ -72,25 +76,105 @@ pub(crate) fn run(
         (_, None) => {}
     }
     let (reports, curves) = plan.results()?;
-    repeats::write(spec, &reports, &curves, recorder)?;
-    for (seed, report) in (spec.seed..).zip(&reports) {
-        recorder.log(&repeats::line(seed, report));
+    for (index, report) in reports.iter().enumerate() {
+        recorder.log(&line(spec, index, report));
     }
+    let per_repeat = reports.chunks(tests_per_repeat(spec));
+    let reports: Vec<Report> = per_repeat
+        .map(|reports| directions::join(&spec.test.directions, reports))
+        .collect();
+    let report = match reports.as_slice() {
+        [report] => report.clone(),
+        reports => {
+            repeats::write(spec, reports, recorder)?;
+            for direction in 0..tests_per_repeat(spec) {
+                let name = share(spec, direction).name("repeats_curves.csv");
+                let curves = curves
+                    .iter()
+                    .skip(direction)
+                    .step_by(tests_per_repeat(spec));
+                repeats::write_curves(&name, curves, recorder)?;
+            }
+            repeats::join(spec, reports)
+        }
+    };
     recorder.progress(1.0, "finished");
-    Ok(Ending::Finished(repeats::join(spec, &reports)))
+    Ok(Ending::Finished(report))
+}
+
+/// Tests in each repeat.
+fn tests_per_repeat(spec: &NonwovenTensile) -> usize {
+    spec.test.directions.len().max(1)
+}
+
+/// Tests of the job: the directions of each repeat after one another.
+fn tests(spec: &NonwovenTensile) -> usize {
+    spec.test.repeats as usize * tests_per_repeat(spec)
+}
+
+/// Number of the repeat and direction of test number `index`.
+fn place(spec: &NonwovenTensile, index: usize) -> (u64, Option<Direction>) {
+    let count = tests_per_repeat(spec);
+    let direction = spec.test.directions.get(index % count);
+    ((index / count) as u64, direction.copied())
 }
 
 /// The spec of test number `index`, on its own.
 fn spec_of(spec: &NonwovenTensile, index: usize) -> NonwovenTensile {
+    let (repeat, direction) = place(spec, index);
     let mut own = spec.clone();
     own.test.repeats = 1;
-    own.seed += index as u64;
-    if index > 0 {
+    own.test.directions = direction.into_iter().collect();
+    own.seed += repeat;
+    if repeat > 0 {
         // nobody would see them
         own.output.snapshot_every_steps = 0;
         own.output.force_distribution_strains.clear();
     }
     own
+}
+
+/// What the job shows of test number `index`: the first repeat, its first direction as its own.
+fn share(spec: &NonwovenTensile, index: usize) -> Share {
+    match place(spec, index) {
+        _ if index == 0 => Share::All,
+        (0, Some(direction)) => Share::Folder(directions::suffix(direction)),
+        _ => Share::Nothing,
+    }
+}
+
+/// A log line on a finished test.
+fn line(spec: &NonwovenTensile, index: usize, report: &Report) -> String {
+    let (repeat, direction) = place(spec, index);
+    let along = match direction {
+        Some(direction) if tests_per_repeat(spec) > 1 => format!(" along {}", direction.name()),
+        _ => String::new(),
+    };
+    let value = |name: &str| report.summary.get(name).and_then(|quantity| quantity.value);
+    format!(
+        "seed {}{along}: {}, maximum force {} N, {} bonds broken",
+        spec.seed + repeat,
+        report.stop_reason.replace('_', " "),
+        value("max_force").unwrap_or(f64::NAN),
+        value("broken_bonds").unwrap_or(f64::NAN),
+    )
+}
+
+/// What is going to be done.
+fn overview(spec: &NonwovenTensile) -> String {
+    let repeats = spec.test.repeats;
+    let last = spec.seed + u64::from(repeats.saturating_sub(1));
+    let specimens = match repeats {
+        1 => "one specimen".to_owned(),
+        _ => format!("{repeats} repeats, seeds {} to {last}", spec.seed),
+    };
+    match spec.test.directions.as_slice() {
+        [first, second] => {
+            let (first, second) = (first.name(), second.name());
+            format!("{specimens}, along {first} and along {second}")
+        }
+        _ => specimens,
+    }
 }
 
 impl Plan {
@@ -101,11 +185,10 @@ impl Plan {
         context: RunContext<'_>,
         recorder: &mut dyn Recorder,
     ) -> Result<Self, SimulationError> {
-        let count = spec.test.repeats as usize;
+        let count = tests(spec);
         let fingerprint = super::fingerprint(spec)?;
         let Some(bytes) = context.checkpoint else {
-            let last = spec.seed + (count as u64 - 1);
-            recorder.log(&format!("{count} repeats, seeds {} to {last}", spec.seed));
+            recorder.log(&overview(spec));
             return Ok(Self {
                 spec: fingerprint,
                 tests: (0..count).map(|_| Test::Waiting).collect(),
@@ -272,7 +355,7 @@ impl Plan {
         let done = self.fractions.iter().sum::<f64>() / count as f64;
         let finished = self.tests.iter();
         let finished = finished.filter(|test| matches!(test, Test::Finished { .. }));
-        let phase = format!("{} of {count} repeats finished", finished.count());
+        let phase = format!("{} of {count} tests finished", finished.count());
         recorder.progress(done, &phase);
     }
 
@@ -320,7 +403,7 @@ impl Stage<'_> {
             }
             let mut relay = Relay {
                 run,
-                is_live: run == 0,
+                share: share(self.spec, run),
                 curve: Vec::new(),
                 messages: messages.clone(),
                 requests: self.requests,

@@ -42,13 +42,32 @@ pub(super) enum Message {
     },
 }
 
+/// What the job's recorder gets of a test.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Share {
+    /// Curve and files.
+    All,
+    /// Files, in a folder of this name.
+    Folder(String),
+    /// Nothing: only nominal strain and force are kept.
+    Nothing,
+}
+
+impl Share {
+    /// Name in the job of a file that a test shared like this calls `name`.
+    pub(super) fn name(&self, name: &str) -> String {
+        match self {
+            Self::Folder(folder) => format!("{folder}/{name}"),
+            Self::All | Self::Nothing => name.to_owned(),
+        }
+    }
+}
+
 /// The recorder of one test.
 #[derive(Debug)]
 pub(super) struct Relay<'a> {
     pub(super) run: usize,
-    /// Whether curve and files are the job's own; of other tests only nominal strain and force
-    /// are kept.
-    pub(super) is_live: bool,
+    pub(super) share: Share,
     pub(super) curve: Curve,
     pub(super) messages: SyncSender<Message>,
     /// Number of checkpoints asked for so far.
@@ -68,7 +87,7 @@ impl Relay<'_> {
 impl Recorder for Relay<'_> {
     fn columns(&mut self, names: &[&str]) -> io::Result<()> {
         self.curve.clear();
-        if !self.is_live {
+        if self.share != Share::All {
             return Ok(());
         }
         let names = names.iter().map(|name| (*name).to_owned());
@@ -80,7 +99,7 @@ impl Recorder for Relay<'_> {
         if let [strain, force, ..] = values {
             self.curve.push([*strain, *force]);
         }
-        if !self.is_live {
+        if self.share != Share::All {
             return Ok(());
         }
         self.send(Message::Point(values.to_vec()))
@@ -91,12 +110,12 @@ impl Recorder for Relay<'_> {
         name: &str,
         write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
     ) -> io::Result<()> {
-        if !self.is_live {
+        if self.share == Share::Nothing {
             return Ok(());
         }
         let mut bytes = Vec::new();
         write(&mut bytes)?;
-        let name = name.to_owned();
+        let name = self.share.name(name);
         self.send(Message::File { name, bytes })
     }
 

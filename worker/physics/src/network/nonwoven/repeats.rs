@@ -15,36 +15,39 @@ pub(super) fn join(spec: &NonwovenTensile, reports: &[Report]) -> Report {
     for (name, quantity) in &mut joint.summary {
         *quantity = mean(quantity, &values(reports, name));
     }
-    for (name, check) in &mut joint.quality {
-        let found = reports.iter().filter_map(|report| report.quality.get(name));
-        let worst = found.map(|check| check.value).fold(0.0, f64::max);
-        let description = format!("{} The worst of all repeats.", check.description);
-        *check = QualityCheck::at_most(worst, check.bound, &check.unit, &description);
-    }
+    joint.quality = worst_quality(reports, "The worst of all repeats.");
     joint.warnings = warnings(spec, reports);
-    joint.work = IndexMap::new();
-    for (name, count) in reports.iter().flat_map(|report| &report.work) {
-        *joint.work.entry(name.clone()).or_default() += count;
-    }
+    joint.work = total_work(reports);
     joint
 }
 
-/// A log line on a repeat.
-pub(super) fn line(seed: u64, report: &Report) -> String {
-    let value = |name: &str| report.summary.get(name).and_then(|quantity| quantity.value);
-    format!(
-        "seed {seed}: {}, maximum force {} N, {} bonds broken",
-        report.stop_reason.replace('_', " "),
-        value("max_force").unwrap_or(f64::NAN),
-        value("broken_bonds").unwrap_or(f64::NAN),
-    )
+/// The worst value of each check, whose bound is that of the first report.
+pub(super) fn worst_quality(reports: &[Report], words: &str) -> IndexMap<String, QualityCheck> {
+    let mut quality = reports
+        .first()
+        .map_or_else(IndexMap::new, |r| r.quality.clone());
+    for (name, check) in &mut quality {
+        let found = reports.iter().filter_map(|report| report.quality.get(name));
+        let worst = found.map(|check| check.value).fold(0.0, f64::max);
+        let description = format!("{} {words}", check.description);
+        *check = QualityCheck::at_most(worst, check.bound, &check.unit, &description);
+    }
+    quality
 }
 
-/// `repeats.csv`, seed and results of every repeat, and `repeats_curves.csv`, all curves.
+/// The sum of each work counter.
+pub(super) fn total_work(reports: &[Report]) -> IndexMap<String, u64> {
+    let mut work = IndexMap::new();
+    for (name, count) in reports.iter().flat_map(|report| &report.work) {
+        *work.entry(name.clone()).or_default() += count;
+    }
+    work
+}
+
+/// `repeats.csv`, seed and results of every repeat.
 pub(super) fn write(
     spec: &NonwovenTensile,
     reports: &[Report],
-    curves: &[Curve],
     recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
     recorder.file("repeats.csv", &mut |out| {
@@ -66,10 +69,18 @@ pub(super) fn write(
             csv::row(out, &row)?;
         }
         Ok(())
-    })?;
-    recorder.file("repeats_curves.csv", &mut |out| {
+    })
+}
+
+/// The curves of all repeats in one direction.
+pub(super) fn write_curves<'a>(
+    name: &str,
+    curves: impl Iterator<Item = &'a Curve> + Clone,
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
+    recorder.file(name, &mut |out| {
         csv::header(out, &["repeat", "nominal_strain", "force_n"])?;
-        for (index, curve) in curves.iter().enumerate() {
+        for (index, curve) in curves.clone().enumerate() {
             for [strain, force] in curve {
                 csv::row(out, &[(index + 1) as f64, *strain, *force])?;
             }
@@ -128,7 +139,8 @@ fn warnings(spec: &NonwovenTensile, reports: &[Report]) -> Vec<Warning> {
 /// The name of a result with its unit, as a column: `max_force` and N give `max_force_n`.
 fn column(name: &str, unit: &str) -> String {
     let suffix = unit.to_lowercase().replace('/', "_per_").replace(' ', "_");
-    if unit == "1" || name.ends_with(&format!("_{suffix}")) {
+    let (quantity, _) = name.split_once("_along_").unwrap_or((name, ""));
+    if unit == "1" || quantity.ends_with(&format!("_{suffix}")) {
         return name.to_owned();
     }
     format!("{name}_{suffix}")
@@ -144,5 +156,7 @@ mod tests {
         assert_eq!(column("strength", "N/m"), "strength_n_per_m");
         assert_eq!(column("strength_pa", "Pa"), "strength_pa");
         assert_eq!(column("poisson_ratio", "1"), "poisson_ratio");
+        assert_eq!(column("strength_pa_along_x", "Pa"), "strength_pa_along_x");
+        assert_eq!(column("max_force_along_x", "N"), "max_force_along_x_n");
     }
 }
