@@ -25,6 +25,7 @@ pub use calibration::calibration_spec;
 pub use checkpoint::CheckpointError;
 pub use error::SimulationError;
 pub use recorder::{Interrupt, InterruptSource, Recorder, Uninterrupted};
+pub use statistics::Sample;
 
 /// How a simulation ended.
 #[derive(Debug)]

@@ -6,19 +6,19 @@ const CONFIDENCE: f64 = 0.95;
 
 /// What a sample says about its population.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sample {
-    pub(crate) count: u32,
-    pub(crate) mean: f64,
+pub struct Sample {
+    pub count: u32,
+    pub mean: f64,
     /// s = √(Σ (x − x̄)²/(n − 1)), from two values on.
-    pub(crate) deviation: Option<f64>,
+    pub deviation: Option<f64>,
     /// x̄ ± t s/√n with Student's t at n − 1 degrees of freedom: holds the population's mean in
     /// 95 of 100 samples of a normal population. From two values on.
-    pub(crate) interval: Option<[f64; 2]>,
+    pub interval: Option<[f64; 2]>,
 }
 
 impl Sample {
     /// The statistics of `values`, summed in their order; `None` without any.
-    pub(crate) fn of(values: &[f64]) -> Option<Self> {
+    pub fn of(values: &[f64]) -> Option<Self> {
         let count = u32::try_from(values.len())
             .ok()
             .filter(|count| *count > 0)?;

@@ -6,11 +6,12 @@
 mod checks;
 mod estimate;
 mod fabric;
+mod study;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Calibration, Estimate, Violation};
+use crate::{Calibration, Estimate, Violation, study::Knob};
 
 pub use fabric::{Fabric, Jaw, Jaws, Lattice, Network, NetworkBond};
 
@@ -278,5 +279,21 @@ impl crate::kinds::Spec for NonwovenTensile {
 
     fn seed(&self) -> u64 {
         self.seed
+    }
+
+    fn knobs(&self) -> Vec<Knob> {
+        study::knobs(self)
+    }
+
+    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
+        study::turn(self, knob, value)
+    }
+
+    fn single(&mut self, seed: u64) {
+        study::single(self, seed);
+    }
+
+    fn compares(result: &str) -> bool {
+        study::compares(result)
     }
 }
