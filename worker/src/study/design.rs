@@ -117,9 +117,12 @@ impl Design {
                 points.push(Point { label, setting });
             }
         }
-        // numbers in their order, words as the kind lists them
-        points.sort_by(|a, b| match (a.label.parse(), b.label.parse()) {
-            (Ok(a), Ok(b)) => f64::total_cmp(&a, &b),
+        // numbers by how far they are from the reference, words as the kind lists them
+        let number = |point: &Point| point.label.parse::<f64>().ok();
+        let finest = number(&reference);
+        let distance = |point: &Point| Some((number(point)?.ln() - finest?.ln()).abs());
+        points.sort_by(|a, b| match (distance(a), distance(b)) {
+            (Some(a), Some(b)) => b.total_cmp(&a),
             _ => std::cmp::Ordering::Equal,
         });
         points.push(reference);
@@ -140,12 +143,39 @@ fn chosen(spec: &JobSpec, knobs: &[Knob], requests: &[Request]) -> Result<Vec<Kn
         };
         let mut knob = knob.clone();
         if !request.values.is_empty() {
+            measure_against_finest(&mut knob, &request.values);
             knob.grid.clone_from(&request.values);
         }
         Ok(vec![knob])
     });
     let chosen: Result<Vec<Vec<Knob>>, DesignError> = chosen.collect();
     Ok(chosen?.concat())
+}
+
+/// Moves the reference of a knob of numbers to the farthest of `values` beyond it.
+fn measure_against_finest(knob: &mut Knob, values: &[String]) {
+    let number = |value: &str| value.parse::<f64>().ok();
+    let coarsest = knob.grid.first().and_then(|value| number(value));
+    let own = knob
+        .reference
+        .iter_mut()
+        .find(|(name, _)| *name == knob.name);
+    let (Some(coarsest), Some((_, finest))) = (coarsest, own) else {
+        return;
+    };
+    for value in values {
+        let (Some(known), Some(new)) = (number(finest), number(value)) else {
+            return;
+        };
+        let is_beyond = if known > coarsest {
+            new > known
+        } else {
+            new < known
+        };
+        if is_beyond {
+            finest.clone_from(value);
+        }
+    }
 }
 
 /// The reference of a knob in words: its value there, and what else is set.

@@ -19,6 +19,10 @@ const LEGEND: f64 = 64.0;
 const SMALLEST: f64 = 1e-5;
 /// Radius of a mark.
 const MARK: f64 = 4.5;
+/// Radius of the ring around the spec's own setting.
+const RING: f64 = 9.0;
+/// Colours in the style sheet.
+const COLOURS: usize = 6;
 
 const STYLE: &str = "
 svg { --ink: #1d2630; --muted: #5b6672; --line: #d5dbe1; --paper: #ffffff;
@@ -159,7 +163,7 @@ fn panel(svg: &mut String, study: &Study, name: &str, [left, top]: [f64; 2]) {
     }
 }
 
-/// One knob: its path and its marks, each with its value.
+/// One knob: its marks, each with its value, and a path through those of numbers.
 fn line(
     svg: &mut String,
     knob: &KnobStudy,
@@ -168,7 +172,7 @@ fn line(
     [x, y]: [Axis; 2],
     bottom: f64,
 ) {
-    let mut path = String::new();
+    let mut way = Vec::<[f64; 2]>::new();
     let mut marks = String::new();
     for row in &knob.rows {
         let Some(error) = &row.errors[name] else {
@@ -179,17 +183,13 @@ fn line(
             x.place(row.cpu_s),
             shown.map_or(bottom, |shown| y.place(shown)),
         ];
-        let _ = write!(
-            path,
-            "{}{:.1} {:.1} ",
-            if path.is_empty() { "M" } else { "L" },
-            at[0],
-            at[1]
-        );
-        let class = if shown.is_none() {
-            " class=\"open\""
-        } else {
-            ""
+        let is_number = row.value.parse::<f64>().is_ok();
+        if is_number && shown.is_some() {
+            way.push(at);
+        }
+        let class = match shown {
+            Some(_) => "",
+            None => " class=\"open\"",
         };
         let told = format!(
             "{} = {}: {:.3} % at {:.3} s",
@@ -198,40 +198,34 @@ fn line(
             100.0 * error.size(),
             row.cpu_s
         );
+        let [left, top] = at;
+        let ring = match row.is_present {
+            true => {
+                format!("<circle class=\"present\" cx=\"{left:.1}\" cy=\"{top:.1}\" r=\"{RING}\"/>")
+            }
+            false => String::new(),
+        };
+        let symbol = mark(index, at, class);
         let _ = writeln!(
             marks,
-            "<g><title>{}</title>{}{}</g>",
-            escaped(&told),
-            mark(index, at, class),
-            if row.is_present {
-                format!(
-                    "<circle class=\"present\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"{}\"/>",
-                    at[0],
-                    at[1],
-                    2.0 * MARK
-                )
-            } else {
-                String::new()
-            }
+            "<g><title>{}</title>{symbol}{ring}</g>",
+            escaped(&told)
         );
-        // words are long and told by the legend's marks and the title; numbers fit
-        if row.value.len() <= 7 && shown.is_some() {
-            let _ = writeln!(
-                marks,
-                "<text class=\"muted\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                at[0] + 7.0,
-                at[1] - 6.0,
-                escaped(&row.value)
-            );
+        // words are long; their title tells them
+        if is_number && shown.is_some() {
+            text(&mut marks, left + 7.0, top - 6.0, "muted", &row.value);
         }
     }
-    let colour = format!("var(--c{})", index % 6);
+    way.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let points = way.iter().map(|[x, y]| format!("{x:.1},{y:.1}"));
+    let points: Vec<String> = points.collect();
+    let colour = format!("var(--c{})", index % COLOURS);
     let _ = writeln!(
         svg,
-        "<g style=\"stroke: {colour}\"><path class=\"path\" d=\"{}\"/></g>",
-        path.trim_end()
+        "<polyline class=\"path\" style=\"stroke: {colour}\" points=\"{}\"/>\n\
+         <g style=\"fill: {colour}\">\n{marks}</g>",
+        points.join(" ")
     );
-    let _ = writeln!(svg, "<g style=\"fill: {colour}\">\n{marks}</g>");
 }
 
 /// The mark of the knob number `index`: shapes tell knobs apart without colours.
@@ -257,7 +251,11 @@ fn legend(svg: &mut String, study: &Study, top: f64) {
     let mut left = MARGIN[0];
     for (index, knob) in study.knobs.iter().enumerate() {
         let symbol = mark(index, [left, top - 4.0], "");
-        let _ = writeln!(svg, "<g style=\"fill: var(--c{})\">{symbol}</g>", index % 6);
+        let _ = writeln!(
+            svg,
+            "<g style=\"fill: var(--c{})\">{symbol}</g>",
+            index % COLOURS
+        );
         text(svg, left + 10.0, top, "", knob.knob);
         left += 40.0 + 7.5 * knob.knob.len() as f64;
     }

@@ -139,6 +139,9 @@ fn advice(knob: &KnobStudy, study: &Study) -> String {
             percent(scatter)
         );
     }
+    if reference.doubtful > 0 {
+        text += " The reference is doubtful itself: read the errors as differences.";
+    }
     text + &cheapest(knob, study)
 }
 

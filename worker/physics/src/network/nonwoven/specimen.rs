@@ -115,13 +115,18 @@ impl Specimen {
             *length = bond.rest_length_mm.unwrap_or(*length);
         }
         let mean_law = mean(&laws);
+        let laws = match laws.split_first() {
+            // what all bonds share is not read for each
+            Some((first, others)) if others.iter().all(|law| law == first) => Laws::Same(*first),
+            _ => Laws::Each(laws),
+        };
         let given_strengths = given.bonds.iter().map(|bond| bond.strength_n).enumerate();
         let network = Network {
             holds: given.jaws.iter().map(hold).collect(),
             bonds: Bonds {
                 ends,
                 rest_lengths,
-                laws: Laws::Each(laws),
+                laws,
                 strengths: strengths(given_strengths, distribution(spec).as_ref(), breaks(spec))?,
             },
             positions,
