@@ -47,7 +47,8 @@ fn result_row(name: &str, quantity: &Quantity) -> [String; 4] {
     [
         readable(name),
         quantity.value.map_or("not reached".to_owned(), |value| {
-            let scatter = quantity.deviation.map(|s| format!(" ± {}", number(s)));
+            let scatter = quantity.deviation.filter(|s| *s > 0.0);
+            let scatter = scatter.map(|s| format!(" ± {}", number(s)));
             number(value) + &scatter.unwrap_or_default()
         }),
         unit(&quantity.unit),
