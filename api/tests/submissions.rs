@@ -263,4 +263,9 @@ fn repeats_take_as_many_times_as_long() {
     let (one, ten) = (estimate(1), estimate(10));
     assert!((ten.wall_s / one.wall_s - 10.0).abs() < 1e-9);
     assert!(ten.disk_mb > one.disk_mb && ten.memory_mb > one.memory_mb);
+    let mut body = example();
+    body["spec"]["test"]["directions"] = json!(["y", "x"]);
+    let submission = Submission::from_slice(body.to_string().as_bytes()).expect("valid");
+    let both = submission.spec.estimate(&Default::default());
+    assert!((both.wall_s / one.wall_s - 2.0).abs() < 1e-9 && both.disk_mb > 1.9 * one.disk_mb);
 }

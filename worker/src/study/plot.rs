@@ -7,6 +7,7 @@
 use std::fmt::Write;
 
 use super::analysis::{KnobStudy, Study};
+use super::words::digits;
 
 const WIDTH: f64 = 960.0;
 const COLUMNS: usize = 2;
@@ -155,7 +156,7 @@ fn panel(svg: &mut String, study: &Study, name: &str, [left, top]: [f64; 2]) {
             svg,
             right - 4.0,
             at - 5.0,
-            &format!("scatter {scatter:.1} %"),
+            &format!("scatter {} %", digits(scatter)),
         );
     }
     for (index, knob) in study.knobs.iter().enumerate() {

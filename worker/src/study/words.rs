@@ -233,7 +233,7 @@ fn percent(error: f64) -> String {
 }
 
 /// Two significant digits at least.
-fn digits(value: f64) -> String {
+pub(super) fn digits(value: f64) -> String {
     match value {
         v if v <= 0.0 => "0".to_owned(),
         v if v >= 10.0 => format!("{v:.0}"),
