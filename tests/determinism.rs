@@ -3,10 +3,11 @@
 use loadframe_tests::run_alone;
 use serde_json::{Value, json};
 
-const EXAMPLES: [&str; 3] = [
+const EXAMPLES: [&str; 4] = [
     include_str!("../api/examples/nonwoven_tensile.json"),
     include_str!("../api/examples/nonwoven_tensile_network.json"),
     include_str!("../api/examples/nonwoven_tensile_quick.json"),
+    include_str!("../api/examples/nonwoven_tensile_repeats.json"),
 ];
 
 #[test]

@@ -3,7 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Calibration, Estimate, Violation, sha256_hex, spec};
+use crate::{
+    Calibration, Estimate, Violation,
+    schema::spec_violations,
+    sha256_hex, spec,
+    study::{Knob, TurnError},
+};
 
 /// What the spec of every kind can do beyond being parsed.
 pub trait Spec: Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
@@ -18,6 +23,18 @@ pub trait Spec: Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
 
     /// Seed of the random streams.
     fn seed(&self) -> u64;
+
+    /// What an accuracy study may vary.
+    fn knobs(&self) -> Vec<Knob>;
+
+    /// Sets a knob; `None` when the value is not one it takes.
+    fn turn(&mut self, knob: &str, value: &str) -> Option<()>;
+
+    /// Makes it one test of this seed, on the thread it is run on, that writes as little as it can.
+    fn single(&mut self, seed: u64);
+
+    /// Whether a result may be compared between settings: not when it grows with the specimen.
+    fn compares(result: &str) -> bool;
 }
 
 /// An example job of a kind.
@@ -100,6 +117,35 @@ macro_rules! job_kinds {
             pub fn seed(&self) -> u64 {
                 match self { $(Self::$kind(spec) => spec.seed(),)+ }
             }
+
+            /// What an accuracy study may vary.
+            pub fn knobs(&self) -> Vec<Knob> {
+                match self { $(Self::$kind(spec) => spec.knobs(),)+ }
+            }
+
+            /// The spec of one test of this seed, which writes as little as it can.
+            pub fn single(&self, seed: u64) -> Self {
+                let mut own = self.clone();
+                match &mut own { $(Self::$kind(spec) => spec.single(seed),)+ }
+                own
+            }
+
+            /// Whether a result may be compared between the settings of a study.
+            pub fn compares(&self, result: &str) -> bool {
+                match self { $(Self::$kind(_) => <$spec as Spec>::compares(result),)+ }
+            }
+
+            /// Everything that is wrong with the spec, with pointers into it.
+            ///
+            /// # Errors
+            /// The violations, when there are any.
+            pub fn check(&self) -> Result<(), Vec<Violation>> {
+                match self { $(Self::$kind(spec) => check(self.kind(), &**spec),)+ }
+            }
+
+            fn set(&mut self, knob: &str, value: &str) -> Option<()> {
+                match self { $(Self::$kind(spec) => spec.turn(knob, value),)+ }
+            }
         }
     };
 }
@@ -108,13 +154,27 @@ job_kinds! {
     NonwovenTensile("nonwoven_tensile"): spec::nonwoven_tensile::NonwovenTensile,
         "Nonwoven tensile test",
         "A fabric of bonds is pulled until it parts; every strain step is brought to equilibrium.",
-        ["nonwoven_tensile", "nonwoven_tensile_quick", "nonwoven_tensile_network"];
+        ["nonwoven_tensile", "nonwoven_tensile_quick", "nonwoven_tensile_network",
+            "nonwoven_tensile_repeats", "nonwoven_tensile_directions"];
 }
 
 /// Work that is the same for every kind, given the spec's type.
 pub(crate) trait SpecVisitor {
     type Output;
     fn visit<T: Spec>(self, wrap: fn(T) -> JobSpec) -> Self::Output;
+}
+
+fn check<T: Spec>(kind: JobKind, spec: &T) -> Result<(), Vec<Violation>> {
+    let value = serde_json::to_value(spec).unwrap_or_default();
+    let mut violations = spec_violations(kind, &value);
+    if violations.is_empty() {
+        spec.check(&mut violations);
+    }
+    if violations.is_empty() {
+        Ok(())
+    } else {
+        Err(violations)
+    }
 }
 
 fn json<T: Spec>(spec: &T) -> String {
@@ -126,6 +186,28 @@ impl JobSpec {
     /// SHA-256 of the normalised spec.
     pub fn sha256(&self) -> String {
         sha256_hex(self.to_json().as_bytes())
+    }
+
+    /// Sets a knob of a study. Whether the value is in range, [`Self::check`] tells.
+    ///
+    /// # Errors
+    /// [`TurnError`] when there is no such knob, or it takes no such value.
+    pub fn turn(&mut self, knob: &str, value: &str) -> Result<(), TurnError> {
+        let knobs = self.knobs();
+        let known = knobs.iter().find(|known| known.name == knob);
+        let known = known.ok_or_else(|| TurnError::NoSuchKnob {
+            knob: knob.to_owned(),
+            known: knobs
+                .iter()
+                .map(|knob| knob.name)
+                .collect::<Vec<_>>()
+                .join(", "),
+        })?;
+        self.set(knob, value).ok_or_else(|| TurnError::NoSuchValue {
+            knob: known.name,
+            value: value.to_owned(),
+            description: known.description,
+        })
     }
 }
 

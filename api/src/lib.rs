@@ -18,6 +18,7 @@ mod outcome;
 mod problem;
 mod schema;
 pub mod spec;
+pub mod study;
 mod timestamp;
 pub mod worker;
 

@@ -47,6 +47,16 @@ pub struct Quantity {
     /// `null` where the test did not get far enough to know it.
     pub value: Option<f64>,
     pub unit: String,
+    /// Standard deviation over the repeats of a test, in the unit of the value, which is their mean.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deviation: Option<f64>,
+    /// Lower and upper end of the 95 % confidence interval of the mean over repeats, by Student's
+    /// t, in the unit of the value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interval: Option<[f64; 2]>,
+    /// Repeats that know the value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n: Option<u32>,
     /// A sentence on what it is, for people.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub description: String,
@@ -114,6 +124,9 @@ impl Quantity {
         Self {
             value: value.is_finite().then_some(value),
             unit: unit.to_owned(),
+            deviation: None,
+            interval: None,
+            n: None,
             description: description.to_owned(),
         }
     }

@@ -159,6 +159,10 @@ impl Checker {
                 let count = given.as_array().map_or(0, Vec::len);
                 violations.push(at("wrong_length", format!("{count} entries given")));
             }
+            ValidationErrorKind::UniqueItems => violations.push(at(
+                "not_unique",
+                "an entry is given more than once".to_owned(),
+            )),
             ValidationErrorKind::MinLength { .. } | ValidationErrorKind::MaxLength { .. } => {
                 let count = given.as_str().map_or(0, |text| text.chars().count());
                 violations.push(at("wrong_length", format!("{count} characters given")));
@@ -253,7 +257,9 @@ fn describe(node: &Value) -> String {
         };
     }
     if let Some(range) = range(limit("minItems"), limit("maxItems")) {
-        return format!("{range} entries");
+        let unique = node["uniqueItems"].as_bool() == Some(true);
+        let unique = if unique { ", all different" } else { "" };
+        return format!("{range} entries{unique}");
     }
     if let Some(range) = range(limit("minLength"), limit("maxLength")) {
         return format!("{range} characters");

@@ -218,3 +218,54 @@ fn a_body_of_too_many_values_is_refused_unread() {
         matches!(found, Err(SubmissionError::Invalid(violations)) if violations[0].code == "too_large")
     );
 }
+
+#[test]
+fn repeats_are_few_enough_and_so_are_their_seeds() {
+    let mut body = example();
+    body["spec"]["test"]["repeats"] = json!(1001);
+    let found = &violations(&body)[0];
+    assert_eq!(found.pointer, "/spec/test/repeats");
+    assert_eq!(found.allowed.as_deref(), Some("whole numbers 1 … 1000"));
+    body["spec"]["test"]["repeats"] = json!(3);
+    let largest = (1_u64 << 53) - 1;
+    body["spec"]["seed"] = json!(largest - 1);
+    let found = &violations(&body)[0];
+    assert_eq!(
+        (found.pointer.as_str(), found.code.as_str()),
+        ("/spec/seed", "out_of_range")
+    );
+    body["spec"]["seed"] = json!(largest - 2);
+    assert!(Submission::from_slice(body.to_string().as_bytes()).is_ok());
+}
+
+#[test]
+fn bond_forces_are_asked_for_within_the_test() {
+    let mut body = example();
+    body["spec"]["test"]["max_strain"] = json!(0.5);
+    body["spec"]["output"]["force_distribution_strains"] = json!([0.5, 0.6]);
+    let found = violations(&body);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(
+        found[0].pointer,
+        "/spec/output/force_distribution_strains/1"
+    );
+    assert_eq!(found[0].unit.as_deref(), Some("1"));
+}
+
+#[test]
+fn repeats_take_as_many_times_as_long() {
+    let estimate = |repeats: u32| {
+        let mut body = example();
+        body["spec"]["test"]["repeats"] = json!(repeats);
+        let submission = Submission::from_slice(body.to_string().as_bytes()).expect("valid");
+        submission.spec.estimate(&Default::default())
+    };
+    let (one, ten) = (estimate(1), estimate(10));
+    assert!((ten.wall_s / one.wall_s - 10.0).abs() < 1e-9);
+    assert!(ten.disk_mb > one.disk_mb && ten.memory_mb > one.memory_mb);
+    let mut body = example();
+    body["spec"]["test"]["directions"] = json!(["y", "x"]);
+    let submission = Submission::from_slice(body.to_string().as_bytes()).expect("valid");
+    let both = submission.spec.estimate(&Default::default());
+    assert!((both.wall_s / one.wall_s - 2.0).abs() < 1e-9 && both.disk_mb > 1.9 * one.disk_mb);
+}

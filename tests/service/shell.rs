@@ -1,7 +1,7 @@
 //! The commands of the shell against a server: submit, watch, fetch, cancel, and their exit codes.
 use loadframe_api::{JobOutcome, JobStatus};
 use loadframe_tests::{
-    JobFiles, LONG, SLOW, SMALL, Server, Worker, loadframe, run_alone, until, with_seed,
+    JobFiles, LONG, SLOW, SMALL, Server, TINY, Worker, loadframe, run_alone, until, with_seed,
 };
 use serde_json::Value;
 use std::process::Output;
@@ -106,6 +106,33 @@ fn a_run_interrupted_by_sigint_goes_on_where_it_was() {
     let output = run().output().unwrap();
     assert!(output.status.success(), "{}", text(&output));
     assert_eq!(JobFiles::in_folder(&folder), alone);
+}
+
+#[test]
+fn a_study_tells_what_exactness_costs_and_refuses_knobs_there_are_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec = folder.path().join("spec.json");
+    std::fs::write(&spec, with_seed(TINY, 1).to_string()).unwrap();
+    let study = |more: &[&str]| {
+        let mut command = loadframe();
+        command.args(["study", "accuracy"]).arg(&spec).args(more);
+        let out = folder.path().join("study");
+        command.arg("--out").arg(out).output().unwrap()
+    };
+    let refused = study(&["--knob", "magic=1"]);
+    assert_eq!(code(&refused), 2, "{}", text(&refused));
+    let known = "force_accuracy, solver, strain_step, breaking, size";
+    assert!(text(&refused).contains(known), "{}", text(&refused));
+    assert!(!folder.path().join("study").exists());
+    let told = study(&["--knob", "force_accuracy=5,50", "--seeds", "2"]);
+    assert_eq!(code(&told), 0, "{}", text(&told));
+    assert!(text(&told).contains("reference"), "{}", text(&told));
+    for name in ["accuracy.csv", "accuracy.json", "accuracy.svg"] {
+        assert!(folder.path().join("study").join(name).is_file(), "{name}");
+    }
+    let again = study(&["--knob", "force_accuracy=5,50", "--seeds", "2", "--json"]);
+    let again: Value = serde_json::from_slice(&again.stdout).unwrap();
+    assert_eq!(again["knobs"][0]["rows"].as_array().unwrap().len(), 4);
 }
 
 #[test]

@@ -8,6 +8,7 @@
 //!   [`run::Destination`], so that a run without a server takes the same road.
 //! - `attempt` is that road for a lease: a heartbeat beside the solver, a courier that brings
 //!   everything to the server in order, and at the end complete, fail or release.
+//! - [`study`] runs a spec at many settings side by side and tells what exactness costs.
 //! - [`Worker`] claims one lease after the other until it is told to stop.
 mod attempt;
 mod calibration;
@@ -16,6 +17,7 @@ mod machine;
 pub mod run;
 mod scratch;
 mod stop;
+pub mod study;
 mod worker;
 
 pub use calibration::calibrate;

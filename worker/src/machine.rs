@@ -25,6 +25,14 @@ pub(crate) fn processor_time_s() -> f64 {
     })
 }
 
+/// Processor time of the calling thread so far [s].
+pub(crate) fn thread_processor_time_s() -> f64 {
+    use nix::time::{ClockId, clock_gettime};
+    clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID).map_or(0.0, |time| {
+        time.tv_sec() as f64 + time.tv_nsec() as f64 * 1e-9
+    })
+}
+
 /// Lets [`peak_memory_mb`] start anew, so that a large job does not show in the next one's cost.
 pub(crate) fn forget_peak_memory() {
     // 5 resets the mark (proc_pid_clear_refs(5)); without it the mark stays that of the process
@@ -49,6 +57,18 @@ fn high_water_mark_kb(status: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_thread_is_charged_for_its_own_work_only() {
+        let before = thread_processor_time_s();
+        let busy = std::thread::spawn(|| {
+            let begin = thread_processor_time_s();
+            while thread_processor_time_s() < begin + 0.05 {}
+        });
+        busy.join().expect("no panic");
+        let waited = thread_processor_time_s() - before;
+        assert!((0.0..0.04).contains(&waited), "{waited}");
+    }
 
     #[test]
     fn the_high_water_mark_is_read_from_its_line() {

@@ -24,8 +24,11 @@ impl Scratch {
         std::fs::create_dir_all(parent)?;
         remove_abandoned(parent);
         let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent)?;
-        let lock = File::create(folder.path().join(LOCK))?;
+        // locked before it has its name: another worker that starts now must not find it free
+        let unnamed = folder.path().join("lock.new");
+        let lock = File::create(&unnamed)?;
         lock.lock()?;
+        std::fs::rename(unnamed, folder.path().join(LOCK))?;
         Ok(Self {
             folder,
             _lock: lock,
@@ -60,6 +63,25 @@ fn remove_abandoned(parent: &Path) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn workers_that_start_together_leave_each_other_their_folders() {
+        let parent = tempfile::tempdir().expect("a temporary folder");
+        let start = || {
+            let opened = (0..50).map(|_| Scratch::open(parent.path()).expect("a scratch folder"));
+            opened.collect::<Vec<Scratch>>()
+        };
+        let all: Vec<Scratch> = std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..8).map(|_| scope.spawn(start)).collect();
+            let opened = workers.into_iter().map(|worker| worker.join());
+            opened
+                .flat_map(|opened| opened.expect("no panic"))
+                .collect()
+        });
+        for scratch in &all {
+            scratch.attempt().expect("an attempt's folder");
+        }
+    }
 
     #[test]
     fn only_folders_of_dead_workers_are_removed() {

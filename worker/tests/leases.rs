@@ -137,12 +137,24 @@ impl Drop for Lab {
     }
 }
 
-/// The quick example, with steps fine enough that it takes a second or two.
+/// The quick example, with a curve long enough to look at.
 fn job() -> Value {
     let body = JobKind::NonwovenTensile.examples()[1].body;
     let mut body: Value = serde_json::from_str(body).expect("an example");
     body["spec"]["test"]["strain_step"] = json!(0.002);
     body["spec"]["output"] = json!({"snapshot_every_steps": 50});
+    body
+}
+
+/// A job of several seconds: what is asked of it while it computes reaches it with a heartbeat, so
+/// several of these must fit in.
+fn long_job() -> Value {
+    let mut body = job();
+    let lattice = &mut body["spec"]["fabric"]["lattice"];
+    lattice["points_per_row"] = json!(31);
+    lattice["rows"] = json!(35);
+    body["spec"]["test"]["strain_step"] = json!(0.000_25);
+    body["spec"]["output"] = json!({"snapshot_every_steps": 400});
     body
 }
 
@@ -208,8 +220,8 @@ async fn a_job_is_claimed_carried_out_and_completed() {
 #[tokio::test(flavor = "multi_thread")]
 async fn cancelling_frees_the_worker() {
     let lab = Lab::open().await;
-    let first = lab.post("/v1/jobs", &job()).await;
-    let second = lab.post("/v1/jobs", &job()).await;
+    let first = lab.post("/v1/jobs", &long_job()).await;
+    let second = lab.post("/v1/jobs", &long_job()).await;
     let (_shutdown, _worker) = lab.worker();
     lab.computes(&first).await;
     lab.ask(&first, "cancel").await;
@@ -225,7 +237,7 @@ async fn cancelling_frees_the_worker() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_stopped_worker_hands_its_job_to_the_next() {
     let lab = Lab::open().await;
-    let spec = job();
+    let spec = long_job();
     let submitted = lab.post("/v1/jobs", &spec).await;
     let (shutdown, worker) = lab.worker();
     lab.computes(&submitted).await;
@@ -250,7 +262,7 @@ async fn a_stopped_worker_hands_its_job_to_the_next() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_paused_job_goes_on_to_the_same_bytes() {
     let lab = Lab::open().await;
-    let spec = job();
+    let spec = long_job();
     let submitted = lab.post("/v1/jobs", &spec).await;
     let (_shutdown, _worker) = lab.worker();
     lab.computes(&submitted).await;

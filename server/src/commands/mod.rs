@@ -1,6 +1,6 @@
 //! The commands of the `loadframe` executable, one file each.
 //!
-//! `lab`, `serve` and `worker` are the service; `run`, `validate`, `kinds`, `example` and `schema`
+//! `lab`, `serve` and `worker` are the service; `run`, `study`, `validate`, `kinds`, `example` and `schema`
 //! need no server; all others speak REST with one. What a command prints for people can be had as
 //! JSON with `--json`; how it ended is its exit code ([`failure::Code`]).
 mod connection;
@@ -17,6 +17,7 @@ mod run;
 mod serve;
 mod signals;
 mod source;
+mod study;
 mod submit;
 mod terminal;
 mod token;
@@ -64,6 +65,9 @@ enum Command {
     Worker(worker::Arguments),
     /// Run a job here, without a server
     Run(run::Arguments),
+    /// Find out what exactness costs
+    #[command(subcommand)]
+    Study(study::Study),
     /// Check a spec, and estimate what it takes
     Validate(validate::Arguments),
     /// Submit a job
@@ -114,6 +118,7 @@ async fn perform(command: Command) -> Result<(), Failure> {
         Command::Serve(arguments) => serve::perform(arguments).await,
         Command::Worker(arguments) => worker::perform(arguments).await,
         Command::Run(arguments) => run::perform(arguments).await,
+        Command::Study(study) => study::perform(study).await,
         Command::Validate(arguments) => validate::perform(&arguments),
         Command::Submit(arguments) => submit::perform(arguments).await,
         Command::Watch(arguments) => watch::perform(arguments).await,

@@ -46,7 +46,11 @@ pub(crate) fn show(outcome: &Outcome) {
 fn result_row(name: &str, quantity: &Quantity) -> [String; 4] {
     [
         readable(name),
-        quantity.value.map_or("not reached".to_owned(), number),
+        quantity.value.map_or("not reached".to_owned(), |value| {
+            let scatter = quantity.deviation.filter(|s| *s > 0.0);
+            let scatter = scatter.map(|s| format!(" ± {}", number(s)));
+            number(value) + &scatter.unwrap_or_default()
+        }),
         unit(&quantity.unit),
         quantity.description.clone(),
     ]
@@ -159,6 +163,11 @@ mod tests {
             result_row("max_force", &unknown)[..3],
             ["max force", "not reached", "N"]
         );
+        let repeated = Quantity {
+            deviation: Some(7.25),
+            ..Quantity::new(403.27, "N", "")
+        };
+        assert_eq!(result_row("max_force", &repeated)[1], "403.3 ± 7.250");
         let bad = QualityCheck::at_most(3.0, 1.0, "1", "");
         assert_eq!(
             quality_row("residual_ratio", &bad)[3],

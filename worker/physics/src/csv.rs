@@ -7,12 +7,15 @@ pub(crate) fn header(out: &mut dyn Write, names: &[&str]) -> io::Result<()> {
 }
 
 /// Writes a row of numbers in the shortest form that reads back as the same number. Large and
-/// small magnitudes take an exponent, so that no cell grows beyond about 24 characters.
+/// small magnitudes take an exponent, so that no cell grows beyond about 24 characters. What is not
+/// known, NaN, leaves its cell empty.
 pub(crate) fn row(out: &mut dyn Write, values: &[f64]) -> io::Result<()> {
     for (column, value) in values.iter().enumerate() {
         let separator = if column == 0 { "" } else { "," };
         let magnitude = value.abs();
-        if magnitude != 0.0 && !(1e-5..1e15).contains(&magnitude) {
+        if value.is_nan() {
+            write!(out, "{separator}")?;
+        } else if magnitude != 0.0 && !(1e-5..1e15).contains(&magnitude) {
             write!(out, "{separator}{value:e}")?;
         } else {
             write!(out, "{separator}{value}")?;
@@ -35,6 +38,11 @@ mod tests {
     #[test]
     fn numbers_keep_their_digits() {
         assert_eq!(text(&[0.1, 3.0, -1e-7, 2e20]), "0.1,3,-1e-7,2e20\n");
+    }
+
+    #[test]
+    fn what_is_not_known_is_left_empty() {
+        assert_eq!(text(&[1.0, f64::NAN, 2.0]), "1,,2\n");
     }
 
     proptest! {

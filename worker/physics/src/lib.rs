@@ -13,6 +13,7 @@ mod network;
 mod parallel;
 mod recorder;
 mod rng;
+mod statistics;
 mod vtk;
 mod wide;
 
@@ -24,6 +25,7 @@ pub use calibration::calibration_spec;
 pub use checkpoint::CheckpointError;
 pub use error::SimulationError;
 pub use recorder::{Interrupt, InterruptSource, Recorder, Uninterrupted};
+pub use statistics::Sample;
 
 /// How a simulation ended.
 #[derive(Debug)]
@@ -68,6 +70,6 @@ pub fn simulate(
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
     match spec {
-        JobSpec::NonwovenTensile(spec) => network::nonwoven::run(spec, context, recorder),
+        JobSpec::NonwovenTensile(spec) => network::nonwoven::plan::run(spec, context, recorder),
     }
 }

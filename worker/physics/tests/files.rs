@@ -2,6 +2,7 @@
 #![allow(clippy::float_cmp, reason = "some results are exact")]
 mod scene;
 
+use loadframe_api::spec::nonwoven_tensile::Breaking;
 use scene::{array, floats, polyester, run};
 
 fn text(bytes: &[u8]) -> &str {
@@ -17,10 +18,15 @@ fn a_run_leaves_its_tables_and_snapshots() {
     let (report, record) = run(&spec);
     let names: Vec<&str> = record.files.keys().map(String::as_str).collect();
     let expected = [
+        "avalanches.csv",
+        "breaking_by_force.csv",
+        "breaking_by_strain.csv",
         "curve.csv",
         "curve_machine.csv",
         "events.csv",
+        "force_drops.csv",
         "force_histogram.csv",
+        "poisson_ratio.csv",
         "snapshots.pvd",
         "snapshots/step_00000.vtp",
         "snapshots/step_00002.vtp",
@@ -31,7 +37,7 @@ fn a_run_leaves_its_tables_and_snapshots() {
     let curve = text(&record.files["curve.csv"]);
     assert!(curve.starts_with(
         "nominal_strain,force_n,force_bottom_jaw_n,broken_bonds,residual_ratio,rounds,\
-         stored_energy_n_mm,width_strain\n"
+         stored_energy_n_mm,width_strain,poisson_ratio\n"
     ));
     assert_eq!(record.table("curve.csv"), record.points);
     assert_eq!(
@@ -89,10 +95,17 @@ fn a_snapshot_is_vtk_poly_data_with_lines() {
 }
 
 #[test]
-fn without_snapshots_there_is_nothing_of_them() {
+fn without_snapshots_and_breaking_there_is_nothing_of_them() {
     let mut spec = polyester(3, 5, 1);
     spec.test.max_strain = 0.05;
+    spec.test.breaking = Breaking::None;
     let (_, record) = run(&spec);
     let names: Vec<&str> = record.files.keys().map(String::as_str).collect();
-    assert_eq!(names, ["curve.csv", "curve_machine.csv", "events.csv"]);
+    let expected = [
+        "curve.csv",
+        "curve_machine.csv",
+        "events.csv",
+        "poisson_ratio.csv",
+    ];
+    assert_eq!(names, expected);
 }

@@ -15,6 +15,7 @@ mod result_files;
 mod saved_run;
 
 pub use directory::{DirectoryEnd, DirectoryError, DirectoryOptions, News, run_to_directory};
+pub(crate) use eta::TimeToGo;
 pub use execute::{Ended, Plan, RunError, execute};
 pub use recording::{Destination, Progress};
 pub use result_files::sha256_of_file;

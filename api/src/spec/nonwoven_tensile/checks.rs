@@ -1,5 +1,5 @@
 //! What the JSON Schema cannot say: counts that must fit together, bonds that must hold something.
-use super::{Breaking, Fabric, Jaw, Lattice, Network, NonwovenTensile};
+use super::{Breaking, Direction, Fabric, Jaw, Lattice, Network, NonwovenTensile};
 use crate::Violation;
 
 /// More nodes than this are refused: a network of this size takes about 10 GB.
@@ -8,6 +8,8 @@ const MOST_NODES: u64 = 20_000_000;
 const MOST_STEPS: u64 = 10_000_000;
 /// Rest lengths below this [mm] make stiffness overflow.
 const SHORTEST_BOND_MM: f64 = 1e-9;
+/// Seeds beyond 2⁵³ − 1 are not exact in every language's JSON.
+const LARGEST_SEED: u64 = (1 << 53) - 1;
 /// At most this many violations of one sort are listed.
 const LISTED: usize = 20;
 
@@ -17,6 +19,9 @@ pub(super) fn check(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
         Fabric::Network(network) => check_network(network, violations),
     }
     check_bond(spec, violations);
+    check_output(spec, violations);
+    check_seeds(spec, violations);
+    check_directions(spec, violations);
     let steps = spec.test.steps();
     if spec.test.strain_step > spec.test.max_strain {
         violations.push(
@@ -43,6 +48,66 @@ pub(super) fn check(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
             ))
             .unit("1"),
         );
+    }
+}
+
+fn check_output(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
+    let end = spec.test.max_strain;
+    let strains = spec.output.force_distribution_strains.iter().enumerate();
+    let beyond = strains.filter(|(_, strain)| **strain > end);
+    violations.extend(beyond.take(LISTED).map(|(index, strain)| {
+        Violation::new(
+            format!("/output/force_distribution_strains/{index}"),
+            "out_of_range",
+            "the test ends before this strain",
+        )
+        .value(*strain)
+        .allowed(format!("≤ max_strain = {end}"))
+        .unit("1")
+    }));
+}
+
+fn check_seeds(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
+    let others = u64::from(spec.test.repeats.saturating_sub(1));
+    if spec.seed > LARGEST_SEED - others {
+        violations.push(
+            Violation::new(
+                "/seed",
+                "out_of_range",
+                "the seeds of the repeats, which count on from this one, become too large",
+            )
+            .value(spec.seed)
+            .allowed(format!("0 … {}", LARGEST_SEED - others)),
+        );
+    }
+}
+
+/// Only a lattice can be held in another way than it is given, and needs free nodes then.
+fn check_directions(spec: &NonwovenTensile, violations: &mut Vec<Violation>) {
+    let mut directions = spec.test.directions.iter();
+    let Some(index) = directions.position(|direction| *direction == Direction::X) else {
+        return;
+    };
+    let refuse = |detail: &str| {
+        Violation::new(
+            format!("/test/directions/{index}"),
+            "not_allowed",
+            detail.to_owned(),
+        )
+        .value("x")
+        .allowed("\"y\"")
+    };
+    match &spec.fabric {
+        Fabric::Network(_) => violations.push(refuse(
+            "a network says which jaw holds each node, for a pull along y; to pull it along x give \
+             it turned, x and y exchanged and other nodes held, as a job of its own",
+        )),
+        Fabric::Lattice(lattice) if lattice.points_per_row < 3 => violations.push(refuse(&format!(
+            "a pull along x holds the first and last node of each row; with points_per_row = {} \
+             no node of a row is left between them (at least 3 are needed)",
+            lattice.points_per_row
+        ))),
+        Fabric::Lattice(_) => {}
     }
 }
 

@@ -29,6 +29,9 @@ const CALIBRATED_ROW: f64 = 49.0;
 /// Bonds in a row of a network that is given, at most: they are gathered.
 const GATHERED_ROW: f64 = 8.0;
 const STEP_MB: f64 = 250e-6;
+/// Strain and force of a step, and the results of one test, where there are repeats [MB].
+const POINT_MB: f64 = 45e-6;
+const RESULTS_MB: f64 = 500e-6;
 const EVENT_MB: f64 = 65e-6;
 
 impl Lattice {
@@ -125,10 +128,22 @@ pub(super) fn estimate(spec: &NonwovenTensile, calibration: &Calibration) -> Est
     } else {
         0.0
     };
+    // as many tests are in memory at once as there are threads, which the spec does not know;
+    // the estimate is for one core
+    let directions = spec.test.directions.len() as f64;
+    let tests = f64::from(spec.test.repeats) * directions;
+    let one = START_S + slowdown * evaluations / calibration.bond_evaluations_per_s;
+    let curves = if tests > 1.0 {
+        tests * (RESULTS_MB + steps * POINT_MB)
+    } else {
+        0.0
+    };
     Estimate {
-        wall_s: START_S + slowdown * evaluations / calibration.bond_evaluations_per_s,
-        memory_mb: MEMORY_MB[0] + bonds * MEMORY_MB[1],
-        disk_mb: steps * STEP_MB + bonds * (EVENT_MB + SNAPSHOT_MB_PER_BOND * snapshots),
+        wall_s: tests * one,
+        memory_mb: MEMORY_MB[0] + bonds * MEMORY_MB[1] + curves,
+        disk_mb: directions
+            * (steps * STEP_MB + bonds * (EVENT_MB + SNAPSHOT_MB_PER_BOND * snapshots))
+            + curves,
         calibrated: false,
     }
 }

@@ -2,15 +2,16 @@
 //!
 //! The model is a three-dimensional network of straight bonds in equilibrium at every strain step
 //! ([Jirsak1993], [Zilka2022]). Lengths are in mm, forces in N, strain is dimensionless; y is the
-//! pulling direction, x the width, z the thickness.
+//! pulling direction, x the width, z the thickness. A test along x is one of the same fabric turned.
 mod checks;
 mod estimate;
 mod fabric;
+mod study;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Calibration, Estimate, Violation};
+use crate::{Calibration, Estimate, Violation, study::Knob};
 
 pub use fabric::{Fabric, Jaw, Jaws, Lattice, Network, NetworkBond};
 
@@ -21,7 +22,8 @@ pub struct NonwovenTensile {
     /// Version of this spec's format.
     #[schemars(range(min = 1, max = 1))]
     pub version: u32,
-    /// Seed of every random stream of the test: irregularity, bond strength.
+    /// Seed of every random stream of the test: irregularity, bond strength. Repeats count on from
+    /// it, to at most 2⁵³ − 1.
     #[serde(default = "default_seed")]
     #[schemars(range(max = 9_007_199_254_740_991_u64))]
     pub seed: u64,
@@ -78,6 +80,27 @@ pub struct Test {
     /// it does not change the (quasi-static) result. 100 mm/min is the rate of ISO 9073-3.
     #[schemars(range(min = 1e-6, max = 1e6), extend("x-unit" = "mm/min"))]
     pub speed_mm_per_min: f64,
+    /// Tests of specimens drawn with the seeds `seed`, `seed` + 1, ...: results become means with
+    /// standard deviation and 95 % confidence interval. Curve and tables are those of the first.
+    #[schemars(range(min = 1, max = 1000))]
+    pub repeats: u32,
+    /// The axes along which the specimen is pulled, each time from the start: `["y", "x"]` tests
+    /// the same nodes and bonds in both directions and relates the two. Curve and tables are those
+    /// of the first; results of the second end in `_along_x` (or `_along_y`).
+    #[schemars(length(min = 1, max = 2), extend("uniqueItems" = true))]
+    pub directions: Vec<Direction>,
+}
+
+/// An axis along which a specimen is pulled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Direction {
+    /// Along the columns of a lattice, by the jaws it is given with.
+    #[default]
+    Y,
+    /// Along the rows of a lattice: its jaws are taken off, and the first and last node of each row
+    /// are held instead.
+    X,
 }
 
 /// Which bonds break in a round of breaking.
@@ -148,9 +171,17 @@ pub struct Output {
     /// A snapshot (`.vtp`) and a force histogram every so many strain steps; 0 writes none.
     #[schemars(range(min = 0, max = 1_000_000_000))]
     pub snapshot_every_steps: u32,
-    /// Bins of the bond force histogram.
+    /// Bins of the bond force histograms, and of those of breaking events.
     #[schemars(range(min = 1, max = 10_000))]
     pub histogram_bins: u32,
+    /// Nominal strains at which the distribution of bond forces is written, each at the nearest
+    /// strain step; besides those of the snapshots.
+    #[schemars(
+        length(max = 1000),
+        inner(range(min = 0.0, max = 100.0)),
+        extend("x-unit" = "1")
+    )]
+    pub force_distribution_strains: Vec<f64>,
 }
 
 fn default_seed() -> u64 {
@@ -165,6 +196,8 @@ impl Default for Test {
             stop_force_fraction: 0.1,
             breaking: Breaking::default(),
             speed_mm_per_min: 100.0,
+            repeats: 1,
+            directions: vec![Direction::Y],
         }
     }
 }
@@ -191,6 +224,7 @@ impl Default for Output {
         Self {
             snapshot_every_steps: 10,
             histogram_bins: 40,
+            force_distribution_strains: Vec::new(),
         }
     }
 }
@@ -207,6 +241,16 @@ impl Accuracy {
         Knobs {
             force_accuracy,
             ..Knobs::default()
+        }
+    }
+}
+
+impl Direction {
+    /// Name of the axis.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Y => "y",
+            Self::X => "x",
         }
     }
 }
@@ -235,5 +279,21 @@ impl crate::kinds::Spec for NonwovenTensile {
 
     fn seed(&self) -> u64 {
         self.seed
+    }
+
+    fn knobs(&self) -> Vec<Knob> {
+        study::knobs(self)
+    }
+
+    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
+        study::turn(self, knob, value)
+    }
+
+    fn single(&mut self, seed: u64) {
+        study::single(self, seed);
+    }
+
+    fn compares(result: &str) -> bool {
+        study::compares(result)
     }
 }

@@ -6,6 +6,9 @@ export type JobOutcome = "succeeded" | "failed" | "cancelled" | "timed_out" | "q
 export interface Quantity {
   value: number | null;
   unit: string;
+  /** Standard deviation over repeats, whose mean the value is. */
+  deviation?: number;
+  n?: number;
   description?: string;
 }
 

@@ -63,6 +63,13 @@ describe("quantities", () => {
     expect([shown.text, shown.unit, shown.exact]).toEqual(["113.0", "%", "1.13 (dimensionless)"]);
   });
 
+  it("shows the scatter of repeats in the unit of the value", () => {
+    const shown = showQuantity("strain_at_max_force", { value: 1.13, unit: "1", deviation: 0.0213, n: 5 });
+    expect(plain(shown.scatter ?? "")).toBe("± 2.1");
+    const ratio = showQuantity("anisotropy_of_strain_at_max_force", { value: 1.5, unit: "1" });
+    expect([ratio.text, ratio.unit, ratio.scatter]).toEqual(["1.500", "", undefined]);
+  });
+
   it("leaves other pure numbers alone and says when a value is unknown", () => {
     expect(showQuantity("poisson_ratio", { value: 0.56, unit: "1" }).unit).toBe("");
     expect(showQuantity("max_force", { value: null, unit: "N" }).text).toBe("–");

@@ -1,6 +1,6 @@
 // Names on the wire as words for people.
 import type { Job, Quantity } from "../api/types";
-import { formatNumber, NARROW } from "./numbers";
+import { formatChosen, formatNumber, NARROW } from "./numbers";
 
 /** `strain_at_max_force` as `Strain at max force`. */
 export function humanise(name: string): string {
@@ -29,17 +29,23 @@ export interface Shown {
   unit: string;
   /** The value as it came, for the tooltip. */
   exact: string;
+  /** The standard deviation over repeats. */
+  scatter?: string;
 }
 
 /** A result as a lab reads it: strains in %, no unit for pure numbers. */
 export function showQuantity(name: string, quantity: Quantity): Shown {
   const { value, unit } = quantity;
-  const isStrain = unit === "1" && /strain|stretch/.test(name);
+  // A ratio of strains is not a strain.
+  const isStrain = unit === "1" && /strain|stretch/.test(name) && !name.startsWith("anisotropy");
   if (value === null) return { text: "–", unit: "", exact: "The test did not get far enough to know." };
-  const exact = `${value}${unit === "1" ? " (dimensionless)" : ` ${unit}`}`;
-  if (isStrain) return { text: formatNumber(value * 100), unit: "%", exact };
-  const [factor, larger] = unit === "Pa" ? pascals(value) : [1, unit];
-  return { text: formatNumber(value / factor), unit: showUnit(larger), exact };
+  const { deviation, n } = quantity;
+  const mean = deviation && n ? `, mean of ${n}, standard deviation ${deviation}` : "";
+  const exact = `${value}${unit === "1" ? " (dimensionless)" : ` ${unit}`}${mean}`;
+  const [factor, larger] = isStrain ? [0.01, "%"] : unit === "Pa" ? pascals(value) : [1, unit];
+  // Two digits tell how far specimens differ.
+  const scatter = mean && `± ${formatChosen(Number(((deviation ?? 0) / factor).toPrecision(2)))}`;
+  return { text: formatNumber(value / factor), unit: showUnit(larger), exact, ...(scatter && { scatter }) };
 }
 
 /** Nobody speaks of 68 860 000 Pa. */

@@ -222,6 +222,51 @@ pub(crate) fn run(spec: &NonwovenTensile) -> (Report, Record) {
     }
 }
 
+/// The report of a run that was not stopped.
+pub(crate) fn finished(ending: Ending) -> Report {
+    match ending {
+        Ending::Finished(report) => report,
+        ending => panic!("{ending:?}"),
+    }
+}
+
+/// What a resumed run must have in common with one that was not stopped; work is a cost.
+pub(crate) fn assert_same(expected: &(Report, Record), found: &(Report, Record)) {
+    let without_work = |report: &Report| Report {
+        work: Default::default(),
+        ..report.clone()
+    };
+    assert_eq!(without_work(&expected.0), without_work(&found.0));
+    assert_eq!(expected.1.columns, found.1.columns);
+    assert_eq!(expected.1.points, found.1.points);
+    let names = |record: &Record| record.files.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&expected.1), names(&found.1));
+    for (name, bytes) in &expected.1.files {
+        assert!(*bytes == found.1.files[name], "{name} differs");
+    }
+}
+
+/// Suspends a run every so many looks until it has finished.
+pub(crate) fn suspended_again_and_again(
+    spec: &NonwovenTensile,
+    looks: u64,
+    threads: usize,
+) -> (Report, Record) {
+    let (mut record, mut checkpoint, mut pieces) = (Record::default(), None, 0);
+    let report = loop {
+        pieces += 1;
+        let interrupt = AtLook::new(Interrupt::Suspend, looks);
+        let from: Option<&Vec<u8>> = checkpoint.as_ref();
+        let from = from.map(Vec::as_slice);
+        match run_with(spec, &mut record, &interrupt, from, threads) {
+            Ending::Suspended => checkpoint = record.checkpoint.clone(),
+            ending => break finished(ending),
+        }
+    };
+    assert!(pieces > 1, "{looks} looks did not suspend");
+    (report, record)
+}
+
 /// A value of the summary.
 pub(crate) fn value(report: &Report, name: &str) -> f64 {
     let quantity = &report.summary[name];

@@ -162,6 +162,7 @@ impl<'a> Experiment<'a> {
         if self.loaded.assembly.is_empty() {
             self.state.displacements = start;
             self.settled = None;
+            self.note_force(0.0);
             self.record([0.0, 0.0], 0.0);
             return Ok(Advance::StepDone(Some(StopReason::NoLoadPath)));
         }
@@ -189,6 +190,7 @@ impl<'a> Experiment<'a> {
 
         let broken = self.break_bonds(&settled);
         let jaw_forces = assembly_forces(&self.loaded.assembly, &settled);
+        self.note_force(jaw_forces[0]);
         let energy = settled.configuration.energy;
         self.settled = Some(settled);
         if broken > 0 {
@@ -323,6 +325,13 @@ impl<'a> Experiment<'a> {
         broken.len()
     }
 
+    /// Keeps the force at the first equilibrium of a step.
+    fn note_force(&mut self, force: f64) {
+        if self.state.round == 0 {
+            self.state.force_before_breaking = force;
+        }
+    }
+
     fn record(&mut self, [force, bottom_force]: [f64; 2], stored_energy: f64) {
         let nominal_strain = self.nominal_strain();
         let state = &mut self.state;
@@ -338,6 +347,7 @@ impl<'a> Experiment<'a> {
             nominal_strain,
             force,
             bottom_force,
+            force_before_breaking: state.force_before_breaking,
             broken: state.events.len() as u64,
             residual_ratio: worst.residual_ratio,
             rounds: state.round,

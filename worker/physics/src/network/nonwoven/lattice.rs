@@ -26,51 +26,63 @@ pub(super) struct Points {
     pub(super) ends: Vec<[u32; 2]>,
     pub(super) rows: Vec<Row>,
     /// Numbers of the first and the last halved diagonals, below and above the bonds of the lattice.
-    grips: [Range<usize>; 2],
+    pub(super) grips: [Range<usize>; 2],
     /// First and last node of each row in the middle third, in every layer.
     pub(super) middle_rows: Vec<[u32; 2]>,
     /// Distance of the jaws [mm].
     pub(super) gauge_length: f64,
+    /// Each row or column counts with its spacing [mm].
+    pub(super) width: f64,
+    /// Numbers of the bonds in the lattice as it is given, by which their strength is drawn; empty
+    /// where they are their own.
+    pub(super) numbers: Vec<usize>,
 }
 
 /// The numbering of a lattice's nodes.
-struct Numbering<'a> {
-    lattice: &'a Lattice,
+pub(super) struct Numbering<'a> {
+    pub(super) lattice: &'a Lattice,
     /// Jaw points of one jaw.
-    jaw_points: u32,
+    pub(super) jaw_points: u32,
 }
 
-impl Numbering<'_> {
+impl<'a> Numbering<'a> {
+    pub(super) fn new(lattice: &'a Lattice) -> Self {
+        let jaw_points = match lattice.jaws {
+            Jaws::HalfBond => 2 * lattice.points_per_row,
+            Jaws::ClampedRows => 0,
+        };
+        Self {
+            lattice,
+            jaw_points,
+        }
+    }
+
     /// Points in a row: n_x in even rows, n_x + 1 in odd ones.
-    fn columns(&self, row: u32) -> u32 {
+    pub(super) fn columns(&self, row: u32) -> u32 {
         self.lattice.points_per_row + row % 2
     }
 
     /// Number of the first node of a row in a layer.
-    fn first(&self, row: u32, layer: u32) -> u32 {
+    pub(super) fn first(&self, row: u32, layer: u32) -> u32 {
         let pair = 2 * self.lattice.points_per_row + 1;
         let points_before = row / 2 * pair + row % 2 * self.lattice.points_per_row;
         self.jaw_points + points_before * self.lattice.layers + layer * self.columns(row)
     }
 
-    fn is_clamped(&self, row: u32) -> bool {
+    pub(super) fn is_clamped(&self, row: u32) -> bool {
         self.lattice.jaws == Jaws::ClampedRows && (row == 0 || row == self.lattice.rows - 1)
     }
 }
 
 /// Builds the lattice; `seed` moves its nodes.
 pub(super) fn points(lattice: &Lattice, seed: u64) -> Points {
-    let jaw_points = match lattice.jaws {
-        Jaws::HalfBond => 2 * lattice.points_per_row,
-        Jaws::ClampedRows => 0,
-    };
-    let numbering = Numbering {
-        lattice,
-        jaw_points,
-    };
-    let [_, spacing, _] = lattice.spacing_mm;
+    let numbering = Numbering::new(lattice);
+    let [across, spacing, _] = lattice.spacing_mm;
     let (first_row, last_row) = (0, lattice.rows - 1);
-    let mut points = Points::default();
+    let mut points = Points {
+        width: f64::from(lattice.points_per_row) * across,
+        ..Points::default()
+    };
     match lattice.jaws {
         Jaws::HalfBond => {
             points.gauge_length = f64::from(lattice.rows) * spacing;
@@ -105,6 +117,11 @@ impl Points {
             self.positions.push(Vector::new(x, y, z));
             self.holds.push(jaw);
         }
+    }
+
+    /// The number by which a bond's strength is drawn.
+    pub(super) fn number(&self, bond: usize) -> usize {
+        self.numbers.get(bond).copied().unwrap_or(bond)
     }
 
     /// Whether a bond is a halved diagonal in a jaw.
@@ -191,7 +208,7 @@ impl Points {
         }
     }
 
-    fn join_run(&mut self, first: u32, second: u32, count: u32) {
+    pub(super) fn join_run(&mut self, first: u32, second: u32, count: u32) {
         self.ends
             .extend((0..count).map(|step| [first + step, second + step]));
     }

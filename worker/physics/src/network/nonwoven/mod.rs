@@ -1,20 +1,29 @@
 //! Tensile test of a nonwoven.
 //!
 //! In the order in which a run calls them: [`specimen`] builds the network from the spec, from a
-//! [`lattice`] or as given, with drawn [`strength`]; [`experiment`] strains it step by step from
-//! the guess of [`predictor`] and keeps everything that counts in a [`state`]; [`snapshot`],
-//! [`tables`] and [`report`] turn that into files and results. [`width`] measures lateral
-//! contraction, [`progress`] how far the test is. This file holds the loop, which alone talks to the recorder.
+//! [`lattice`], perhaps [`turned`], or as given, with drawn [`strength`]; [`experiment`] strains it
+//! step by step from the guess of [`predictor`] and keeps all that counts in a [`state`]; [`snapshot`],
+//! [`distribution`], [`tables`], [`spectrum`] and [`report`] turn that into files and results.
+//! [`width`] measures lateral contraction, [`progress`] how far the test is. This file holds the
+//! loop, which alone talks to the recorder. [`plan`] stands above: a job of repeats or [`directions`]
+//! is several such tests side by side, each speaking through a [`relay`], their results joined.
+mod directions;
+mod distribution;
 mod experiment;
 mod lattice;
+pub(crate) mod plan;
 mod predictor;
 mod progress;
+mod relay;
+mod repeats;
 mod report;
 mod snapshot;
 mod specimen;
+mod spectrum;
 mod state;
 mod strength;
 mod tables;
+mod turned;
 mod width;
 
 use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
@@ -38,11 +47,11 @@ struct Checkpoint {
     state: State,
 }
 
-/// Runs the test of `spec`.
+/// Runs a single test of `spec`, in its first direction, whatever repeats it asks for.
 ///
 /// # Errors
 /// What made a result impossible, see [`SimulationError`].
-pub(crate) fn run(
+fn run(
     spec: &NonwovenTensile,
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
@@ -77,6 +86,7 @@ pub(crate) fn run(
             experiment.specimen.gauge_length
         ));
     }
+    let distribution_steps = distribution::steps(spec);
     let keep = |experiment: &mut Experiment<'_>, meter: &Meter<'_>, recorder: &mut dyn Recorder| {
         experiment.state.work = meter.work;
         let checkpoint = Checkpoint {
@@ -95,7 +105,12 @@ pub(crate) fn run(
             )),
             Ok(Advance::Broke) => {}
             Ok(Advance::StepDone(stop)) => {
-                record_step(&mut experiment, stop.is_some(), recorder)?;
+                record_step(
+                    &mut experiment,
+                    &distribution_steps,
+                    stop.is_some(),
+                    recorder,
+                )?;
                 if let Some(reason) = stop {
                     break reason;
                 }
@@ -127,9 +142,10 @@ pub(crate) fn run(
     Ok(Ending::Finished(report))
 }
 
-/// Hands a finished step to the recorder, with a snapshot when one is due.
+/// Hands a finished step to the recorder, with the snapshot and force distribution that are due.
 fn record_step(
     experiment: &mut Experiment<'_>,
+    distribution_steps: &[u64],
     is_last: bool,
     recorder: &mut dyn Recorder,
 ) -> Result<(), SimulationError> {
@@ -140,6 +156,9 @@ fn record_step(
     let is_due = every > 0 && (is_last || experiment.state.step.is_multiple_of(every));
     if is_due {
         snapshot::take(experiment, recorder)?;
+    }
+    if distribution_steps.contains(&experiment.state.step) {
+        distribution::take(experiment);
     }
     Ok(())
 }

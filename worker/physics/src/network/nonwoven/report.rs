@@ -6,6 +6,7 @@ use loadframe_api::{
 };
 
 use super::{
+    distribution,
     experiment::StopReason,
     specimen::Specimen,
     state::{Point, State},
@@ -250,6 +251,16 @@ fn warnings(
                     Solver::NewtonCg => "",
                     Solver::Sequential | Solver::Parallel => " or the solver newton_cg",
                 },
+            ),
+        );
+    }
+    let unreached = distribution::unreached(spec, state);
+    if !unreached.is_empty() {
+        warn(
+            "strain_not_reached",
+            format!(
+                "the test ended before {}, at which bond forces were asked for",
+                strains(&unreached)
             ),
         );
     }

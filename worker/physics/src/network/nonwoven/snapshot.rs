@@ -109,7 +109,7 @@ fn fields(experiment: &Experiment<'_>) -> Fields {
 }
 
 /// Numbers of loaded bonds in equal bins from the smallest to the largest force.
-fn histogram(experiment: &Experiment<'_>) -> Vec<HistogramBin> {
+pub(super) fn histogram(experiment: &Experiment<'_>) -> Vec<HistogramBin> {
     let Some(settled) = &experiment.settled else {
         return Vec::new();
     };

@@ -1,10 +1,11 @@
 //! From the spec of a nonwoven tensile test to the network and its dimensions.
 use loadframe_api::spec::nonwoven_tensile as spec;
-use loadframe_api::spec::nonwoven_tensile::{Breaking, Fabric, Jaw, NonwovenTensile};
+use loadframe_api::spec::nonwoven_tensile::{Breaking, Direction, Fabric, Jaw, NonwovenTensile};
 
 use super::{
     lattice,
     strength::{StrengthDistribution, strengths},
+    turned,
     width::WidthGauge,
 };
 use crate::{
@@ -37,7 +38,7 @@ pub(super) struct Specimen {
 }
 
 impl Specimen {
-    /// Builds the specimen of a spec.
+    /// Builds the specimen of a spec, along the first of its directions.
     ///
     /// # Errors
     /// [`SimulationError::Unbuildable`] for a spec its own validation would have refused.
@@ -53,11 +54,15 @@ impl Specimen {
         lattice: &spec::Lattice,
     ) -> Result<Self, SimulationError> {
         check_size(lattice)?;
-        let points = lattice::points(lattice, spec.seed);
+        let points = match spec.test.directions.first() {
+            None | Some(Direction::Y) => lattice::points(lattice, spec.seed),
+            Some(Direction::X) => turned::points(lattice, spec.seed),
+        };
         let law = law(&spec.bond, None, None, None)
             .ok_or_else(|| unbuildable("the bonds have no modulus"))?;
         let count = points.ends.len();
-        let given_strengths = (0..count).map(|bond| points.is_grip(bond).then_some(f64::INFINITY));
+        let given_strength = |bond| points.is_grip(bond).then_some(f64::INFINITY);
+        let given_strengths = (0..count).map(|bond| (points.number(bond), given_strength(bond)));
         let bonds = Bonds {
             rest_lengths: distances(&points.positions, &points.ends),
             laws: Laws::Same(law),
@@ -74,7 +79,7 @@ impl Specimen {
         Ok(Self {
             gauge_length: points.gauge_length,
             bottom: jaw_height(&network, Hold::Bottom)?,
-            width: f64::from(lattice.points_per_row) * lattice.spacing_mm[0],
+            width: points.width,
             thickness: lattice.thickness_mm,
             layers: Some(lattice.layers),
             width_gauge,
@@ -111,13 +116,18 @@ impl Specimen {
             *length = bond.rest_length_mm.unwrap_or(*length);
         }
         let mean_law = mean(&laws);
-        let given_strengths = given.bonds.iter().map(|bond| bond.strength_n);
+        let laws = match laws.split_first() {
+            // what all bonds share is not read for each
+            Some((first, others)) if others.iter().all(|law| law == first) => Laws::Same(*first),
+            _ => Laws::Each(laws),
+        };
+        let given_strengths = given.bonds.iter().map(|bond| bond.strength_n).enumerate();
         let network = Network {
             holds: given.jaws.iter().map(hold).collect(),
             bonds: Bonds {
                 ends,
                 rest_lengths,
-                laws: Laws::Each(laws),
+                laws,
                 strengths: strengths(given_strengths, distribution(spec).as_ref(), breaks(spec))?,
             },
             positions,
@@ -256,4 +266,30 @@ fn distances(positions: &[Vector], ends: &[[u32; 2]]) -> Vec<f64> {
 fn extent(positions: &[Vector]) -> f64 {
     let along_x = positions.iter().map(|position| position.x);
     along_x.clone().fold(f64::NEG_INFINITY, f64::max) - along_x.fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::float_cmp, reason = "copied numbers are exact")]
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn bonds_have_the_same_strength_in_both_directions() {
+        let loadframe_api::JobSpec::NonwovenTensile(mut spec) = crate::calibration_spec();
+        let upright = Specimen::new(&spec).expect("a lattice");
+        spec.test.directions = vec![Direction::X];
+        let turned = Specimen::new(&spec).expect("a lattice");
+        let jaw_points = (upright.network.positions.len() - turned.network.positions.len()) / 2;
+        let bonds = &upright.network.bonds;
+        let ends = bonds.ends.iter().copied();
+        let strengths: BTreeMap<[u32; 2], f64> =
+            ends.zip(bonds.strengths.iter().copied()).collect();
+        let bonds = &turned.network.bonds;
+        assert!(bonds.len() > 26_000);
+        for (ends, strength) in bonds.ends.iter().zip(&bonds.strengths) {
+            let upright = ends.map(|node| node + jaw_points as u32);
+            assert_eq!(strengths[&upright], *strength);
+        }
+    }
 }

@@ -14,6 +14,8 @@ pub(super) struct State {
     pub(super) displacements: Vec<Vector>,
     /// How the displacements changed in the last step before anything broke.
     pub(super) last_increment: Option<Increment>,
+    /// On the moving jaw at the first equilibrium of this step, before any of its bonds broke [N].
+    pub(super) force_before_breaking: f64,
     /// Worst residual ratio and verdict among the equilibria of this step.
     pub(super) worst_of_step: Worst,
     pub(super) points: Vec<Point>,
@@ -22,6 +24,8 @@ pub(super) struct State {
     /// Every bond that broke, in the order in which it did.
     pub(super) events: Vec<Event>,
     pub(super) histogram: Vec<HistogramBin>,
+    /// Bins at the strains the spec asks for.
+    pub(super) force_distribution: Vec<HistogramBin>,
     /// Steps of which a snapshot was written.
     pub(super) snapshots: Vec<u64>,
     /// Strains at which equilibrium was not reached.
@@ -57,6 +61,8 @@ pub(super) struct Point {
     pub(super) force: f64,
     /// On the jaw at rest [N].
     pub(super) bottom_force: f64,
+    /// On the moving jaw after straining, before bonds of this step broke [N].
+    pub(super) force_before_breaking: f64,
     /// Bonds broken since the start.
     pub(super) broken: u64,
     /// Worst in the step.
@@ -93,6 +99,17 @@ pub(super) struct HistogramBin {
     pub(super) bonds: u64,
 }
 
+impl Point {
+    /// −ε_x over nominal strain [-], 0 at no strain, where it is undefined.
+    pub(super) fn poisson_ratio(&self) -> Option<f64> {
+        let ratio = |width_strain: f64| match self.nominal_strain > 0.0 {
+            true => -width_strain / self.nominal_strain,
+            false => 0.0,
+        };
+        self.width_strain.map(ratio)
+    }
+}
+
 impl State {
     /// A test of a network of `nodes` that has not begun.
     pub(super) fn new(nodes: usize) -> Self {
@@ -101,11 +118,13 @@ impl State {
             round: 0,
             displacements: vec![Vector::zeros(); nodes],
             last_increment: None,
+            force_before_breaking: 0.0,
             worst_of_step: Worst::default(),
             points: Vec::new(),
             max_force: 0.0,
             events: Vec::new(),
             histogram: Vec::new(),
+            force_distribution: Vec::new(),
             snapshots: Vec::new(),
             unconverged: Vec::new(),
             round_off: Vec::new(),

@@ -43,12 +43,13 @@ impl StrengthDistribution {
     }
 }
 
-/// The strength of every bond: its own where given, else drawn; infinite when nothing breaks.
+/// The strength of every bond, given by its number and perhaps a strength of its own: that one, else
+/// one drawn; infinite when nothing breaks.
 ///
 /// # Errors
 /// [`SimulationError::Unbuildable`] when a bond needs a drawn strength and none is described.
 pub(super) fn strengths(
-    given: impl Iterator<Item = Option<f64>>,
+    given: impl Iterator<Item = (usize, Option<f64>)>,
     distribution: Option<&StrengthDistribution>,
     breaks: bool,
 ) -> Result<Vec<f64>, SimulationError> {
@@ -59,7 +60,7 @@ pub(super) fn strengths(
         (None, None) if breaks => Err(missing(bond)),
         (None, None) => Ok(f64::INFINITY),
     };
-    given.enumerate().map(strength).collect()
+    given.map(strength).collect()
 }
 
 #[cfg(test)]
@@ -96,10 +97,11 @@ mod tests {
     fn own_strengths_do_not_shift_those_drawn() {
         let distribution = StrengthDistribution::new(1.0, 0.5, 4);
         let drawn = |given: [Option<f64>; 3]| {
-            strengths(given.into_iter(), Some(&distribution), true).expect("all are known")
+            strengths(given.into_iter().enumerate(), Some(&distribution), true)
+                .expect("all are known")
         };
         let (all, some) = (drawn([None; 3]), drawn([None, Some(7.0), None]));
         assert_eq!([all[0], 7.0, all[2]], some[..]);
-        assert!(strengths([None].into_iter(), None, true).is_err());
+        assert!(strengths([(0, None)].into_iter(), None, true).is_err());
     }
 }

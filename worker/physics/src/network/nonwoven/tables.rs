@@ -6,12 +6,13 @@ use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
 use super::{
     snapshot,
     specimen::Specimen,
-    state::{Point, State},
+    spectrum,
+    state::{HistogramBin, Point, State},
 };
 use crate::{Recorder, csv};
 
-/// Columns of the curve; the last one only where the width can be measured.
-const COLUMNS: [&str; 8] = [
+/// Columns of the curve; the last two only where the width can be measured.
+const COLUMNS: [&str; 9] = [
     "nominal_strain",
     "force_n",
     "force_bottom_jaw_n",
@@ -20,11 +21,12 @@ const COLUMNS: [&str; 8] = [
     "rounds",
     "stored_energy_n_mm",
     "width_strain",
+    "poisson_ratio",
 ];
 
 /// Columns of the curve.
 pub(super) fn columns(has_width: bool) -> &'static [&'static str] {
-    &COLUMNS[..COLUMNS.len() - usize::from(!has_width)]
+    &COLUMNS[..COLUMNS.len() - 2 * usize::from(!has_width)]
 }
 
 /// A point in the order of the columns.
@@ -39,6 +41,7 @@ pub(super) fn values(point: &Point) -> Vec<f64> {
         point.stored_energy,
     ];
     values.extend(point.width_strain);
+    values.extend(point.poisson_ratio());
     values
 }
 
@@ -57,9 +60,20 @@ pub(super) fn write(
     recorder.file("curve_machine.csv", &mut |out| {
         machine_curve(out, spec, specimen, state)
     })?;
+    if specimen.width_gauge.is_some() {
+        recorder.file("poisson_ratio.csv", &mut |out| poisson_ratio(out, state))?;
+    }
     recorder.file("events.csv", &mut |out| events(out, state))?;
+    spectrum::write(spec, state, recorder)?;
+    if !spec.output.force_distribution_strains.is_empty() {
+        recorder.file("force_distribution.csv", &mut |out| {
+            histogram(out, &state.force_distribution)
+        })?;
+    }
     if !state.snapshots.is_empty() {
-        recorder.file("force_histogram.csv", &mut |out| histogram(out, state))?;
+        recorder.file("force_histogram.csv", &mut |out| {
+            histogram(out, &state.histogram)
+        })?;
         recorder.file("snapshots.pvd", &mut |out| {
             snapshot::series(out, spec, state)
         })?;
@@ -90,6 +104,33 @@ fn machine_curve(
     Ok(())
 }
 
+/// Lateral contraction from the first strained step on: the secant ratio −ε_x/ε_y, and the tangent
+/// ratio −Δε_x/Δε_y since the step before, which the secant hides.
+fn poisson_ratio(out: &mut dyn Write, state: &State) -> io::Result<()> {
+    csv::header(
+        out,
+        &[
+            "nominal_strain",
+            "width_strain",
+            "poisson_ratio",
+            "tangent_poisson_ratio",
+        ],
+    )?;
+    for pair in state.points.windows(2) {
+        let [before, point] = pair else { continue };
+        let (Some(width_before), Some(width), Some(ratio)) = (
+            before.width_strain,
+            point.width_strain,
+            point.poisson_ratio(),
+        ) else {
+            continue;
+        };
+        let tangent = (width_before - width) / (point.nominal_strain - before.nominal_strain);
+        csv::row(out, &[point.nominal_strain, width, ratio, tangent])?;
+    }
+    Ok(())
+}
+
 fn events(out: &mut dyn Write, state: &State) -> io::Result<()> {
     let columns = [
         "step",
@@ -114,12 +155,12 @@ fn events(out: &mut dyn Write, state: &State) -> io::Result<()> {
     Ok(())
 }
 
-fn histogram(out: &mut dyn Write, state: &State) -> io::Result<()> {
+fn histogram(out: &mut dyn Write, bins: &[HistogramBin]) -> io::Result<()> {
     csv::header(
         out,
         &["nominal_strain", "bin_lower_n", "bin_upper_n", "bonds"],
     )?;
-    for bin in &state.histogram {
+    for bin in bins {
         let numbers = [bin.nominal_strain, bin.lower, bin.upper, bin.bonds as f64];
         csv::row(out, &numbers)?;
     }

@@ -1,0 +1,58 @@
+//! Finished tests of a study, a line of JSON each, so that an interrupted study goes on.
+use std::collections::HashMap;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write};
+use std::path::Path;
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+
+use crate::ENGINE_COMMIT;
+
+const RUNS_FILE: &str = "runs.jsonl";
+
+/// A finished test.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Finished {
+    pub(super) spec_sha256: String,
+    pub(super) engine_commit: String,
+    /// Processor time [s].
+    pub(super) cpu_s: f64,
+    /// Whether all measures of quality were within their bounds.
+    pub(super) is_good: bool,
+    /// Compared results with their units; `null` where the test did not get that far.
+    pub(super) results: IndexMap<String, (Option<f64>, String)>,
+}
+
+/// The file, open for more.
+#[derive(Debug)]
+pub(super) struct RunsFile(File);
+
+impl RunsFile {
+    /// Opens the file in `folder`, with the tests of this engine found there, by their spec.
+    pub(super) fn open(folder: &Path) -> io::Result<(Self, HashMap<String, Finished>)> {
+        std::fs::create_dir_all(folder)?;
+        let path = folder.join(RUNS_FILE);
+        let text = match std::fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(error),
+        };
+        // a line that a crash cut short is not a test
+        let tests = text
+            .lines()
+            .filter_map(|line| serde_json::from_str(line).ok());
+        let tests = tests.filter(|test: &Finished| test.engine_commit == ENGINE_COMMIT);
+        let known = tests.map(|test| (test.spec_sha256.clone(), test)).collect();
+        let mut file = OpenOptions::new().create(true).append(true).open(path)?;
+        if !text.is_empty() && !text.ends_with('\n') {
+            writeln!(file)?;
+        }
+        Ok((Self(file), known))
+    }
+
+    pub(super) fn add(&mut self, test: &Finished) -> io::Result<()> {
+        let line = serde_json::to_string(test)?;
+        writeln!(self.0, "{line}")
+    }
+}
