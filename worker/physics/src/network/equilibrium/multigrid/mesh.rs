@@ -171,6 +171,7 @@ impl Mesh {
     /// Sets `sums` to the forces on the corners that do the work of `forces` on the nodes.
     pub(super) fn restrict<T: Real>(&self, forces: &Field<T>, sums: &mut [Vec<f32>; 3]) {
         let above = self.planes()[0];
+        let mut parts = [[0.0; BLOCK]; 4];
         wide(
             #[inline(always)]
             || {
@@ -180,7 +181,7 @@ impl Mesh {
                         continue;
                     }
                     for band in &self.bands {
-                        band.restrict(&self.at, forces, sums, above);
+                        band.restrict(&self.at, forces, sums, above, &mut parts);
                     }
                 }
             },
@@ -196,6 +197,7 @@ impl Mesh {
         moved: &mut Field<T>,
     ) {
         let above = self.planes()[0];
+        let mut parts = [[0.0; BLOCK]; 4];
         wide(
             #[inline(always)]
             || {
@@ -204,7 +206,7 @@ impl Mesh {
                         continue;
                     }
                     for band in &self.bands {
-                        band.prolong(&self.at, corners, above, shares, moved);
+                        band.prolong(&self.at, corners, above, shares, moved, &mut parts);
                     }
                 }
             },
@@ -215,8 +217,17 @@ impl Mesh {
 impl Band {
     /// Adds to `sums` what the nodes' `forces` are at the corners, `above` numbers from row to row.
     #[inline(always)]
-    fn restrict<T: Real>(&self, at: &[Vec<f32>; 2], forces: &[T], sums: &mut [f32], above: usize) {
-        let mut parts = [[0.0_f32; BLOCK]; 4];
+    fn restrict<T: Real>(
+        &self,
+        at: &[Vec<f32>; 2],
+        forces: &[T],
+        sums: &mut [f32],
+        above: usize,
+        parts: &mut [[f32; BLOCK]; 4],
+    ) {
+        for part in parts.iter_mut() {
+            part[..self.count].fill(0.0);
+        }
         for row in &self.rows {
             let places = *row as usize..*row as usize + self.count;
             let [s, t] = at.each_ref().map(
@@ -261,8 +272,8 @@ impl Band {
         above: usize,
         shares: &[f32],
         moved: &mut [T],
+        parts: &mut [[f32; BLOCK]; 4],
     ) {
-        let mut parts = [[0.0_f32; BLOCK]; 4];
         let mut nodes = 0..0;
         for (cell, run) in self.runs.iter().enumerate() {
             nodes = nodes.end..nodes.end + *run as usize;
