@@ -109,6 +109,10 @@ job_kinds! {
         "Nonwoven tensile test",
         "A fabric of bonds is pulled until it parts; every strain step is brought to equilibrium.",
         ["nonwoven_tensile", "nonwoven_tensile_quick", "nonwoven_tensile_network"];
+    GranularScene("granular_scene"): spec::granular_scene::GranularScene,
+        "Granular scene",
+        "Spheres and clumps between planes, in contact with friction, moved step by step through the stages you give.",
+        ["granular_scene"];
 }
 
 /// Work that is the same for every kind, given the spec's type.
