@@ -9,6 +9,7 @@ mod checkpoint;
 mod csv;
 mod curve;
 mod error;
+mod granular;
 mod network;
 mod parallel;
 mod recorder;

@@ -1,0 +1,12 @@
+//! Bodies in contact: the discrete element method.
+
+#[cfg_attr(
+    not(test),
+    expect(dead_code, unused_imports, reason = "the engine that calls it follows")
+)]
+mod clump_geometry;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "the engine that calls it follows")
+)]
+mod sphere;
