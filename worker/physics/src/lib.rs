@@ -70,5 +70,6 @@ pub fn simulate(
 ) -> Result<Ending, SimulationError> {
     match spec {
         JobSpec::NonwovenTensile(spec) => network::nonwoven::run(spec, context, recorder),
+        JobSpec::GranularScene(spec) => granular::run(spec, context, recorder),
     }
 }

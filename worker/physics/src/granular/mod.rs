@@ -1,12 +1,72 @@
 //! Bodies in contact: the discrete element method.
-
-#[cfg_attr(
-    not(test),
-    expect(dead_code, unused_imports, reason = "the engine that calls it follows")
-)]
+//!
+//! **Model.** Bodies are spheres and rigid clumps of spheres; they move by Newton's and Euler's laws
+//! under gravity and the forces of their contacts, with each other and with planes. SI units,
+//! angles in radians, overlaps positive, forces of a contact on its second body.
+//!
+//! **Data road.** [`scene`] resolves a spec into a *model*, which nothing changes, and the first
+//! *state*: [`particles`] (every sphere that collides, in arrays), clumps, planes. [`listing`] sorts
+//! particles along a curve through space, cuts them into patches of some two thousand, and fills
+//! each [`patch`] with candidates for contact from the search of [`neighbours`]; what contacts
+//! remember is carried over. A step of the [`engine`] has two phases: [`contact`] turns positions
+//! into forces, patch by patch; [`motion`] turns forces into new positions. [`run`] goes through
+//! the stages; when something is due it observes the scene between the phases ([`observe`],
+//! [`time_step`], [`inspect`]) and keeps it in the [`journal`], from which [`tables`] and
+//! [`report`] make files and results.
+//!
+//! **Numbers.** Contacts are worked through in vectors of 8, 4 or 1 ([`lanes`], [`rows`]), each
+//! lane a contact, with nothing fused: every machine gives the same bits. Forces on a particle are
+//! summed in the order of the list, and what comes from other patches after that, in the order of
+//! patches: any number of threads gives the same bits. What changes is in `State` and `Journal`,
+//! which are the checkpoint.
+//!
+//! **Only what is used.** Friction is a type parameter, chosen once, here: a frictionless scene has
+//! contacts without memory and particles without spin. Bodies without a degree of freedom have
+//! no contacts among themselves, scenes without clumps or planes have empty lists of them.
+//!
+//! **To add.** A shear law is a file with an `impl Friction`. A shape of wall is a list beside
+//! `WallList`, a stage a variant of the spec's `Stage` and its arm in [`run`].
 mod clump_geometry;
-#[cfg_attr(
-    not(test),
-    expect(dead_code, reason = "the engine that calls it follows")
-)]
+mod contact;
+mod engine;
+mod inspect;
+mod journal;
+mod lanes;
+mod listing;
+mod motion;
+mod neighbours;
+mod observe;
+mod particles;
+mod patch;
+mod report;
+mod rows;
+mod run;
+mod scene;
 mod sphere;
+mod tables;
+mod time_step;
+
+use contact::friction::{Coulomb, Frictionless};
+use loadframe_api::spec::granular_scene::GranularScene;
+
+use crate::{Ending, Recorder, RunContext, SimulationError};
+
+/// A point or vector in space, SI.
+type Vector = nalgebra::Vector3<f64>;
+
+/// Runs the scene of `spec`.
+///
+/// # Errors
+/// What made a result impossible, see [`SimulationError`].
+pub(crate) fn run(
+    spec: &GranularScene,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<Ending, SimulationError> {
+    let is_rough = |material: &loadframe_api::spec::granular_scene::Material| material.friction_angle_rad > 0.0;
+    if spec.materials.values().any(is_rough) {
+        run::run::<Coulomb>(spec, context, recorder)
+    } else {
+        run::run::<Frictionless>(spec, context, recorder)
+    }
+}

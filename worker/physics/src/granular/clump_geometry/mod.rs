@@ -30,7 +30,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::sphere::Sphere;
 use patch::{Cap, Patch};
-pub(crate) use principal::{PrincipalAxes, principal_axes};
+pub(crate) use principal::principal_axes;
 
 /// What a union of spheres weighs, at density 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
