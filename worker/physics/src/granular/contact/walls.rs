@@ -121,7 +121,9 @@ impl<F: Friction> WallBlock<F> {
             let radius = sphere.fourth;
             let along = [sphere.vector.x, sphere.vector.y, sphere.vector.z][face.axis];
             let height = (along - splat(face.position)) * splat(face.facing);
-            let is_touching = height.at_most(radius);
+            let stiffness = Lanes::load(simd, &self.stiffness, part);
+            // padding has no stiffness, and touches nothing
+            let is_touching = simd.and_m64s(height.at_most(radius), none.below(stiffness));
             let lanes = bits::<S>(is_touching, part);
             if lanes == 0 {
                 if touched != 0 {
@@ -131,7 +133,7 @@ impl<F: Friction> WallBlock<F> {
             }
             touching |= lanes;
             let overlap = radius - height;
-            let normal_force = Lanes::load(simd, &self.stiffness, part) * overlap;
+            let normal_force = stiffness * overlap;
             let touch = Touch {
                 normal,
                 normal_force,
