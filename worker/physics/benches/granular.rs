@@ -71,7 +71,10 @@ impl Clock {
     /// Of this thread [s]; wall time where the system does not tell.
     fn processor_time(&self) -> f64 {
         let text = fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-        let nanoseconds = text.split_whitespace().next().and_then(|text| text.parse::<f64>().ok());
+        let nanoseconds = text
+            .split_whitespace()
+            .next()
+            .and_then(|text| text.parse::<f64>().ok());
         nanoseconds.map_or(self.start.elapsed().as_secs_f64(), |ns| ns * 1e-9)
     }
 }
@@ -87,9 +90,7 @@ fn bed(spheres: &[[f64; 4]], width: f64, depth: f64, friction: f64) -> Value {
         .iter()
         .map(|[x, y, z, r]| json!({"sphere": {"radius_m": r}, "material": "stone", "position_m": [x, y, z]}))
         .collect();
-    let plane = |name: &str, axis: &str, position: f64, facing: i32| {
-        json!({"name": name, "axis": axis, "position_m": position, "facing": facing, "material": "stone"})
-    };
+    let plane = |name: &str, axis: &str, position: f64, facing: i32| json!({"name": name, "axis": axis, "position_m": position, "facing": facing, "material": "stone"});
     json!({
         "version": 1, "gravity_m_per_s2": [0, 0, -9.81],
         "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e8, "stiffness_ratio": 0.3, "friction_angle_rad": friction}},
@@ -131,7 +132,11 @@ fn settled() -> (Vec<[f64; 4]>, f64) {
     for number in 0..across * across * layers {
         let hash = (number * 2_654_435_761_usize) % 1000;
         let radius = 0.016_25 * (0.6 + 0.8 * hash as f64 / 1000.0);
-        let place = [number % across, number / across % across, number / across / across];
+        let place = [
+            number % across,
+            number / across % across,
+            number / across / across,
+        ];
         let shift = 0.002 * ((hash * 7) % 10) as f64 / 10.0;
         let [x, y, z] = place.map(|place| 0.0225 + spacing * 0.97 * place as f64);
         spheres.push([x + shift, y + 0.002 - shift, z + 0.002, radius]);
@@ -143,7 +148,10 @@ fn settled() -> (Vec<[f64; 4]>, f64) {
     spec["record"] = json!({"every_steps": steps, "bodies": all});
     let (clock, _) = run(&spec, 1);
     for row in clock.bodies.lines().skip(1) {
-        let row: Vec<f64> = row.split(',').filter_map(|cell| cell.parse().ok()).collect();
+        let row: Vec<f64> = row
+            .split(',')
+            .filter_map(|cell| cell.parse().ok())
+            .collect();
         if row[0] > 0.0 {
             spheres[row[2] as usize][..3].copy_from_slice(&row[3..6]);
         }
@@ -158,7 +166,10 @@ fn main() {
             let spheres: Vec<[f64; 4]> = text
                 .lines()
                 .filter_map(|line| {
-                    let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+                    let numbers: Vec<f64> = line
+                        .split_whitespace()
+                        .filter_map(|word| word.parse().ok())
+                        .collect();
                     numbers.try_into().ok()
                 })
                 .collect();

@@ -165,7 +165,12 @@ fn check_time_step(spec: &GranularScene, violations: &mut Vec<Violation>) {
     }
     let too_fast = |(index, body): (usize, &Body)| {
         let radius = body.smallest_radius();
-        let speed = body.velocity_m_per_s.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let speed = body
+            .velocity_m_per_s
+            .iter()
+            .map(|v| v * v)
+            .sum::<f64>()
+            .sqrt();
         (speed * step > LARGEST_WAY * radius && !body.is_held()).then(|| {
             Violation::new(
                 format!("/bodies/{index}/velocity_m_per_s"),

@@ -34,7 +34,11 @@ impl GranularScene {
         let stages = self.stages.iter().map(|stage| {
             let duration = stage.duration();
             let by_time = duration.time_s.map(|time| (time / step).ceil().max(1.0));
-            duration.steps.map(|steps| steps as f64).or(by_time).unwrap_or(0.0)
+            duration
+                .steps
+                .map(|steps| steps as f64)
+                .or(by_time)
+                .unwrap_or(0.0)
         });
         stages.sum()
     }

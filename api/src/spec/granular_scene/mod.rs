@@ -27,10 +27,10 @@ use serde::{Deserialize, Serialize};
 use crate::{Calibration, Estimate, Violation};
 
 pub use bodies::{Axis, Body, Clump, DegreeOfFreedom, Member, Plane, Sphere};
+pub use checks::LARGEST_WAY;
 pub use laws::{
     Accuracy, AutomaticTimeStep, ContactLaw, Convention, Knobs, Laws, Material, Preset, TimeStep,
 };
-pub use checks::LARGEST_WAY;
 pub use record::Record;
 pub use stability::{CriticalStep, series_stiffness};
 pub use stages::{MovePlane, Run, Stage};

@@ -103,10 +103,7 @@ fn between_bodies(
             if ratio <= largest_ratio {
                 continue;
             }
-            let (low, high) = (
-                first.body.min(second.body),
-                first.body.max(second.body),
-            );
+            let (low, high) = (first.body.min(second.body), first.body.max(second.body));
             if spec.bodies[low].is_held() && spec.bodies[high].is_held() {
                 continue;
             }
@@ -121,11 +118,7 @@ fn between_bodies(
     overlaps
 }
 
-fn behind_planes(
-    spec: &GranularScene,
-    particles: &[Particle],
-    largest_ratio: f64,
-) -> Vec<Overlap> {
+fn behind_planes(spec: &GranularScene, particles: &[Particle], largest_ratio: f64) -> Vec<Overlap> {
     let mut overlaps = Vec::new();
     for plane in &spec.planes {
         for particle in particles {

@@ -136,7 +136,11 @@ fn critical_step(a: &Partner<'_>, b: &Partner<'_>) -> f64 {
         a.material.normal_stiffness(a.radius),
         b.material.normal_stiffness(b.radius),
     );
-    let is_rough = a.material.friction_angle_rad.min(b.material.friction_angle_rad) > 0.0;
+    let is_rough = a
+        .material
+        .friction_angle_rad
+        .min(b.material.friction_angle_rad)
+        > 0.0;
     let shear = if is_rough {
         let shear = series_stiffness(
             a.material.shear_stiffness(a.radius),

@@ -94,13 +94,17 @@ impl<F: Friction> Engine<F> {
         let state = &mut self.state;
         let kinematics = state.particles.kinematics();
         let faces = &state.faces;
-        let work = state.patches.iter_mut().zip(&mut self.halos).map(|(patch, halo)| Push {
-            patch,
-            halo,
-            kinematics,
-            faces,
-            time_step,
-        });
+        let work = state
+            .patches
+            .iter_mut()
+            .zip(&mut self.halos)
+            .map(|(patch, halo)| Push {
+                patch,
+                halo,
+                kinematics,
+                faces,
+                time_step,
+            });
         self.team.map(work.collect(), Push::run);
     }
 
@@ -114,7 +118,9 @@ impl<F: Friction> Engine<F> {
         };
         let (halos, rotation) = (&self.halos, self.model.rotation);
         let work = shares(&mut state.particles, &mut state.clumps, &mut state.patches);
-        let speeds = self.team.map(work, |(patch, bodies)| patch.advance(bodies, halos, &drive, rotation));
+        let speeds = self.team.map(work, |(patch, bodies)| {
+            patch.advance(bodies, halos, &drive, rotation)
+        });
         state.speed_bound = speeds.into_iter().fold(0.0, f64::max).sqrt();
 
         let mut plane_way = 0.0_f64;

@@ -21,7 +21,10 @@ impl<F: Friction> Engine<F> {
     /// Largest speed of a movable particle [m/s].
     pub(super) fn largest_speed(&self) -> f64 {
         let particles = &self.state.particles;
-        let speeds = particles.velocities.iter().map(|velocity| velocity.vector().norm());
+        let speeds = particles
+            .velocities
+            .iter()
+            .map(|velocity| velocity.vector().norm());
         speeds.fold(0.0, f64::max)
     }
 
@@ -47,7 +50,11 @@ impl<F: Friction> Engine<F> {
         let mut escaped: Vec<u32> = Vec::new();
         for (centre, body) in particles.centres.iter().zip(&particles.owners) {
             let place = centre.vector();
-            let is_behind = self.state.faces.iter().any(|face| face.height(&centre.0) < 0.0);
+            let is_behind = self
+                .state
+                .faces
+                .iter()
+                .any(|face| face.height(&centre.0) < 0.0);
             let is_far = (0..3).any(|axis| {
                 place[axis] < low[axis] - margin[axis] || place[axis] > high[axis] + margin[axis]
             });

@@ -71,7 +71,10 @@ impl Balance {
         let lowest = self.lowest.map_or(left, |lowest| lowest.min(left));
         self.lowest = Some(lowest);
         self.created = self.created.max(left - lowest);
-        self.scale = self.scale.max(energies.kinetic + energies.elastic).max(work.abs());
+        self.scale = self
+            .scale
+            .max(energies.kinetic + energies.elastic)
+            .max(work.abs());
     }
 
     /// Created energy over the scale.

@@ -21,8 +21,11 @@ pub(super) fn bits<S: Simd>(mask: S::m64s, part: usize) -> u8 {
         return bytes[0];
     }
     let width = bytes.len() / S::F64_LANES;
-    let lanes = (0..S::F64_LANES).map(|lane| (bytes[lane * width] & 1) << lane);
-    lanes.fold(0, |bits, lane| bits | lane) << (part * S::F64_LANES)
+    let mut bits = 0;
+    for lane in 0..S::F64_LANES {
+        bits |= (bytes[lane * width] & 1) << lane;
+    }
+    bits << (part * S::F64_LANES)
 }
 
 /// Some numbers side by side.
@@ -98,10 +101,7 @@ macro_rules! operator {
 
             #[inline(always)]
             fn $name(self, other: Self) -> Self {
-                Self::new(
-                    self.simd,
-                    self.simd.$instruction(self.value, other.value),
-                )
+                Self::new(self.simd, self.simd.$instruction(self.value, other.value))
             }
         }
     };
@@ -128,8 +128,12 @@ impl<S: Simd> Vectors<S> {
 
     #[inline(always)]
     pub(super) fn splat(simd: S, vector: [f64; 3]) -> Self {
-        let [x, y, z] = vector.map(|component| Lanes::splat(simd, component));
-        Self { x, y, z }
+        let [x, y, z] = vector;
+        Self {
+            x: Lanes::splat(simd, x),
+            y: Lanes::splat(simd, y),
+            z: Lanes::splat(simd, z),
+        }
     }
 
     #[inline(always)]

@@ -47,7 +47,11 @@ impl Memories {
             for (block, lane) in patch.inner.touching().chain(patch.outer.touching()) {
                 let [a, b] = [block.a, block.b].map(|side| particles.numbers[side[lane] as usize]);
                 let past = block.friction.past(lane);
-                pairs.push(if a < b { (a, b, past) } else { (b, a, past.seen_from_b()) });
+                pairs.push(if a < b {
+                    (a, b, past)
+                } else {
+                    (b, a, past.seen_from_b())
+                });
             }
             for (plane, list) in (0..).zip(&patch.walls) {
                 for (block, touching) in list.blocks.iter().zip(&list.touching) {
@@ -73,19 +77,28 @@ impl Memories {
             sorted[*place as usize] = (high, past);
             *place += 1;
         }
-        Self { starts, pairs: sorted, walls }
+        Self {
+            starts,
+            pairs: sorted,
+            walls,
+        }
     }
 
     /// What the contact of particles `a` and `b` remembers, seen from a.
     fn pair(&self, a: u32, b: u32) -> Option<Past> {
         let (low, high) = (a.min(b), a.max(b));
-        let range = *self.starts.get(low as usize)? as usize..*self.starts.get(low as usize + 1)? as usize;
-        let (_, past) = self.pairs[range].iter().find(|(partner, _)| *partner == high)?;
+        let range =
+            *self.starts.get(low as usize)? as usize..*self.starts.get(low as usize + 1)? as usize;
+        let (_, past) = self.pairs[range]
+            .iter()
+            .find(|(partner, _)| *partner == high)?;
         Some(if a == low { *past } else { past.seen_from_b() })
     }
 
     fn wall(&self, particle: u32, plane: u32) -> Option<Past> {
-        let place = self.walls.binary_search_by_key(&(particle, plane), |(key, _)| *key);
+        let place = self
+            .walls
+            .binary_search_by_key(&(particle, plane), |(key, _)| *key);
         place.ok().map(|place| self.walls[place].1)
     }
 }
@@ -229,7 +242,10 @@ fn fill_pairs<F: Friction>(
 ) {
     let surface = |particle: usize| {
         let radius = particles.centres[particle].0[3];
-        (model.surfaces[usize::from(particles.surfaces[particle])], radius)
+        (
+            model.surfaces[usize::from(particles.surfaces[particle])],
+            radius,
+        )
     };
     for a in patch.particles.clone() {
         for &b in candidates.of(a) {
@@ -296,7 +312,8 @@ impl<F: Friction> PairList<F> {
     /// Blocks and lanes that touched in the last step.
     pub(super) fn touching(&self) -> impl Iterator<Item = (&PairBlock<F>, usize)> {
         let blocks = self.blocks.iter().zip(&self.touching);
-        blocks.flat_map(|(block, touching)| touching_lanes(*touching).map(move |lane| (block, lane)))
+        blocks
+            .flat_map(|(block, touching)| touching_lanes(*touching).map(move |lane| (block, lane)))
     }
 
     /// Adds a candidate. Its bit is set when it has a past, so that the past is forgotten in time.

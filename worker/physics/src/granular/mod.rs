@@ -63,7 +63,9 @@ pub(crate) fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    let is_rough = |material: &loadframe_api::spec::granular_scene::Material| material.friction_angle_rad > 0.0;
+    let is_rough = |material: &loadframe_api::spec::granular_scene::Material| {
+        material.friction_angle_rad > 0.0
+    };
     if spec.materials.values().any(is_rough) {
         run::run::<Coulomb>(spec, context, recorder)
     } else {

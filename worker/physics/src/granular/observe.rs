@@ -131,7 +131,8 @@ impl<F: Friction> Engine<F> {
         for particle in 0..particles.len() {
             let body = particles.owners[particle] as usize;
             if self.model.sphere_inertias[body] > 0.0 && self.model.is_movable[body] {
-                energy -= self.model.masses[body] * gravity.dot(&particles.centres[particle].vector());
+                energy -=
+                    self.model.masses[body] * gravity.dot(&particles.centres[particle].vector());
             }
         }
         for clump in &self.state.clumps {
@@ -145,7 +146,9 @@ impl<F: Friction> Engine<F> {
     /// Mean resultant force on movable bodies over the mean contact force, after a step.
     /// `None` without contacts. Source: Yade's `unbalancedForce`.
     pub(super) fn unbalanced_force_ratio(&self, contacts: &[Contact]) -> Option<f64> {
-        let forces = contacts.iter().map(|contact| (contact.normal_force + contact.shear_force).norm());
+        let forces = contacts
+            .iter()
+            .map(|contact| (contact.normal_force + contact.shear_force).norm());
         let mean = forces.sum::<f64>() / contacts.len() as f64;
         if !(mean > 0.0) {
             return None;

@@ -107,12 +107,30 @@ pub(super) struct Bodies<'a> {
 
 impl<F: Friction> Patch<F> {
     /// The second phase. Returns the square of an upper bound of the speeds.
-    pub(super) fn advance(&mut self, bodies: Bodies<'_>, halos: &[Halo], drive: &Drive, rotation: Rotation) -> f64 {
+    pub(super) fn advance(
+        &mut self,
+        bodies: Bodies<'_>,
+        halos: &[Halo],
+        drive: &Drive,
+        rotation: Rotation,
+    ) -> f64 {
         self.fetch(halos);
         let first = self.particles.start;
-        spheres::accelerate(drive, true, &self.wrenches.forces, bodies.inverse_masses, bodies.velocities);
+        spheres::accelerate(
+            drive,
+            true,
+            &self.wrenches.forces,
+            bodies.inverse_masses,
+            bodies.velocities,
+        );
         if F::IS_ROUGH {
-            spheres::accelerate(drive, false, &self.wrenches.torques, bodies.inverse_inertias, bodies.spins);
+            spheres::accelerate(
+                drive,
+                false,
+                &self.wrenches.torques,
+                bodies.inverse_inertias,
+                bodies.spins,
+            );
         }
         for clump in &mut *bodies.clumps {
             let [force, torque] = clump.wrench(&self.wrenches, bodies.centres, first);

@@ -4,9 +4,7 @@ use loadframe_api::{
     BodyProperties, QualityCheck, Quantity, Report, Warning, spec::granular_scene::GranularScene,
 };
 
-use super::{
-    Vector, contact::friction::Friction, engine::Engine, journal::Journal,
-};
+use super::{Vector, contact::friction::Friction, engine::Engine, journal::Journal};
 
 /// δ/r beyond which a linear contact of stiff grains is not what it stands for.
 const LARGEST_OVERLAP: f64 = 0.05;
@@ -55,18 +53,73 @@ fn summary<F: Friction>(
     let last = &journal.last;
     let mass: f64 = engine.model.masses.iter().sum();
     let rows: [(&str, Option<f64>, &str, &str); 12] = [
-        ("simulated_time", Some(engine.state.time), "s", "Time at the end."),
-        ("steps", Some(engine.state.step as f64), "1", "Time steps done."),
-        ("time_step", Some(journal.time_step), "s", "The last time step."),
-        ("bodies", Some(spec.bodies.len() as f64), "1", "Bodies of the scene."),
-        ("particles", Some(engine.state.particles.len() as f64), "1", "Spheres, members of clumps included."),
+        (
+            "simulated_time",
+            Some(engine.state.time),
+            "s",
+            "Time at the end.",
+        ),
+        (
+            "steps",
+            Some(engine.state.step as f64),
+            "1",
+            "Time steps done.",
+        ),
+        (
+            "time_step",
+            Some(journal.time_step),
+            "s",
+            "The last time step.",
+        ),
+        (
+            "bodies",
+            Some(spec.bodies.len() as f64),
+            "1",
+            "Bodies of the scene.",
+        ),
+        (
+            "particles",
+            Some(engine.state.particles.len() as f64),
+            "1",
+            "Spheres, members of clumps included.",
+        ),
         ("total_mass", Some(mass), "kg", "Mass of all bodies."),
-        ("contacts", Some(last.contacts as f64), "1", "Touching contacts at the end."),
-        ("coordination_number", last.coordination, "1", "Contacts per movable body at the end."),
-        ("kinetic_energy", Some(last.kinetic), "J", "Of movable bodies at the end."),
-        ("elastic_energy", Some(last.elastic), "J", "In the contacts at the end."),
-        ("unbalanced_force_ratio", last.unbalanced, "1", "Mean resultant force on a movable body over the mean contact force, at the end: near 0 at rest."),
-        ("escaped_bodies", Some(escaped as f64), "1", "Movable bodies behind a plane, or farther from the first box of the scene than its diagonal."),
+        (
+            "contacts",
+            Some(last.contacts as f64),
+            "1",
+            "Touching contacts at the end.",
+        ),
+        (
+            "coordination_number",
+            last.coordination,
+            "1",
+            "Contacts per movable body at the end.",
+        ),
+        (
+            "kinetic_energy",
+            Some(last.kinetic),
+            "J",
+            "Of movable bodies at the end.",
+        ),
+        (
+            "elastic_energy",
+            Some(last.elastic),
+            "J",
+            "In the contacts at the end.",
+        ),
+        (
+            "unbalanced_force_ratio",
+            last.unbalanced,
+            "1",
+            "Mean resultant force on a movable body over the mean contact force, at the end: near 0 at rest.",
+        ),
+        (
+            "escaped_bodies",
+            Some(escaped as f64),
+            "1",
+            "Movable bodies behind a plane, or farther from the first box of the scene than its diagonal.",
+        ),
     ];
     rows.into_iter()
         .map(|(name, value, unit, description)| {
@@ -158,11 +211,21 @@ fn bodies<F: Friction>(engine: &Engine<F>) -> Vec<BodyProperties> {
         let inertia = engine.model.sphere_inertias[*owner as usize];
         if inertia > 0.0 {
             let diagonal = nalgebra::Matrix3::from_diagonal_element(inertia);
-            bodies.push(properties(*owner, engine, state.particles.centres[particle].vector(), diagonal));
+            bodies.push(properties(
+                *owner,
+                engine,
+                state.particles.centres[particle].vector(),
+                diagonal,
+            ));
         }
     }
     for clump in &state.clumps {
-        bodies.push(properties(clump.body, engine, clump.centre, clump.global_inertia()));
+        bodies.push(properties(
+            clump.body,
+            engine,
+            clump.centre,
+            clump.global_inertia(),
+        ));
     }
     bodies.sort_by_key(|body| body.body);
     bodies
@@ -178,6 +241,8 @@ fn properties<F: Friction>(
         body,
         mass_kg: engine.model.masses[body as usize],
         centre_m: centre.into(),
-        inertia_kg_m2: std::array::from_fn(|row| std::array::from_fn(|column| inertia[(row, column)])),
+        inertia_kg_m2: std::array::from_fn(|row| {
+            std::array::from_fn(|column| inertia[(row, column)])
+        }),
     }
 }

@@ -3,6 +3,9 @@
 //!
 //! A row is one load of 32 bytes; eight of them are turned into four vectors of eight by shuffles
 //! within registers. That is far cheaper than eight times three single loads.
+//!
+//! Here and in all that kernels call, arrays are worked through by loops: functions of the standard
+//! library that take closures are compiled for the plainest machine, vectors in them included.
 use pulp::{
     Simd,
     bytemuck::{self, Pod},
@@ -78,14 +81,13 @@ pub(super) fn gather<S: Simd>(
         2 => transpose::<S, 2>(simd, rows, particles, part),
         _ => transpose::<S, 1>(simd, rows, particles, part),
     };
-    let lanes = |value| Lanes::new(simd, value);
     Gathered {
         vector: Vectors {
-            x: lanes(x),
-            y: lanes(y),
-            z: lanes(z),
+            x: Lanes::new(simd, x),
+            y: Lanes::new(simd, y),
+            z: Lanes::new(simd, z),
         },
-        fourth: lanes(fourth),
+        fourth: Lanes::new(simd, fourth),
     }
 }
 
@@ -99,8 +101,10 @@ fn transpose<S: Simd, const N: usize>(
 where
     [[f64; 4]; N]: Pod,
 {
-    let fetched: [[f64; 4]; N] =
-        std::array::from_fn(|slot| rows[particles[part * N + place(N, slot)] as usize].0);
+    let mut fetched = [[0.0; 4]; N];
+    for (slot, row) in fetched.iter_mut().enumerate() {
+        *row = rows[particles[part * N + place(N, slot)] as usize].0;
+    }
     simd.deinterleave_shfl_f64s(bytemuck::cast::<_, [S::f64s; 4]>(fetched))
 }
 
@@ -129,14 +133,33 @@ fn hand_out<S: Simd, const N: usize>(
 ) where
     [[f64; 4]; N]: Pod,
 {
-    let [first, second] = columns.map(|column| {
-        let vector = column.vector;
-        let values = [vector.x, vector.y, vector.z, column.fourth].map(|lanes| lanes.value);
-        bytemuck::cast::<_, [[f64; 4]; N]>(simd.interleave_shfl_f64s(values))
-    });
+    let first: [[f64; 4]; N] = bytemuck::cast(simd.interleave_shfl_f64s(columns[0].values()));
+    let second: [[f64; 4]; N] = bytemuck::cast(simd.interleave_shfl_f64s(columns[1].values()));
     for lane in 0..N {
         let slot = place(N, lane);
         each(part * N + lane, [first[slot], second[slot]]);
+    }
+}
+
+impl<S: Simd> Gathered<S> {
+    #[inline(always)]
+    fn values(&self) -> [S::f64s; 4] {
+        let vector = &self.vector;
+        [
+            vector.x.value,
+            vector.y.value,
+            vector.z.value,
+            self.fourth.value,
+        ]
+    }
+
+    /// This where `mask` is set, zero elsewhere.
+    #[inline(always)]
+    pub(super) fn masked(self, simd: S, mask: S::m64s) -> Self {
+        Self {
+            vector: self.vector.only_if(mask, Vectors::zero(simd)),
+            fourth: self.fourth.only_if(mask, Lanes::splat(simd, 0.0)),
+        }
     }
 }
 
@@ -169,13 +192,20 @@ mod tests {
     #[test]
     fn lanes_keep_the_order_of_contacts_in_every_width() {
         let rows: Vec<Row> = (0..9)
-            .map(|row| Row(std::array::from_fn(|column| f64::from(10 * row + column as i32))))
+            .map(|row| {
+                Row(std::array::from_fn(|column| {
+                    f64::from(10 * row + column as i32)
+                }))
+            })
             .collect();
         let particles = [8, 1, 2, 7, 4, 4, 0, 5];
         let expected: Vec<[f64; 4]> = particles.iter().map(|p| rows[*p as usize].0).collect();
         let xs: Vec<f64> = expected.iter().map(|row| row[0]).collect();
         let round = || Round(&rows, &particles);
-        let mut found = vec![Arch::new().dispatch(round()), Scalar::new().vectorize(round())];
+        let mut found = vec![
+            Arch::new().dispatch(round()),
+            Scalar::new().vectorize(round()),
+        ];
         #[cfg(target_arch = "x86_64")]
         found.extend(pulp::x86::V3::try_new().map(|simd| simd.vectorize(round())));
         for (rows, first) in found {

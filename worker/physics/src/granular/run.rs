@@ -115,12 +115,20 @@ pub(super) fn run<F: Friction>(
 impl<'a, F: Friction> Runner<'a, F> {
     fn new(spec: &'a GranularScene, team: Team) -> Result<Self, SimulationError> {
         let engine = Engine::new(spec, team);
-        let of_spheres = spec.critical_step_of_one_contact().map(|critical| critical.step);
+        let of_spheres = spec
+            .critical_step_of_one_contact()
+            .map(|critical| critical.step);
         let of_clumps = engine.critical_step_of_clumps();
-        let foreseen = of_spheres.into_iter().chain(of_clumps).fold(f64::INFINITY, f64::min);
+        let foreseen = of_spheres
+            .into_iter()
+            .chain(of_clumps)
+            .fold(f64::INFINITY, f64::min);
         let movable = spec.bodies.iter().filter(|body| !body.is_held());
-        let smallest_radius = movable.map(|body| body.smallest_radius()).fold(f64::INFINITY, f64::min);
-        let bytes = postcard::to_stdvec(spec).map_err(|error| CheckpointError::Form(error.to_string()))?;
+        let smallest_radius = movable
+            .map(|body| body.smallest_radius())
+            .fold(f64::INFINITY, f64::min);
+        let bytes =
+            postcard::to_stdvec(spec).map_err(|error| CheckpointError::Form(error.to_string()))?;
         let automatic = match spec.time_step_s {
             TimeStep::Given(_) => None,
             TimeStep::Automatic(_) => Some(spec.accuracy.knobs().critical_step_fraction),
@@ -164,7 +172,9 @@ impl<'a, F: Friction> Runner<'a, F> {
             contacts.len(),
             self.journal.time_step
         ));
-        self.journal.worst.see_step(self.journal.time_step, critical);
+        self.journal
+            .worst
+            .see_step(self.journal.time_step, critical);
         self.record(recorder, &contacts, critical)
     }
 
@@ -212,10 +222,18 @@ impl<'a, F: Friction> Runner<'a, F> {
     ) -> Result<(), SimulationError> {
         self.check_finite()?;
         let journal = &mut self.journal;
-        let overlaps = contacts.iter().map(|contact| contact.overlap / contact.radius);
+        let overlaps = contacts
+            .iter()
+            .map(|contact| contact.overlap / contact.radius);
         journal.worst.overlap_ratio = overlaps.fold(journal.worst.overlap_ratio, f64::max);
         journal.worst.see_step(journal.time_step, critical);
-        let movable = self.engine.model.is_movable.iter().filter(|movable| **movable).count();
+        let movable = self
+            .engine
+            .model
+            .is_movable
+            .iter()
+            .filter(|movable| **movable)
+            .count();
         let ends = contacts.iter().flat_map(|contact| contact.bodies);
         let is_movable = |body: u32| self.engine.model.is_movable.get(body as usize) == Some(&true);
         let ends = ends.filter(|body| is_movable(*body)).count();
@@ -252,7 +270,8 @@ impl<'a, F: Friction> Runner<'a, F> {
         let row = tables::curve_row(self.spec, &self.engine, &self.journal, ratio);
         recorder.point(&row)?;
         self.journal.curve.extend(row);
-        self.engine.body_rows(&self.recorded, &mut self.journal.bodies);
+        self.engine
+            .body_rows(&self.recorded, &mut self.journal.bodies);
         let step = self.engine.state.step;
         if self.spec.record.contacts && step > 0 {
             tables::contact_rows(step, contacts, &mut self.journal.contacts);
@@ -262,9 +281,15 @@ impl<'a, F: Friction> Runner<'a, F> {
 
     /// The part of the critical step that was asked for, and none that lets a body jump.
     fn automatic_step(&self, critical: Option<Critical>) -> f64 {
-        let critical = critical.map_or(f64::INFINITY, |critical| critical.step).min(self.foreseen);
+        let critical = critical
+            .map_or(f64::INFINITY, |critical| critical.step)
+            .min(self.foreseen);
         let stable = self.automatic.unwrap_or(1.0) * critical;
-        let speed = self.engine.state.speed_bound.max(self.engine.largest_speed());
+        let speed = self
+            .engine
+            .state
+            .speed_bound
+            .max(self.engine.largest_speed());
         // half the way that is allowed, so that a body may gain speed before the next look
         let way = 0.5 * LARGEST_WAY * self.smallest_radius / speed;
         let step = stable.min(way);
@@ -278,7 +303,10 @@ impl<'a, F: Friction> Runner<'a, F> {
     fn is_last_step(&self) -> bool {
         let stages = &self.spec.stages;
         let is_last_stage = self.journal.stage + 1 == stages.len();
-        is_last_stage && stages.last().is_some_and(|stage| self.steps_left(stage) <= 1.0)
+        is_last_stage
+            && stages
+                .last()
+                .is_some_and(|stage| self.steps_left(stage) <= 1.0)
     }
 
     /// Steps that a stage still takes with the present time step.
@@ -296,7 +324,13 @@ impl<'a, F: Friction> Runner<'a, F> {
     }
 
     fn drive_planes(&mut self, stage: &Stage) {
-        for (plane, face) in self.engine.model.planes.iter().zip(&mut self.engine.state.faces) {
+        for (plane, face) in self
+            .engine
+            .model
+            .planes
+            .iter()
+            .zip(&mut self.engine.state.faces)
+        {
             face.velocity = match stage {
                 Stage::MovePlane(MovePlane {
                     name,
@@ -315,12 +349,14 @@ impl<'a, F: Friction> Runner<'a, F> {
             return Ok(());
         }
         match self.engine.first_jump(time_step, LARGEST_WAY) {
-            Some((body, speed, radius)) if !self.spec.allow_unstable => Err(SimulationError::TooFast {
-                body,
-                step: self.engine.state.step,
-                speed_m_per_s: speed,
-                largest_step_s: LARGEST_WAY * radius / speed,
-            }),
+            Some((body, speed, radius)) if !self.spec.allow_unstable => {
+                Err(SimulationError::TooFast {
+                    body,
+                    step: self.engine.state.step,
+                    speed_m_per_s: speed,
+                    largest_step_s: LARGEST_WAY * radius / speed,
+                })
+            }
             _ => Ok(()),
         }
     }
@@ -350,12 +386,23 @@ impl<'a, F: Friction> Runner<'a, F> {
         let steps = |stage: &Stage| {
             let duration = stage.duration();
             let by_time = duration.time_s.map(|time| time / self.journal.time_step);
-            duration.steps.map(|steps| steps as f64).or(by_time).unwrap_or(0.0)
+            duration
+                .steps
+                .map(|steps| steps as f64)
+                .or(by_time)
+                .unwrap_or(0.0)
         };
         let all: f64 = self.spec.stages.iter().map(steps).sum();
-        let before: f64 = self.spec.stages[..self.journal.stage].iter().map(steps).sum();
+        let before: f64 = self.spec.stages[..self.journal.stage]
+            .iter()
+            .map(steps)
+            .sum();
         let fraction = (before + self.journal.stage_steps as f64) / all.max(1.0);
-        let stage = self.spec.stages.get(self.journal.stage).map_or("", Stage::name);
+        let stage = self
+            .spec
+            .stages
+            .get(self.journal.stage)
+            .map_or("", Stage::name);
         let phase = format!(
             "stage {} of {}, {stage}, step {}, {:.6} s",
             self.journal.stage + 1,

@@ -82,7 +82,11 @@ impl Model {
             has_driven_bodies: spec.bodies.iter().any(is_driven),
             first_box: first_box(spec),
             orientations: Vec::new(),
-            spins: spec.bodies.iter().map(|body| Vector::from(body.angular_velocity_rad_per_s)).collect(),
+            spins: spec
+                .bodies
+                .iter()
+                .map(|body| Vector::from(body.angular_velocity_rad_per_s))
+                .collect(),
         }
     }
 }
@@ -117,19 +121,35 @@ pub(super) fn build(spec: &GranularScene) -> (Model, Particles, Vec<Clump>) {
         let is_sphere = body.sphere.is_some();
         // what a clump's members do follows from the clump
         let inverse = |value: f64, fixed: [bool; 3]| {
-            let parts = fixed.map(|fixed| if fixed || !is_sphere { 0.0 } else { 1.0 / value });
+            let parts = fixed.map(|fixed| {
+                if fixed || !is_sphere {
+                    0.0
+                } else {
+                    1.0 / value
+                }
+            });
             Row([parts[0], parts[1], parts[2], 0.0])
         };
         let fixed = fixed(body);
         for sphere in &shape {
-            particles.centres.push(Row::new(sphere.centre, sphere.radius));
-            particles.velocities.push(Row::new(Vector::from(body.velocity_m_per_s), 0.0));
-            particles.inverse_masses.push(inverse(mass, [fixed[0], fixed[1], fixed[2]]));
+            particles
+                .centres
+                .push(Row::new(sphere.centre, sphere.radius));
+            particles
+                .velocities
+                .push(Row::new(Vector::from(body.velocity_m_per_s), 0.0));
+            particles
+                .inverse_masses
+                .push(inverse(mass, [fixed[0], fixed[1], fixed[2]]));
             particles.owners.push(number);
             particles.surfaces.push(material as u16);
             if model.is_rough {
-                particles.spins.push(Row::new(Vector::from(body.angular_velocity_rad_per_s), 0.0));
-                particles.inverse_inertias.push(inverse(inertia, [fixed[3], fixed[4], fixed[5]]));
+                particles
+                    .spins
+                    .push(Row::new(Vector::from(body.angular_velocity_rad_per_s), 0.0));
+                particles
+                    .inverse_inertias
+                    .push(inverse(inertia, [fixed[3], fixed[4], fixed[5]]));
             }
         }
     }
@@ -142,7 +162,9 @@ fn clump(number: u32, body: &Body, shape: &[Sphere], density: f64, first: u32) -
     let axes = principal_axes(&properties.inertia);
     let orientation = UnitQuaternion::from_rotation_matrix(&axes.rotation);
     let centre = properties.centroid;
-    let offsets = shape.iter().map(|sphere| orientation.inverse_transform_vector(&(sphere.centre - centre)));
+    let offsets = shape
+        .iter()
+        .map(|sphere| orientation.inverse_transform_vector(&(sphere.centre - centre)));
     let spin = Vector::from(body.angular_velocity_rad_per_s);
     let mut clump = Clump {
         body: number,
@@ -163,7 +185,10 @@ fn clump(number: u32, body: &Body, shape: &[Sphere], density: f64, first: u32) -
 
 /// Whether a fixed degree of freedom has a velocity.
 fn is_driven(body: &Body) -> bool {
-    let velocities = body.velocity_m_per_s.iter().chain(&body.angular_velocity_rad_per_s);
+    let velocities = body
+        .velocity_m_per_s
+        .iter()
+        .chain(&body.angular_velocity_rad_per_s);
     let mut pairs = fixed(body).into_iter().zip(velocities);
     pairs.any(|(fixed, velocity)| fixed && *velocity != 0.0)
 }

@@ -4,37 +4,70 @@ use std::io::{self, Write};
 use loadframe_api::spec::granular_scene::GranularScene;
 
 use super::{
-    contact::friction::Friction,
-    engine::Engine,
-    journal::Journal,
-    motion::clump::Clump,
+    contact::friction::Friction, engine::Engine, journal::Journal, motion::clump::Clump,
     observe::Contact,
 };
 use crate::{Recorder, csv};
 
 const BODY_COLUMNS: [&str; 16] = [
-    "step", "time_s", "body", "x_m", "y_m", "z_m", "vx_m_per_s", "vy_m_per_s", "vz_m_per_s",
-    "wx_rad_per_s", "wy_rad_per_s", "wz_rad_per_s", "qw", "qx", "qy", "qz",
+    "step",
+    "time_s",
+    "body",
+    "x_m",
+    "y_m",
+    "z_m",
+    "vx_m_per_s",
+    "vy_m_per_s",
+    "vz_m_per_s",
+    "wx_rad_per_s",
+    "wy_rad_per_s",
+    "wz_rad_per_s",
+    "qw",
+    "qx",
+    "qy",
+    "qz",
 ];
 
 const CONTACT_COLUMNS: [&str; 13] = [
-    "step", "body_a", "body_b", "overlap_m", "normal_x", "normal_y", "normal_z", "fn_x_n", "fn_y_n",
-    "fn_z_n", "fs_x_n", "fs_y_n", "fs_z_n",
+    "step",
+    "body_a",
+    "body_b",
+    "overlap_m",
+    "normal_x",
+    "normal_y",
+    "normal_z",
+    "fn_x_n",
+    "fn_y_n",
+    "fn_z_n",
+    "fs_x_n",
+    "fs_y_n",
+    "fs_z_n",
 ];
 
 /// Columns of the curve that every scene has.
 const READINGS: [&str; 6] = [
-    "kinetic_energy_j", "elastic_energy_j", "contacts", "coordination_number",
-    "unbalanced_force_ratio", "step_over_critical",
+    "kinetic_energy_j",
+    "elastic_energy_j",
+    "contacts",
+    "coordination_number",
+    "unbalanced_force_ratio",
+    "step_over_critical",
 ];
 
 /// Columns of the curve: place in the run, recorded planes, readings.
 pub(super) fn curve_columns(spec: &GranularScene) -> Vec<String> {
     let place = ["step", "time_s", "stage"].map(str::to_owned);
     let planes = spec.record.planes.iter().flat_map(|plane| {
-        [format!("{plane}_displacement_m"), format!("{plane}_force_n")]
+        [
+            format!("{plane}_displacement_m"),
+            format!("{plane}_force_n"),
+        ]
     });
-    place.into_iter().chain(planes).chain(READINGS.map(str::to_owned)).collect()
+    place
+        .into_iter()
+        .chain(planes)
+        .chain(READINGS.map(str::to_owned))
+        .collect()
 }
 
 /// A row of the curve. Unknown readings are left at 0.
@@ -47,7 +80,11 @@ pub(super) fn curve_row<F: Friction>(
     let state = &engine.state;
     let mut row = vec![state.step as f64, state.time, journal.stage as f64];
     for name in &spec.record.planes {
-        let plane = engine.model.planes.iter().position(|plane| plane.name == *name);
+        let plane = engine
+            .model
+            .planes
+            .iter()
+            .position(|plane| plane.name == *name);
         let Some(plane) = plane else { continue };
         let face = &state.faces[plane];
         row.push(face.position - engine.model.planes[plane].face.position);
@@ -100,7 +137,9 @@ impl<F: Friction> Engine<F> {
                 table.extend(vector.iter());
             }
             table.extend(match places[*body as usize] {
-                Place::Clump(clump) => state.clumps[clump].turned(&self.model.orientations[*body as usize]),
+                Place::Clump(clump) => {
+                    state.clumps[clump].turned(&self.model.orientations[*body as usize])
+                }
                 // the turning of a sphere is not followed: it cannot be seen
                 _ => [1.0, 0.0, 0.0, 0.0],
             });
@@ -152,12 +191,22 @@ pub(super) fn write(
         table(recorder, "bodies.csv", &BODY_COLUMNS, &journal.bodies)?;
     }
     if spec.record.contacts {
-        table(recorder, "contacts.csv", &CONTACT_COLUMNS, &journal.contacts)?;
+        table(
+            recorder,
+            "contacts.csv",
+            &CONTACT_COLUMNS,
+            &journal.contacts,
+        )?;
     }
     Ok(())
 }
 
-fn table(recorder: &mut dyn Recorder, name: &str, columns: &[&str], rows: &[f64]) -> io::Result<()> {
+fn table(
+    recorder: &mut dyn Recorder,
+    name: &str,
+    columns: &[&str],
+    rows: &[f64],
+) -> io::Result<()> {
     recorder.file(name, &mut |out: &mut dyn Write| {
         csv::header(out, columns)?;
         let mut rows = rows.chunks_exact(columns.len());

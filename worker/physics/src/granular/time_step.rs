@@ -50,7 +50,11 @@ impl<F: Friction> Engine<F> {
                     Some(other) if self.model.is_movable[partner as usize] => (mass / other).sqrt(),
                     _ => 0.0,
                 };
-                let particle = if own == 0 { Some(contact.particles.0) } else { contact.particles.1 };
+                let particle = if own == 0 {
+                    Some(contact.particles.0)
+                } else {
+                    contact.particles.1
+                };
                 let turning = particle.map_or(0.0, |particle| self.turning(&clumps, particle));
                 let [normal, shear] = contact.stiffness;
                 let row = &mut rows[place];
@@ -58,7 +62,8 @@ impl<F: Friction> Engine<F> {
                     let square = contact.normal[axis].powi(2);
                     let stiffness = normal * square + shear * (1.0 - square);
                     row.along[axis] += stiffness / mass * (1.0 + coupling);
-                    row.about[axis] += shear * (1.0 - square) * (1.0 / mass + turning) * (1.0 + coupling);
+                    row.about[axis] +=
+                        shear * (1.0 - square) * (1.0 / mass + turning) * (1.0 + coupling);
                 }
                 if normal > row.stiffest.0 {
                     row.stiffest = (normal, partner);
@@ -67,7 +72,11 @@ impl<F: Friction> Engine<F> {
         }
         let mut critical: Option<Critical> = None;
         for (body, row) in (0..).zip(&rows) {
-            let square = row.along.iter().chain(&row.about).fold(0.0, |most: f64, next| most.max(*next));
+            let square = row
+                .along
+                .iter()
+                .chain(&row.about)
+                .fold(0.0, |most: f64, next| most.max(*next));
             let step = 2.0 / square.sqrt();
             if square > 0.0 && critical.is_none_or(|found| step < found.step) {
                 critical = Some(Critical {
@@ -84,7 +93,11 @@ impl<F: Friction> Engine<F> {
     /// clumps that move.
     pub(super) fn critical_step_of_clumps(&self) -> Option<f64> {
         let by_body = self.clumps_by_body();
-        let clumps = self.state.clumps.iter().filter(|clump| self.model.is_movable[clump.body as usize]);
+        let clumps = self
+            .state
+            .clumps
+            .iter()
+            .filter(|clump| self.model.is_movable[clump.body as usize]);
         let steps = clumps.flat_map(|clump| {
             clump.members().map(|member| {
                 let particles = &self.state.particles;

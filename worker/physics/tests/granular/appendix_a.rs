@@ -33,7 +33,9 @@ fn appendix() -> Value {
 fn assert_printed(found: f64, printed: &str) {
     let value: f64 = printed.parse().expect("a number");
     let (digits, exponent) = printed.split_once('e').unwrap_or((printed, "0"));
-    let decimals = digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    let decimals = digits
+        .split_once('.')
+        .map_or(0, |(_, decimals)| decimals.len());
     let exponent: i32 = exponent.parse().expect("a whole number");
     let last_digit = 10_f64.powi(exponent - decimals as i32);
     // printed digits are cut or rounded
@@ -77,31 +79,63 @@ fn two_spheres_of_the_appendix_to_all_printed_digits() {
         contact(&record, FIRST, [0, 1]).expect("the spheres touch");
     // cancellation leaves 1e-16 of a distance of 0.08 m
     assert_close(overlap, 8.755_896_644_26e-7, 1e-16);
-    assert_vector(normal, ["-0.125001368124", "-0.125001368124", "-0.984250636746"], -1.0);
+    assert_vector(
+        normal,
+        ["-0.125001368124", "-0.125001368124", "-0.984250636746"],
+        -1.0,
+    );
     let stiffness = normal_force[2] / (overlap * normal[2]);
     assert_printed(stiffness, "11995430.3123");
-    for (found, printed) in normal_force.into_iter().zip([-1.312_898_719_73, -1.312_898_719_73, -10.337_658_061_4]) {
+    for (found, printed) in
+        normal_force
+            .into_iter()
+            .zip([-1.312_898_719_73, -1.312_898_719_73, -10.337_658_061_4])
+    {
         assert_close(-found, printed, 2e-9);
     }
-    assert_vector(shear_force, ["1.31148015421", "1.31148015421", "-0.333120055853"], -1.0);
+    assert_vector(
+        shear_force,
+        ["1.31148015421", "1.31148015421", "-0.333120055853"],
+        -1.0,
+    );
     let shear_stiffness = shear_force[0] / -3.600_672_232_9e-7;
     assert_close(shear_stiffness, 3_642_320.292_93, 1e-3);
     let [position, velocity, spin] = body(&record, FIRST, 1);
-    assert_vector(velocity, ["2.8760727941e-9", "2.8760727941e-9", "-1.46327828385"], 1.0);
+    assert_vector(
+        velocity,
+        ["2.8760727941e-9", "2.8760727941e-9", "-1.46327828385"],
+        1.0,
+    );
     assert_vector(position, ["0.01", "0.01", "0.07873626258340"], 1.0);
     assert_vector(spin, ["-2.25122503494e-4", "2.25122503494e-4", "0"], 1.0);
     // the step after
     let (overlap, [normal, normal_force, shear_force]) =
         contact(&record, FIRST + 1, [0, 1]).expect("the spheres touch");
     assert_close(overlap, 3.756_053_155_31e-6, 1e-16);
-    assert_vector(normal, ["-0.125005869109", "-0.125005869109", "-0.98424949346"], -1.0);
-    for (found, printed) in normal_force.into_iter().zip([-5.632_198_669_68, -5.632_198_669_68, -44.345_827_337_7]) {
+    assert_vector(
+        normal,
+        ["-0.125005869109", "-0.125005869109", "-0.98424949346"],
+        -1.0,
+    );
+    for (found, printed) in
+        normal_force
+            .into_iter()
+            .zip([-5.632_198_669_68, -5.632_198_669_68, -44.345_827_337_7])
+    {
         assert_close(-found, printed, 2e-9);
     }
-    assert_vector(shear_force, ["2.6229989503", "2.6229989503", "-0.666274690781"], -1.0);
+    assert_vector(
+        shear_force,
+        ["2.6229989503", "2.6229989503", "-0.666274690781"],
+        -1.0,
+    );
     let [position, velocity, _] = body(&record, FIRST + 1, 1);
     assert_printed(velocity[0], "6.10388257076e-6");
     assert_printed(velocity[1], "6.10388257076e-6");
     assert_printed(velocity[2], "-1.46318832602835");
-    assert_vector(position, ["0.0100000000122", "0.0100000000122", "0.0787333362068"], 1.0);
+    assert_vector(
+        position,
+        ["0.0100000000122", "0.0100000000122", "0.0787333362068"],
+        1.0,
+    );
 }

@@ -6,7 +6,14 @@ use super::{assert_close, body, run, scene::Record, sphere};
 const DENSITY: f64 = 2600.0;
 const MODULUS: f64 = 1e8;
 
-fn scene(friction: f64, damping: f64, bodies: &[Value], planes: &[Value], step: f64, steps: u64) -> Value {
+fn scene(
+    friction: f64,
+    damping: f64,
+    bodies: &[Value],
+    planes: &[Value],
+    step: f64,
+    steps: u64,
+) -> Value {
     json!({
         "version": 1, "gravity_m_per_s2": [0, 0, 0],
         "materials": {"stone": {"density_kg_per_m3": DENSITY, "youngs_modulus_pa": MODULUS, "stiffness_ratio": 0.3, "friction_angle_rad": friction}},
@@ -29,17 +36,33 @@ fn impact_takes_half_a_period_and_gives_the_speed_back() {
     // sphere and plane in series: K = E r
     let half_period = std::f64::consts::PI * (mass(radius) / (MODULUS * radius)).sqrt();
     let step = half_period / 2000.0;
-    let plane = json!({"name": "base", "axis": "z", "position_m": 0, "facing": 1, "material": "stone"});
+    let plane =
+        json!({"name": "base", "axis": "z", "position_m": 0, "facing": 1, "material": "stone"});
     for friction in [0.0, 0.5] {
         let start = [0.0, 0.0, radius + 10.0 * speed * step];
         let falling = sphere("stone", radius, start, [0.0, 0.0, -speed]);
-        let (_, record) = run(&scene(friction, 0.0, &[falling], &[plane.clone()], step, 2100));
-        let touching: Vec<u64> = record.table("contacts.csv").iter().map(|row| row[0] as u64).collect();
+        let (_, record) = run(&scene(
+            friction,
+            0.0,
+            &[falling],
+            &[plane.clone()],
+            step,
+            2100,
+        ));
+        let touching: Vec<u64> = record
+            .table("contacts.csv")
+            .iter()
+            .map(|row| row[0] as u64)
+            .collect();
         // the first and the last step are cut by the raster of steps
         assert_close(touching.len() as f64 * step, half_period, 2.0 * step);
         let [_, velocity, _] = body(&record, 2100, 0);
         // the speed is off by the part of a step that the first and last touch miss: (ω Δt)²/2
-        assert_close(velocity[2], speed, speed * (std::f64::consts::PI / 2000.0_f64).powi(2));
+        assert_close(
+            velocity[2],
+            speed,
+            speed * (std::f64::consts::PI / 2000.0_f64).powi(2),
+        );
     }
 }
 
@@ -49,7 +72,11 @@ fn momenta(record: &Record, step: u64, radii: &[f64]) -> [f64; 6] {
         let [x, v, w] = body(record, step, number);
         let m = mass(*radius);
         let inertia = 0.4 * m * radius * radius;
-        let moment = [x[1] * v[2] - x[2] * v[1], x[2] * v[0] - x[0] * v[2], x[0] * v[1] - x[1] * v[0]];
+        let moment = [
+            x[1] * v[2] - x[2] * v[1],
+            x[2] * v[0] - x[0] * v[2],
+            x[0] * v[1] - x[1] * v[0],
+        ];
         for axis in 0..3 {
             sums[axis] += m * v[axis];
             sums[3 + axis] += m * moment[axis] + inertia * w[axis];

@@ -31,7 +31,11 @@ fn a_block_slides_above_the_angle_of_friction() {
     let [position, velocity, _] = body(&record, 50_000, 0);
     // it starts without load on its feet and bounces a little: friction follows the load
     assert_close(velocity[0], acceleration * time, 0.01 * acceleration * time);
-    assert_close(position[0], 0.5 * acceleration * time * time, 0.01 * time * time);
+    assert_close(
+        position[0],
+        0.5 * acceleration * time * time,
+        0.01 * time * time,
+    );
 }
 
 #[test]

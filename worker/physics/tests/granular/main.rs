@@ -65,11 +65,13 @@ fn body(record: &Record, step: u64, body: u32) -> [[f64; 3]; 3] {
 /// Overlap, normal, normal and shear force of the contact of two bodies in a step.
 fn contact(record: &Record, step: u64, bodies: [u32; 2]) -> Option<(f64, [[f64; 3]; 3])> {
     let rows = record.table("contacts.csv");
-    let is_wanted = |row: &&Vec<f64>| {
-        row[0] as u64 == step && [row[1] as u32, row[2] as u32] == bodies
-    };
+    let is_wanted =
+        |row: &&Vec<f64>| row[0] as u64 == step && [row[1] as u32, row[2] as u32] == bodies;
     let row = rows.iter().find(is_wanted)?;
-    Some((row[3], [4, 7, 10].map(|at| [row[at], row[at + 1], row[at + 2]])))
+    Some((
+        row[3],
+        [4, 7, 10].map(|at| [row[at], row[at + 1], row[at + 2]]),
+    ))
 }
 
 #[track_caller]

@@ -17,7 +17,10 @@ fn scene(bodies: &[Value]) -> Value {
 
 fn codes(spec: &Value) -> Vec<(String, String)> {
     let violations = submission(spec).expect_err("this must be refused");
-    violations.into_iter().map(|violation| (violation.pointer, violation.code)).collect()
+    violations
+        .into_iter()
+        .map(|violation| (violation.pointer, violation.code))
+        .collect()
 }
 
 fn one(pointer: &str, code: &str) -> Vec<(String, String)> {
@@ -27,11 +30,26 @@ fn one(pointer: &str, code: &str) -> Vec<(String, String)> {
 #[test]
 fn bodies_inside_each_other_are_refused() {
     let at = |z: f64| sphere("stone", 0.01, [0.0, 0.0, z], [0.0; 3]);
-    assert_eq!(codes(&scene(&[at(0.01), at(0.029)])), one("/spec/bodies/1/position_m", "overlap"));
-    assert!(submission(&scene(&[at(0.01), at(0.0296)])).is_ok(), "4 % may overlap");
-    assert_eq!(codes(&scene(&[at(0.01), at(0.01)])), one("/spec/bodies/1/position_m", "equal_centres"));
-    assert_eq!(codes(&scene(&[at(0.005)])), one("/spec/bodies/0/position_m", "overlap"));
-    assert_eq!(codes(&scene(&[at(-0.5)])), one("/spec/bodies/0/position_m", "overlap"));
+    assert_eq!(
+        codes(&scene(&[at(0.01), at(0.029)])),
+        one("/spec/bodies/1/position_m", "overlap")
+    );
+    assert!(
+        submission(&scene(&[at(0.01), at(0.0296)])).is_ok(),
+        "4 % may overlap"
+    );
+    assert_eq!(
+        codes(&scene(&[at(0.01), at(0.01)])),
+        one("/spec/bodies/1/position_m", "equal_centres")
+    );
+    assert_eq!(
+        codes(&scene(&[at(0.005)])),
+        one("/spec/bodies/0/position_m", "overlap")
+    );
+    assert_eq!(
+        codes(&scene(&[at(-0.5)])),
+        one("/spec/bodies/0/position_m", "overlap")
+    );
 }
 
 #[test]
@@ -53,22 +71,32 @@ fn an_unstable_step_is_refused_with_the_right_one() {
 fn a_body_that_would_tunnel_is_refused_or_stopped() {
     let mut spec = scene(&[sphere("stone", 0.01, [0.0, 0.0, 0.02], [0.0, 0.0, -200.0])]);
     spec["time_step_s"] = json!(1e-5);
-    assert_eq!(codes(&spec), one("/spec/bodies/0/velocity_m_per_s", "too_fast"));
+    assert_eq!(
+        codes(&spec),
+        one("/spec/bodies/0/velocity_m_per_s", "too_fast")
+    );
     spec["time_step_s"] = json!("auto");
     let (_, record) = run(&spec);
     let [position, velocity, _] = body(&record, 1000, 0);
-    assert!(position[2] > 0.01 && velocity[2] > 0.0, "it bounced: {position:?}");
+    assert!(
+        position[2] > 0.01 && velocity[2] > 0.0,
+        "it bounced: {position:?}"
+    );
     // it becomes too fast only while it falls
     spec["bodies"] = json!([sphere("stone", 0.01, [0.0, 0.0, 1.0], [0.0; 3])]);
     spec["gravity_m_per_s2"] = json!([0, 0, -1e6]);
     spec["time_step_s"] = json!(1e-5);
-    assert!(matches!(failure(&spec), SimulationError::TooFast { body: 0, .. }));
+    assert!(matches!(
+        failure(&spec),
+        SimulationError::TooFast { body: 0, .. }
+    ));
 }
 
 #[test]
 fn names_that_do_not_exist_are_all_told_at_once() {
     let mut spec = scene(&[sphere("chalk", 0.01, [0.0, 0.0, 0.02], [0.0; 3])]);
-    spec["stages"] = json!([{"run": {}}, {"move_plane": {"name": "top", "velocity_m_per_s": -0.1, "steps": 5}}]);
+    spec["stages"] =
+        json!([{"run": {}}, {"move_plane": {"name": "top", "velocity_m_per_s": -0.1, "steps": 5}}]);
     spec["record"] = json!({"bodies": [3], "planes": ["lid"]});
     let expected = [
         ("/spec/bodies/0/material", "no_such_material"),
@@ -77,7 +105,10 @@ fn names_that_do_not_exist_are_all_told_at_once() {
         ("/spec/record/planes/0", "no_such_plane"),
         ("/spec/record/bodies/0", "no_such_body"),
     ];
-    let expected: Vec<(String, String)> = expected.iter().map(|(p, c)| ((*p).to_owned(), (*c).to_owned())).collect();
+    let expected: Vec<(String, String)> = expected
+        .iter()
+        .map(|(p, c)| ((*p).to_owned(), (*c).to_owned()))
+        .collect();
     assert_eq!(codes(&spec), expected);
 }
 
@@ -89,9 +120,24 @@ fn unknown_fields_are_refused() {
     spec["stages"] = json!([{"settle": {"steps": 10}}]);
     let mut found = codes(&spec);
     found.sort();
-    assert!(found.iter().any(|(pointer, code)| pointer == "/spec/facets" && code == "unknown_field"), "{found:?}");
-    assert!(found.iter().any(|(pointer, _)| pointer == "/spec/bodies/0/colour"), "{found:?}");
-    assert!(found.iter().any(|(pointer, _)| pointer.starts_with("/spec/stages/0")), "{found:?}");
+    assert!(
+        found
+            .iter()
+            .any(|(pointer, code)| pointer == "/spec/facets" && code == "unknown_field"),
+        "{found:?}"
+    );
+    assert!(
+        found
+            .iter()
+            .any(|(pointer, _)| pointer == "/spec/bodies/0/colour"),
+        "{found:?}"
+    );
+    assert!(
+        found
+            .iter()
+            .any(|(pointer, _)| pointer.starts_with("/spec/stages/0")),
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -101,5 +147,10 @@ fn bodies_that_leave_are_told_of() {
     spec["stages"] = json!([{"run": {"time_s": 0.1}}]);
     let (report, _) = run(&spec);
     assert_eq!(report.summary["escaped_bodies"].value, Some(1.0));
-    assert!(report.warnings.iter().any(|warning| warning.code == "escaped_bodies"));
+    assert!(
+        report
+            .warnings
+            .iter()
+            .any(|warning| warning.code == "escaped_bodies")
+    );
 }

@@ -25,9 +25,11 @@ fn drift(spec: &Value) -> [f64; 2] {
     // inertia at the end, turned back by the orientation there, is that of the body
     let last = rows.last().expect("rows");
     let turn = |row: &[f64]| {
-        nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(row[12], row[13], row[14], row[15]))
-            .to_rotation_matrix()
-            .into_inner()
+        nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(
+            row[12], row[13], row[14], row[15],
+        ))
+        .to_rotation_matrix()
+        .into_inner()
     };
     let inertia = nalgebra::Matrix3::from(report.bodies[0].inertia_kg_m2).transpose();
     let own = turn(last).transpose() * inertia * turn(last);

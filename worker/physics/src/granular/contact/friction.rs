@@ -110,13 +110,12 @@ impl Friction for Coulomb {
         slip: Slip<S>,
         time_step: f64,
     ) -> Vectors<S> {
-        let splat = |value| Lanes::splat(simd, value);
         let before = Vectors::load(simd, &self.normal, part);
         let mut shear = Vectors::load(simd, &self.shear, part);
         shear = shear - shear.cross(before.cross(touch.normal));
-        let twist = splat(0.5 * time_step) * before.dot(slip.spins);
+        let twist = Lanes::splat(simd, 0.5 * time_step) * before.dot(slip.spins);
         shear = shear - shear.cross(before.scaled(twist));
-        let stiffness = Lanes::load(simd, &self.stiffness, part) * splat(time_step);
+        let stiffness = Lanes::load(simd, &self.stiffness, part) * Lanes::splat(simd, time_step);
         shear = shear - slip.velocity.scaled(stiffness);
 
         let limit = touch.normal_force * Lanes::load(simd, &self.friction, part);
@@ -124,7 +123,7 @@ impl Friction for Coulomb {
         // without shear force the quotient is not a number, and not taken
         let slides = (limit * limit).below(square);
         let back = limit.over(square.sqrt());
-        shear = shear.scaled(back.only_if(slides, splat(1.0)));
+        shear = shear.scaled(back.only_if(slides, Lanes::splat(simd, 1.0)));
 
         shear = shear.only_if(touch.is_touching, Vectors::zero(simd));
         shear.store(&mut self.shear, part);

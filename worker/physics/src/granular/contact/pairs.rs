@@ -63,16 +63,23 @@ impl<F: Friction> PairList<F> {
         let blocks = self.blocks.iter_mut().zip(&mut self.touching);
         for (block, touching) in blocks {
             let (a, b) = (block.a, block.b);
-            *touching = block.advance(simd, kinematics, time_step, *touching, |lane, force, torque| {
-                let (a, b) = (a[lane] as usize - first, b[lane] as usize - first);
-                wrenches.forces[a].subtract(force);
-                wrenches.forces[b].add(force);
-                if F::IS_ROUGH {
-                    let [on_a, on_b] = moments(force, torque);
-                    wrenches.torques[a].subtract(on_a);
-                    wrenches.torques[b].subtract(on_b);
-                }
-            });
+            *touching = block.advance(
+                simd,
+                kinematics,
+                time_step,
+                *touching,
+                #[inline(always)]
+                |lane: usize, force: [f64; 4], torque: [f64; 4]| {
+                    let (a, b) = (a[lane] as usize - first, b[lane] as usize - first);
+                    wrenches.forces[a].subtract(force);
+                    wrenches.forces[b].add(force);
+                    if F::IS_ROUGH {
+                        let [on_a, on_b] = moments(force, torque);
+                        wrenches.torques[a].subtract(on_a);
+                        wrenches.torques[b].subtract(on_b);
+                    }
+                },
+            );
         }
     }
 
@@ -91,16 +98,23 @@ impl<F: Friction> PairList<F> {
         let blocks = self.blocks.iter_mut().zip(&mut self.touching);
         for (index, (block, touching)) in blocks.enumerate() {
             let a = block.a;
-            *touching = block.advance(simd, kinematics, time_step, *touching, |lane, force, torque| {
-                let a = a[lane] as usize - first;
-                wrenches.forces[a].subtract(force);
-                halo.forces[index * LANES + lane] = Row(force);
-                if F::IS_ROUGH {
-                    let [on_a, on_b] = moments(force, torque);
-                    wrenches.torques[a].subtract(on_a);
-                    halo.torques[index * LANES + lane] = Row(on_b.map(|component| -component));
-                }
-            });
+            *touching = block.advance(
+                simd,
+                kinematics,
+                time_step,
+                *touching,
+                #[inline(always)]
+                |lane: usize, force: [f64; 4], torque: [f64; 4]| {
+                    let a = a[lane] as usize - first;
+                    wrenches.forces[a].subtract(force);
+                    halo.forces[index * LANES + lane] = Row(force);
+                    if F::IS_ROUGH {
+                        let [on_a, on_b] = moments(force, torque);
+                        wrenches.torques[a].subtract(on_a);
+                        halo.torques[index * LANES + lane].subtract(on_b);
+                    }
+                },
+            );
         }
     }
 }
@@ -120,7 +134,12 @@ impl Halo {
 #[inline(always)]
 fn moments(force: [f64; 4], torque: [f64; 4]) -> [[f64; 4]; 2] {
     let [arm_a, arm_b] = [force[3], torque[3]];
-    [torque.map(|part| part * arm_a), torque.map(|part| part * arm_b)]
+    let (mut on_a, mut on_b) = (torque, torque);
+    for axis in 0..4 {
+        on_a[axis] *= arm_a;
+        on_b[axis] *= arm_b;
+    }
+    [on_a, on_b]
 }
 
 impl<F: Friction> PairBlock<F> {
@@ -136,7 +155,6 @@ impl<F: Friction> PairBlock<F> {
         touched: u8,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
-        let splat = |value| Lanes::splat(simd, value);
         let mut touching = 0;
         for part in 0..LANES / S::F64_LANES {
             let a = gather(simd, kinematics.centres, &self.a, part);
@@ -146,7 +164,7 @@ impl<F: Friction> PairBlock<F> {
             let distance = between.dot(between).sqrt();
             let is_near = distance.at_most(reach);
             // equal centres have no normal; they are told of elsewhere
-            let is_apart = splat(0.0).below(distance);
+            let is_apart = Lanes::splat(simd, 0.0).below(distance);
             let is_touching = simd.and_m64s(is_near, is_apart);
             let bits = bits::<S>(is_touching, part);
             if bits == 0 {
@@ -156,7 +174,7 @@ impl<F: Friction> PairBlock<F> {
                 continue;
             }
             touching |= bits;
-            let inverse = splat(1.0).over(distance);
+            let inverse = Lanes::splat(simd, 1.0).over(distance);
             let normal = between.scaled(inverse);
             let overlap = reach - distance;
             let normal_force = Lanes::load(simd, &self.stiffness, part) * overlap;
@@ -165,7 +183,7 @@ impl<F: Friction> PairBlock<F> {
                 normal_force,
                 is_touching,
             };
-            let none = splat(0.0);
+            let none = Lanes::splat(simd, 0.0);
             let push = normal.scaled(normal_force);
             let [force, torque] = if F::IS_ROUGH {
                 let velocities = self.sides(simd, kinematics.velocities, part);
@@ -178,21 +196,37 @@ impl<F: Friction> PairBlock<F> {
                     spins: spins[0] + spins[1],
                 };
                 let shear = self.friction.advance(simd, part, touch, slip, time_step);
-                let half = splat(0.5) * overlap;
+                let half = Lanes::splat(simd, 0.5) * overlap;
                 let moment = normal.cross(shear);
                 [
-                    (push + shear, a.fourth - half),
-                    (moment, b.fourth - half),
+                    Gathered {
+                        vector: push + shear,
+                        fourth: a.fourth - half,
+                    },
+                    Gathered {
+                        vector: moment,
+                        fourth: b.fourth - half,
+                    },
                 ]
             } else {
-                [(push, none), (push, none)]
+                let push = Gathered {
+                    vector: push,
+                    fourth: none,
+                };
+                [push, push]
             };
             // a lane that does not touch holds numbers without meaning, perhaps not even finite
-            let columns = [force, torque].map(|(vector, fourth)| Gathered {
-                vector: vector.only_if(is_touching, Vectors::zero(simd)),
-                fourth: fourth.only_if(is_touching, none),
-            });
-            scatter(simd, columns, part, |lane, [force, torque]| act(lane, force, torque));
+            let columns = [
+                force.masked(simd, is_touching),
+                torque.masked(simd, is_touching),
+            ];
+            scatter(
+                simd,
+                columns,
+                part,
+                #[inline(always)]
+                |lane, [force, torque]| act(lane, force, torque),
+            );
         }
         touching
     }
@@ -200,6 +234,9 @@ impl<F: Friction> PairBlock<F> {
     /// A vector of both particles.
     #[inline(always)]
     fn sides<S: Simd>(&self, simd: S, rows: &[Row], part: usize) -> [Vectors<S>; 2] {
-        [&self.a, &self.b].map(|side| gather(simd, rows, side, part).vector)
+        [
+            gather(simd, rows, &self.a, part).vector,
+            gather(simd, rows, &self.b, part).vector,
+        ]
     }
 }

@@ -59,7 +59,9 @@ impl Face {
 
     /// A vector along the axis.
     pub(in crate::granular) fn along(&self, value: f64) -> [f64; 3] {
-        std::array::from_fn(|axis| if axis == self.axis { value } else { 0.0 })
+        let mut vector = [0.0; 3];
+        vector[self.axis] = value;
+        vector
     }
 
     /// Height of a centre above the plane [m].
@@ -84,16 +86,24 @@ impl<F: Friction> WallList<F> {
         for (block, touching) in self.blocks.iter_mut().zip(&mut self.touching) {
             let particles = block.particles;
             let touched = *touching;
-            *touching = block.advance(simd, face, kinematics, time_step, touched, |lane, force, moment| {
-                let particle = particles[lane] as usize - first;
-                wrenches.forces[particle].subtract(force);
-                if F::IS_ROUGH {
-                    wrenches.torques[particle].subtract(moment);
-                }
-                for (sum, part) in on_plane.iter_mut().zip(force) {
-                    *sum += part;
-                }
-            });
+            *touching = block.advance(
+                simd,
+                face,
+                kinematics,
+                time_step,
+                touched,
+                #[inline(always)]
+                |lane: usize, force: [f64; 4], moment: [f64; 4]| {
+                    let particle = particles[lane] as usize - first;
+                    wrenches.forces[particle].subtract(force);
+                    if F::IS_ROUGH {
+                        wrenches.torques[particle].subtract(moment);
+                    }
+                    for (sum, part) in on_plane.iter_mut().zip(force) {
+                        *sum += part;
+                    }
+                },
+            );
         }
         on_plane
     }
@@ -112,15 +122,15 @@ impl<F: Friction> WallBlock<F> {
         touched: u8,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
-        let splat = |value| Lanes::splat(simd, value);
         let normal = Vectors::splat(simd, face.normal());
-        let none = splat(0.0);
+        let none = Lanes::splat(simd, 0.0);
         let mut touching = 0;
         for part in 0..LANES / S::F64_LANES {
             let sphere = gather(simd, kinematics.centres, &self.particles, part);
             let radius = sphere.fourth;
             let along = [sphere.vector.x, sphere.vector.y, sphere.vector.z][face.axis];
-            let height = (along - splat(face.position)) * splat(face.facing);
+            let height =
+                (along - Lanes::splat(simd, face.position)) * Lanes::splat(simd, face.facing);
             let stiffness = Lanes::load(simd, &self.stiffness, part);
             // padding has no stiffness, and touches nothing
             let is_touching = simd.and_m64s(height.at_most(radius), none.below(stiffness));
@@ -152,16 +162,30 @@ impl<F: Friction> WallBlock<F> {
                     spins: spin,
                 };
                 let shear = self.friction.advance(simd, part, touch, slip, time_step);
-                let arm = radius - splat(0.5) * overlap;
+                let arm = radius - Lanes::splat(simd, 0.5) * overlap;
                 [push + shear, normal.cross(shear).scaled(arm)]
             } else {
                 [push, Vectors::zero(simd)]
             };
-            let columns = [force, moment].map(|vector| Gathered {
-                vector: vector.only_if(is_touching, Vectors::zero(simd)),
+            let force = Gathered {
+                vector: force,
                 fourth: none,
-            });
-            scatter(simd, columns, part, |lane, [force, moment]| act(lane, force, moment));
+            };
+            let moment = Gathered {
+                vector: moment,
+                fourth: none,
+            };
+            let columns = [
+                force.masked(simd, is_touching),
+                moment.masked(simd, is_touching),
+            ];
+            scatter(
+                simd,
+                columns,
+                part,
+                #[inline(always)]
+                |lane, [force, moment]| act(lane, force, moment),
+            );
         }
         touching
     }

@@ -73,11 +73,17 @@ impl Clump {
     /// Angular momentum of a spin at the present orientation.
     pub(in crate::granular) fn momentum_of(&self, spin: Vector) -> Vector {
         let local = self.orientation.inverse_transform_vector(&spin);
-        self.orientation.transform_vector(&local.component_mul(&self.inertia))
+        self.orientation
+            .transform_vector(&local.component_mul(&self.inertia))
     }
 
     /// Force and torque about the centre of mass, from those on the members' rows.
-    pub(in crate::granular) fn wrench(&self, wrenches: &Wrenches, centres: &[Row], first: usize) -> [Vector; 2] {
+    pub(in crate::granular) fn wrench(
+        &self,
+        wrenches: &Wrenches,
+        centres: &[Row],
+        first: usize,
+    ) -> [Vector; 2] {
         let (mut force, mut torque) = (Vector::zeros(), Vector::zeros());
         for member in self.members() {
             let load = wrenches.forces[member - first].vector();
@@ -89,7 +95,13 @@ impl Clump {
     }
 
     /// A step under force [N] and torque [N m].
-    pub(in crate::granular) fn advance(&mut self, drive: &Drive, rotation: Rotation, force: Vector, torque: Vector) {
+    pub(in crate::granular) fn advance(
+        &mut self,
+        drive: &Drive,
+        rotation: Rotation,
+        force: Vector,
+        torque: Vector,
+    ) {
         let step = drive.time_step;
         for axis in 0..3 {
             if !self.fixed[axis] {
@@ -99,7 +111,8 @@ impl Clump {
         }
         self.centre += step * self.velocity;
 
-        let damped = Vector::from_fn(|axis, _| drive.against(torque[axis], torque[axis] * self.spin[axis]));
+        let damped =
+            Vector::from_fn(|axis, _| drive.against(torque[axis], torque[axis] * self.spin[axis]));
         match self.fixed[3..] {
             [false, false, false] => match rotation {
                 Rotation::Fincham => self.turn_by_fincham(step, damped),
@@ -125,7 +138,9 @@ impl Clump {
 
     fn turn_by_splitting(&mut self, step: f64, torque: Vector) {
         self.angular_momentum += step * torque;
-        let mut local = self.orientation.inverse_transform_vector(&self.angular_momentum);
+        let mut local = self
+            .orientation
+            .inverse_transform_vector(&self.angular_momentum);
         for (axis, part) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
             let half_angle = 0.5 * part * step * local[axis] / self.inertia[axis];
             let mut turn = Quaternion::new(1.0, 0.0, 0.0, 0.0);
@@ -135,8 +150,12 @@ impl Clump {
             self.orientation *= turn;
         }
         self.orientation = UnitQuaternion::new_normalize(self.orientation.into_inner());
-        let local = self.orientation.inverse_transform_vector(&self.angular_momentum);
-        self.spin = self.orientation.transform_vector(&local.component_div(&self.inertia));
+        let local = self
+            .orientation
+            .inverse_transform_vector(&self.angular_momentum);
+        self.spin = self
+            .orientation
+            .transform_vector(&local.component_div(&self.inertia));
     }
 
     /// With some or all rotations fixed: Euler's equation for the free components of ω alone, the
@@ -151,7 +170,9 @@ impl Clump {
             _ => f64::from(u8::from(row == column)),
         });
         let load = Vector::from_fn(|axis, _| if is_free(axis) { resultant[axis] } else { 0.0 });
-        let acceleration = free.try_inverse().map_or(Vector::zeros(), |inverse| inverse * load);
+        let acceleration = free
+            .try_inverse()
+            .map_or(Vector::zeros(), |inverse| inverse * load);
         for axis in 0..3 {
             if is_free(axis) {
                 self.spin[axis] += step * drive.damped(acceleration[axis], self.spin[axis]);

@@ -14,7 +14,11 @@ pub(in crate::granular) fn accelerate(
     inverse_masses: &[Row],
     velocities: &mut [Row],
 ) {
-    let gravity = if with_gravity { drive.gravity } else { super::Vector::zeros() };
+    let gravity = if with_gravity {
+        drive.gravity
+    } else {
+        super::Vector::zeros()
+    };
     let gravity = [gravity.x, gravity.y, gravity.z, 0.0];
     let step = drive.time_step;
     wide(
@@ -50,7 +54,11 @@ pub(in crate::granular) fn drift(
                     centre.0[axis] += time_step * velocity;
                     let square = velocity * velocity;
                     // false for NaN, which is told of where states are checked
-                    largest[axis] = if square > largest[axis] { square } else { largest[axis] };
+                    largest[axis] = if square > largest[axis] {
+                        square
+                    } else {
+                        largest[axis]
+                    };
                 }
             }
             largest

@@ -126,8 +126,12 @@ impl Level {
             let mean = coordinates(axis).sum::<f64>() / count;
             let variance = coordinates(axis).map(|x| (x - mean).powi(2)).sum::<f64>() / count;
             let far = COVERED * variance.sqrt();
-            let least = coordinates(axis).fold(f64::INFINITY, f64::min).max(mean - far);
-            let most = coordinates(axis).fold(f64::NEG_INFINITY, f64::max).min(mean + far);
+            let least = coordinates(axis)
+                .fold(f64::INFINITY, f64::min)
+                .max(mean - far);
+            let most = coordinates(axis)
+                .fold(f64::NEG_INFINITY, f64::max)
+                .min(mean + far);
             low[axis] = least;
             extent[axis] = (most - least).max(0.0);
         }
@@ -181,7 +185,9 @@ impl Level {
     /// Gives `see` the spheres of all cells around `sphere`, a row of cells at a time.
     fn around(&self, sphere: &Row, mut see: impl FnMut(&[u32])) {
         let place = self.place(sphere);
-        let range = |axis: usize| place[axis].saturating_sub(1)..=(place[axis] + 1).min(self.cells[axis] - 1);
+        let range = |axis: usize| {
+            place[axis].saturating_sub(1)..=(place[axis] + 1).min(self.cells[axis] - 1)
+        };
         let row = range(0);
         for z in range(2) {
             for y in range(1) {

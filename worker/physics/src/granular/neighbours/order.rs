@@ -7,8 +7,14 @@ const BITS: u32 = 20;
 /// Numbers of the points in the order in which a Z-curve through their box passes them; points in
 /// one cell of the curve keep the order of their numbers.
 pub(in crate::granular) fn along_curve(points: &[Vector]) -> Vec<u32> {
-    let low = points.iter().fold(Vector::repeat(f64::INFINITY), |low, point| low.inf(point));
-    let high = points.iter().fold(Vector::repeat(f64::NEG_INFINITY), |high, point| high.sup(point));
+    let low = points
+        .iter()
+        .fold(Vector::repeat(f64::INFINITY), |low, point| low.inf(point));
+    let high = points
+        .iter()
+        .fold(Vector::repeat(f64::NEG_INFINITY), |high, point| {
+            high.sup(point)
+        });
     let extent = (high - low).max().max(f64::MIN_POSITIVE);
     let cells = f64::from((1_u32 << BITS) - 1);
     let key = |point: &Vector| {
@@ -18,7 +24,11 @@ pub(in crate::granular) fn along_curve(points: &[Vector]) -> Vec<u32> {
             key | spread(cell) << axis
         })
     };
-    let mut order: Vec<(u64, u32)> = points.iter().zip(0..).map(|(point, number)| (key(point), number)).collect();
+    let mut order: Vec<(u64, u32)> = points
+        .iter()
+        .zip(0..)
+        .map(|(point, number)| (key(point), number))
+        .collect();
     order.sort_unstable();
     order.into_iter().map(|(_, number)| number).collect()
 }
@@ -41,7 +51,13 @@ mod tests {
     fn the_corners_of_a_cube_come_in_the_order_of_the_curve() {
         let corners: Vec<Vector> = (0..8)
             .rev()
-            .map(|corner| Vector::new(f64::from(corner & 1), f64::from(corner >> 1 & 1), f64::from(corner >> 2)))
+            .map(|corner| {
+                Vector::new(
+                    f64::from(corner & 1),
+                    f64::from(corner >> 1 & 1),
+                    f64::from(corner >> 2),
+                )
+            })
             .collect();
         assert_eq!(along_curve(&corners), [7, 6, 5, 4, 3, 2, 1, 0]);
         assert_eq!(along_curve(&[Vector::zeros(); 3]), [0, 1, 2]);

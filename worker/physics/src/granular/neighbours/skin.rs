@@ -60,7 +60,9 @@ impl Skin {
     /// The list made at these centres is in use now.
     pub(in crate::granular) fn start(&mut self, centres: &[Row]) {
         self.reference.clear();
-        let places = centres.iter().map(|centre| [centre.0[0], centre.0[1], centre.0[2]]);
+        let places = centres
+            .iter()
+            .map(|centre| [centre.0[0], centre.0[1], centre.0[2]]);
         self.reference.extend(places);
         self.left = 0.5 * self.width;
         self.steps = 0;
@@ -69,7 +71,12 @@ impl Skin {
 
     /// Whether the list holds after a step in which no body moved farther than `way` and no plane
     /// farther than `plane_way` [m]; the next step is taken to be no larger.
-    pub(in crate::granular) fn holds_after(&mut self, way: f64, plane_way: f64, centres: &[Row]) -> bool {
+    pub(in crate::granular) fn holds_after(
+        &mut self,
+        way: f64,
+        plane_way: f64,
+        centres: &[Row],
+    ) -> bool {
         self.steps += 1;
         self.plane_way += plane_way;
         self.left -= way.max(plane_way);
@@ -81,7 +88,8 @@ impl Skin {
         self.left = 0.5 * self.width - way_so_far;
         let is_used_up = self.left <= way.max(WORTH_KEEPING * 0.5 * self.width);
         let narrowest = NARROWEST * self.mean_radius;
-        let is_too_wide = is_time_to_look && TOO_WIDE * self.wanted(way_so_far).max(narrowest) < self.width;
+        let is_too_wide =
+            is_time_to_look && TOO_WIDE * self.wanted(way_so_far).max(narrowest) < self.width;
         !(is_used_up || is_too_wide)
     }
 
@@ -92,10 +100,13 @@ impl Skin {
 
     /// Farthest that anything has moved since the list was made [m].
     fn way(&self, centres: &[Row]) -> f64 {
-        let squares = centres.iter().zip(&self.reference).map(|(centre, reference)| {
-            let moved: [f64; 3] = std::array::from_fn(|axis| centre.0[axis] - reference[axis]);
-            moved.iter().map(|way| way * way).sum::<f64>()
-        });
+        let squares = centres
+            .iter()
+            .zip(&self.reference)
+            .map(|(centre, reference)| {
+                let moved: [f64; 3] = std::array::from_fn(|axis| centre.0[axis] - reference[axis]);
+                moved.iter().map(|way| way * way).sum::<f64>()
+            });
         squares.fold(0.0, f64::max).sqrt().max(self.plane_way)
     }
 }
