@@ -35,6 +35,11 @@ impl Team {
         Ok(Self { pool })
     }
 
+    /// Whether all work is done by the caller.
+    pub(crate) fn is_alone(&self) -> bool {
+        self.pool.is_none()
+    }
+
     /// Does `work` on every item; the answers are in the order of the items.
     pub(crate) fn map<T: Send, R: Send>(
         &self,

@@ -82,8 +82,46 @@ impl<F: Friction> Engine<F> {
 
     /// One step of Δt [s].
     pub(super) fn step(&mut self, time_step: f64) {
-        self.push(time_step);
-        self.advance(time_step);
+        if self.team.is_alone() {
+            self.step_alone(time_step);
+        } else {
+            self.push(time_step);
+            self.advance(time_step);
+        }
+    }
+
+    /// Both phases, patch by patch, while a patch is in the cache. A patch looks at its own
+    /// particles and those of later patches only, and fetches from earlier ones, so that moving it
+    /// at once changes nothing.
+    fn step_alone(&mut self, time_step: f64) {
+        if !self.state.is_listed {
+            self.list();
+        }
+        let drive = self.drive(time_step);
+        let state = &mut self.state;
+        let mut speed_square = 0.0_f64;
+        for (number, patch) in state.patches.iter_mut().enumerate() {
+            let push = Push {
+                patch,
+                halo: &mut self.halos[number],
+                kinematics: state.particles.kinematics(),
+                faces: &state.faces,
+                time_step,
+            };
+            push.run();
+            let bodies = share(&mut state.particles, &mut state.clumps, patch);
+            let speed = patch.advance(bodies, &self.halos, &drive, self.model.rotation);
+            speed_square = speed_square.max(speed);
+        }
+        self.finish(time_step, speed_square);
+    }
+
+    fn drive(&self, time_step: f64) -> Drive {
+        Drive {
+            time_step,
+            gravity: self.model.gravity,
+            damping: self.model.damping,
+        }
     }
 
     /// The first phase of a step: forces from where the bodies are.
@@ -110,19 +148,20 @@ impl<F: Friction> Engine<F> {
 
     /// The second phase: the forces move the bodies.
     pub(super) fn advance(&mut self, time_step: f64) {
+        let drive = self.drive(time_step);
         let state = &mut self.state;
-        let drive = Drive {
-            time_step,
-            gravity: self.model.gravity,
-            damping: self.model.damping,
-        };
         let (halos, rotation) = (&self.halos, self.model.rotation);
         let work = shares(&mut state.particles, &mut state.clumps, &mut state.patches);
         let speeds = self.team.map(work, |(patch, bodies)| {
             patch.advance(bodies, halos, &drive, rotation)
         });
-        state.speed_bound = speeds.into_iter().fold(0.0, f64::max).sqrt();
+        self.finish(time_step, speeds.into_iter().fold(0.0, f64::max));
+    }
 
+    /// Planes, time, and whether the lists hold, after the bodies moved.
+    fn finish(&mut self, time_step: f64, speed_square: f64) {
+        let state = &mut self.state;
+        state.speed_bound = speed_square.sqrt();
         let mut plane_way = 0.0_f64;
         for (plane, face) in state.faces.iter_mut().enumerate() {
             let force = forces(&state.patches, plane)[face.axis];
@@ -175,6 +214,24 @@ fn forces<F: Friction>(patches: &[Patch<F>], plane: usize) -> [f64; 3] {
         }
     }
     sum
+}
+
+/// A patch's own bodies.
+fn share<'a, F: Friction>(
+    particles: &'a mut Particles,
+    clumps: &'a mut [Clump],
+    patch: &Patch<F>,
+) -> Bodies<'a> {
+    let range = patch.particles.clone();
+    let turning = if F::IS_ROUGH { range.clone() } else { 0..0 };
+    Bodies {
+        centres: &mut particles.centres[range.clone()],
+        velocities: &mut particles.velocities[range.clone()],
+        spins: &mut particles.spins[turning.clone()],
+        inverse_masses: &particles.inverse_masses[range],
+        inverse_inertias: &particles.inverse_inertias[turning],
+        clumps: &mut clumps[patch.clumps.clone()],
+    }
 }
 
 /// Hands every patch its own bodies.

@@ -20,7 +20,7 @@ use super::{
     motion::{
         Drive,
         clump::{Clump, Members, Rotation},
-        spheres,
+        spheres::{Spheres, Turning},
     },
     rows::Row,
 };
@@ -116,28 +116,28 @@ impl<F: Friction> Patch<F> {
     ) -> f64 {
         self.fetch(halos);
         let first = self.particles.start;
-        spheres::accelerate(
-            drive,
-            true,
-            &self.wrenches.forces,
-            bodies.inverse_masses,
-            bodies.velocities,
-        );
-        if F::IS_ROUGH {
-            spheres::accelerate(
-                drive,
-                false,
-                &self.wrenches.torques,
-                bodies.inverse_inertias,
-                bodies.spins,
-            );
-        }
+        // before the members move: their arms are those of the forces
         for clump in &mut *bodies.clumps {
             let [force, torque] = clump.wrench(&self.wrenches, bodies.centres, first);
             clump.advance(drive, rotation, force, torque);
         }
-        let largest = spheres::drift(drive.time_step, bodies.velocities, bodies.centres);
-        let mut speed_square: f64 = largest.iter().sum();
+        if F::IS_ROUGH {
+            let turning = Turning {
+                drive,
+                torques: &self.wrenches.torques,
+                inverse_inertias: bodies.inverse_inertias,
+                spins: &mut *bodies.spins,
+            };
+            turning.advance();
+        }
+        let spheres = Spheres {
+            drive,
+            forces: &self.wrenches.forces,
+            inverse_masses: bodies.inverse_masses,
+            velocities: &mut *bodies.velocities,
+            centres: &mut *bodies.centres,
+        };
+        let mut speed_square: f64 = spheres.advance().iter().sum();
         for clump in bodies.clumps {
             let members = &mut Members {
                 centres: &mut *bodies.centres,

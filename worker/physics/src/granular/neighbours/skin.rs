@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::super::rows::Row;
 
 /// Steps that a list should last: a search costs some twenty steps.
-const LASTING: f64 = 250.0;
+const LASTING: f64 = 400.0;
 /// Bounds of the skin over the mean radius: round-off of a bed at rest, and a fast flow.
 const NARROWEST: f64 = 0.004;
 const WIDEST: f64 = 0.5;
