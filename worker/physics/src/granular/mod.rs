@@ -9,6 +9,12 @@ mod clump_geometry;
     not(test),
     expect(dead_code, reason = "the engine that calls it follows")
 )]
+#[expect(unused_imports, reason = "the engine that calls it follows")]
+mod generate;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "the engine that calls it follows")
+)]
 mod lattice;
 #[cfg_attr(
     not(test),

@@ -23,8 +23,8 @@ pub(crate) enum FillError {
 /// Spheres of one radius at the points of a lattice, one of them in the middle of the bounding box,
 /// that lie wholly inside a closed surface; radius and spacing in the unit of the surface.
 ///
-/// A spacing below 2 radii makes members overlap and the grain smoother. Costs some 60 ns per
-/// lattice point in the bounding box and triangle.
+/// A spacing below 2 radii makes members overlap and the grain smoother. Costs some 50 ns per
+/// lattice point in the bounding box and triangle: 18 ms for 135 members in 2000 triangles.
 ///
 /// # Errors
 /// See [`FillError`].

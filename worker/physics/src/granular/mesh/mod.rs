@@ -107,7 +107,7 @@ impl TriangleMesh {
     /// Whether a point lies inside a closed surface, whichever way that is oriented.
     ///
     /// The solid angles of all triangles seen from the point add up to 4π inside and 0 outside, so
-    /// that no single triangle decides, as it would for a ray through an edge. Costs about 30 ns
+    /// that no single triangle decides, as it would for a ray through an edge. Costs about 20 ns
     /// per triangle. Source: van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125:
     /// tan(Ω/2) = a·(b × c)/(abc + (a·b) c + (b·c) a + (c·a) b).
     pub(crate) fn encloses(&self, point: &Vector3<f64>) -> bool {

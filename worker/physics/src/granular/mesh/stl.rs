@@ -7,7 +7,7 @@
 //!
 //! Many programs write binary headers that begin with `solid`, so that the word decides nothing: a
 //! file is binary when its length is what its number of triangles asks for. Own code because the
-//! crates for it look at the word.
+//! crate for it, stl_io 0.11, goes by the word.
 use std::str::FromStr as _;
 
 use nalgebra::Vector3;
