@@ -5,7 +5,10 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt as _};
 
 use super::Region;
-use crate::granular::lattice::{Arrangement, Lattice};
+use crate::granular::{
+    lattice::{Arrangement, Lattice},
+    sphere::Sphere,
+};
 
 /// Places a bound may be missed by [share of the spacing], rounded.
 const ROUND_OFF: f64 = 1e-9;
@@ -49,6 +52,15 @@ pub(crate) fn place_regularly(
         *centre += step * jitter;
     }
     centres
+}
+
+/// Radius [m] of the sphere about `centre` that holds all members: what a grain needs to be placed
+/// before it is turned.
+pub(crate) fn bounding_radius(members: &[Sphere], centre: &Vector3<f64>) -> f64 {
+    let reaches = members
+        .iter()
+        .map(|member| (member.centre - centre).norm() + member.radius);
+    reaches.fold(0.0, f64::max)
 }
 
 /// A rotation, all equally likely. Source: K. Shoemake, *Graphics Gems III* (1992) 124.
@@ -116,6 +128,13 @@ mod tests {
             [7, 3, 7]
         );
         assert_eq!(centres.len(), 17);
+    }
+
+    #[test]
+    fn a_bounding_sphere_touches_the_outermost_member() {
+        let member = |x: f64, radius| Sphere::new(Vector3::new(x, 0.0, 0.0), radius);
+        let members = [member(-1.0, 0.5), member(1.0, 0.75), member(0.0, 1.0)];
+        assert!((bounding_radius(&members, &Vector3::zeros()) - 1.75).abs() < 1e-15);
     }
 
     /// A turned vector is evenly spread over the sphere, and the angle of a random rotation has

@@ -156,7 +156,10 @@ fn seams(triangles: &[[u32; 3]]) -> Seams {
 /// Vertices found so far, by the cells of a grid as wide as the weld distance.
 struct Vertices {
     positions: Vec<Vector3<f64>>,
+    /// The vertex found last in a cell.
     cells: HashMap<[i64; 3], u32>,
+    /// For each vertex the one found before it in its cell.
+    earlier: Vec<Option<u32>>,
     origin: Vector3<f64>,
     distance: f64,
 }
@@ -166,6 +169,7 @@ impl Vertices {
         Self {
             positions: Vec::new(),
             cells: HashMap::new(),
+            earlier: Vec::new(),
             origin,
             // one point, or none
             distance: if distance > 0.0 { distance } else { 1.0 },
@@ -184,16 +188,18 @@ impl Vertices {
             std::array::from_fn(|axis| cell[axis] + beside[offset[axis]])
         });
         for neighbour in neighbours {
-            if let Some(&index) = self.cells.get::<[i64; 3]>(&neighbour) {
+            let mut candidate = self.cells.get::<[i64; 3]>(&neighbour).copied();
+            while let Some(index) = candidate {
                 let known = self.positions[index as usize];
                 if (known - position).norm() <= self.distance {
                     return index;
                 }
+                candidate = self.earlier[index as usize];
             }
         }
         let index = self.positions.len() as u32;
         self.positions.push(*position);
-        self.cells.insert(cell, index);
+        self.earlier.push(self.cells.insert(cell, index));
         index
     }
 }

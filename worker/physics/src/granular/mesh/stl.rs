@@ -186,6 +186,7 @@ impl Expected {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     const ASCII: &str = "solid plate of steel\n facet normal 0 0 1\n  outer loop\n   \
         vertex 0 0 0\n   vertex 1.5 0 0\n   VERTEX 0 2e-1 0\n  endloop\n endfacet\nendsolid\n";
@@ -283,6 +284,18 @@ mod tests {
         ];
         for (from, to, expected) in cases {
             assert_eq!(message(ASCII.replace(from, to).as_bytes()), expected);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_are_read_or_refused(
+            header in prop::sample::select(vec!["", "solid ", ASCII]),
+            bytes in prop::collection::vec(any::<u8>(), 0..200),
+            cut in 0..ASCII.len(),
+        ) {
+            let bytes = [&header.as_bytes()[..cut.min(header.len())], &bytes].concat();
+            let _ = read_stl(&bytes);
         }
     }
 }

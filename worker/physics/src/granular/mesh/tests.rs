@@ -81,6 +81,19 @@ fn corners_a_rounding_apart_are_one_vertex() {
     assert!(mesh.seams.is_closed());
 }
 
+/// Vertices that lie close, but not close enough, are found again each.
+#[test]
+fn neighbouring_vertices_stay_apart() {
+    let far = Vector3::new(1.0, 0.0, 0.0);
+    // two corners of a cell of the grid, 1.6 weld distances apart
+    let near = [Vector3::repeat(1e-8), Vector3::repeat(0.95e-6)];
+    let [first, second] = near;
+    let triangles = [[first, far, second], [second, far, first]];
+    let mesh = TriangleMesh::weld(&triangles.repeat(3));
+    assert_eq!(mesh.vertices.len(), 3);
+    assert!(mesh.seams.is_closed());
+}
+
 #[test]
 fn a_hole_and_a_flipped_triangle_are_counted() {
     let mut triangles = cuboid([1.0; 3]);
