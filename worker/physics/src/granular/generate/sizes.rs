@@ -37,8 +37,8 @@ pub(crate) struct Fraction {
 /// How much to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Amount {
-    /// So many grains; from a sieve curve as many of each fraction as gives its share, together
-    /// so many within one per fraction.
+    /// So many grains; from a sieve curve the volume that holds so many of mean size, so that each
+    /// fraction has its share and their number a scatter of a few.
     Count(usize),
     /// Grains of so much volume together [m³], to within half a grain, of each fraction.
     Volume(f64),
@@ -47,47 +47,50 @@ pub(crate) enum Amount {
 impl Sizes {
     /// Radii [m] of an amount of grains, in the order drawn; fractions one after the other.
     pub(crate) fn draw(&self, amount: Amount, random: &mut impl Rng) -> Vec<f64> {
-        let fractions = match self {
-            Self::Sieve(fractions) => fractions,
-            _ => {
-                return match amount {
-                    Amount::Count(count) => (0..count).map(|_| self.radius(random)).collect(),
-                    Amount::Volume(volume) => fill(volume, || self.radius(random)),
-                };
-            }
-        };
-        let shares: f64 = fractions.iter().map(|fraction| fraction.mass_share).sum();
-        let volume = match amount {
-            Amount::Volume(volume) => volume,
-            // grains per volume: ∑ share over mean grain
-            Amount::Count(count) => {
-                let grains = fractions
-                    .iter()
-                    .map(|fraction| fraction.mass_share / fraction.mean_volume());
-                count as f64 * shares / grains.sum::<f64>()
-            }
-        };
-        let mut radii = Vec::new();
-        for fraction in fractions {
-            let part = volume * fraction.mass_share / shares;
-            radii.extend(fill(part, || fraction.radius(random)));
-        }
-        radii
-    }
-
-    fn radius(&self, random: &mut impl Rng) -> f64 {
         match *self {
-            Self::Single(radius) => radius,
-            Self::Uniform { lower, upper } => lower + (upper - lower) * random.random::<f64>(),
-            Self::LogNormal { median, sigma } => loop {
-                let normal: f64 = StandardNormal.sample(random);
-                if normal.abs() <= LOG_NORMAL_CUT {
-                    break median * (sigma * normal).exp();
+            Self::Single(radius) => repeat(amount, || radius),
+            Self::Uniform { lower, upper } => {
+                repeat(amount, || lower + (upper - lower) * random.random::<f64>())
+            }
+            Self::LogNormal { median, sigma } => repeat(amount, || {
+                loop {
+                    let normal: f64 = StandardNormal.sample(random);
+                    if normal.abs() <= LOG_NORMAL_CUT {
+                        break median * (sigma * normal).exp();
+                    }
                 }
-            },
-            Self::Sieve(_) => unreachable!("a sieve curve draws by fraction"),
+            }),
+            Self::Sieve(ref fractions) => sieve(fractions, amount, random),
         }
     }
+}
+
+fn repeat(amount: Amount, mut radius: impl FnMut() -> f64) -> Vec<f64> {
+    match amount {
+        Amount::Count(count) => (0..count).map(|_| radius()).collect(),
+        Amount::Volume(volume) => fill(volume, radius),
+    }
+}
+
+/// Gives every fraction its share of the volume.
+fn sieve(fractions: &[Fraction], amount: Amount, random: &mut impl Rng) -> Vec<f64> {
+    let shares: f64 = fractions.iter().map(|fraction| fraction.mass_share).sum();
+    let volume = match amount {
+        Amount::Volume(volume) => volume,
+        // grains per volume: ∑ share over mean grain
+        Amount::Count(count) => {
+            let grains = fractions
+                .iter()
+                .map(|fraction| fraction.mass_share / fraction.mean_volume());
+            count as f64 * shares / grains.sum::<f64>()
+        }
+    };
+    let mut radii = Vec::new();
+    for fraction in fractions {
+        let part = volume * fraction.mass_share / shares;
+        radii.extend(fill(part, || fraction.radius(random)));
+    }
+    radii
 }
 
 /// Draws grains until the next one would lead further from a volume.

@@ -6,8 +6,8 @@
 use super::{ImportError, Line};
 use crate::granular::sphere::Sphere;
 
-/// The only column order that is read.
-const FORMAT: &str = "x_y_z_r";
+/// The column orders that are read.
+const FORMATS: [&str; 2] = ["x_y_z_r", "x_y_z_r_clumpId"];
 
 /// A line of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,8 +26,11 @@ pub(crate) fn read_yade(text: &str) -> Result<Vec<YadeSphere>, ImportError> {
     let mut spheres = Vec::new();
     for (line, comment) in Line::all(text) {
         let format = comment.and_then(|comment| comment.strip_prefix("format"));
-        if let Some(format) = format.map(str::trim).filter(|format| *format != FORMAT) {
-            return Err(line.wrong(format, format!("the format {FORMAT}")));
+        if let Some(format) = format
+            .map(str::trim)
+            .filter(|format| !FORMATS.contains(format))
+        {
+            return Err(line.wrong(format, format!("the format {}", FORMATS.join(" or "))));
         }
         let words = line.words();
         let clump = match words.len() {
@@ -83,6 +86,18 @@ mod tests {
         );
     }
 
+    /// As `export.textClumps` of Yade 2023.02a writes a clump of two.
+    #[test]
+    fn an_exported_clump_is_read() {
+        let text = "#format x_y_z_r_clumpId\n1\t2\t3\t0.5\t3\n1.5\t2\t3\t0.25\t3\n";
+        let spheres = read_yade(text).expect("it is right");
+        let member = |x, radius| YadeSphere {
+            sphere: Sphere::new(Vector3::new(x, 2.0, 3.0), radius),
+            clump: Some(3),
+        };
+        assert_eq!(spheres, [member(1.0, 0.5), member(1.5, 0.25)]);
+    }
+
     #[test]
     fn comments_tabs_and_clumps_are_read() {
         let text =
@@ -125,7 +140,7 @@ mod tests {
             ),
             (
                 "#format x_y_z_r_matId\n0 0 0 1 2",
-                "line 1: found \"x_y_z_r_matId\", expected the format x_y_z_r",
+                "line 1: found \"x_y_z_r_matId\", expected the format x_y_z_r or x_y_z_r_clumpId",
             ),
             ("# nothing\n", "the file has no spheres"),
         ];
