@@ -29,10 +29,18 @@
 mod clump_geometry;
 mod contact;
 mod engine;
+#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
+mod generate;
+#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
+mod import;
 mod inspect;
 mod journal;
 mod lanes;
+#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
+mod lattice;
 mod listing;
+#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
+mod mesh;
 mod motion;
 mod neighbours;
 mod observe;

@@ -14,10 +14,11 @@
 //! [`patch`] gets them from the circular arcs that bound it. Members inside a member, equal
 //! members, tangent members and several arcs through one point need no special input.
 //!
-//! Error: round-off, also where members barely touch. One or two spheres, 200 small ones on one a
-//! hundred times larger, and cubic lattices with four spheres through one point agree with closed
-//! forms within 1e-13; 20 000 random clumps of 12, turned and reordered, with themselves within
-//! 1e-15.
+//! Error: round-off. One or two spheres, 200 small ones on one a hundred times larger, and cubic
+//! lattices with four spheres through one point agree with closed forms within 1e-13; 20 000 random
+//! clumps of 12, turned and reordered, with themselves within 1e-15. Where three and more spheres
+//! nearly share a circle it is the root of round-off: 1.2e-8 at worst in 500 000 clumps made to.
+//! For five spheres Yade's 200³ cells give the same within 1.1e-5 in volume and 1e-4 in moments.
 //! Cost: for each pair of neighbours of a sphere one crossing of circles, each about 0.1 µs;
 //! measured 4 µs for 8 members, 0.2 to 4 ms for 135 by how densely they overlap, 80 ms for 2200.
 //!

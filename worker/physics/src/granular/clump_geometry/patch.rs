@@ -19,8 +19,10 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Axes whose angle is below this are parallel: their circles then do not cross.
-const PARALLEL: f64 = 1e-12;
+/// Circles whose axes are closer than this [rad] are not crossed: at an angle ψ round-off moves
+/// their crossings by 1e-16/ψ, and three such circles may then disagree about who is outermost.
+/// Taking them as concentric moves the patch by ψ. Both are smallest together at 1e-8.
+const PARALLEL: f64 = 1e-8;
 /// A pole this far from every circle [-] is good enough.
 const CLEAR_OF_CIRCLES: f64 = 0.1;
 /// Directions tried as poles.
@@ -75,29 +77,25 @@ impl Cap {
         let normal = self.axis.cross(&smaller.axis);
         let sine = normal.norm();
         let inwards = smaller.middle_above(self);
-        if sine > PARALLEL {
-            // half the chord × sine = √(s_k² sin² − (h_j − h_k c)²)
-            let reach = smaller.radius * sine;
-            let squared = (reach - inwards) * (reach + inwards);
-            if squared > 0.0 {
-                let half_chord = squared.sqrt();
-                return Relation::Crossing { half_chord, normal };
-            }
-        }
-        let is_parallel = sine <= PARALLEL;
-        if is_parallel && self.axis.dot(&smaller.axis) < 0.0 {
-            // either circle in the other cap is the same question; one answer, not two
-            return if inwards >= 0.0 {
-                Relation::Covering
-            } else {
-                Relation::Apart
+        if sine <= PARALLEL {
+            // back to back, a gap that narrow is none
+            return match (self.axis.dot(&smaller.axis) > 0.0, inwards >= -PARALLEL) {
+                (true, _) => Relation::Inside,
+                (false, true) => Relation::Covering,
+                (false, false) => Relation::Apart,
             };
+        }
+        // half the chord × sine = √(s_k² sin² − (h_j − h_k c)²)
+        let reach = smaller.radius * sine;
+        let squared = (reach - inwards) * (reach + inwards);
+        if squared > 0.0 {
+            let half_chord = squared.sqrt();
+            return Relation::Crossing { half_chord, normal };
         }
         match (inwards >= 0.0, self.middle_above(smaller) >= 0.0) {
             (false, _) => Relation::Apart,
-            (true, true) if !is_parallel => Relation::Covering,
-            // of two equal caps the second lies in the first
-            (true, _) => Relation::Inside,
+            (true, false) => Relation::Inside,
+            (true, true) => Relation::Covering,
         }
     }
 }
@@ -219,12 +217,14 @@ impl<'a> Circle<'a> {
         let sideways = pole - cap.axis * axis_along_pole;
         let zero_along_pole = sideways.norm();
         // where axis and pole coincide, every direction is at the same height
-        let (zero, zero_along_pole) = if zero_along_pole > PARALLEL {
+        let (zero, zero_along_pole) = if zero_along_pole > f64::EPSILON {
             (sideways / zero_along_pole, zero_along_pole)
         } else {
             let across = cap.axis.cross(&Vector3::ith(cap.axis.iamin(), 1.0));
             (across.normalize(), 0.0)
         };
+        // once more at right angles to the axis, for what the first difference left of a short one
+        let zero = (zero - cap.axis * cap.axis.dot(&zero)).normalize();
         Self {
             cap,
             axis_along_pole,
