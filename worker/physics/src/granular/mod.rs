@@ -11,8 +11,8 @@
 //! remember is carried over. A step of the [`engine`] has two phases: [`contact`] turns positions
 //! into forces, patch by patch; [`motion`] turns forces into new positions. [`run`] goes through
 //! the stages; when something is due it observes the scene between the phases ([`observe`],
-//! [`time_step`], [`inspect`]) and keeps it in the [`journal`], from which [`tables`] and
-//! [`report`] make files and results.
+//! [`time_step`], [`inspect`]) and keeps it in the [`journal`], from which [`tables`],
+//! [`snapshot`] and [`report`] make files and results.
 //!
 //! **Numbers.** Contacts are worked through in vectors of 8, 4 or 1 ([`lanes`], [`rows`]), each
 //! lane a contact, with nothing fused: every machine gives the same bits. Forces on a particle are
@@ -50,6 +50,7 @@ mod report;
 mod rows;
 mod run;
 mod scene;
+mod snapshot;
 mod sphere;
 mod tables;
 mod time_step;

@@ -7,7 +7,7 @@ use super::{
     engine::{Engine, State},
     journal::{Journal, Reading},
     observe::Energies,
-    report, tables,
+    report, snapshot, tables,
     time_step::Critical,
 };
 use crate::{
@@ -104,6 +104,7 @@ pub(super) fn run<F: Friction>(
         runner.journal.stage_start = runner.engine.state.time;
     }
     tables::write(spec, &runner.journal, recorder)?;
+    snapshot::write_series(&runner.journal, recorder)?;
     recorder.progress(1.0, "finished");
     Ok(Ending::Finished(report::report(
         spec,
@@ -175,7 +176,21 @@ impl<'a, F: Friction> Runner<'a, F> {
         self.journal
             .worst
             .see_step(self.journal.time_step, critical);
+        if self.spec.record.snapshot_every_steps > 0 {
+            self.picture(recorder, &contacts)?;
+        }
         self.record(recorder, &contacts, critical)
+    }
+
+    fn picture(
+        &mut self,
+        recorder: &mut dyn Recorder,
+        contacts: &[super::observe::Contact],
+    ) -> Result<(), SimulationError> {
+        let state = &self.engine.state;
+        snapshot::take(&self.engine, contacts, recorder)?;
+        self.journal.snapshots.push((state.step, state.time));
+        Ok(())
     }
 
     fn step(&mut self, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
@@ -183,8 +198,12 @@ impl<'a, F: Friction> Runner<'a, F> {
         let every = self.spec.record.every_steps;
         let is_last = self.is_last_step();
         let is_recorded = next.is_multiple_of(every) || is_last;
+        let is_pictured = match self.spec.record.snapshot_every_steps {
+            0 => false,
+            every => next.is_multiple_of(every) || is_last,
+        };
         let time_step = self.journal.time_step;
-        if is_recorded || next.is_multiple_of(STEPS_PER_LOOK) {
+        if is_recorded || is_pictured || next.is_multiple_of(STEPS_PER_LOOK) {
             self.engine.push(time_step);
             let contacts = self.engine.contacts();
             let before = self.engine.kinetic_energy();
@@ -201,6 +220,9 @@ impl<'a, F: Friction> Runner<'a, F> {
             self.look(&contacts, energies, critical)?;
             if is_recorded {
                 self.record(recorder, &contacts, critical)?;
+            }
+            if is_pictured {
+                self.picture(recorder, &contacts)?;
             }
             if self.automatic.is_some() {
                 self.journal.time_step = self.automatic_step(critical);
