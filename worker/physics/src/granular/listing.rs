@@ -247,20 +247,33 @@ fn fill_pairs<F: Friction>(
             radius,
         )
     };
-    for a in patch.particles.clone() {
-        for &b in candidates.of(a) {
-            let springs = Springs::between(surface(a), surface(b as usize));
-            let past = memories.pair(particles.numbers[a], particles.numbers[b as usize]);
-            let list = if patch.particles.contains(&(b as usize)) {
-                &mut patch.inner
-            } else {
-                &mut patch.outer
-            };
-            list.add([a as u32, b], springs, past);
+    // what touches now comes first, so that blocks of what does not are passed over by one look
+    for wants_touching in [true, false] {
+        for a in patch.particles.clone() {
+            for &b in candidates.of(a) {
+                if is_touching(particles, a, b as usize) != wants_touching {
+                    continue;
+                }
+                let springs = Springs::between(surface(a), surface(b as usize));
+                let past = memories.pair(particles.numbers[a], particles.numbers[b as usize]);
+                let list = if patch.particles.contains(&(b as usize)) {
+                    &mut patch.inner
+                } else {
+                    &mut patch.outer
+                };
+                list.add([a as u32, b], springs, past);
+            }
         }
+        patch.inner.close_block();
+        patch.outer.close_block();
     }
     patch.inner.finish();
     patch.outer.finish();
+}
+
+fn is_touching(particles: &Particles, a: usize, b: usize) -> bool {
+    let [a, b] = [a, b].map(|particle| particles.centres[particle]);
+    (b.vector() - a.vector()).norm() <= a.0[3] + b.0[3]
 }
 
 fn fill_walls<F: Friction>(
@@ -318,7 +331,7 @@ impl<F: Friction> PairList<F> {
 
     /// Adds a candidate. Its bit is set when it has a past, so that the past is forgotten in time.
     fn add(&mut self, pair: [u32; 2], springs: Springs, past: Option<Past>) {
-        let lane = self.count % LANES;
+        let lane = self.filled;
         if lane == 0 {
             let block = PairBlock {
                 a: [pair[0]; LANES],
@@ -329,12 +342,18 @@ impl<F: Friction> PairList<F> {
             self.touching.push(0);
         }
         self.count += 1;
+        self.filled = (lane + 1) % LANES;
         if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
             [block.a[lane], block.b[lane]] = pair;
             block.stiffness[lane] = springs.normal;
             block.friction.set_past(lane, &springs.with(past));
             *touching |= u8::from(past.is_some()) << lane;
         }
+    }
+
+    /// The next candidate begins a block.
+    fn close_block(&mut self) {
+        self.filled = 0;
     }
 
     fn finish(&mut self) {

@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// Steps between looks at energies, overlaps and the critical step, beside those recorded.
-const STEPS_PER_LOOK: u64 = 128;
+const STEPS_PER_LOOK: u64 = 256;
 /// Particle steps between looks for interrupts: some milliseconds of work.
 const WORK_PER_INTERRUPT_LOOK: u64 = 50_000;
 /// Created energy over the scale beyond which a run is not worth going on with.

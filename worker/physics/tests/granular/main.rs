@@ -6,6 +6,7 @@ mod appendix_a;
 mod collisions;
 mod determinism;
 mod friction;
+mod impacts;
 mod refusals;
 mod rotation;
 

@@ -40,6 +40,8 @@ pub(in crate::granular) struct PairList<F: Friction> {
     pub(in crate::granular) touching: Vec<u8>,
     /// Candidates, padding not counted.
     pub(in crate::granular) count: usize,
+    /// Lanes of the last block that are taken; 0 when it is full or closed.
+    pub(in crate::granular) filled: usize,
 }
 
 /// What outer blocks do to the particles of other patches, by block and lane.
