@@ -3,7 +3,7 @@ use loadframe_api::spec::granular_scene::GranularScene;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    contact::{friction::Friction, pairs::Halo, walls::Face},
+    contact::{Wrenches, friction::Friction, pairs::Halo, walls::Face},
     listing::{self, Memories},
     motion::{Drive, clump::Clump},
     neighbours::skin::Skin,
@@ -45,6 +45,9 @@ pub(super) struct Engine<F: Friction> {
     pub(super) model: Model,
     pub(super) state: State<F>,
     halos: Vec<Halo>,
+    /// Forces on the patch at work when patches are worked through one after the other: one array
+    /// for all stays in the cache.
+    scratch: Wrenches,
     team: Team,
 }
 
@@ -63,6 +66,7 @@ impl<F: Friction> Engine<F> {
             model,
             state,
             halos: Vec::new(),
+            scratch: Wrenches::default(),
             team,
         }
     }
@@ -101,8 +105,9 @@ impl<F: Friction> Engine<F> {
         let state = &mut self.state;
         let mut speed_square = 0.0_f64;
         for (number, patch) in state.patches.iter_mut().enumerate() {
+            std::mem::swap(&mut patch.wrenches, &mut self.scratch);
             let push = Push {
-                patch,
+                patch: &mut *patch,
                 halo: &mut self.halos[number],
                 kinematics: state.particles.kinematics(),
                 faces: &state.faces,
@@ -112,6 +117,7 @@ impl<F: Friction> Engine<F> {
             let bodies = share(&mut state.particles, &mut state.clumps, patch);
             let speed = patch.advance(bodies, &self.halos, &drive, self.model.rotation);
             speed_square = speed_square.max(speed);
+            std::mem::swap(&mut patch.wrenches, &mut self.scratch);
         }
         self.finish(time_step, speed_square);
     }

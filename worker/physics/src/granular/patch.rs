@@ -39,7 +39,7 @@ pub(super) struct Patch<F: Friction> {
     pub(super) walls: Vec<WallList<F>>,
     /// What to fetch from the halos of earlier patches, patch by patch.
     pub(super) incoming: Vec<Incoming>,
-    /// On its particles, from the last step.
+    /// On its particles, from the last step that was observed.
     #[serde(skip)]
     pub(super) wrenches: Wrenches,
     /// On each plane, from the last step [N].
