@@ -19,6 +19,15 @@ pub struct Material {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1.570_796), extend("x-unit" = "rad"))]
     pub friction_angle_rad: f64,
+    /// c_N: spheres that touch at the start are bonded when both materials have cohesion; the bond
+    /// breaks at a tension of c_N min(r)², the weaker material's.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e15), extend("x-unit" = "Pa"))]
+    pub normal_cohesion_pa: f64,
+    /// c_T: the bond breaks at a shear force of c_T min(r)² + F_N tan φ, compression positive.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e15), extend("x-unit" = "Pa"))]
+    pub shear_cohesion_pa: f64,
 }
 
 /// The laws of contact and damping.
@@ -31,6 +40,18 @@ pub struct Laws {
     #[schemars(range(min = 0.0, max = 0.99), extend("x-unit" = "1"))]
     pub local_damping: f64,
     pub convention: Convention,
+    pub bond_rest_length: BondRestLength,
+}
+
+/// The distance at which a bond carries no force.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BondRestLength {
+    /// That at the start: bonded spheres may overlap as much as they like, and rest.
+    #[default]
+    Initial,
+    /// That at which the spheres just touch, as in Yade: an overlap at the start is a compression.
+    Touching,
 }
 
 /// Law of a contact.
@@ -105,6 +126,7 @@ impl Default for Laws {
             // the usual choice for quasi-static loading, and the one of the ballast studies
             local_damping: 0.3,
             convention: Convention::default(),
+            bond_rest_length: BondRestLength::default(),
         }
     }
 }
@@ -139,6 +161,13 @@ impl Accuracy {
         Knobs {
             critical_step_fraction,
         }
+    }
+}
+
+impl Material {
+    /// Whether its spheres can be bonded.
+    pub fn is_cohesive(&self) -> bool {
+        self.normal_cohesion_pa > 0.0 || self.shear_cohesion_pa > 0.0
     }
 }
 

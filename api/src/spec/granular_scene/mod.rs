@@ -29,7 +29,8 @@ use crate::{Calibration, Estimate, Violation};
 pub use bodies::{Axis, Body, Clump, DegreeOfFreedom, Member, Plane, Sphere};
 pub use checks::LARGEST_WAY;
 pub use laws::{
-    Accuracy, AutomaticTimeStep, ContactLaw, Convention, Knobs, Laws, Material, Preset, TimeStep,
+    Accuracy, AutomaticTimeStep, BondRestLength, ContactLaw, Convention, Knobs, Laws, Material,
+    Preset, TimeStep,
 };
 pub use record::Record;
 pub use stability::{CriticalStep, series_stiffness};

@@ -1,5 +1,5 @@
 //! Bodies that sit in each other, or behind a plane, at the start.
-use super::{Body, GranularScene};
+use super::{Body, BondRestLength, GranularScene, Material};
 use crate::Violation;
 
 /// At most this many are listed; the worst comes first.
@@ -107,15 +107,28 @@ fn between_bodies(
             if spec.bodies[low].is_held() && spec.bodies[high].is_held() {
                 continue;
             }
+            let is_same_place = distance == 0.0;
+            if rests_in_a_bond(spec, [low, high]) && !is_same_place {
+                continue;
+            }
             overlaps.push(Overlap {
                 body: high,
                 other: format!("body {low}"),
                 ratio,
-                is_same_place: distance == 0.0,
+                is_same_place,
             });
         }
     }
     overlaps
+}
+
+/// Whether the bodies will be bonded at the distance they have.
+fn rests_in_a_bond(spec: &GranularScene, bodies: [usize; 2]) -> bool {
+    let is_cohesive = |body: usize| {
+        let material = spec.materials.get(&spec.bodies[body].material);
+        material.is_some_and(Material::is_cohesive)
+    };
+    spec.laws.bond_rest_length == BondRestLength::Initial && bodies.into_iter().all(is_cohesive)
 }
 
 fn behind_planes(spec: &GranularScene, particles: &[Particle], largest_ratio: f64) -> Vec<Overlap> {

@@ -3,7 +3,7 @@ use loadframe_api::spec::granular_scene::GranularScene;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    contact::{Wrenches, friction::Friction, pairs::Halo, walls::Face},
+    contact::{Wrenches, law::Law, pairs::Halo, walls::Face},
     listing::{self, Memories},
     motion::{Drive, clump::Clump},
     neighbours::skin::Skin,
@@ -19,7 +19,7 @@ const LISTS_PER_SORT: u64 = 8;
 /// What changes during a run, all of it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub(super) struct State<F: Friction> {
+pub(super) struct State<F: Law> {
     pub(super) particles: Particles,
     pub(super) clumps: Vec<Clump>,
     pub(super) faces: Vec<Face>,
@@ -35,13 +35,17 @@ pub(super) struct State<F: Friction> {
     pub(super) lists: u64,
     /// Work that moving planes have done on the bodies [J].
     pub(super) plane_work: f64,
+    /// Bonds made at the start.
+    pub(super) bonds_made: u64,
+    /// Farthest that one of them stretches before it breaks [m].
+    longest_stretch: f64,
     /// Upper bound of the speeds after the last step [m/s].
     pub(super) speed_bound: f64,
 }
 
 /// A scene in motion.
 #[derive(Debug)]
-pub(super) struct Engine<F: Friction> {
+pub(super) struct Engine<F: Law> {
     pub(super) model: Model,
     pub(super) state: State<F>,
     halos: Vec<Halo>,
@@ -51,7 +55,7 @@ pub(super) struct Engine<F: Friction> {
     team: Team,
 }
 
-impl<F: Friction> Engine<F> {
+impl<F: Law> Engine<F> {
     pub(super) fn new(spec: &GranularScene, team: Team) -> Self {
         let (model, particles, clumps) = build(spec);
         let faces = model.planes.iter().map(|plane| plane.face).collect();
@@ -189,7 +193,11 @@ impl<F: Friction> Engine<F> {
     /// Searches for candidates anew.
     pub(super) fn list(&mut self) {
         let state = &mut self.state;
-        let memories = Memories::of(&state.patches, &state.particles);
+        let memories = if state.lists == 0 {
+            Memories::none()
+        } else {
+            Memories::of(&state.patches, &state.particles)
+        };
         // in the old order, as the way is measured from
         state.skin.renew(&state.particles.centres);
         if state.lists.is_multiple_of(LISTS_PER_SORT) {
@@ -201,9 +209,17 @@ impl<F: Friction> Engine<F> {
             &state.faces,
             &state.particles,
             &state.clumps,
-            skin,
+            // bonded spheres are listed however far their bonds stretch
+            skin + state.longest_stretch,
             &memories,
         );
+        if state.lists == 0 {
+            let bonds = state.patches.iter().flat_map(Patch::bonds);
+            for (strength, stiffness) in bonds {
+                state.longest_stretch = state.longest_stretch.max(strength / stiffness);
+                state.bonds_made += 1;
+            }
+        }
         state.skin.start(&state.particles.centres);
         state.is_listed = true;
         state.lists += 1;
@@ -212,7 +228,7 @@ impl<F: Friction> Engine<F> {
 }
 
 /// Force of all bodies on a plane in the last step [N].
-fn forces<F: Friction>(patches: &[Patch<F>], plane: usize) -> [f64; 3] {
+fn forces<F: Law>(patches: &[Patch<F>], plane: usize) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for patch in patches {
         for (sum, part) in sum.iter_mut().zip(patch.plane_forces[plane]) {
@@ -223,7 +239,7 @@ fn forces<F: Friction>(patches: &[Patch<F>], plane: usize) -> [f64; 3] {
 }
 
 /// A patch's own bodies.
-fn share<'a, F: Friction>(
+fn share<'a, F: Law>(
     particles: &'a mut Particles,
     clumps: &'a mut [Clump],
     patch: &Patch<F>,
@@ -241,7 +257,7 @@ fn share<'a, F: Friction>(
 }
 
 /// Hands every patch its own bodies.
-fn shares<'a, F: Friction>(
+fn shares<'a, F: Law>(
     particles: &'a mut Particles,
     clumps: &'a mut [Clump],
     patches: &'a mut [Patch<F>],

@@ -60,6 +60,8 @@ pub(super) struct Reading {
     pub(super) elastic: f64,
     pub(super) gravitational: f64,
     pub(super) contacts: u64,
+    /// Intact bonds.
+    pub(super) bonds: u64,
     pub(super) unbalanced: Option<f64>,
     /// Of bodies that move.
     pub(super) coordination: Option<f64>,

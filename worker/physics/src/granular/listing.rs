@@ -4,9 +4,9 @@ use std::ops::Range;
 use super::{
     Vector,
     contact::{
-        friction::{Friction, Past},
+        law::{Bond, Law, Past},
         pairs::{PairBlock, PairList},
-        stiffness::Springs,
+        stiffness::{Springs, bond_strength},
         touching_lanes,
         walls::{Face, WallBlock, WallList},
     },
@@ -33,11 +33,17 @@ pub(super) struct Memories {
     pairs: Vec<(u32, Past)>,
     /// Particle, plane and past, sorted.
     walls: Vec<((u32, u32), Past)>,
+    /// Whether this is the start, when bonds are made.
+    makes_bonds: bool,
 }
+
+/// Spheres this part of the smaller radius apart touch when bonds are made: places in a spec are
+/// rounded.
+const BOND_REACH: f64 = 1e-6;
 
 impl Memories {
     /// Of the contacts that touched in the last step.
-    pub(super) fn of<F: Friction>(patches: &[Patch<F>], particles: &Particles) -> Self {
+    pub(super) fn of<F: Law>(patches: &[Patch<F>], particles: &Particles) -> Self {
         if !F::IS_ROUGH {
             return Self::default();
         }
@@ -46,7 +52,7 @@ impl Memories {
         for patch in patches {
             for (block, lane) in patch.inner.touching().chain(patch.outer.touching()) {
                 let [a, b] = [block.a, block.b].map(|side| particles.numbers[side[lane] as usize]);
-                let past = block.friction.past(lane);
+                let past = block.law.past(lane);
                 pairs.push(if a < b {
                     (a, b, past)
                 } else {
@@ -57,7 +63,7 @@ impl Memories {
                 for (block, touching) in list.blocks.iter().zip(&list.touching) {
                     for lane in touching_lanes(*touching) {
                         let number = particles.numbers[block.particles[lane] as usize];
-                        walls.push(((number, plane), block.friction.past(lane)));
+                        walls.push(((number, plane), block.law.past(lane)));
                     }
                 }
             }
@@ -81,6 +87,7 @@ impl Memories {
             starts,
             pairs: sorted,
             walls,
+            makes_bonds: false,
         }
     }
 
@@ -95,22 +102,57 @@ impl Memories {
         Some(if a == low { *past } else { past.seen_from_b() })
     }
 
+    /// At the start of a scene.
+    pub(super) fn none() -> Self {
+        Self {
+            makes_bonds: true,
+            ..Self::default()
+        }
+    }
+
+    /// The past of two particles, or the bond that is made between them.
+    fn pair_or_bond(
+        &self,
+        model: &Model,
+        particles: &Particles,
+        a: usize,
+        b: usize,
+    ) -> Option<Past> {
+        if !self.makes_bonds {
+            return self.pair(particles.numbers[a], particles.numbers[b]);
+        }
+        let [a, b] = [a, b].map(|particle| {
+            let centre = particles.centres[particle];
+            (
+                model.surfaces[usize::from(particles.surfaces[particle])],
+                centre,
+            )
+        });
+        let strength = bond_strength((a.0, a.1.0[3]), (b.0, b.1.0[3]))?;
+        let overlap = a.1.0[3] + b.1.0[3] - (b.1.vector() - a.1.vector()).norm();
+        if overlap < -BOND_REACH * a.1.0[3].min(b.1.0[3]) {
+            return None;
+        }
+        let rest = if model.bonds_rest_as_made {
+            overlap
+        } else {
+            0.0
+        };
+        Some(Past {
+            bond: Bond {
+                is_intact: true,
+                strength,
+                rest,
+            },
+            ..Past::default()
+        })
+    }
+
     fn wall(&self, particle: u32, plane: u32) -> Option<Past> {
         let place = self
             .walls
             .binary_search_by_key(&(particle, plane), |(key, _)| *key);
         place.ok().map(|place| self.walls[place].1)
-    }
-}
-
-impl Past {
-    /// The same contact with its bodies in the other order.
-    fn seen_from_b(&self) -> Self {
-        Self {
-            normal: -self.normal,
-            shear: -self.shear,
-            ..*self
-        }
     }
 }
 
@@ -162,7 +204,7 @@ pub(super) fn sort(particles: &mut Particles, clumps: &mut Vec<Clump>) {
 }
 
 /// Cuts the particles into patches and fills them with candidates closer than `skin` [m].
-pub(super) fn list<F: Friction>(
+pub(super) fn list<F: Law>(
     model: &Model,
     faces: &[Face],
     particles: &Particles,
@@ -233,7 +275,7 @@ fn cut(particles: usize, clumps: &[Clump]) -> Vec<(Range<usize>, Range<usize>)> 
     patches
 }
 
-fn fill_pairs<F: Friction>(
+fn fill_pairs<F: Law>(
     model: &Model,
     particles: &Particles,
     candidates: &Candidates,
@@ -251,11 +293,12 @@ fn fill_pairs<F: Friction>(
     for wants_touching in [true, false] {
         for a in patch.particles.clone() {
             for &b in candidates.of(a) {
-                if is_touching(particles, a, b as usize) != wants_touching {
+                let past = memories.pair_or_bond(model, particles, a, b as usize);
+                let is_bonded = past.is_some_and(|past| past.bond.is_intact);
+                if (is_bonded || is_touching(particles, a, b as usize)) != wants_touching {
                     continue;
                 }
                 let springs = Springs::between(surface(a), surface(b as usize));
-                let past = memories.pair(particles.numbers[a], particles.numbers[b as usize]);
                 let list = if patch.particles.contains(&(b as usize)) {
                     &mut patch.inner
                 } else {
@@ -276,7 +319,7 @@ fn is_touching(particles: &Particles, a: usize, b: usize) -> bool {
     (b.vector() - a.vector()).norm() <= a.0[3] + b.0[3]
 }
 
-fn fill_walls<F: Friction>(
+fn fill_walls<F: Law>(
     model: &Model,
     faces: &[Face],
     particles: &Particles,
@@ -314,14 +357,14 @@ impl Springs {
     }
 }
 
-impl<F: Friction> PairBlock<F> {
+impl<F: Law> PairBlock<F> {
     /// Whether a lane only fills the block.
     pub(super) fn is_padding(&self, lane: usize) -> bool {
         self.a[lane] == self.b[lane]
     }
 }
 
-impl<F: Friction> PairList<F> {
+impl<F: Law> PairList<F> {
     /// Blocks and lanes that touched in the last step.
     pub(super) fn touching(&self) -> impl Iterator<Item = (&PairBlock<F>, usize)> {
         let blocks = self.blocks.iter().zip(&self.touching);
@@ -346,7 +389,7 @@ impl<F: Friction> PairList<F> {
         if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
             [block.a[lane], block.b[lane]] = pair;
             block.stiffness[lane] = springs.normal;
-            block.friction.set_past(lane, &springs.with(past));
+            block.law.set_past(lane, &springs.with(past));
             *touching |= u8::from(past.is_some()) << lane;
         }
     }
@@ -362,7 +405,7 @@ impl<F: Friction> PairList<F> {
     }
 }
 
-impl<F: Friction> WallList<F> {
+impl<F: Law> WallList<F> {
     fn add(&mut self, particle: u32, springs: Springs, past: Option<Past>) {
         let lane = self.count % LANES;
         if lane == 0 {
@@ -377,7 +420,7 @@ impl<F: Friction> WallList<F> {
         if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
             block.particles[lane] = particle;
             block.stiffness[lane] = springs.normal;
-            block.friction.set_past(lane, &springs.with(past));
+            block.law.set_past(lane, &springs.with(past));
             *touching |= u8::from(past.is_some()) << lane;
         }
     }

@@ -20,11 +20,12 @@
 //! patches: any number of threads gives the same bits. What changes is in `State` and `Journal`,
 //! which are the checkpoint.
 //!
-//! **Only what is used.** Friction is a type parameter, chosen once, here: a frictionless scene has
+//! **Only what is used.** The law of contact is a type parameter, chosen once, here: a scene without
+//! cohesion has no bonds, a frictionless one has
 //! contacts without memory and particles without spin. Bodies without a degree of freedom have
 //! no contacts among themselves, scenes without clumps or planes have empty lists of them.
 //!
-//! **To add.** A shear law is a file with an `impl Friction`. A shape of wall is a list beside
+//! **To add.** A law is a file with an `impl Law`. A shape of wall is a list beside
 //! `WallList`, a stage a variant of the spec's `Stage` and its arm in [`run`].
 mod clump_geometry;
 mod contact;
@@ -55,8 +56,8 @@ mod sphere;
 mod tables;
 mod time_step;
 
-use contact::friction::{Coulomb, Frictionless};
-use loadframe_api::spec::granular_scene::GranularScene;
+use contact::law::{Bonded, Coulomb, Frictionless};
+use loadframe_api::spec::granular_scene::{GranularScene, Material};
 
 use crate::{Ending, Recorder, RunContext, SimulationError};
 
@@ -72,10 +73,10 @@ pub(crate) fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    let is_rough = |material: &loadframe_api::spec::granular_scene::Material| {
-        material.friction_angle_rad > 0.0
-    };
-    if spec.materials.values().any(is_rough) {
+    let any = |is: fn(&Material) -> bool| spec.materials.values().any(is);
+    if any(Material::is_cohesive) {
+        run::run::<Bonded>(spec, context, recorder)
+    } else if any(|material| material.friction_angle_rad > 0.0) {
         run::run::<Coulomb>(spec, context, recorder)
     } else {
         run::run::<Frictionless>(spec, context, recorder)

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use super::{
     Vector,
-    contact::{friction::Friction, touching_lanes},
+    contact::{law::Law, touching_lanes},
     engine::Engine,
 };
 
@@ -31,6 +31,8 @@ pub(super) struct Contact {
     pub(super) shear_force: Vector,
     /// k_N, k_T [N/m].
     pub(super) stiffness: [f64; 2],
+    /// Whether an intact bond holds the bodies together.
+    pub(super) is_bonded: bool,
 }
 
 /// Sums over bodies and contacts.
@@ -43,7 +45,7 @@ pub(super) struct Energies {
     pub(super) gravitational: f64,
 }
 
-impl<F: Friction> Engine<F> {
+impl<F: Law> Engine<F> {
     /// Contacts that touch, in the order of bodies; to be called between the phases.
     pub(super) fn contacts(&self) -> Vec<Contact> {
         let mut contacts = Vec::new();
@@ -57,7 +59,7 @@ impl<F: Friction> Engine<F> {
                 let distance = between.norm();
                 let overlap = radii[0] + radii[1] - distance;
                 let normal = between / distance;
-                let past = block.friction.past(lane);
+                let past = block.law.past(lane);
                 let contact = Contact {
                     bodies: [particles.owners[a], particles.owners[b]],
                     particles: (a, Some(b)),
@@ -65,9 +67,10 @@ impl<F: Friction> Engine<F> {
                     overlap,
                     radius: radii[0].min(radii[1]),
                     normal,
-                    normal_force: block.stiffness[lane] * overlap * normal,
+                    normal_force: past.normal_force(block.stiffness[lane], overlap) * normal,
                     shear_force: past.shear,
                     stiffness: [block.stiffness[lane], past.stiffness],
+                    is_bonded: past.bond.is_intact,
                 };
                 contacts.push(contact.in_order());
             }
@@ -78,7 +81,7 @@ impl<F: Friction> Engine<F> {
                         let centre = &particles.centres[particle].0;
                         let overlap = centre[3] - face.height(centre);
                         let normal = Vector::from(face.normal());
-                        let past = block.friction.past(lane);
+                        let past = block.law.past(lane);
                         contacts.push(Contact {
                             bodies: [particles.owners[particle], bodies + plane],
                             particles: (particle, None),
@@ -86,9 +89,11 @@ impl<F: Friction> Engine<F> {
                             overlap,
                             radius: centre[3],
                             normal,
-                            normal_force: block.stiffness[lane] * overlap * normal,
+                            normal_force: past.normal_force(block.stiffness[lane], overlap)
+                                * normal,
                             shear_force: past.shear,
                             stiffness: [block.stiffness[lane], past.stiffness],
+                            is_bonded: past.bond.is_intact,
                         });
                     }
                 }

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     contact::{
         Kinematics, Wrenches,
-        friction::Friction,
+        law::Law,
         pairs::{Halo, PairList},
         walls::{Face, WallList},
     },
@@ -28,7 +28,7 @@ use super::{
 /// Neighbouring particles and the contacts whose first particle is one of them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub(super) struct Patch<F: Friction> {
+pub(super) struct Patch<F: Law> {
     pub(super) particles: Range<usize>,
     pub(super) clumps: Range<usize>,
     /// Contacts within the patch.
@@ -55,7 +55,7 @@ pub(super) struct Incoming {
 }
 
 /// The first phase for one patch.
-pub(super) struct Push<'a, F: Friction> {
+pub(super) struct Push<'a, F: Law> {
     pub(super) patch: &'a mut Patch<F>,
     pub(super) halo: &'a mut Halo,
     pub(super) kinematics: Kinematics<'a>,
@@ -63,14 +63,14 @@ pub(super) struct Push<'a, F: Friction> {
     pub(super) time_step: f64,
 }
 
-impl<F: Friction> Push<'_, F> {
+impl<F: Law> Push<'_, F> {
     /// Works through the contacts in the widest vectors of this machine.
     pub(super) fn run(self) {
         Arch::new().dispatch(self);
     }
 }
 
-impl<F: Friction> WithSimd for Push<'_, F> {
+impl<F: Law> WithSimd for Push<'_, F> {
     type Output = ();
 
     #[inline(always)]
@@ -105,7 +105,15 @@ pub(super) struct Bodies<'a> {
     pub(super) clumps: &'a mut [Clump],
 }
 
-impl<F: Friction> Patch<F> {
+impl<F: Law> Patch<F> {
+    /// Strength a_N [N] and spring k_N [N/m] of each intact bond.
+    pub(super) fn bonds(&self) -> impl Iterator<Item = (f64, f64)> {
+        let held = self.inner.touching().chain(self.outer.touching());
+        let bonds = held.map(|(block, lane)| (block.law.past(lane).bond, block.stiffness[lane]));
+        let intact = bonds.filter(|(bond, _)| bond.is_intact);
+        intact.map(|(bond, stiffness)| (bond.strength[0], stiffness))
+    }
+
     /// The second phase. Returns the square of an upper bound of the speeds.
     pub(super) fn advance(
         &mut self,

@@ -4,7 +4,7 @@ use loadframe_api::{
     BodyProperties, QualityCheck, Quantity, Report, Warning, spec::granular_scene::GranularScene,
 };
 
-use super::{Vector, contact::friction::Friction, engine::Engine, journal::Journal};
+use super::{Vector, contact::law::Law, engine::Engine, journal::Journal};
 
 /// δ/r beyond which a linear contact of stiff grains is not what it stands for.
 const LARGEST_OVERLAP: f64 = 0.05;
@@ -15,7 +15,7 @@ const LARGEST_CREATION: f64 = 0.05;
 /// Escaped bodies named in the warning.
 const LISTED: usize = 5;
 
-pub(super) fn report<F: Friction>(
+pub(super) fn report<F: Law>(
     spec: &GranularScene,
     engine: &Engine<F>,
     journal: &Journal,
@@ -44,7 +44,7 @@ pub(super) fn report<F: Friction>(
     }
 }
 
-fn summary<F: Friction>(
+fn summary<F: Law>(
     spec: &GranularScene,
     engine: &Engine<F>,
     journal: &Journal,
@@ -121,15 +121,28 @@ fn summary<F: Friction>(
             "Movable bodies behind a plane, or farther from the first box of the scene than its diagonal.",
         ),
     ];
-    rows.into_iter()
-        .map(|(name, value, unit, description)| {
-            let value = value.unwrap_or(f64::NAN);
-            (name.to_owned(), Quantity::new(value, unit, description))
-        })
-        .collect()
+    let mut summary: IndexMap<String, Quantity> = IndexMap::new();
+    for (name, value, unit, description) in rows {
+        let value = value.unwrap_or(f64::NAN);
+        summary.insert(name.to_owned(), Quantity::new(value, unit, description));
+    }
+    let made = engine.state.bonds_made;
+    if made > 0 {
+        let broken = made.saturating_sub(last.bonds);
+        for (name, count, description) in [
+            ("bonds", made, "Bonds made at the start."),
+            ("broken_bonds", broken, "Bonds that broke."),
+        ] {
+            summary.insert(
+                name.to_owned(),
+                Quantity::new(count as f64, "1", description),
+            );
+        }
+    }
+    summary
 }
 
-fn quality<F: Friction>(engine: &Engine<F>, journal: &Journal) -> IndexMap<String, QualityCheck> {
+fn quality<F: Law>(engine: &Engine<F>, journal: &Journal) -> IndexMap<String, QualityCheck> {
     let mut quality = IndexMap::from([
         (
             "largest_overlap_ratio".to_owned(),
@@ -204,7 +217,7 @@ fn warnings(
     warnings
 }
 
-fn bodies<F: Friction>(engine: &Engine<F>) -> Vec<BodyProperties> {
+fn bodies<F: Law>(engine: &Engine<F>) -> Vec<BodyProperties> {
     let state = &engine.state;
     let mut bodies = Vec::with_capacity(engine.model.masses.len());
     for (particle, owner) in state.particles.owners.iter().enumerate() {
@@ -231,7 +244,7 @@ fn bodies<F: Friction>(engine: &Engine<F>) -> Vec<BodyProperties> {
     bodies
 }
 
-fn properties<F: Friction>(
+fn properties<F: Law>(
     body: u32,
     engine: &Engine<F>,
     centre: Vector,

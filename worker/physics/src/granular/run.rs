@@ -3,7 +3,7 @@ use loadframe_api::spec::granular_scene::{GranularScene, LARGEST_WAY, MovePlane,
 use serde::{Deserialize, Serialize};
 
 use super::{
-    contact::friction::Friction,
+    contact::law::Law,
     engine::{Engine, State},
     journal::{Journal, Reading},
     observe::Energies,
@@ -26,7 +26,7 @@ const RUNAWAY: f64 = 0.5;
 /// A state and the spec it belongs to.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
-struct Checkpoint<F: Friction> {
+struct Checkpoint<F: Law> {
     spec: [u8; 32],
     journal: Journal,
     state: State<F>,
@@ -35,13 +35,13 @@ struct Checkpoint<F: Friction> {
 /// The same, to be written without a copy.
 #[derive(Serialize)]
 #[serde(bound = "")]
-struct CheckpointOf<'a, F: Friction> {
+struct CheckpointOf<'a, F: Law> {
     spec: [u8; 32],
     journal: &'a Journal,
     state: &'a State<F>,
 }
 
-struct Runner<'a, F: Friction> {
+struct Runner<'a, F: Law> {
     spec: &'a GranularScene,
     engine: Engine<F>,
     journal: Journal,
@@ -54,7 +54,7 @@ struct Runner<'a, F: Friction> {
     fingerprint: [u8; 32],
 }
 
-pub(super) fn run<F: Friction>(
+pub(super) fn run<F: Law>(
     spec: &GranularScene,
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
@@ -113,7 +113,7 @@ pub(super) fn run<F: Friction>(
     )))
 }
 
-impl<'a, F: Friction> Runner<'a, F> {
+impl<'a, F: Law> Runner<'a, F> {
     fn new(spec: &'a GranularScene, team: Team) -> Result<Self, SimulationError> {
         let engine = Engine::new(spec, team);
         let of_spheres = spec
@@ -264,6 +264,7 @@ impl<'a, F: Friction> Runner<'a, F> {
             elastic: energies.elastic,
             gravitational: energies.gravitational,
             contacts: contacts.len() as u64,
+            bonds: contacts.iter().filter(|contact| contact.is_bonded).count() as u64,
             unbalanced: self.engine.unbalanced_force_ratio(contacts),
             coordination: (movable > 0).then(|| ends as f64 / movable as f64),
         };

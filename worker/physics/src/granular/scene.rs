@@ -1,5 +1,7 @@
 //! From spec to model: what a scene is made of, resolved and in SI, and the state it starts from.
-use loadframe_api::spec::granular_scene::{Body, Convention, GranularScene, Material};
+use loadframe_api::spec::granular_scene::{
+    Body, BondRestLength, Convention, GranularScene, Material,
+};
 use nalgebra::UnitQuaternion;
 
 use super::{
@@ -17,8 +19,10 @@ use super::{
 pub(super) struct Model {
     /// By number of material, in the order of names.
     pub(super) surfaces: Vec<Surface>,
-    /// Whether anything has friction.
+    /// Whether anything has friction or cohesion.
     pub(super) is_rough: bool,
+    /// Whether a bond rests where it is made, and not where its spheres just touch.
+    pub(super) bonds_rest_as_made: bool,
     pub(super) gravity: Vector,
     pub(super) damping: f64,
     pub(super) rotation: Rotation,
@@ -65,10 +69,12 @@ impl Model {
                 velocity: 0.0,
             },
         });
-        let rough = |material: &Material| material.friction_angle_rad > 0.0;
+        let rough =
+            |material: &Material| material.friction_angle_rad > 0.0 || material.is_cohesive();
         Self {
             surfaces: spec.materials.values().map(Surface::new).collect(),
             is_rough: spec.materials.values().any(rough),
+            bonds_rest_as_made: spec.laws.bond_rest_length == BondRestLength::Initial,
             gravity: Vector::from(spec.gravity_m_per_s2),
             damping: spec.laws.local_damping,
             rotation: match spec.laws.convention {

@@ -5,7 +5,7 @@
 //! lines from centre to centre, or from a centre to its foot on a plane.
 use std::io;
 
-use super::{contact::friction::Friction, engine::Engine, journal::Journal, observe::Contact};
+use super::{contact::law::Law, engine::Engine, journal::Journal, observe::Contact};
 use crate::{
     Recorder,
     vtk::{Array, Lines, Points, Series},
@@ -20,7 +20,7 @@ fn contacts_name(step: u64) -> String {
 }
 
 /// Writes particles and contacts as they are now.
-pub(super) fn take<F: Friction>(
+pub(super) fn take<F: Law>(
     engine: &Engine<F>,
     contacts: &[Contact],
     recorder: &mut dyn Recorder,
@@ -30,7 +30,7 @@ pub(super) fn take<F: Friction>(
     take_contacts(engine, contacts, &contacts_name(step), recorder)
 }
 
-fn take_particles<F: Friction>(
+fn take_particles<F: Law>(
     engine: &Engine<F>,
     contacts: &[Contact],
     name: &str,
@@ -81,7 +81,7 @@ fn take_particles<F: Friction>(
     recorder.file(name, &mut |out| picture.write(out))
 }
 
-fn take_contacts<F: Friction>(
+fn take_contacts<F: Law>(
     engine: &Engine<F>,
     contacts: &[Contact],
     name: &str,

@@ -4,8 +4,7 @@ use std::io::{self, Write};
 use loadframe_api::spec::granular_scene::GranularScene;
 
 use super::{
-    contact::friction::Friction, engine::Engine, journal::Journal, motion::clump::Clump,
-    observe::Contact,
+    contact::law::Law, engine::Engine, journal::Journal, motion::clump::Clump, observe::Contact,
 };
 use crate::{Recorder, csv};
 
@@ -28,7 +27,7 @@ const BODY_COLUMNS: [&str; 16] = [
     "qz",
 ];
 
-const CONTACT_COLUMNS: [&str; 13] = [
+const CONTACT_COLUMNS: [&str; 14] = [
     "step",
     "body_a",
     "body_b",
@@ -42,6 +41,7 @@ const CONTACT_COLUMNS: [&str; 13] = [
     "fs_x_n",
     "fs_y_n",
     "fs_z_n",
+    "bonded",
 ];
 
 /// Columns of the curve that every scene has.
@@ -71,7 +71,7 @@ pub(super) fn curve_columns(spec: &GranularScene) -> Vec<String> {
 }
 
 /// A row of the curve. Unknown readings are left at 0.
-pub(super) fn curve_row<F: Friction>(
+pub(super) fn curve_row<F: Law>(
     spec: &GranularScene,
     engine: &Engine<F>,
     journal: &Journal,
@@ -102,7 +102,7 @@ pub(super) fn curve_row<F: Friction>(
     row
 }
 
-impl<F: Friction> Engine<F> {
+impl<F: Law> Engine<F> {
     /// Adds the rows of these bodies of the spec to `table`.
     pub(super) fn body_rows(&self, bodies: &[u32], table: &mut Vec<f64>) {
         let state = &self.state;
@@ -175,6 +175,7 @@ pub(super) fn contact_rows(step: u64, contacts: &[Contact], table: &mut Vec<f64>
         for vector in [contact.normal, contact.normal_force, contact.shear_force] {
             table.extend(vector.iter());
         }
+        table.push(f64::from(u8::from(contact.is_bonded)));
     }
 }
 

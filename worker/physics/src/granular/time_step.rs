@@ -11,7 +11,7 @@
 //! which is exact. T takes the diagonal alone (3.36-3.39), Yade too, which is up to √2 less safe.
 use std::collections::BTreeMap;
 
-use super::{contact::friction::Friction, engine::Engine, motion::clump::Clump, observe::Contact};
+use super::{contact::law::Law, engine::Engine, motion::clump::Clump, observe::Contact};
 
 /// The critical step and the contact that sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +32,7 @@ struct Rows {
     stiffest: (f64, u32),
 }
 
-impl<F: Friction> Engine<F> {
+impl<F: Law> Engine<F> {
     /// The critical step of these contacts; `None` when none of them moves anything.
     pub(super) fn critical_step(&self, contacts: &[Contact]) -> Option<Critical> {
         let bodies = self.model.masses.len();

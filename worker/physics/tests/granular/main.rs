@@ -3,6 +3,7 @@
 mod scene;
 
 mod appendix_a;
+mod bonds;
 mod collisions;
 mod determinism;
 mod friction;

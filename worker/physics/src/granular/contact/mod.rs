@@ -3,8 +3,8 @@
 //! With n from body a to body b, overlap δ (positive when touching) and half-step velocities, a
 //! contact pushes b with F = F_N n + F_T and a with −F, at arms r − δ/2 along the normal:
 //!
-//! - normal force F_N = k_N δ, never negative (G.1);
-//! - shear force F_T by a law of [`friction`], which owns what a contact remembers;
+//! - F_N and F_T by a [`law`], which owns what a contact remembers; without bonds F_N = k_N δ, never
+//!   negative (G.1);
 //! - torque on either body (r − δ/2) n × (−F) (G.2).
 //!
 //! Contacts live in blocks of [`LANES`], worked through as vectors. [`pairs`] are contacts of two
@@ -14,7 +14,7 @@
 //!
 //! Source: [CundallStrack1979]; order of operations as in Yade's `ScGeom` and
 //! `Law2_ScGeom_FrictPhys_CundallStrack`.
-pub(super) mod friction;
+pub(super) mod law;
 pub(super) mod pairs;
 pub(super) mod stiffness;
 pub(super) mod walls;
@@ -49,9 +49,21 @@ pub(super) struct Wrenches {
 pub(super) struct Touch<S: Simd> {
     /// From a to b.
     pub(super) normal: Vectors<S>,
-    /// F_N [N]; of no meaning where `is_touching` is not set.
-    pub(super) normal_force: Lanes<S>,
+    /// δ [m].
+    pub(super) overlap: Lanes<S>,
+    /// k_N [N/m].
+    pub(super) stiffness: Lanes<S>,
     pub(super) is_touching: S::m64s,
+}
+
+/// What a part of the contacts of a block does.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Push<S: Simd> {
+    /// F_N [N]; of no meaning where the contact does not act.
+    pub(super) normal: Lanes<S>,
+    /// F_T on b [N], zero where it does not act.
+    pub(super) shear: Vectors<S>,
+    pub(super) acts: S::m64s,
 }
 
 /// How the surfaces of a part of a block move past each other.
@@ -61,6 +73,17 @@ pub(super) struct Slip<S: Simd> {
     pub(super) velocity: Vectors<S>,
     /// Sum of both spins [rad/s].
     pub(super) spins: Vectors<S>,
+}
+
+impl<S: Simd> Slip<S> {
+    /// Nothing slips, or nobody asks.
+    #[inline(always)]
+    fn none(simd: S) -> Self {
+        Self {
+            velocity: Vectors::zero(simd),
+            spins: Vectors::zero(simd),
+        }
+    }
 }
 
 impl Wrenches {

@@ -12,7 +12,7 @@
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{Kinematics, Slip, Touch, Wrenches, friction::Friction};
+use super::{Kinematics, Slip, Touch, Wrenches, law::Law};
 use crate::granular::{
     lanes::{Array, LANES, Lanes, Vectors, bits},
     rows::{Gathered, Row, gather, scatter},
@@ -22,19 +22,19 @@ use crate::granular::{
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
 #[repr(align(64))]
-pub(in crate::granular) struct PairBlock<F: Friction> {
+pub(in crate::granular) struct PairBlock<F: Law> {
     /// Particles a; padding is a particle against itself.
     pub(in crate::granular) a: [u32; LANES],
     pub(in crate::granular) b: [u32; LANES],
     /// k_N [N/m].
     pub(in crate::granular) stiffness: Array,
-    pub(in crate::granular) friction: F,
+    pub(in crate::granular) law: F,
 }
 
 /// Candidates and which of them touched in the last step.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub(in crate::granular) struct PairList<F: Friction> {
+pub(in crate::granular) struct PairList<F: Law> {
     pub(in crate::granular) blocks: Vec<PairBlock<F>>,
     /// Bits by lane.
     pub(in crate::granular) touching: Vec<u8>,
@@ -51,7 +51,7 @@ pub(in crate::granular) struct Halo {
     pub(in crate::granular) torques: Vec<Row>,
 }
 
-impl<F: Friction> PairList<F> {
+impl<F: Law> PairList<F> {
     /// Adds the forces of inner blocks to both particles. The patch begins with particle `first`.
     #[inline(always)]
     pub(in crate::granular) fn push_inner<S: Simd>(
@@ -122,7 +122,7 @@ impl<F: Friction> PairList<F> {
 }
 
 impl Halo {
-    fn clear<F: Friction>(&mut self, blocks: usize) {
+    fn clear<F: Law>(&mut self, blocks: usize) {
         self.forces.clear();
         self.forces.resize(blocks * LANES, Row::default());
         if F::IS_ROUGH {
@@ -144,7 +144,7 @@ fn moments(force: [f64; 4], torque: [f64; 4]) -> [[f64; 4]; 2] {
     [on_a, on_b]
 }
 
-impl<F: Friction> PairBlock<F> {
+impl<F: Law> PairBlock<F> {
     /// Advances the contacts by a step. Gives `act` the force F on b with arm of a, and n × F with
     /// the arm of b, for every lane of a part in which something touches; zero where nothing
     /// does. Returns which lanes touch.
@@ -168,59 +168,50 @@ impl<F: Friction> PairBlock<F> {
             // equal centres have no normal; they are told of elsewhere
             let is_apart = Lanes::splat(simd, 0.0).below(distance);
             let is_touching = simd.and_m64s(is_near, is_apart);
-            let bits = bits::<S>(is_touching, part);
-            if bits == 0 {
+            let may_act = self.law.acting(simd, part, is_touching);
+            if bits::<S>(may_act, 0) == 0 {
                 if touched != 0 {
-                    self.friction.forget(simd, part);
+                    self.law.forget(simd, part);
                 }
                 continue;
             }
-            touching |= bits;
             let inverse = Lanes::splat(simd, 1.0).over(distance);
             let normal = between.scaled(inverse);
             let overlap = reach - distance;
-            let normal_force = Lanes::load(simd, &self.stiffness, part) * overlap;
             let touch = Touch {
                 normal,
-                normal_force,
+                overlap,
+                stiffness: Lanes::load(simd, &self.stiffness, part),
                 is_touching,
             };
-            let none = Lanes::splat(simd, 0.0);
-            let push = normal.scaled(normal_force);
-            let [force, torque] = if F::IS_ROUGH {
+            let slip = if F::IS_ROUGH {
                 let velocities = self.sides(simd, kinematics.velocities, part);
                 let spins = self.sides(simd, kinematics.spins, part);
                 let branches = spins[0].scaled(a.fourth) + spins[1].scaled(b.fourth);
                 let approach = (velocities[1] - velocities[0]).scaled(reach * inverse);
                 let velocity = approach - branches.cross(normal);
-                let slip = Slip {
+                Slip {
                     velocity: velocity - normal.scaled(velocity.dot(normal)),
                     spins: spins[0] + spins[1],
-                };
-                let shear = self.friction.advance(simd, part, touch, slip, time_step);
-                let half = Lanes::splat(simd, 0.5) * overlap;
-                let moment = normal.cross(shear);
-                [
-                    Gathered {
-                        vector: push + shear,
-                        fourth: a.fourth - half,
-                    },
-                    Gathered {
-                        vector: moment,
-                        fourth: b.fourth - half,
-                    },
-                ]
+                }
             } else {
-                let push = Gathered {
-                    vector: push,
-                    fourth: none,
-                };
-                [push, push]
+                Slip::none(simd)
             };
-            // a lane that does not touch holds numbers without meaning, perhaps not even finite
+            let push = self.law.advance(simd, part, touch, slip, time_step);
+            touching |= bits::<S>(push.acts, part);
+            let half = Lanes::splat(simd, 0.5) * overlap;
+            let force = Gathered {
+                vector: normal.scaled(push.normal) + push.shear,
+                fourth: a.fourth - half,
+            };
+            let torque = Gathered {
+                vector: normal.cross(push.shear),
+                fourth: b.fourth - half,
+            };
+            // a lane that does not act holds numbers without meaning, perhaps not even finite
             let columns = [
-                force.masked(simd, is_touching),
-                torque.masked(simd, is_touching),
+                force.masked(simd, push.acts),
+                torque.masked(simd, push.acts),
             ];
             scatter(
                 simd,

@@ -10,6 +10,8 @@ pub(in crate::granular) struct Surface {
     shear_modulus: f64,
     /// φ [rad].
     friction_angle: f64,
+    /// c_N and c_T [Pa].
+    cohesion: [f64; 2],
 }
 
 /// What a contact is made of.
@@ -29,6 +31,7 @@ impl Surface {
             youngs_modulus: material.youngs_modulus_pa,
             shear_modulus: material.youngs_modulus_pa * material.stiffness_ratio,
             friction_angle: material.friction_angle_rad,
+            cohesion: [material.normal_cohesion_pa, material.shear_cohesion_pa],
         }
     }
 
@@ -36,6 +39,17 @@ impl Surface {
     pub(in crate::granular) fn half_stiffness(&self, radius: f64) -> f64 {
         self.youngs_modulus * radius
     }
+}
+
+/// Strengths a = c r² [N] of a bond between two surfaces, of the smaller radius [m] and the weaker
+/// material, for the normal and the shear direction (T 3.34); `None` when it would not hold.
+pub(in crate::granular) fn bond_strength(a: (Surface, f64), b: (Surface, f64)) -> Option<[f64; 2]> {
+    let radius = a.1.min(b.1);
+    let strength = [0, 1].map(|way| a.0.cohesion[way].min(b.0.cohesion[way]) * radius * radius);
+    strength
+        .iter()
+        .any(|strength| *strength > 0.0)
+        .then_some(strength)
 }
 
 impl Springs {

@@ -10,7 +10,7 @@
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{Kinematics, Slip, Touch, Wrenches, friction::Friction};
+use super::{Kinematics, Slip, Touch, Wrenches, law::Law};
 use crate::granular::{
     lanes::{Array, LANES, Lanes, Vectors, bits},
     rows::{Gathered, gather, scatter},
@@ -33,17 +33,17 @@ pub(in crate::granular) struct Face {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
 #[repr(align(64))]
-pub(in crate::granular) struct WallBlock<F: Friction> {
+pub(in crate::granular) struct WallBlock<F: Law> {
     pub(in crate::granular) particles: [u32; LANES],
     /// k_N [N/m].
     pub(in crate::granular) stiffness: Array,
-    pub(in crate::granular) friction: F,
+    pub(in crate::granular) law: F,
 }
 
 /// Candidates of one plane and which of them touched in the last step.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub(in crate::granular) struct WallList<F: Friction> {
+pub(in crate::granular) struct WallList<F: Law> {
     pub(in crate::granular) blocks: Vec<WallBlock<F>>,
     /// Bits by lane.
     pub(in crate::granular) touching: Vec<u8>,
@@ -70,7 +70,7 @@ impl Face {
     }
 }
 
-impl<F: Friction> WallList<F> {
+impl<F: Law> WallList<F> {
     /// Adds the forces on the particles; returns the force on the plane [N].
     #[inline(always)]
     pub(in crate::granular) fn push<S: Simd>(
@@ -109,7 +109,7 @@ impl<F: Friction> WallList<F> {
     }
 }
 
-impl<F: Friction> WallBlock<F> {
+impl<F: Law> WallBlock<F> {
     /// Advances the contacts by a step. Gives `act` the force on the plane and its moment about the
     /// particle's centre. Returns which lanes touch.
     #[inline(always)]
@@ -134,50 +134,47 @@ impl<F: Friction> WallBlock<F> {
             let stiffness = Lanes::load(simd, &self.stiffness, part);
             // padding has no stiffness, and touches nothing
             let is_touching = simd.and_m64s(height.at_most(radius), none.below(stiffness));
-            let lanes = bits::<S>(is_touching, part);
-            if lanes == 0 {
+            if bits::<S>(is_touching, 0) == 0 {
                 if touched != 0 {
-                    self.friction.forget(simd, part);
+                    self.law.forget(simd, part);
                 }
                 continue;
             }
-            touching |= lanes;
             let overlap = radius - height;
-            let normal_force = stiffness * overlap;
             let touch = Touch {
                 normal,
-                normal_force,
+                overlap,
+                stiffness,
                 is_touching,
             };
-            let push = normal.scaled(normal_force);
-            let [force, moment] = if F::IS_ROUGH {
+            let slip = if F::IS_ROUGH {
                 let velocity = gather(simd, kinematics.velocities, &self.particles, part).vector;
                 let spin = gather(simd, kinematics.spins, &self.particles, part).vector;
                 let twice = radius + radius;
                 let plane = Vectors::splat(simd, face.along(face.velocity));
                 let approach = (plane - velocity).scaled(twice.over(twice - overlap));
                 let velocity = approach - spin.scaled(radius).cross(normal);
-                let slip = Slip {
+                Slip {
                     velocity: velocity - normal.scaled(velocity.dot(normal)),
                     spins: spin,
-                };
-                let shear = self.friction.advance(simd, part, touch, slip, time_step);
-                let arm = radius - Lanes::splat(simd, 0.5) * overlap;
-                [push + shear, normal.cross(shear).scaled(arm)]
+                }
             } else {
-                [push, Vectors::zero(simd)]
+                Slip::none(simd)
             };
+            let push = self.law.advance(simd, part, touch, slip, time_step);
+            touching |= bits::<S>(push.acts, part);
+            let arm = radius - Lanes::splat(simd, 0.5) * overlap;
             let force = Gathered {
-                vector: force,
+                vector: normal.scaled(push.normal) + push.shear,
                 fourth: none,
             };
             let moment = Gathered {
-                vector: moment,
+                vector: normal.cross(push.shear).scaled(arm),
                 fourth: none,
             };
             let columns = [
-                force.masked(simd, is_touching),
-                moment.masked(simd, is_touching),
+                force.masked(simd, push.acts),
+                moment.masked(simd, push.acts),
             ];
             scatter(
                 simd,
