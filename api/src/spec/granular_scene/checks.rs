@@ -2,7 +2,7 @@
 //! a step that must be stable.
 use std::collections::BTreeSet;
 
-use super::{Body, GranularScene, MovePlane, Plane, Stage, TimeStep};
+use super::{Body, GranularScene, LoadPlane, MovePlane, Plane, Stage, TimeStep};
 use crate::Violation;
 
 /// Bodies may overlap by this part of the smaller radius at the start; more is a mistake, and
@@ -107,8 +107,22 @@ fn check_stages(spec: &GranularScene, violations: &mut Vec<Violation>) {
                     .allowed("exactly one of: steps, time_s"),
             );
         }
-        if let Stage::MovePlane(MovePlane { name, .. }) = stage {
+        if let Stage::MovePlane(MovePlane { name, .. }) | Stage::LoadPlane(LoadPlane { name, .. }) =
+            stage
+        {
             violations.extend(check_plane_name(spec, format!("{pointer}/name"), name));
+        }
+        if let Stage::LoadPlane(load) = stage
+            && load.peak_force_n.is_some() != load.period_s.is_some()
+        {
+            violations.push(
+                Violation::new(
+                    format!("{pointer}/period_s"),
+                    "not_both",
+                    "a force that swings needs its peak and its period",
+                )
+                .allowed("both or none of: peak_force_n, period_s"),
+            );
         }
     }
 }

@@ -17,7 +17,7 @@ pub struct Material {
     pub stiffness_ratio: f64,
     /// φ; a contact slides at tan φ of the smoother material. 0 is frictionless.
     #[serde(default)]
-    #[schemars(range(min = 0.0, max = 1.570_796), extend("x-unit" = "rad"))]
+    #[schemars(range(min = 0.0, max = 1.570_795_5), extend("x-unit" = "rad"))]
     pub friction_angle_rad: f64,
     /// c_N: spheres that touch at the start are bonded when both materials have cohesion; the bond
     /// breaks at a tension of c_N min(r)², the weaker material's.

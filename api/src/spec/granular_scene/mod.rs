@@ -34,7 +34,7 @@ pub use laws::{
 };
 pub use record::Record;
 pub use stability::{CriticalStep, series_stiffness};
-pub use stages::{MovePlane, Run, Stage};
+pub use stages::{LoadPlane, MovePlane, Run, Settle, Stage};
 
 /// A scene of bodies in contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

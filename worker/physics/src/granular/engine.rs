@@ -170,11 +170,16 @@ impl<F: Law> Engine<F> {
 
     /// Planes, time, and whether the lists hold, after the bodies moved.
     fn finish(&mut self, time_step: f64, speed_square: f64) {
+        let drive = self.drive(time_step);
         let state = &mut self.state;
         state.speed_bound = speed_square.sqrt();
         let mut plane_way = 0.0_f64;
         for (plane, face) in state.faces.iter_mut().enumerate() {
             let force = forces(&state.patches, plane)[face.axis];
+            if let Some(load) = face.load {
+                let acceleration = (load.force + force) / load.mass;
+                face.velocity += time_step * drive.damped(acceleration, face.velocity);
+            }
             state.plane_work -= force * face.velocity * time_step;
             face.position += time_step * face.velocity;
             plane_way = plane_way.max((time_step * face.velocity).abs());

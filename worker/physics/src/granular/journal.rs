@@ -10,6 +10,10 @@ pub(super) struct Journal {
     pub(super) stage: usize,
     /// Steps done in it.
     pub(super) stage_steps: u64,
+    /// Whether the bodies have come to rest in a stage that waits for it.
+    pub(super) is_settled: bool,
+    /// Stages that waited for rest in vain.
+    pub(super) unsettled_stages: Vec<usize>,
     /// When it began [s].
     pub(super) stage_start: f64,
     /// Δt of the next step [s].

@@ -202,6 +202,14 @@ fn warnings(
             }
         })
         .collect();
+    for stage in &journal.unsettled_stages {
+        warnings.push(Warning {
+            code: "not_settled".to_owned(),
+            detail: format!(
+                "stage {stage} ended before the bodies were at rest: give it more steps"
+            ),
+        });
+    }
     if !escaped.is_empty() {
         let listed: Vec<String> = escaped.iter().take(LISTED).map(u32::to_string).collect();
         let more = if escaped.len() > LISTED { ", ..." } else { "" };

@@ -3,7 +3,7 @@ use loadframe_api::spec::granular_scene::{GranularScene, LARGEST_WAY, MovePlane,
 use serde::{Deserialize, Serialize};
 
 use super::{
-    contact::law::Law,
+    contact::{law::Law, walls::Load},
     engine::{Engine, State},
     journal::{Journal, Reading},
     observe::Energies,
@@ -97,8 +97,13 @@ pub(super) fn run<F: Law>(
                     runner.keep(recorder)?;
                 }
             }
+            runner.load_planes(stage);
             runner.step(recorder)?;
         }
+        if matches!(stage, Stage::Settle(_)) && !runner.journal.is_settled {
+            runner.journal.unsettled_stages.push(runner.journal.stage);
+        }
+        runner.journal.is_settled = false;
         runner.journal.stage += 1;
         runner.journal.stage_steps = 0;
         runner.journal.stage_start = runner.engine.state.time;
@@ -218,10 +223,12 @@ impl<'a, F: Law> Runner<'a, F> {
             };
             let critical = self.engine.critical_step(&contacts);
             self.look(&contacts, energies, critical)?;
-            if is_recorded {
+            let is_last = is_last || (self.journal.is_settled && self.is_last_stage());
+            if is_recorded || is_last {
                 self.record(recorder, &contacts, critical)?;
             }
-            if is_pictured {
+            let is_closing = is_last && self.spec.record.snapshot_every_steps > 0;
+            if is_pictured || is_closing {
                 self.picture(recorder, &contacts)?;
             }
             if self.automatic.is_some() {
@@ -268,6 +275,10 @@ impl<'a, F: Law> Runner<'a, F> {
             unbalanced: self.engine.unbalanced_force_ratio(contacts),
             coordination: (movable > 0).then(|| ends as f64 / movable as f64),
         };
+        if let Some(Stage::Settle(settle)) = self.spec.stages.get(journal.stage) {
+            let ratio = journal.last.unbalanced;
+            journal.is_settled = ratio.is_some_and(|ratio| ratio <= settle.unbalanced_force_ratio);
+        }
         if self.engine.model.has_driven_bodies {
             return Ok(());
         }
@@ -320,16 +331,16 @@ impl<'a, F: Law> Runner<'a, F> {
     }
 
     fn is_stage_done(&self, stage: &Stage) -> bool {
-        self.steps_left(stage) <= 0.0
+        self.journal.is_settled || self.steps_left(stage) <= 0.0
+    }
+
+    fn is_last_stage(&self) -> bool {
+        self.journal.stage + 1 == self.spec.stages.len()
     }
 
     fn is_last_step(&self) -> bool {
-        let stages = &self.spec.stages;
-        let is_last_stage = self.journal.stage + 1 == stages.len();
-        is_last_stage
-            && stages
-                .last()
-                .is_some_and(|stage| self.steps_left(stage) <= 1.0)
+        let last = self.spec.stages.last();
+        self.is_last_stage() && last.is_some_and(|stage| self.steps_left(stage) <= 1.0)
     }
 
     /// Steps that a stage still takes with the present time step.
@@ -354,14 +365,39 @@ impl<'a, F: Law> Runner<'a, F> {
             .iter()
             .zip(&mut self.engine.state.faces)
         {
+            face.load = None;
             face.velocity = match stage {
                 Stage::MovePlane(MovePlane {
                     name,
                     velocity_m_per_s,
                     ..
                 }) if *name == plane.name => *velocity_m_per_s,
+                Stage::LoadPlane(load) if load.name == plane.name => {
+                    face.load = Some(Load {
+                        force: load.force_n,
+                        mass: load.mass_kg,
+                    });
+                    // a stage that was begun goes on at the speed it had
+                    if self.journal.stage_steps > 0 {
+                        face.velocity
+                    } else {
+                        0.0
+                    }
+                }
                 _ => 0.0,
             };
+        }
+    }
+
+    /// The force of this moment on the planes that are under one.
+    fn load_planes(&mut self, stage: &Stage) {
+        if let Stage::LoadPlane(load) = stage {
+            let time = self.engine.state.time - self.journal.stage_start;
+            for face in &mut self.engine.state.faces {
+                if let Some(on_face) = &mut face.load {
+                    on_face.force = load.force_at(time);
+                }
+            }
         }
     }
 

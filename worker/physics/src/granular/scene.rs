@@ -67,6 +67,7 @@ impl Model {
                 facing: f64::from(plane.facing),
                 position: plane.position_m,
                 velocity: 0.0,
+                load: None,
             },
         });
         let rough =

@@ -39,7 +39,11 @@ fn a_bond_breaks_at_its_tensile_strength() {
         let (_, [normal, force, shear]) = contact(&record, breaks - 1, [0, 1]).expect("it holds");
         assert_close(normal[0], 1.0, 1e-12);
         // pulled back; the first step does not move yet
-        assert_close(force[0], -NORMAL_STIFFNESS * speed * STEP * (breaks - 2) as f64, 1e-6);
+        assert_close(
+            force[0],
+            -NORMAL_STIFFNESS * speed * STEP * (breaks - 2) as f64,
+            1e-6,
+        );
         assert_close(shear[1], 0.0, 1e-12);
         let later = contact(&record, breaks + 3, [0, 1]);
         match later {
@@ -58,7 +62,11 @@ fn a_bond_breaks_at_its_shear_strength() {
     let (report, record) = run(&driven(0.0, [0.0, speed, 0.0], 2000));
     let rows = record.table("contacts.csv");
     let shear = |row: &Vec<f64>| row[10..13].iter().map(|f| f * f).sum::<f64>().sqrt();
-    let strongest = rows.iter().filter(|row| row[13] > 0.5).map(shear).fold(0.0, f64::max);
+    let strongest = rows
+        .iter()
+        .filter(|row| row[13] > 0.5)
+        .map(shear)
+        .fold(0.0, f64::max);
     // moving across, the spheres also part by d²/4r, and F_N tan φ is taken off
     let way = SHEAR_STRENGTH / SHEAR_STIFFNESS;
     let pull = NORMAL_STIFFNESS * way * way / (4.0 * RADIUS);

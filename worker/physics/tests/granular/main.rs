@@ -10,6 +10,7 @@ mod friction;
 mod impacts;
 mod refusals;
 mod rotation;
+mod stages;
 
 use loadframe_api::{JobSpec, Report, Submission, SubmissionError, Violation};
 use loadframe_physics::{Ending, SimulationError, Uninterrupted};

@@ -117,7 +117,7 @@ fn unknown_fields_are_refused() {
     let mut spec = scene(&[sphere("stone", 0.01, [0.0, 0.0, 0.02], [0.0; 3])]);
     spec["facets"] = json!([]);
     spec["bodies"][0]["colour"] = json!("red");
-    spec["stages"] = json!([{"settle": {"steps": 10}}]);
+    spec["stages"] = json!([{"explode": {"steps": 10}}]);
     let mut found = codes(&spec);
     found.sort();
     assert!(

@@ -27,6 +27,17 @@ pub(in crate::granular) struct Face {
     pub(in crate::granular) position: f64,
     /// Along the axis [m/s].
     pub(in crate::granular) velocity: f64,
+    /// What drives it, if not its velocity.
+    pub(in crate::granular) load: Option<Load>,
+}
+
+/// A force on a plane that is free to follow it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(in crate::granular) struct Load {
+    /// Along the axis [N].
+    pub(in crate::granular) force: f64,
+    /// [kg].
+    pub(in crate::granular) mass: f64,
 }
 
 /// Candidates in vectors; padding has no stiffness.

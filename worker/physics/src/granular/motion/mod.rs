@@ -27,7 +27,7 @@ pub(super) struct Drive {
 impl Drive {
     /// An acceleration after damping (G.8).
     #[inline(always)]
-    fn damped(&self, acceleration: f64, velocity: f64) -> f64 {
+    pub(super) fn damped(&self, acceleration: f64, velocity: f64) -> f64 {
         let middle = velocity + 0.5 * self.time_step * acceleration;
         self.against(acceleration, acceleration * middle)
     }
