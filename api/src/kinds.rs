@@ -112,7 +112,7 @@ job_kinds! {
     GranularScene("granular_scene"): spec::granular_scene::GranularScene,
         "Granular scene",
         "Spheres and clumps between planes, in contact with friction, moved step by step through the stages you give.",
-        ["granular_scene"];
+        ["granular_scene", "granular_scene_clump_drop", "granular_scene_breaking_clump"];
 }
 
 /// Work that is the same for every kind, given the spec's type.

@@ -251,9 +251,10 @@ impl<'a, F: Law> Runner<'a, F> {
     ) -> Result<(), SimulationError> {
         self.check_finite()?;
         let journal = &mut self.journal;
+        // of a bond, the change of its overlap
         let overlaps = contacts
             .iter()
-            .map(|contact| contact.overlap / contact.radius);
+            .map(|contact| contact.normal_force.norm() / contact.stiffness[0] / contact.radius);
         journal.worst.overlap_ratio = overlaps.fold(journal.worst.overlap_ratio, f64::max);
         journal.worst.see_step(journal.time_step, critical);
         let movable = self

@@ -6,6 +6,7 @@ mod appendix_a;
 mod bonds;
 mod collisions;
 mod determinism;
+mod examples;
 mod friction;
 mod impacts;
 mod refusals;
