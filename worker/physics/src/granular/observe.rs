@@ -155,7 +155,7 @@ impl<F: Law> Engine<F> {
             .iter()
             .map(|contact| (contact.normal_force + contact.shear_force).norm());
         let mean = forces.sum::<f64>() / contacts.len() as f64;
-        if !(mean > 0.0) {
+        if mean.is_nan() || mean <= 0.0 {
             return None;
         }
         let mut resultants: BTreeMap<u32, Vector> = BTreeMap::new();

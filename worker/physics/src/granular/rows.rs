@@ -204,10 +204,10 @@ mod tests {
         let round = || Round(&rows, &particles);
         let mut found = vec![
             Arch::new().dispatch(round()),
-            Scalar::new().vectorize(round()),
+            Simd::vectorize(Scalar::new(), round()),
         ];
         #[cfg(target_arch = "x86_64")]
-        found.extend(pulp::x86::V3::try_new().map(|simd| simd.vectorize(round())));
+        found.extend(pulp::x86::V3::try_new().map(|simd| Simd::vectorize(simd, round())));
         for (rows, first) in found {
             assert_eq!(rows, expected);
             assert_eq!(first, xs);

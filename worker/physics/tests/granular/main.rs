@@ -7,6 +7,7 @@ mod bonds;
 mod collisions;
 mod determinism;
 mod examples;
+mod extremes;
 mod friction;
 mod impacts;
 mod refusals;

@@ -420,7 +420,7 @@ fn a_rod_spins_about_its_length_most_easily() {
     let member = |step: i32| Sphere::new(way * f64::from(step), 0.8);
     let rod: Vec<Sphere> = (0..5).map(member).collect();
     let inertia = mass_properties(&rod).inertia;
-    let PrincipalAxes { moments, rotation } = principal_axes(&inertia);
+    let super::principal::PrincipalAxes { moments, rotation } = principal_axes(&inertia);
     let easy = moments.imin();
     let axis = rotation.matrix().column(easy).into_owned();
     assert!((axis.dot(&way).abs() - 1.0).abs() < ROUND_OFF);
