@@ -4,6 +4,7 @@
 //! lines `x y z r` between five planes, `STEPS`, `THREADS` as you like; without `BED` it settles
 //! a small one of its own. Friction with memory, rotation and searches are included. Prints one
 //! JSON line for each friction setting.
+#![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 use std::{fs, io, time::Instant};
 
 use loadframe_api::{JobSpec, Submission};

@@ -73,7 +73,7 @@ fn two_spheres_of_the_appendix_to_all_printed_digits() {
     let [position, velocity, spin] = body(&record, FIRST - 1, 1);
     assert_printed(velocity[2], "-1.4632831440");
     assert_printed(position[2], "0.0787391891400");
-    assert_eq!(spin, [0.0; 3]);
+    assert!(spin.iter().all(|spin| *spin == 0.0), "nothing turned it");
     // first contact
     let (overlap, [normal, normal_force, shear_force]) =
         contact(&record, FIRST, [0, 1]).expect("the spheres touch");

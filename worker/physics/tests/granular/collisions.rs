@@ -45,7 +45,7 @@ fn impact_takes_half_a_period_and_gives_the_speed_back() {
             friction,
             0.0,
             &[falling],
-            &[plane.clone()],
+            std::slice::from_ref(&plane),
             step,
             2100,
         ));

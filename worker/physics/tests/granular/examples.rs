@@ -20,7 +20,6 @@ fn every_example_ends_without_a_warning() {
             example.name,
             report.warnings
         );
-        println!("{}: {:#?}", example.name, report.summary);
         if let Some(broken) = report.summary.get("broken_bonds") {
             let (broken, bonds) = (broken.value, report.summary["bonds"].value);
             assert!(
