@@ -3,12 +3,14 @@ use super::{GranularScene, TimeStep};
 use crate::{Calibration, Estimate};
 
 /// Particle steps in the time of one evaluation of a bond of the calibrating fabric. A step of a
-/// sphere in a dense bed is worth about eight such evaluations.
-const PARTICLE_STEPS_PER_BOND_EVALUATION: f64 = 1.0 / 8.0;
+/// sphere in a dense bed with friction is worth about 13 such evaluations.
+const PARTICLE_STEPS_PER_BOND_EVALUATION: f64 = 1.0 / 13.0;
 /// Reading the spec, building the scene, writing the files [s].
 const START_S: f64 = 0.01;
 /// A step of few particles takes this long whatever they are [s].
 const SHORTEST_STEP_S: f64 = 3e-7;
+/// And this much longer for each plane [s].
+const PLANE_STEP_S: f64 = 2.5e-7;
 /// Memory of the process itself, and per particle with its contacts [MB].
 const MEMORY_MB: [f64; 2] = [14.0, 1.0e-3];
 /// A row of a table [MB], in memory and on disk.
@@ -46,6 +48,7 @@ impl GranularScene {
 
 pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estimate {
     let particles = spec.particles() as f64;
+    let planes = spec.planes.len() as f64;
     let steps = spec.steps();
     let speed = calibration.bond_evaluations_per_s * PARTICLE_STEPS_PER_BOND_EVALUATION;
     let rows = steps / spec.record.every_steps as f64 + 2.0;
@@ -63,7 +66,7 @@ pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estim
         every => steps / every as f64 + 2.0,
     };
     Estimate {
-        wall_s: START_S + steps * (SHORTEST_STEP_S + particles / speed),
+        wall_s: START_S + steps * (SHORTEST_STEP_S + planes * PLANE_STEP_S + particles / speed),
         memory_mb: MEMORY_MB[0] + particles * MEMORY_MB[1] + tables,
         disk_mb: tables + snapshots * particles * SNAPSHOT_MB_PER_PARTICLE,
         calibrated: false,
