@@ -156,6 +156,10 @@ job_kinds! {
         "A fabric of bonds is pulled until it parts; every strain step is brought to equilibrium.",
         ["nonwoven_tensile", "nonwoven_tensile_quick", "nonwoven_tensile_network",
             "nonwoven_tensile_repeats", "nonwoven_tensile_directions"];
+    GranularScene("granular_scene"): spec::granular_scene::GranularScene,
+        "Granular scene",
+        "Spheres and clumps between planes, in contact with friction, moved step by step through the stages you give.",
+        ["granular_scene", "granular_scene_clump_drop", "granular_scene_breaking_clump"];
 }
 
 /// Work that is the same for every kind, given the spec's type.

@@ -35,7 +35,8 @@ pub use job::{
 pub use kinds::{Example, JobKind, JobSpec};
 pub use message::Message;
 pub use outcome::{
-    Cost, FileEntry, Outcome, OutcomeStatus, Provenance, QualityCheck, Quantity, Report, Warning,
+    BodyProperties, Cost, FileEntry, Outcome, OutcomeStatus, Provenance, QualityCheck, Quantity,
+    Report, Warning,
 };
 pub use problem::{Problem, Violation};
 pub use schema::{component_schemas, kind_schema};

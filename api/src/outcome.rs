@@ -19,6 +19,9 @@ pub struct Outcome {
     pub cost: Cost,
     pub provenance: Provenance,
     pub warnings: Vec<Warning>,
+    /// Every body of a granular scene of fewer than 1000.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<BodyProperties>,
     /// Every other file of the result.
     pub files: Vec<FileEntry>,
 }
@@ -37,6 +40,9 @@ pub struct Report {
     pub summary: IndexMap<String, Quantity>,
     pub quality: IndexMap<String, QualityCheck>,
     pub warnings: Vec<Warning>,
+    /// Bodies described one by one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<BodyProperties>,
     /// Work done, by name: `newton_iterations`, `bond_evaluations`, ...
     pub work: IndexMap<String, u64>,
 }
@@ -60,6 +66,18 @@ pub struct Quantity {
     /// A sentence on what it is, for people.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub description: String,
+}
+
+/// A body at the end of a test.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct BodyProperties {
+    /// Its number in the spec.
+    pub body: u32,
+    pub mass_kg: f64,
+    /// Centre of mass.
+    pub centre_m: [f64; 3],
+    /// About the centre of mass, rows of the tensor in the global frame.
+    pub inertia_kg_m2: [[f64; 3]; 3],
 }
 
 /// A measure of quality, and the bound beyond which a warning is attached.

@@ -179,6 +179,7 @@ fn outcome(lease: &Lease) -> Outcome {
             host: "bench".to_owned(),
         },
         warnings: Vec::new(),
+        bodies: Vec::new(),
         files: Vec::new(),
     }
 }

@@ -166,6 +166,7 @@ pub(crate) fn outcome(lease: &Lease, files: &[FileEntry]) -> Outcome {
             host: "lab".to_owned(),
         },
         warnings: Vec::new(),
+        bodies: Vec::new(),
         files: files.to_vec(),
     }
 }

@@ -43,7 +43,9 @@ impl Recorder for Nothing {
 }
 
 fn polyester(method: Solver, max_strain: f64) -> JobSpec {
-    let JobSpec::NonwovenTensile(mut spec) = calibration_spec();
+    let JobSpec::NonwovenTensile(mut spec) = calibration_spec() else {
+        panic!("the calibration pulls a nonwoven");
+    };
     spec.test.max_strain = max_strain;
     spec.accuracy = Accuracy::Knobs(Knobs {
         solver: method,

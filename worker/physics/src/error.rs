@@ -18,6 +18,45 @@ pub enum SimulationError {
         step: u64,
         quantity: &'static str,
     },
+    /// A body left the range of finite numbers.
+    #[error("{quantity} of body {body} is not finite after step {step}")]
+    BodyNotFinite {
+        body: usize,
+        step: u64,
+        quantity: &'static str,
+    },
+    /// A given time step is beyond the critical one.
+    #[error(
+        "the time step {given_s:e} s is beyond the critical step {critical_s:e} s that the contacts \
+         of body {body}, the stiffest with {partner}, allow: choose a smaller one or \"auto\""
+    )]
+    Unstable {
+        given_s: f64,
+        critical_s: f64,
+        body: usize,
+        partner: usize,
+    },
+    /// A body would jump over what it should touch.
+    #[error(
+        "body {body} moves {speed_m_per_s:e} m/s after step {step}, more than a tenth of its radius \
+         in a time step: choose a time step of at most {largest_step_s:e} s or \"auto\""
+    )]
+    TooFast {
+        body: usize,
+        step: u64,
+        speed_m_per_s: f64,
+        largest_step_s: f64,
+    },
+    /// The integration makes energy.
+    #[error(
+        "energy grows by itself, {created_j:e} J until step {step} at {step_ratio} of the critical \
+         time step: choose a smaller time step"
+    )]
+    EnergyGrowth {
+        step: u64,
+        created_j: f64,
+        step_ratio: f64,
+    },
     /// The checkpoint cannot be resumed from.
     #[error("the checkpoint cannot be used")]
     Checkpoint(#[from] CheckpointError),

@@ -9,6 +9,7 @@ mod checkpoint;
 mod csv;
 mod curve;
 mod error;
+mod granular;
 mod network;
 mod parallel;
 mod recorder;
@@ -71,5 +72,6 @@ pub fn simulate(
 ) -> Result<Ending, SimulationError> {
     match spec {
         JobSpec::NonwovenTensile(spec) => network::nonwoven::plan::run(spec, context, recorder),
+        JobSpec::GranularScene(spec) => granular::run(spec, context, recorder),
     }
 }

@@ -35,6 +35,25 @@ impl Team {
         Ok(Self { pool })
     }
 
+    /// Whether all work is done by the caller.
+    pub(crate) fn is_alone(&self) -> bool {
+        self.pool.is_none()
+    }
+
+    /// Does `work` on every item; the answers are in the order of the items.
+    pub(crate) fn map<T: Send, R: Send>(
+        &self,
+        items: Vec<T>,
+        work: impl Fn(T) -> R + Sync + Send,
+    ) -> Vec<R> {
+        match &self.pool {
+            Some(pool) if items.len() > 1 => {
+                pool.install(|| items.into_par_iter().with_max_len(1).map(work).collect())
+            }
+            _ => items.into_iter().map(work).collect(),
+        }
+    }
+
     /// Lets `work` fill chunk after chunk of `items` and sums what it returns. `work` is given the
     /// index of its first item.
     pub(crate) fn fill<T: Send>(

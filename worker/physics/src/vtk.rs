@@ -1,4 +1,4 @@
-//! Files for ParaView: lines as VTK XML poly data (`.vtp`), and series of them (`.pvd`).
+//! Files for ParaView: points and lines as VTK XML poly data (`.vtp`), and series of them (`.pvd`).
 //!
 //! Data is appended raw and compressed with zlib, in blocks as VTK reads them. Layout of an array:
 //! number of blocks, bytes of a full block, bytes of the last one if it is not full, compressed
@@ -11,6 +11,12 @@ use flate2::{Compression, write::ZlibEncoder};
 
 /// Bytes of an uncompressed block; what VTK itself uses.
 const BLOCK: usize = 32_768;
+
+/// Points alone, each a cell of its own.
+pub(crate) struct Points<'a> {
+    pub(crate) points: &'a [[f64; 3]],
+    pub(crate) data: &'a [Array<'a>],
+}
 
 /// Points joined by lines, with data on both.
 pub(crate) struct Lines<'a> {
@@ -53,7 +59,7 @@ impl<'a> Array<'a> {
         Self::new(name, 1, Values::Bytes(values))
     }
 
-    fn indices(name: &'a str, values: &'a [i32]) -> Self {
+    pub(crate) fn indices(name: &'a str, values: &'a [i32]) -> Self {
         Self::new(name, 1, Values::Indices(values))
     }
 
@@ -101,53 +107,100 @@ impl<'a> Array<'a> {
     }
 }
 
+impl Points<'_> {
+    /// Writes the `.vtp` file.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub(crate) fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let count = self.points.len() as i32;
+        let cells = Cells {
+            section: "Verts",
+            connectivity: (0..count).collect(),
+            offsets: (1..=count).collect(),
+        };
+        write_poly_data(out, self.points, &cells, self.data, &[])
+    }
+}
+
 impl Lines<'_> {
     /// Writes the `.vtp` file.
     ///
     /// # Errors
     /// Those of `out`.
     pub(crate) fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        let (points, lines) = (self.points.len(), self.ends.len());
-        let coordinates: &[f64] = self.points.as_flattened();
-        let connectivity: Vec<i32> = self.ends.iter().flatten().map(|end| *end as i32).collect();
-        let offsets: Vec<i32> = (1..=lines as i32).map(|line| 2 * line).collect();
-        let positions = [Array::vectors("Points", coordinates)];
-        let topology = [
-            Array::indices("connectivity", &connectivity),
-            Array::indices("offsets", &offsets),
-        ];
-        let sections: [(&str, &[Array<'_>]); 4] = [
-            ("PointData", self.point_data),
-            ("CellData", self.cell_data),
-            ("Points", &positions),
-            ("Lines", &topology),
-        ];
-        writeln!(out, "<?xml version=\"1.0\"?>")?;
-        writeln!(
-            out,
-            "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
-             header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">"
-        )?;
-        writeln!(out, "  <PolyData>")?;
-        writeln!(
-            out,
-            "    <Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"0\" \
-             NumberOfLines=\"{lines}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">"
-        )?;
-        let mut data = Vec::new();
-        for (section, arrays) in sections {
-            writeln!(out, "      <{section}>")?;
-            for array in arrays {
-                array.declare(out, data.len())?;
-                data.extend(array.encode()?);
-            }
-            writeln!(out, "      </{section}>")?;
-        }
-        writeln!(out, "    </Piece>\n  </PolyData>")?;
-        write!(out, "  <AppendedData encoding=\"raw\">\n_")?;
-        out.write_all(&data)?;
-        writeln!(out, "\n  </AppendedData>\n</VTKFile>")
+        let lines = self.ends.len() as i32;
+        let cells = Cells {
+            section: "Lines",
+            connectivity: self.ends.iter().flatten().map(|end| *end as i32).collect(),
+            offsets: (1..=lines).map(|line| 2 * line).collect(),
+        };
+        write_poly_data(out, self.points, &cells, self.point_data, self.cell_data)
     }
+}
+
+/// Cells by the points they join.
+struct Cells {
+    /// `Verts` or `Lines`.
+    section: &'static str,
+    connectivity: Vec<i32>,
+    /// Where each cell ends in `connectivity`.
+    offsets: Vec<i32>,
+}
+
+fn write_poly_data(
+    out: &mut dyn Write,
+    points: &[[f64; 3]],
+    cells: &Cells,
+    point_data: &[Array<'_>],
+    cell_data: &[Array<'_>],
+) -> io::Result<()> {
+    let positions = [Array::vectors("Points", points.as_flattened())];
+    let topology = [
+        Array::indices("connectivity", &cells.connectivity),
+        Array::indices("offsets", &cells.offsets),
+    ];
+    let sections: [(&str, &[Array<'_>]); 4] = [
+        ("PointData", point_data),
+        ("CellData", cell_data),
+        ("Points", &positions),
+        (cells.section, &topology),
+    ];
+    let count = |section: &str| {
+        if cells.section == section {
+            cells.offsets.len()
+        } else {
+            0
+        }
+    };
+    writeln!(out, "<?xml version=\"1.0\"?>")?;
+    writeln!(
+        out,
+        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">"
+    )?;
+    writeln!(out, "  <PolyData>")?;
+    writeln!(
+        out,
+        "    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" \
+         NumberOfLines=\"{}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">",
+        points.len(),
+        count("Verts"),
+        count("Lines")
+    )?;
+    let mut data = Vec::new();
+    for (section, arrays) in sections {
+        writeln!(out, "      <{section}>")?;
+        for array in arrays {
+            array.declare(out, data.len())?;
+            data.extend(array.encode()?);
+        }
+        writeln!(out, "      </{section}>")?;
+    }
+    writeln!(out, "    </Piece>\n  </PolyData>")?;
+    write!(out, "  <AppendedData encoding=\"raw\">\n_")?;
+    out.write_all(&data)?;
+    writeln!(out, "\n  </AppendedData>\n</VTKFile>")
 }
 
 impl Series {

@@ -47,6 +47,7 @@ pub(crate) fn assemble(
             host: host_name(),
         },
         warnings: report.warnings,
+        bodies: report.bodies,
         files,
     }
 }

@@ -201,7 +201,9 @@ mod tests {
         for (factor, points, rows) in [("0.5", 25, 25), ("2", 98, 103), ("0.3", 15, 15)] {
             let mut spec = example(0);
             spec.turn("size", factor).expect("a size");
-            let JobSpec::NonwovenTensile(spec) = spec;
+            let JobSpec::NonwovenTensile(spec) = spec else {
+                panic!("the example is a nonwoven");
+            };
             let Fabric::Lattice(lattice) = &spec.fabric else {
                 panic!("the example is a lattice");
             };

@@ -16,7 +16,8 @@ use loadframe_api::{
     },
 };
 use loadframe_physics::{
-    Ending, Interrupt, InterruptSource, Recorder, RunContext, Uninterrupted, simulate,
+    Ending, Interrupt, InterruptSource, Recorder, RunContext, SimulationError, Uninterrupted,
+    simulate,
 };
 
 /// The needle-punched polyester of [Zilka2022] tables 5 and 6 on a lattice of any size.
@@ -204,13 +205,24 @@ pub(crate) fn run_with(
     checkpoint: Option<&[u8]>,
     threads: usize,
 ) -> Ending {
+    let job = JobSpec::NonwovenTensile(Box::new(spec.clone()));
+    run_job(&job, record, interrupt, checkpoint, threads).expect("the spec can be simulated")
+}
+
+/// Runs a job of any kind from `checkpoint` until `interrupt`.
+pub(crate) fn run_job(
+    job: &JobSpec,
+    record: &mut Record,
+    interrupt: &dyn InterruptSource,
+    checkpoint: Option<&[u8]>,
+    threads: usize,
+) -> Result<Ending, SimulationError> {
     let context = RunContext {
         threads,
         interrupt,
         checkpoint,
     };
-    let job = JobSpec::NonwovenTensile(Box::new(spec.clone()));
-    simulate(&job, context, record).expect("the spec can be simulated")
+    simulate(job, context, record)
 }
 
 /// Runs a spec to its end on one thread.

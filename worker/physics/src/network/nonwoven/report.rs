@@ -42,6 +42,7 @@ pub(super) fn report(
         summary: summary(specimen, state),
         warnings: warnings(spec, specimen, state, stop_reason, &quality),
         quality,
+        bodies: Vec::new(),
         work: work(&state.work),
     }
 }

@@ -1,0 +1,206 @@
+//! What the JSON Schema cannot say: names that must exist, bodies that must not sit in each other,
+//! a step that must be stable.
+use std::collections::BTreeSet;
+
+use super::{Body, GranularScene, LoadPlane, MovePlane, Plane, Stage, TimeStep};
+use crate::Violation;
+
+/// Bodies may overlap by this part of the smaller radius at the start; more is a mistake, and
+/// would throw them apart.
+const LARGEST_OVERLAP: f64 = 0.05;
+/// Way of a body in one step over its radius, at most: faster ones pass through walls.
+pub const LARGEST_WAY: f64 = 0.1;
+/// At most this many violations of one sort are listed.
+const LISTED: usize = 20;
+/// More spheres than this are refused: about 4 GB.
+const MOST_PARTICLES: u64 = 10_000_000;
+
+pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
+    check_bodies(spec, violations);
+    check_planes(spec, violations);
+    check_stages(spec, violations);
+    check_record(spec, violations);
+    // what follows looks up materials and shapes
+    if violations.is_empty() {
+        super::overlaps::check(spec, LARGEST_OVERLAP, violations);
+        check_time_step(spec, violations);
+    }
+}
+
+fn check_bodies(spec: &GranularScene, violations: &mut Vec<Violation>) {
+    let mut wrong = Vec::new();
+    for (index, body) in spec.bodies.iter().enumerate() {
+        let pointer = format!("/bodies/{index}");
+        if body.sphere.is_some() == body.clump.is_some() {
+            let detail = "a body is either a sphere or a clump";
+            wrong.push(
+                Violation::new(&pointer, "not_one_shape", detail)
+                    .allowed("exactly one of: sphere, clump"),
+            );
+        }
+        wrong.extend(check_material(spec, &pointer, &body.material));
+    }
+    wrong.truncate(LISTED);
+    violations.extend(wrong);
+    let particles = spec.particles();
+    if particles > MOST_PARTICLES {
+        violations.push(
+            Violation::new("/bodies", "too_large", "too many spheres")
+                .value(particles)
+                .allowed(format!("at most {MOST_PARTICLES} spheres")),
+        );
+    }
+}
+
+fn check_material(spec: &GranularScene, pointer: &str, name: &str) -> Option<Violation> {
+    let names: Vec<&str> = spec.materials.keys().map(String::as_str).collect();
+    (!spec.materials.contains_key(name)).then(|| {
+        Violation::new(
+            format!("{pointer}/material"),
+            "no_such_material",
+            "no material has this name",
+        )
+        .value(name)
+        .allowed(format!("one of: {}", names.join(", ")))
+    })
+}
+
+fn check_planes(spec: &GranularScene, violations: &mut Vec<Violation>) {
+    let mut names = BTreeSet::new();
+    for (index, plane) in spec.planes.iter().enumerate() {
+        let pointer = format!("/planes/{index}");
+        violations.extend(check_material(spec, &pointer, &plane.material));
+        if !names.insert(plane.name.as_str()) {
+            violations.push(
+                Violation::new(
+                    format!("{pointer}/name"),
+                    "name_taken",
+                    "another plane has this name",
+                )
+                .value(plane.name.as_str())
+                .allowed("a name of its own"),
+            );
+        }
+    }
+}
+
+fn check_plane_name(spec: &GranularScene, pointer: String, name: &str) -> Option<Violation> {
+    let names = || spec.planes.iter().map(|plane: &Plane| plane.name.as_str());
+    (!names().any(|known| known == name)).then(|| {
+        let allowed = match spec.planes.len() {
+            0 => "the scene has no planes".to_owned(),
+            _ => format!("one of: {}", names().collect::<Vec<_>>().join(", ")),
+        };
+        Violation::new(pointer, "no_such_plane", "no plane has this name")
+            .value(name)
+            .allowed(allowed)
+    })
+}
+
+fn check_stages(spec: &GranularScene, violations: &mut Vec<Violation>) {
+    for (index, stage) in spec.stages.iter().enumerate() {
+        let pointer = format!("/stages/{index}/{}", stage.name());
+        let duration = stage.duration();
+        if duration.steps.is_some() == duration.time_s.is_some() {
+            violations.push(
+                Violation::new(&pointer, "not_one_duration", "a stage needs one duration")
+                    .allowed("exactly one of: steps, time_s"),
+            );
+        }
+        if let Stage::MovePlane(MovePlane { name, .. }) | Stage::LoadPlane(LoadPlane { name, .. }) =
+            stage
+        {
+            violations.extend(check_plane_name(spec, format!("{pointer}/name"), name));
+        }
+        if let Stage::LoadPlane(load) = stage
+            && load.peak_force_n.is_some() != load.period_s.is_some()
+        {
+            violations.push(
+                Violation::new(
+                    format!("{pointer}/period_s"),
+                    "not_both",
+                    "a force that swings needs its peak and its period",
+                )
+                .allowed("both or none of: peak_force_n, period_s"),
+            );
+        }
+    }
+}
+
+fn check_record(spec: &GranularScene, violations: &mut Vec<Violation>) {
+    for (index, name) in spec.record.planes.iter().enumerate() {
+        let pointer = format!("/record/planes/{index}");
+        violations.extend(check_plane_name(spec, pointer, name));
+    }
+    let count = spec.bodies.len();
+    let bodies = spec.record.bodies.iter().flatten().enumerate();
+    let missing = bodies.filter(|(_, body)| **body as usize >= count);
+    violations.extend(missing.take(LISTED).map(|(index, body)| {
+        let allowed = match count {
+            0 => "the scene has no bodies".to_owned(),
+            _ => format!("0 … {}", count - 1),
+        };
+        Violation::new(
+            format!("/record/bodies/{index}"),
+            "no_such_body",
+            "there is no body of this number",
+        )
+        .value(*body)
+        .allowed(allowed)
+    }));
+}
+
+fn check_time_step(spec: &GranularScene, violations: &mut Vec<Violation>) {
+    let TimeStep::Given(step) = spec.time_step_s else {
+        return;
+    };
+    if let Some(critical) = spec.critical_step_of_one_contact()
+        && step > critical.step
+        && !spec.allow_unstable
+    {
+        let partner = match critical.partner {
+            Some(partner) => format!("body {partner}"),
+            None => "a plane".to_owned(),
+        };
+        let detail = format!(
+            "a contact of body {} with {partner} would gain energy in every step",
+            critical.body
+        );
+        violations.push(
+            Violation::new("/time_step_s", "unstable", detail)
+                .value(step)
+                .allowed(format!(
+                    "≤ {:e}, better {:e} or \"auto\" (or set /allow_unstable)",
+                    critical.step,
+                    0.2 * critical.step
+                ))
+                .unit("s"),
+        );
+    }
+    let too_fast = |(index, body): (usize, &Body)| {
+        let radius = body.smallest_radius();
+        let speed = body
+            .velocity_m_per_s
+            .iter()
+            .map(|v| v * v)
+            .sum::<f64>()
+            .sqrt();
+        (speed * step > LARGEST_WAY * radius && !body.is_held()).then(|| {
+            Violation::new(
+                format!("/bodies/{index}/velocity_m_per_s"),
+                "too_fast",
+                "the body would move more than a tenth of its radius in a step, and could pass \
+                 through others unseen",
+            )
+            .value(speed)
+            .allowed(format!(
+                "≤ {:e} at this time step, or a step ≤ {:e} s",
+                LARGEST_WAY * radius / step,
+                LARGEST_WAY * radius / speed
+            ))
+            .unit("m/s")
+        })
+    };
+    let bodies = spec.bodies.iter().enumerate();
+    violations.extend(bodies.filter_map(too_fast).take(LISTED));
+}

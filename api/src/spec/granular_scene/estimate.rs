@@ -1,0 +1,74 @@
+//! What a granular scene takes: particle steps over measured speed.
+use super::{GranularScene, TimeStep};
+use crate::{Calibration, Estimate};
+
+/// Particle steps in the time of one evaluation of a bond of the calibrating fabric. A step of a
+/// sphere in a dense bed with friction is worth about 13 such evaluations.
+const PARTICLE_STEPS_PER_BOND_EVALUATION: f64 = 1.0 / 13.0;
+/// Reading the spec, building the scene, writing the files [s].
+const START_S: f64 = 0.01;
+/// A step of few particles takes this long whatever they are [s].
+const SHORTEST_STEP_S: f64 = 3e-7;
+/// And this much longer for each plane [s].
+const PLANE_STEP_S: f64 = 2.5e-7;
+/// Memory of the process itself, and per particle with its contacts [MB].
+const MEMORY_MB: [f64; 2] = [14.0, 1.0e-3];
+/// A row of a table [MB], in memory and on disk.
+const BODY_ROW_MB: f64 = 280e-6;
+const CONTACT_ROW_MB: f64 = 220e-6;
+const CURVE_ROW_MB: f64 = 150e-6;
+/// Contacts of a sphere in a dense bed.
+const CONTACTS_PER_PARTICLE: f64 = 2.5;
+/// Compressed bytes of a particle in a snapshot [MB].
+const SNAPSHOT_MB_PER_PARTICLE: f64 = 120e-6;
+
+impl GranularScene {
+    /// Steps that all stages take together, as far as they are known beforehand.
+    pub fn steps(&self) -> f64 {
+        let step = match self.time_step_s {
+            TimeStep::Given(step) => step,
+            TimeStep::Automatic(_) => {
+                let critical = self.critical_step_of_one_contact();
+                let critical = critical.map_or(f64::INFINITY, |critical| critical.step);
+                self.accuracy.knobs().critical_step_fraction * critical
+            }
+        };
+        let stages = self.stages.iter().map(|stage| {
+            let duration = stage.duration();
+            let by_time = duration.time_s.map(|time| (time / step).ceil().max(1.0));
+            duration
+                .steps
+                .map(|steps| steps as f64)
+                .or(by_time)
+                .unwrap_or(0.0)
+        });
+        stages.sum()
+    }
+}
+
+pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estimate {
+    let particles = spec.particles() as f64;
+    let planes = spec.planes.len() as f64;
+    let steps = spec.steps();
+    let speed = calibration.bond_evaluations_per_s * PARTICLE_STEPS_PER_BOND_EVALUATION;
+    let rows = steps / spec.record.every_steps as f64 + 2.0;
+    let contacts = if spec.record.contacts {
+        CONTACTS_PER_PARTICLE * particles
+    } else {
+        0.0
+    };
+    let tables = rows
+        * (CURVE_ROW_MB
+            + BODY_ROW_MB * spec.recorded_bodies().len() as f64
+            + CONTACT_ROW_MB * contacts);
+    let snapshots = match spec.record.snapshot_every_steps {
+        0 => 0.0,
+        every => steps / every as f64 + 2.0,
+    };
+    Estimate {
+        wall_s: START_S + steps * (SHORTEST_STEP_S + planes * PLANE_STEP_S + particles / speed),
+        memory_mb: MEMORY_MB[0] + particles * MEMORY_MB[1] + tables,
+        disk_mb: tables + snapshots * particles * SNAPSHOT_MB_PER_PARTICLE,
+        calibrated: false,
+    }
+}

@@ -1,0 +1,176 @@
+//! How bodies act on each other: materials, the contact law, the time step.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    #[schemars(range(min = 1e-6, max = 1e12), extend("x-unit" = "kg/m3"))]
+    pub density_kg_per_m3: f64,
+    /// E, modulus of the contact: K_N = E₁l₁E₂l₂/(E₁l₁ + E₂l₂) with l = 2r.
+    #[schemars(range(min = 1e-3, max = 1e15), extend("x-unit" = "Pa"))]
+    pub youngs_modulus_pa: f64,
+    /// ν, shear over normal stiffness: K_T is K_N with Eν in place of E.
+    #[serde(default = "stiffness_ratio")]
+    #[schemars(range(min = 1e-6, max = 10.0), extend("x-unit" = "1"))]
+    pub stiffness_ratio: f64,
+    /// φ; a contact slides at tan φ of the smoother material. 0 is frictionless.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1.570_795_5), extend("x-unit" = "rad"))]
+    pub friction_angle_rad: f64,
+    /// c_N: spheres that touch at the start are bonded when both materials have cohesion; the bond
+    /// breaks at a tension of c_N min(r)², the weaker material's.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e15), extend("x-unit" = "Pa"))]
+    pub normal_cohesion_pa: f64,
+    /// c_T: the bond breaks at a shear force of c_T min(r)² + F_N tan φ, compression positive.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1e15), extend("x-unit" = "Pa"))]
+    pub shear_cohesion_pa: f64,
+}
+
+/// The laws of contact and damping.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Laws {
+    pub contact: ContactLaw,
+    /// λ_D of Cundall's local damping: each component of a body's acceleration is changed by
+    /// −λ_D |a| sgn(power). Independent of velocity, so free fall is slower too, by (1 − λ_D).
+    #[schemars(range(min = 0.0, max = 0.99), extend("x-unit" = "1"))]
+    pub local_damping: f64,
+    pub convention: Convention,
+    pub bond_rest_length: BondRestLength,
+}
+
+/// The distance at which a bond carries no force.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BondRestLength {
+    /// That at the start: bonded spheres may overlap as much as they like, and rest.
+    #[default]
+    Initial,
+    /// That at which the spheres just touch, as in Yade: an overlap at the start is a compression.
+    Touching,
+}
+
+/// Law of a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactLaw {
+    /// Springs along and across the normal, sliding by Coulomb ([CundallStrack1979]).
+    #[default]
+    Linear,
+}
+
+/// Whose rules where programs differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Convention {
+    /// One rule for every wall, and rotations that keep their energy.
+    #[default]
+    Loadframe,
+    /// The algorithm of Yade 2023.02a, operation by operation.
+    Yade,
+}
+
+/// The time step: given, or found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum TimeStep {
+    Given(#[schemars(range(min = 1e-15, max = 1e3), extend("x-unit" = "s"))] f64),
+    Automatic(AutomaticTimeStep),
+}
+
+/// The word for a time step that follows the stiffness of the contacts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AutomaticTimeStep {
+    #[default]
+    Auto,
+}
+
+/// How small an automatic time step is: a preset's name or its knobs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Accuracy {
+    Preset(Preset),
+    Knobs(Knobs),
+}
+
+/// Named choices of the knobs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    /// 0.4 of the critical step: for scenes with damping.
+    Draft,
+    /// 0.2 of the critical step.
+    Standard,
+    /// 0.05 of the critical step.
+    Reference,
+}
+
+/// The knobs of accuracy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Knobs {
+    /// An automatic time step over the critical one.
+    #[schemars(range(min = 1e-6, max = 0.9), extend("x-unit" = "1"))]
+    pub critical_step_fraction: f64,
+}
+
+impl Default for Laws {
+    fn default() -> Self {
+        Self {
+            contact: ContactLaw::default(),
+            // the usual choice for quasi-static loading, and the one of the ballast studies
+            local_damping: 0.3,
+            convention: Convention::default(),
+            bond_rest_length: BondRestLength::default(),
+        }
+    }
+}
+
+impl Default for TimeStep {
+    fn default() -> Self {
+        Self::Automatic(AutomaticTimeStep::Auto)
+    }
+}
+
+impl Default for Accuracy {
+    fn default() -> Self {
+        Self::Preset(Preset::Standard)
+    }
+}
+
+impl Default for Knobs {
+    fn default() -> Self {
+        Accuracy::Preset(Preset::Standard).knobs()
+    }
+}
+
+impl Accuracy {
+    /// The knobs a preset stands for.
+    pub fn knobs(&self) -> Knobs {
+        let critical_step_fraction = match self {
+            Self::Knobs(knobs) => return knobs.clone(),
+            Self::Preset(Preset::Draft) => 0.4,
+            Self::Preset(Preset::Standard) => 0.2,
+            Self::Preset(Preset::Reference) => 0.05,
+        };
+        Knobs {
+            critical_step_fraction,
+        }
+    }
+}
+
+impl Material {
+    /// Whether its spheres can be bonded.
+    pub fn is_cohesive(&self) -> bool {
+        self.normal_cohesion_pa > 0.0 || self.shear_cohesion_pa > 0.0
+    }
+}
+
+fn stiffness_ratio() -> f64 {
+    0.3
+}

@@ -1,0 +1,152 @@
+//! Bodies that sit in each other, or behind a plane, at the start.
+use super::{Body, BondRestLength, GranularScene, Material};
+use crate::Violation;
+
+/// At most this many are listed; the worst comes first.
+const LISTED: usize = 20;
+
+/// A sphere of a body.
+struct Particle {
+    body: usize,
+    centre: [f64; 3],
+    radius: f64,
+}
+
+/// Two spheres, or a sphere and a plane, that overlap too much.
+struct Overlap {
+    body: usize,
+    /// What the other is, in words.
+    other: String,
+    /// Over the smaller radius.
+    ratio: f64,
+    is_same_place: bool,
+}
+
+impl Body {
+    /// Centre and radius [m] of each sphere at the start.
+    pub fn spheres(&self) -> impl Iterator<Item = ([f64; 3], f64)> {
+        let sphere = self.sphere.iter().map(|sphere| ([0.0; 3], sphere.radius_m));
+        let members = self.clump.iter().flat_map(|clump| &clump.members);
+        let members = members.map(|member| (member.offset_m, member.radius_m));
+        sphere.chain(members).map(|(offset, radius)| {
+            let centre = std::array::from_fn(|axis| self.position_m[axis] + offset[axis]);
+            (centre, radius)
+        })
+    }
+
+    /// Radius of the smallest sphere [m].
+    pub fn smallest_radius(&self) -> f64 {
+        let radii = self.spheres().map(|(_, radius)| radius);
+        radii.fold(f64::INFINITY, f64::min)
+    }
+}
+
+pub(super) fn check(spec: &GranularScene, largest_ratio: f64, violations: &mut Vec<Violation>) {
+    let mut particles: Vec<Particle> = Vec::new();
+    for (body, shape) in spec.bodies.iter().enumerate() {
+        particles.extend(shape.spheres().map(|(centre, radius)| Particle {
+            body,
+            centre,
+            radius,
+        }));
+    }
+    let mut overlaps = between_bodies(spec, &mut particles, largest_ratio);
+    overlaps.extend(behind_planes(spec, &particles, largest_ratio));
+    overlaps.sort_by(|a, b| b.ratio.total_cmp(&a.ratio).then(a.body.cmp(&b.body)));
+    let count = overlaps.len();
+    for overlap in overlaps.into_iter().take(LISTED) {
+        let pointer = format!("/bodies/{}/position_m", overlap.body);
+        let more = if count > LISTED {
+            format!(" ({count} such overlaps in all)")
+        } else {
+            String::new()
+        };
+        let violation = if overlap.is_same_place {
+            let detail = format!(
+                "body {} has its centre where {} has its own{more}",
+                overlap.body, overlap.other
+            );
+            Violation::new(pointer, "equal_centres", detail).allowed("places of their own")
+        } else {
+            let detail = format!("body {} sits in {}{more}", overlap.body, overlap.other);
+            Violation::new(pointer, "overlap", detail)
+                .value(overlap.ratio)
+                .allowed(format!("overlap ≤ {largest_ratio} of the smaller radius"))
+                .unit("1")
+        };
+        violations.push(violation);
+    }
+}
+
+/// Sweeps along x: of all spheres whose lower ends are sorted, only those that begin before one
+/// ends can touch it.
+fn between_bodies(
+    spec: &GranularScene,
+    particles: &mut [Particle],
+    largest_ratio: f64,
+) -> Vec<Overlap> {
+    particles.sort_by(|a, b| (a.centre[0] - a.radius).total_cmp(&(b.centre[0] - b.radius)));
+    let mut overlaps = Vec::new();
+    for (index, first) in particles.iter().enumerate() {
+        let end = first.centre[0] + first.radius;
+        for second in &particles[index + 1..] {
+            if second.centre[0] - second.radius > end {
+                break;
+            }
+            let away = |axis: usize| second.centre[axis] - first.centre[axis];
+            let reach = first.radius + second.radius;
+            if away(1).abs() > reach || first.body == second.body {
+                continue;
+            }
+            let distance = (0..3).map(|axis| away(axis).powi(2)).sum::<f64>().sqrt();
+            let ratio = (reach - distance) / first.radius.min(second.radius);
+            if ratio <= largest_ratio {
+                continue;
+            }
+            let (low, high) = (first.body.min(second.body), first.body.max(second.body));
+            if spec.bodies[low].is_held() && spec.bodies[high].is_held() {
+                continue;
+            }
+            let is_same_place = distance == 0.0;
+            if rests_in_a_bond(spec, [low, high]) && !is_same_place {
+                continue;
+            }
+            overlaps.push(Overlap {
+                body: high,
+                other: format!("body {low}"),
+                ratio,
+                is_same_place,
+            });
+        }
+    }
+    overlaps
+}
+
+/// Whether the bodies will be bonded at the distance they have.
+fn rests_in_a_bond(spec: &GranularScene, bodies: [usize; 2]) -> bool {
+    let is_cohesive = |body: usize| {
+        let material = spec.materials.get(&spec.bodies[body].material);
+        material.is_some_and(Material::is_cohesive)
+    };
+    spec.laws.bond_rest_length == BondRestLength::Initial && bodies.into_iter().all(is_cohesive)
+}
+
+fn behind_planes(spec: &GranularScene, particles: &[Particle], largest_ratio: f64) -> Vec<Overlap> {
+    let mut overlaps = Vec::new();
+    for plane in &spec.planes {
+        for particle in particles {
+            let height = particle.centre[plane.axis.index()] - plane.position_m;
+            let overlap = particle.radius - height * f64::from(plane.facing);
+            let ratio = overlap / particle.radius;
+            if ratio > largest_ratio && !spec.bodies[particle.body].is_held() {
+                overlaps.push(Overlap {
+                    body: particle.body,
+                    other: format!("or behind plane {:?}", plane.name),
+                    ratio,
+                    is_same_place: false,
+                });
+            }
+        }
+    }
+    overlaps
+}

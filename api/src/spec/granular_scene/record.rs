@@ -1,0 +1,57 @@
+//! What is written.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What is written, and how often. A row that names a step holds the state after that step; its
+/// contacts are those whose forces moved the bodies in that step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Record {
+    /// Steps between rows of `curve.csv`, `bodies.csv` and `contacts.csv`. The state before the
+    /// first step and after the last one is always written.
+    #[schemars(range(min = 1, max = 1_000_000_000_000_u64))]
+    pub every_steps: u64,
+    /// Bodies whose motion goes to `bodies.csv`; left out, all of them when fewer than 1000.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(length(max = 10_000_000))]
+    pub bodies: Option<Vec<u32>>,
+    /// Planes whose force and displacement go to `curve.csv`.
+    #[schemars(length(max = 1000))]
+    pub planes: Vec<String>,
+    /// Whether contacts go to `contacts.csv`.
+    pub contacts: bool,
+    /// Steps between snapshots for ParaView; 0 writes none.
+    #[schemars(range(max = 1_000_000_000_000_u64))]
+    pub snapshot_every_steps: u64,
+}
+
+/// Fewer bodies than this are written without being asked for.
+pub(super) const FEW_BODIES: usize = 1000;
+
+impl Default for Record {
+    fn default() -> Self {
+        Self {
+            every_steps: 100,
+            bodies: None,
+            planes: Vec::new(),
+            contacts: false,
+            snapshot_every_steps: 0,
+        }
+    }
+}
+
+impl super::GranularScene {
+    /// Bodies whose motion is written.
+    pub fn recorded_bodies(&self) -> Vec<u32> {
+        match &self.record.bodies {
+            Some(bodies) => bodies.clone(),
+            None if self.bodies.len() < FEW_BODIES => (0..self.bodies.len() as u32).collect(),
+            None => Vec::new(),
+        }
+    }
+
+    /// Whether the outcome describes every body.
+    pub fn describes_bodies(&self) -> bool {
+        self.bodies.len() < FEW_BODIES
+    }
+}

@@ -1,0 +1,141 @@
+//! What is done to the bodies, one stage after the other.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A stage, with its own end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// Lets the bodies move.
+    Run(Run),
+    /// The same, while a plane moves along its axis.
+    MovePlane(MovePlane),
+    /// The same, while a force pushes a plane that has a mass and is free along its axis: a plate.
+    LoadPlane(LoadPlane),
+    /// Lets the bodies move until they are at rest.
+    Settle(Settle),
+}
+
+/// A plane under a force, for `steps` or for `time_s`, exactly one of the two. It starts at rest and
+/// stays where the stage leaves it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LoadPlane {
+    /// Name of the plane.
+    pub name: String,
+    /// Mass of the plate; it has no weight.
+    #[schemars(range(min = 1e-12, max = 1e12), extend("x-unit" = "kg"))]
+    pub mass_kg: f64,
+    /// Force along the plane's axis, at the start of the stage.
+    #[schemars(range(min = -1e15, max = 1e15), extend("x-unit" = "N"))]
+    pub force_n: f64,
+    /// Left out, the force is constant. Otherwise it swings between `force_n` and this,
+    /// F = F₀ + (F₁ − F₀)(1 − cos 2πt/T)/2.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -1e15, max = 1e15), extend("x-unit" = "N"))]
+    pub peak_force_n: Option<f64>,
+    /// T of the swing; needed with `peak_force_n`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-15, max = 1e9), extend("x-unit" = "s"))]
+    pub period_s: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000_000_000_u64))]
+    pub steps: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-15, max = 1e9), extend("x-unit" = "s"))]
+    pub time_s: Option<f64>,
+}
+
+/// An end by rest, or after `steps` or `time_s` at the latest, exactly one of the two.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Settle {
+    /// At rest: the mean resultant force on a body over the mean contact force is below this.
+    #[serde(default = "unbalanced")]
+    #[schemars(range(min = 1e-12, max = 1.0), extend("x-unit" = "1"))]
+    pub unbalanced_force_ratio: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000_000_000_u64))]
+    pub steps: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-15, max = 1e9), extend("x-unit" = "s"))]
+    pub time_s: Option<f64>,
+}
+
+/// A bed at this ratio does not visibly move any more.
+fn unbalanced() -> f64 {
+    0.01
+}
+
+impl LoadPlane {
+    /// Force at `time` [s] of the stage [N].
+    pub fn force_at(&self, time: f64) -> f64 {
+        match (self.peak_force_n, self.period_s) {
+            (Some(peak), Some(period)) => {
+                let phase = std::f64::consts::TAU * time / period;
+                self.force_n + (peak - self.force_n) * 0.5 * (1.0 - phase.cos())
+            }
+            _ => self.force_n,
+        }
+    }
+}
+
+/// How long bodies move: `steps` or `time_s`, exactly one of the two.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Run {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000_000_000_u64))]
+    pub steps: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-15, max = 1e9), extend("x-unit" = "s"))]
+    pub time_s: Option<f64>,
+}
+
+/// A plane's motion: for `steps` or for `time_s`, exactly one of the two.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MovePlane {
+    /// Name of the plane.
+    pub name: String,
+    /// Along the plane's axis.
+    #[schemars(range(min = -1e6, max = 1e6), extend("x-unit" = "m/s"))]
+    pub velocity_m_per_s: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000_000_000_u64))]
+    pub steps: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-15, max = 1e9), extend("x-unit" = "s"))]
+    pub time_s: Option<f64>,
+}
+
+impl Stage {
+    /// Steps or time [s] of the stage.
+    pub fn duration(&self) -> Run {
+        match self {
+            Self::Run(run) => *run,
+            Self::LoadPlane(stage) => Run {
+                steps: stage.steps,
+                time_s: stage.time_s,
+            },
+            Self::Settle(stage) => Run {
+                steps: stage.steps,
+                time_s: stage.time_s,
+            },
+            Self::MovePlane(stage) => Run {
+                steps: stage.steps,
+                time_s: stage.time_s,
+            },
+        }
+    }
+
+    /// Its name on the wire.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Run(_) => "run",
+            Self::MovePlane(_) => "move_plane",
+            Self::LoadPlane(_) => "load_plane",
+            Self::Settle(_) => "settle",
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Springs across the normal that slide: Coulomb friction by increments.
+//!
+//! F_N = k_N δ. The shear force of the last step is turned with the contact and with the mean spin
+//! about the normal, grows by k_T times the slip of the step, and is cut back to the cone,
+//!
+//!   F_T ← F_T − F_T × (n₀ × n), F_T ← F_T − F_T × (½Δt n₀·(ω_a + ω_b)) n₀ (G.3)
+//!   F_T ← F_T − k_T Δt v_T, |F_T| ≤ F_N tan φ (G.4)
+//!
+//! with the normal n₀ of the last step.
+//!
+//! Source: [CundallStrack1979] as written in Yade's `ScGeom::rotate`.
+use pulp::Simd;
+use serde::{Deserialize, Serialize};
+
+use super::{Law, Past, Push, Slip, Touch};
+use crate::granular::{
+    Vector,
+    lanes::{Array, Lanes, Vectors},
+};
+
+/// Coulomb friction with its memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[repr(align(64))]
+pub(in crate::granular) struct Coulomb {
+    stiffness: Array,
+    pub(super) friction: Array,
+    normal: [Array; 3],
+    pub(super) shear: [Array; 3],
+}
+
+impl Coulomb {
+    /// The shear force turned and grown (G.3), (G.4), not cut.
+    #[inline(always)]
+    pub(super) fn grown<S: Simd>(
+        &self,
+        simd: S,
+        part: usize,
+        normal: Vectors<S>,
+        slip: Slip<S>,
+        time_step: f64,
+    ) -> Vectors<S> {
+        let before = Vectors::load(simd, &self.normal, part);
+        let mut shear = Vectors::load(simd, &self.shear, part);
+        shear = shear - shear.cross(before.cross(normal));
+        let twist = Lanes::splat(simd, 0.5 * time_step) * before.dot(slip.spins);
+        shear = shear - shear.cross(before.scaled(twist));
+        let stiffness = Lanes::load(simd, &self.stiffness, part) * Lanes::splat(simd, time_step);
+        shear - slip.velocity.scaled(stiffness)
+    }
+
+    /// Keeps what the next step needs.
+    #[inline(always)]
+    pub(super) fn keep<S: Simd>(&mut self, part: usize, normal: Vectors<S>, shear: Vectors<S>) {
+        shear.store(&mut self.shear, part);
+        normal.store(&mut self.normal, part);
+    }
+}
+
+/// A shear force cut back to `limit`.
+#[inline(always)]
+pub(super) fn cut<S: Simd>(simd: S, shear: Vectors<S>, limit: Lanes<S>) -> Vectors<S> {
+    let square = shear.dot(shear);
+    // without shear force the quotient is not a number, and not taken
+    let slides = (limit * limit).below(square);
+    let back = limit.over(square.sqrt());
+    shear.scaled(back.only_if(slides, Lanes::splat(simd, 1.0)))
+}
+
+impl Law for Coulomb {
+    const IS_ROUGH: bool = true;
+
+    #[inline(always)]
+    fn advance<S: Simd>(
+        &mut self,
+        simd: S,
+        part: usize,
+        touch: Touch<S>,
+        slip: Slip<S>,
+        time_step: f64,
+    ) -> Push<S> {
+        let shear = self.grown(simd, part, touch.normal, slip, time_step);
+        let normal = touch.stiffness * touch.overlap;
+        let limit = normal * Lanes::load(simd, &self.friction, part);
+        let shear = cut(simd, shear, limit).only_if(touch.is_touching, Vectors::zero(simd));
+        self.keep(part, touch.normal, shear);
+        Push {
+            normal,
+            shear,
+            acts: touch.is_touching,
+        }
+    }
+
+    #[inline(always)]
+    fn forget<S: Simd>(&mut self, simd: S, part: usize) {
+        Vectors::zero(simd).store(&mut self.shear, part);
+    }
+
+    fn past(&self, lane: usize) -> Past {
+        let vector = |arrays: &[Array; 3]| Vector::from(arrays.map(|array| array[lane]));
+        Past {
+            stiffness: self.stiffness[lane],
+            friction: self.friction[lane],
+            normal: vector(&self.normal),
+            shear: vector(&self.shear),
+            ..Past::default()
+        }
+    }
+
+    fn set_past(&mut self, lane: usize, past: &Past) {
+        self.stiffness[lane] = past.stiffness;
+        self.friction[lane] = past.friction;
+        for axis in 0..3 {
+            self.normal[axis][lane] = past.normal[axis];
+            self.shear[axis][lane] = past.shear[axis];
+        }
+    }
+}

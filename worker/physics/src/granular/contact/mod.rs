@@ -1,0 +1,105 @@
+//! Contacts: geometry times stiffness times law.
+//!
+//! With n from body a to body b, overlap δ (positive when touching) and half-step velocities, a
+//! contact pushes b with F = F_N n + F_T and a with −F, at arms r − δ/2 along the normal:
+//!
+//! - F_N and F_T by a [`law`], which owns what a contact remembers; without bonds F_N = k_N δ, never
+//!   negative (G.1);
+//! - torque on either body (r − δ/2) n × (−F) (G.2).
+//!
+//! Contacts live in blocks of [`LANES`], worked through as vectors. [`pairs`] are contacts of two
+//! spheres, [`walls`] of a sphere and a plane; [`stiffness`] has the two springs in series. A block holds *candidates*,
+//! some of which do not touch: they cost a look at the distance, and a candidate that stops
+//! touching forgets its shear force.
+//!
+//! Source: [CundallStrack1979]; order of operations as in Yade's `ScGeom` and
+//! `Law2_ScGeom_FrictPhys_CundallStrack`.
+pub(super) mod law;
+pub(super) mod pairs;
+pub(super) mod stiffness;
+pub(super) mod walls;
+
+use pulp::Simd;
+
+use super::{
+    lanes::{LANES, Lanes, Vectors},
+    rows::Row,
+};
+
+/// Where the particles are and how they move: one row each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kinematics<'a> {
+    /// Centre [m] and radius [m].
+    pub(super) centres: &'a [Row],
+    /// Velocity [m/s], half a step ago.
+    pub(super) velocities: &'a [Row],
+    /// Angular velocity [rad/s], half a step ago.
+    pub(super) spins: &'a [Row],
+}
+
+/// Forces [N] and torques [N m] on the particles of a patch. The fourth numbers mean nothing.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wrenches {
+    pub(super) forces: Vec<Row>,
+    pub(super) torques: Vec<Row>,
+}
+
+/// Part of the contacts of a block as they stand now.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Touch<S: Simd> {
+    /// From a to b.
+    pub(super) normal: Vectors<S>,
+    /// δ [m].
+    pub(super) overlap: Lanes<S>,
+    /// k_N [N/m].
+    pub(super) stiffness: Lanes<S>,
+    pub(super) is_touching: S::m64s,
+}
+
+/// What a part of the contacts of a block does.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Push<S: Simd> {
+    /// F_N [N]; of no meaning where the contact does not act.
+    pub(super) normal: Lanes<S>,
+    /// F_T on b [N], zero where it does not act.
+    pub(super) shear: Vectors<S>,
+    pub(super) acts: S::m64s,
+}
+
+/// How the surfaces of a part of a block move past each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slip<S: Simd> {
+    /// Velocity of b's contact point relative to a's, across the normal [m/s].
+    pub(super) velocity: Vectors<S>,
+    /// Sum of both spins [rad/s].
+    pub(super) spins: Vectors<S>,
+}
+
+impl<S: Simd> Slip<S> {
+    /// Nothing slips, or nobody asks.
+    #[inline(always)]
+    fn none(simd: S) -> Self {
+        Self {
+            velocity: Vectors::zero(simd),
+            spins: Vectors::zero(simd),
+        }
+    }
+}
+
+impl Wrenches {
+    /// Nothing acts on `particles`.
+    pub(super) fn clear(&mut self, particles: usize, with_torques: bool) {
+        self.forces.clear();
+        self.forces.resize(particles, Row::default());
+        // without friction no torque ever acts
+        if with_torques || self.torques.len() != particles {
+            self.torques.clear();
+            self.torques.resize(particles, Row::default());
+        }
+    }
+}
+
+/// Bits of the touching contacts of a block.
+pub(super) fn touching_lanes(bits: u8) -> impl Iterator<Item = usize> {
+    (0..LANES).filter(move |lane| bits >> lane & 1 == 1)
+}

@@ -1,0 +1,235 @@
+//! Contacts of two spheres.
+//!
+//! d = x_b − x_a, n = d/|d|, δ = r_a + r_b − |d| (G.5). Slip uses the branch vectors of the
+//! spheres as if they just touched, which keeps a contact that is wound up and unwound from
+//! creeping (granular ratcheting, [GarciaRojo2005]):
+//!
+//!   v = α (v_b − v_a) − (r_a ω_a + r_b ω_b) × n, α = (r_a + r_b)/|d|, v_T = v − (v·n) n (G.6)
+//!
+//! Both spheres of an *inner* block belong to one patch, which adds to both. Of an *outer* block
+//! the second sphere belongs to a later patch: what acts on it is kept in the [`Halo`], for that
+//! patch to fetch.
+use pulp::Simd;
+use serde::{Deserialize, Serialize};
+
+use super::{Kinematics, Slip, Touch, Wrenches, law::Law};
+use crate::granular::{
+    lanes::{Array, LANES, Lanes, Vectors, bits},
+    rows::{Gathered, Row, gather, scatter},
+};
+
+/// Candidates in vectors; the last ones of a list may be padding, which never touches.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+#[repr(align(64))]
+pub(in crate::granular) struct PairBlock<F: Law> {
+    /// Particles a; padding is a particle against itself.
+    pub(in crate::granular) a: [u32; LANES],
+    pub(in crate::granular) b: [u32; LANES],
+    /// k_N [N/m].
+    pub(in crate::granular) stiffness: Array,
+    pub(in crate::granular) law: F,
+}
+
+/// Candidates and which of them touched in the last step.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub(in crate::granular) struct PairList<F: Law> {
+    pub(in crate::granular) blocks: Vec<PairBlock<F>>,
+    /// Bits by lane.
+    pub(in crate::granular) touching: Vec<u8>,
+    /// Candidates, padding not counted.
+    pub(in crate::granular) count: usize,
+    /// Lanes of the last block that are taken; 0 when it is full or closed.
+    pub(in crate::granular) filled: usize,
+}
+
+/// What outer blocks do to the particles of other patches, by block and lane.
+#[derive(Clone, Debug, Default)]
+pub(in crate::granular) struct Halo {
+    pub(in crate::granular) forces: Vec<Row>,
+    pub(in crate::granular) torques: Vec<Row>,
+}
+
+impl<F: Law> PairList<F> {
+    /// Adds the forces of inner blocks to both particles. The patch begins with particle `first`.
+    #[inline(always)]
+    pub(in crate::granular) fn push_inner<S: Simd>(
+        &mut self,
+        simd: S,
+        kinematics: Kinematics<'_>,
+        first: usize,
+        wrenches: &mut Wrenches,
+        time_step: f64,
+    ) {
+        let blocks = self.blocks.iter_mut().zip(&mut self.touching);
+        for (block, touching) in blocks {
+            let (a, b) = (block.a, block.b);
+            *touching = block.advance(
+                simd,
+                kinematics,
+                time_step,
+                *touching,
+                #[inline(always)]
+                |lane: usize, force: [f64; 4], torque: [f64; 4]| {
+                    let (a, b) = (a[lane] as usize - first, b[lane] as usize - first);
+                    wrenches.forces[a].subtract(force);
+                    wrenches.forces[b].add(force);
+                    if F::IS_ROUGH {
+                        let [on_a, on_b] = moments(force, torque);
+                        wrenches.torques[a].subtract(on_a);
+                        wrenches.torques[b].subtract(on_b);
+                    }
+                },
+            );
+        }
+    }
+
+    /// Adds the forces of outer blocks to their first particles and keeps those on the second.
+    #[inline(always)]
+    pub(in crate::granular) fn push_outer<S: Simd>(
+        &mut self,
+        simd: S,
+        kinematics: Kinematics<'_>,
+        first: usize,
+        wrenches: &mut Wrenches,
+        halo: &mut Halo,
+        time_step: f64,
+    ) {
+        halo.clear::<F>(self.blocks.len());
+        let blocks = self.blocks.iter_mut().zip(&mut self.touching);
+        for (index, (block, touching)) in blocks.enumerate() {
+            let a = block.a;
+            *touching = block.advance(
+                simd,
+                kinematics,
+                time_step,
+                *touching,
+                #[inline(always)]
+                |lane: usize, force: [f64; 4], torque: [f64; 4]| {
+                    let a = a[lane] as usize - first;
+                    wrenches.forces[a].subtract(force);
+                    halo.forces[index * LANES + lane] = Row(force);
+                    if F::IS_ROUGH {
+                        let [on_a, on_b] = moments(force, torque);
+                        wrenches.torques[a].subtract(on_a);
+                        halo.torques[index * LANES + lane].subtract(on_b);
+                    }
+                },
+            );
+        }
+    }
+}
+
+impl Halo {
+    fn clear<F: Law>(&mut self, blocks: usize) {
+        self.forces.clear();
+        self.forces.resize(blocks * LANES, Row::default());
+        if F::IS_ROUGH {
+            self.torques.clear();
+            self.torques.resize(blocks * LANES, Row::default());
+        }
+    }
+}
+
+/// Moments (r − δ/2) n × F about both centres; the arms ride in the fourth numbers.
+#[inline(always)]
+fn moments(force: [f64; 4], torque: [f64; 4]) -> [[f64; 4]; 2] {
+    let [arm_a, arm_b] = [force[3], torque[3]];
+    let (mut on_a, mut on_b) = (torque, torque);
+    for axis in 0..4 {
+        on_a[axis] *= arm_a;
+        on_b[axis] *= arm_b;
+    }
+    [on_a, on_b]
+}
+
+impl<F: Law> PairBlock<F> {
+    /// Advances the contacts by a step. Gives `act` the force F on b with arm of a, and n × F with
+    /// the arm of b, for every lane of a part in which something touches; zero where nothing
+    /// does. Returns which lanes touch.
+    #[inline(always)]
+    fn advance<S: Simd>(
+        &mut self,
+        simd: S,
+        kinematics: Kinematics<'_>,
+        time_step: f64,
+        touched: u8,
+        mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
+    ) -> u8 {
+        let mut touching = 0;
+        for part in 0..LANES / S::F64_LANES {
+            let a = gather(simd, kinematics.centres, &self.a, part);
+            let b = gather(simd, kinematics.centres, &self.b, part);
+            let between = b.vector - a.vector;
+            let reach = a.fourth + b.fourth;
+            let distance = between.dot(between).sqrt();
+            let is_near = distance.at_most(reach);
+            // equal centres have no normal; they are told of elsewhere
+            let is_apart = Lanes::splat(simd, 0.0).below(distance);
+            let is_touching = simd.and_m64s(is_near, is_apart);
+            let may_act = self.law.acting(simd, part, is_touching);
+            if bits::<S>(may_act, 0) == 0 {
+                if touched != 0 {
+                    self.law.forget(simd, part);
+                }
+                continue;
+            }
+            let inverse = Lanes::splat(simd, 1.0).over(distance);
+            let normal = between.scaled(inverse);
+            let overlap = reach - distance;
+            let touch = Touch {
+                normal,
+                overlap,
+                stiffness: Lanes::load(simd, &self.stiffness, part),
+                is_touching,
+            };
+            let slip = if F::IS_ROUGH {
+                let velocities = self.sides(simd, kinematics.velocities, part);
+                let spins = self.sides(simd, kinematics.spins, part);
+                let branches = spins[0].scaled(a.fourth) + spins[1].scaled(b.fourth);
+                let approach = (velocities[1] - velocities[0]).scaled(reach * inverse);
+                let velocity = approach - branches.cross(normal);
+                Slip {
+                    velocity: velocity - normal.scaled(velocity.dot(normal)),
+                    spins: spins[0] + spins[1],
+                }
+            } else {
+                Slip::none(simd)
+            };
+            let push = self.law.advance(simd, part, touch, slip, time_step);
+            touching |= bits::<S>(push.acts, part);
+            let half = Lanes::splat(simd, 0.5) * overlap;
+            let force = Gathered {
+                vector: normal.scaled(push.normal) + push.shear,
+                fourth: a.fourth - half,
+            };
+            let torque = Gathered {
+                vector: normal.cross(push.shear),
+                fourth: b.fourth - half,
+            };
+            // a lane that does not act holds numbers without meaning, perhaps not even finite
+            let columns = [
+                force.masked(simd, push.acts),
+                torque.masked(simd, push.acts),
+            ];
+            scatter(
+                simd,
+                columns,
+                part,
+                #[inline(always)]
+                |lane, [force, torque]| act(lane, force, torque),
+            );
+        }
+        touching
+    }
+
+    /// A vector of both particles.
+    #[inline(always)]
+    fn sides<S: Simd>(&self, simd: S, rows: &[Row], part: usize) -> [Vectors<S>; 2] {
+        [
+            gather(simd, rows, &self.a, part).vector,
+            gather(simd, rows, &self.b, part).vector,
+        ]
+    }
+}

@@ -1,0 +1,200 @@
+//! Contacts of a sphere and a plane.
+//!
+//! The sphere is a, the plane b: n is the plane's normal into the wall, δ = r − h with height h of
+//! the centre above the plane, and the plane has the sphere's radius as its own (stiffness, slip):
+//!
+//!   v = α (v_b − v_a) − r ω_a × n, α = 2r/(2r − δ) (G.7)
+//!
+//! All candidates of a block touch the same plane, so that the normal is one for all and never
+//! turns. Source: Yade's `Ig2_Wall_Sphere_ScGeom`.
+use pulp::Simd;
+use serde::{Deserialize, Serialize};
+
+use super::{Kinematics, Slip, Touch, Wrenches, law::Law};
+use crate::granular::{
+    lanes::{Array, LANES, Lanes, Vectors, bits},
+    rows::{Gathered, gather, scatter},
+};
+
+/// A plane as contacts see it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(in crate::granular) struct Face {
+    /// 0, 1, 2 for x, y, z.
+    pub(in crate::granular) axis: usize,
+    /// 1 when bodies are above along the axis, −1 when below.
+    pub(in crate::granular) facing: f64,
+    /// Where it crosses the axis [m].
+    pub(in crate::granular) position: f64,
+    /// Along the axis [m/s].
+    pub(in crate::granular) velocity: f64,
+    /// What drives it, if not its velocity.
+    pub(in crate::granular) load: Option<Load>,
+}
+
+/// A force on a plane that is free to follow it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(in crate::granular) struct Load {
+    /// Along the axis [N].
+    pub(in crate::granular) force: f64,
+    /// [kg].
+    pub(in crate::granular) mass: f64,
+}
+
+/// Candidates in vectors; padding has no stiffness.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+#[repr(align(64))]
+pub(in crate::granular) struct WallBlock<F: Law> {
+    pub(in crate::granular) particles: [u32; LANES],
+    /// k_N [N/m].
+    pub(in crate::granular) stiffness: Array,
+    pub(in crate::granular) law: F,
+}
+
+/// Candidates of one plane and which of them touched in the last step.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub(in crate::granular) struct WallList<F: Law> {
+    pub(in crate::granular) blocks: Vec<WallBlock<F>>,
+    /// Bits by lane.
+    pub(in crate::granular) touching: Vec<u8>,
+    /// Candidates, padding not counted.
+    pub(in crate::granular) count: usize,
+}
+
+impl Face {
+    /// Into the wall.
+    pub(in crate::granular) fn normal(&self) -> [f64; 3] {
+        self.along(-self.facing)
+    }
+
+    /// A vector along the axis.
+    pub(in crate::granular) fn along(&self, value: f64) -> [f64; 3] {
+        let mut vector = [0.0; 3];
+        vector[self.axis] = value;
+        vector
+    }
+
+    /// Height of a centre above the plane [m].
+    pub(in crate::granular) fn height(&self, centre: &[f64]) -> f64 {
+        (centre[self.axis] - self.position) * self.facing
+    }
+}
+
+impl<F: Law> WallList<F> {
+    /// Adds the forces on the particles; returns the force on the plane [N].
+    #[inline(always)]
+    pub(in crate::granular) fn push<S: Simd>(
+        &mut self,
+        simd: S,
+        face: &Face,
+        kinematics: Kinematics<'_>,
+        first: usize,
+        wrenches: &mut Wrenches,
+        time_step: f64,
+    ) -> [f64; 4] {
+        let mut on_plane = [0.0; 4];
+        for (block, touching) in self.blocks.iter_mut().zip(&mut self.touching) {
+            let particles = block.particles;
+            let touched = *touching;
+            *touching = block.advance(
+                simd,
+                face,
+                kinematics,
+                time_step,
+                touched,
+                #[inline(always)]
+                |lane: usize, force: [f64; 4], moment: [f64; 4]| {
+                    let particle = particles[lane] as usize - first;
+                    wrenches.forces[particle].subtract(force);
+                    if F::IS_ROUGH {
+                        wrenches.torques[particle].subtract(moment);
+                    }
+                    for (sum, part) in on_plane.iter_mut().zip(force) {
+                        *sum += part;
+                    }
+                },
+            );
+        }
+        on_plane
+    }
+}
+
+impl<F: Law> WallBlock<F> {
+    /// Advances the contacts by a step. Gives `act` the force on the plane and its moment about the
+    /// particle's centre. Returns which lanes touch.
+    #[inline(always)]
+    fn advance<S: Simd>(
+        &mut self,
+        simd: S,
+        face: &Face,
+        kinematics: Kinematics<'_>,
+        time_step: f64,
+        touched: u8,
+        mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
+    ) -> u8 {
+        let normal = Vectors::splat(simd, face.normal());
+        let none = Lanes::splat(simd, 0.0);
+        let mut touching = 0;
+        for part in 0..LANES / S::F64_LANES {
+            let sphere = gather(simd, kinematics.centres, &self.particles, part);
+            let radius = sphere.fourth;
+            let along = [sphere.vector.x, sphere.vector.y, sphere.vector.z][face.axis];
+            let height =
+                (along - Lanes::splat(simd, face.position)) * Lanes::splat(simd, face.facing);
+            let stiffness = Lanes::load(simd, &self.stiffness, part);
+            // padding has no stiffness, and touches nothing
+            let is_touching = simd.and_m64s(height.at_most(radius), none.below(stiffness));
+            if bits::<S>(is_touching, 0) == 0 {
+                if touched != 0 {
+                    self.law.forget(simd, part);
+                }
+                continue;
+            }
+            let overlap = radius - height;
+            let touch = Touch {
+                normal,
+                overlap,
+                stiffness,
+                is_touching,
+            };
+            let slip = if F::IS_ROUGH {
+                let velocity = gather(simd, kinematics.velocities, &self.particles, part).vector;
+                let spin = gather(simd, kinematics.spins, &self.particles, part).vector;
+                let twice = radius + radius;
+                let plane = Vectors::splat(simd, face.along(face.velocity));
+                let approach = (plane - velocity).scaled(twice.over(twice - overlap));
+                let velocity = approach - spin.scaled(radius).cross(normal);
+                Slip {
+                    velocity: velocity - normal.scaled(velocity.dot(normal)),
+                    spins: spin,
+                }
+            } else {
+                Slip::none(simd)
+            };
+            let push = self.law.advance(simd, part, touch, slip, time_step);
+            touching |= bits::<S>(push.acts, part);
+            let arm = radius - Lanes::splat(simd, 0.5) * overlap;
+            let force = Gathered {
+                vector: normal.scaled(push.normal) + push.shear,
+                fourth: none,
+            };
+            let moment = Gathered {
+                vector: normal.cross(push.shear).scaled(arm),
+                fourth: none,
+            };
+            let columns = [
+                force.masked(simd, push.acts),
+                moment.masked(simd, push.acts),
+            ];
+            scatter(
+                simd,
+                columns,
+                part,
+                #[inline(always)]
+                |lane, [force, moment]| act(lane, force, moment),
+            );
+        }
+        touching
+    }
+}

@@ -1,0 +1,69 @@
+//! Bodies that a run must tell of: not finite, too fast, gone.
+use super::{Vector, contact::law::Law, engine::Engine};
+
+impl<F: Law> Engine<F> {
+    /// The first body whose state is not finite, and what of it.
+    pub(super) fn first_not_finite(&self) -> Option<(usize, &'static str)> {
+        let particles = &self.state.particles;
+        for (rows, quantity) in [
+            (&particles.centres, "position"),
+            (&particles.velocities, "velocity"),
+            (&particles.spins, "angular velocity"),
+        ] {
+            let is_bad = |row: &super::rows::Row| !row.0.iter().all(|value| value.is_finite());
+            if let Some(particle) = rows.iter().position(is_bad) {
+                return Some((particles.owners[particle] as usize, quantity));
+            }
+        }
+        None
+    }
+
+    /// Largest speed of a movable particle [m/s].
+    pub(super) fn largest_speed(&self) -> f64 {
+        let particles = &self.state.particles;
+        let speeds = particles
+            .velocities
+            .iter()
+            .map(|velocity| velocity.vector().norm());
+        speeds.fold(0.0, f64::max)
+    }
+
+    /// A movable body that moves more than `part` of its radius in a step: its number, speed
+    /// [m/s] and radius [m].
+    pub(super) fn first_jump(&self, time_step: f64, part: f64) -> Option<(usize, f64, f64)> {
+        let particles = &self.state.particles;
+        for (particle, velocity) in particles.velocities.iter().enumerate() {
+            let body = particles.owners[particle] as usize;
+            let (speed, radius) = (velocity.vector().norm(), particles.centres[particle].0[3]);
+            if speed * time_step > part * radius && self.model.is_movable[body] {
+                return Some((body, speed, radius));
+            }
+        }
+        None
+    }
+
+    /// Movable bodies behind a plane, or farther from the scene's first box than its diagonal.
+    pub(super) fn escaped_bodies(&self) -> Vec<u32> {
+        let particles = &self.state.particles;
+        let (low, high) = self.model.first_box;
+        let margin = Vector::repeat((high - low).norm());
+        let mut escaped: Vec<u32> = Vec::new();
+        for (centre, body) in particles.centres.iter().zip(&particles.owners) {
+            let place = centre.vector();
+            let is_behind = self
+                .state
+                .faces
+                .iter()
+                .any(|face| face.height(&centre.0) < 0.0);
+            let is_far = (0..3).any(|axis| {
+                place[axis] < low[axis] - margin[axis] || place[axis] > high[axis] + margin[axis]
+            });
+            if (is_behind || is_far) && self.model.is_movable[*body as usize] {
+                escaped.push(*body);
+            }
+        }
+        escaped.sort_unstable();
+        escaped.dedup();
+        escaped
+    }
+}

@@ -1,0 +1,106 @@
+//! What a run has recorded so far, and what tells whether to believe it.
+use serde::{Deserialize, Serialize};
+
+use super::{observe::Energies, time_step::Critical};
+
+/// Everything a run has to say at its end, beside the state of its bodies.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Journal {
+    /// Stage being worked on.
+    pub(super) stage: usize,
+    /// Steps done in it.
+    pub(super) stage_steps: u64,
+    /// Whether the bodies have come to rest in a stage that waits for it.
+    pub(super) is_settled: bool,
+    /// Stages that waited for rest in vain.
+    pub(super) unsettled_stages: Vec<usize>,
+    /// When it began [s].
+    pub(super) stage_start: f64,
+    /// Δt of the next step [s].
+    pub(super) time_step: f64,
+    /// Rows of `curve.csv`, `bodies.csv` and `contacts.csv`, one after the other.
+    pub(super) curve: Vec<f64>,
+    pub(super) bodies: Vec<f64>,
+    pub(super) contacts: Vec<f64>,
+    /// Step and time of each snapshot.
+    pub(super) snapshots: Vec<(u64, f64)>,
+    pub(super) worst: Worst,
+    pub(super) balance: Balance,
+    /// From the last observation.
+    pub(super) last: Reading,
+    /// Sum over steps of the candidates looked at.
+    pub(super) candidate_steps: u64,
+}
+
+/// The worst that was observed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Worst {
+    /// δ over the smaller radius.
+    pub(super) overlap_ratio: f64,
+    /// Δt over the critical step.
+    pub(super) step_ratio: f64,
+    /// Critical step, body and partner where that was.
+    pub(super) critical: Option<(f64, u32, u32)>,
+}
+
+/// Energy that came from nowhere.
+///
+/// E − W, with the energy E of the bodies and the work W of driven planes, can only fall: friction
+/// and damping take energy, nothing gives. What it rises above its lowest value so far was made
+/// by the integration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Balance {
+    lowest: Option<f64>,
+    /// Largest rise [J].
+    pub(super) created: f64,
+    /// Largest kinetic and elastic energy, or work [J].
+    pub(super) scale: f64,
+}
+
+/// Readings of the last observation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Reading {
+    pub(super) kinetic: f64,
+    pub(super) elastic: f64,
+    pub(super) gravitational: f64,
+    pub(super) contacts: u64,
+    /// Intact bonds.
+    pub(super) bonds: u64,
+    pub(super) unbalanced: Option<f64>,
+    /// Of bodies that move.
+    pub(super) coordination: Option<f64>,
+}
+
+impl Balance {
+    pub(super) fn add(&mut self, energies: &Energies, work: f64) {
+        let left = energies.kinetic + energies.elastic + energies.gravitational - work;
+        let lowest = self.lowest.map_or(left, |lowest| lowest.min(left));
+        self.lowest = Some(lowest);
+        self.created = self.created.max(left - lowest);
+        self.scale = self
+            .scale
+            .max(energies.kinetic + energies.elastic)
+            .max(work.abs());
+    }
+
+    /// Created energy over the scale.
+    pub(super) fn created_ratio(&self) -> f64 {
+        if self.created > 0.0 {
+            self.created / self.scale
+        } else {
+            0.0
+        }
+    }
+}
+
+impl Worst {
+    pub(super) fn see_step(&mut self, time_step: f64, critical: Option<Critical>) {
+        if let Some(critical) = critical {
+            let ratio = time_step / critical.step;
+            if ratio > self.step_ratio {
+                self.step_ratio = ratio;
+                self.critical = Some((critical.step, critical.body, critical.partner));
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Bodies in contact: the discrete element method.
+//!
+//! **Model.** Bodies are spheres and rigid clumps of spheres; they move by Newton's and Euler's laws
+//! under gravity and the forces of their contacts, with each other and with planes. SI units,
+//! angles in radians, overlaps positive, forces of a contact on its second body.
+//!
+//! **Data road.** [`scene`] resolves a spec into a *model*, which nothing changes, and the first
+//! *state*: [`particles`] (every sphere that collides, in arrays), clumps, planes. [`listing`] sorts
+//! particles along a curve through space, cuts them into patches of some two thousand, and fills
+//! each [`patch`] with candidates for contact from the search of [`neighbours`]; what contacts
+//! remember is carried over. A step of the [`engine`] has two phases: [`contact`] turns positions
+//! into forces, patch by patch; [`motion`] turns forces into new positions. [`run`] goes through
+//! the stages; when something is due it observes the scene between the phases ([`observe`],
+//! [`time_step`], [`inspect`]) and keeps it in the [`journal`], from which [`tables`],
+//! [`snapshot`] and [`report`] make files and results.
+//!
+//! **Numbers.** Contacts are worked through in vectors of 8, 4 or 1 ([`lanes`], [`rows`]), each
+//! lane a contact, with nothing fused: every machine gives the same bits. Forces on a particle are
+//! summed in the order of the list, and what comes from other patches after that, in the order of
+//! patches: any number of threads gives the same bits. What changes is in `State` and `Journal`,
+//! which are the checkpoint.
+//!
+//! **Only what is used.** The law of contact is a type parameter, chosen once, here: a scene without
+//! cohesion has no bonds, a frictionless one has
+//! contacts without memory and particles without spin. Bodies without a degree of freedom have
+//! no contacts among themselves, scenes without clumps or planes have empty lists of them.
+//!
+//! **To add.** A law is a file with an `impl Law`. A shape of wall is a list beside
+//! `WallList`, a stage a variant of the spec's `Stage` and its arm in [`run`].
+mod clump_geometry;
+mod contact;
+mod engine;
+#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
+mod generate;
+#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
+mod import;
+mod inspect;
+mod journal;
+mod lanes;
+#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
+mod lattice;
+mod listing;
+#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
+mod mesh;
+mod motion;
+mod neighbours;
+mod observe;
+mod particles;
+mod patch;
+mod report;
+mod rows;
+mod run;
+mod scene;
+mod snapshot;
+mod sphere;
+mod tables;
+mod time_step;
+
+use contact::law::{Bonded, Coulomb, Frictionless};
+use loadframe_api::spec::granular_scene::{GranularScene, Material};
+
+use crate::{Ending, Recorder, RunContext, SimulationError};
+
+/// A point or vector in space, SI.
+type Vector = nalgebra::Vector3<f64>;
+
+/// Runs the scene of `spec`.
+///
+/// # Errors
+/// What made a result impossible, see [`SimulationError`].
+pub(crate) fn run(
+    spec: &GranularScene,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<Ending, SimulationError> {
+    let any = |is: fn(&Material) -> bool| spec.materials.values().any(is);
+    if any(Material::is_cohesive) {
+        run::run::<Bonded>(spec, context, recorder)
+    } else if any(|material| material.friction_angle_rad > 0.0) {
+        run::run::<Coulomb>(spec, context, recorder)
+    } else {
+        run::run::<Frictionless>(spec, context, recorder)
+    }
+}

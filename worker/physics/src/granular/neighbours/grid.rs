@@ -1,0 +1,228 @@
+//! Pairs of spheres closer than the skin, by grids of cells.
+//!
+//! Spheres are sorted into levels by size, each level half the radius of the one before, with a
+//! grid of its own whose cells are as wide as the reach of its largest spheres. A sphere looks
+//! around in its own level and in the coarser ones, where 27 cells always reach far enough: a
+//! scene of grains and dust costs no more per sphere than one of equal sizes.
+use super::super::rows::Row;
+
+/// Finest level: radii below 2⁻¹⁵ of the largest share it.
+const FINEST: usize = 15;
+/// Cells per sphere at most; sparser grids get wider cells.
+const CELLS_PER_SPHERE: f64 = 4.0;
+/// The grid covers so many standard deviations to either side. What is farther away is counted to
+/// the outermost cells: still found, and strays do not blow up the grid.
+const COVERED: f64 = 4.0;
+
+/// Partners of each sphere with a higher number, ascending.
+#[derive(Clone, Debug, Default)]
+pub(in crate::granular) struct Candidates {
+    starts: Vec<u32>,
+    partners: Vec<u32>,
+}
+
+/// Spheres of one size class, sorted into cells.
+#[derive(Debug)]
+struct Level {
+    low: [f64; 3],
+    inverse_width: f64,
+    cells: [usize; 3],
+    /// Where each cell's spheres begin in `spheres`.
+    starts: Vec<u32>,
+    spheres: Vec<u32>,
+}
+
+impl Candidates {
+    pub(in crate::granular) fn of(&self, sphere: usize) -> &[u32] {
+        &self.partners[self.starts[sphere] as usize..self.starts[sphere + 1] as usize]
+    }
+}
+
+/// Every pair of spheres whose surfaces are closer than `skin` [m] and that `may_touch` allows.
+pub(in crate::granular) fn candidates(
+    spheres: &[Row],
+    skin: f64,
+    may_touch: impl Fn(usize, usize) -> bool,
+) -> Candidates {
+    let largest = spheres.iter().map(|sphere| sphere.0[3]).fold(0.0, f64::max);
+    let level_of = |sphere: &Row| {
+        let halvings = (largest / sphere.0[3]).log2();
+        (halvings as usize).min(FINEST)
+    };
+    let mut members: Vec<Vec<u32>> = vec![Vec::new(); FINEST + 1];
+    for (sphere, number) in spheres.iter().zip(0..) {
+        members[level_of(sphere)].push(number);
+    }
+    let levels: Vec<Option<Level>> = members
+        .iter()
+        .enumerate()
+        .map(|(level, members)| {
+            let reach = 2.0 * largest / (1_u64 << level) as f64 + skin;
+            (!members.is_empty()).then(|| Level::new(spheres, members, reach))
+        })
+        .collect();
+
+    let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(4 * spheres.len());
+    for (own, level_members) in members.iter().enumerate() {
+        for (coarser, level) in levels[..=own].iter().enumerate() {
+            let Some(level) = level else { continue };
+            for &sphere in level_members {
+                let row = spheres[sphere as usize];
+                level.around(&row, |others| {
+                    for &other in others {
+                        if coarser == own && other <= sphere {
+                            continue;
+                        }
+                        if is_near(&row, &spheres[other as usize], skin)
+                            && may_touch(sphere as usize, other as usize)
+                        {
+                            pairs.push([sphere.min(other), sphere.max(other)]);
+                        }
+                    }
+                });
+            }
+        }
+    }
+    collect(spheres.len(), &pairs)
+}
+
+#[inline]
+fn is_near(a: &Row, b: &Row, skin: f64) -> bool {
+    let [x, y, z, _] = std::array::from_fn(|axis| b.0[axis] - a.0[axis]);
+    let reach = a.0[3] + b.0[3] + skin;
+    x * x + y * y + z * z <= reach * reach
+}
+
+/// Sorts pairs by first, then second sphere.
+fn collect(spheres: usize, pairs: &[[u32; 2]]) -> Candidates {
+    let mut starts = vec![0_u32; spheres + 1];
+    for pair in pairs {
+        starts[pair[0] as usize + 1] += 1;
+    }
+    for sphere in 0..spheres {
+        starts[sphere + 1] += starts[sphere];
+    }
+    let mut next = starts.clone();
+    let mut partners = vec![0; pairs.len()];
+    for [first, second] in pairs {
+        let place = &mut next[*first as usize];
+        partners[*place as usize] = *second;
+        *place += 1;
+    }
+    for sphere in 0..spheres {
+        partners[starts[sphere] as usize..starts[sphere + 1] as usize].sort_unstable();
+    }
+    Candidates { starts, partners }
+}
+
+impl Level {
+    /// A grid for `members`, whose cells are at least `reach` wide.
+    fn new(spheres: &[Row], members: &[u32], reach: f64) -> Self {
+        let coordinates = |axis: usize| members.iter().map(move |m| spheres[*m as usize].0[axis]);
+        let count = members.len() as f64;
+        let mut low = [0.0; 3];
+        let mut extent = [0.0; 3];
+        for axis in 0..3 {
+            let mean = coordinates(axis).sum::<f64>() / count;
+            let variance = coordinates(axis).map(|x| (x - mean).powi(2)).sum::<f64>() / count;
+            let far = COVERED * variance.sqrt();
+            let least = coordinates(axis)
+                .fold(f64::INFINITY, f64::min)
+                .max(mean - far);
+            let most = coordinates(axis)
+                .fold(f64::NEG_INFINITY, f64::max)
+                .min(mean + far);
+            low[axis] = least;
+            extent[axis] = (most - least).max(0.0);
+        }
+        let mut width = reach;
+        let cells = loop {
+            let cells = extent.map(|extent| (extent / width).floor() + 1.0);
+            if cells.iter().product::<f64>() <= CELLS_PER_SPHERE * count + 64.0 {
+                break cells.map(|cells| cells as usize);
+            }
+            width *= 1.25;
+        };
+        let mut level = Self {
+            low,
+            inverse_width: 1.0 / width,
+            cells,
+            starts: vec![0; cells.iter().product::<usize>() + 1],
+            spheres: vec![0; members.len()],
+        };
+        let cell_of: Vec<u32> = members
+            .iter()
+            .map(|member| level.cell(level.place(&spheres[*member as usize])) as u32)
+            .collect();
+        for cell in &cell_of {
+            level.starts[*cell as usize + 1] += 1;
+        }
+        for cell in 1..level.starts.len() {
+            level.starts[cell] += level.starts[cell - 1];
+        }
+        let mut next = level.starts.clone();
+        for (member, cell) in members.iter().zip(cell_of) {
+            let place = &mut next[cell as usize];
+            level.spheres[*place as usize] = *member;
+            *place += 1;
+        }
+        level
+    }
+
+    /// Cell coordinates of a sphere's centre; the nearest ones for a centre outside.
+    fn place(&self, sphere: &Row) -> [usize; 3] {
+        std::array::from_fn(|axis| {
+            let cell = (sphere.0[axis] - self.low[axis]) * self.inverse_width;
+            // negative numbers become 0
+            (cell as usize).min(self.cells[axis] - 1)
+        })
+    }
+
+    fn cell(&self, place: [usize; 3]) -> usize {
+        (place[2] * self.cells[1] + place[1]) * self.cells[0] + place[0]
+    }
+
+    /// Gives `see` the spheres of all cells around `sphere`, a row of cells at a time.
+    fn around(&self, sphere: &Row, mut see: impl FnMut(&[u32])) {
+        let place = self.place(sphere);
+        let range = |axis: usize| {
+            place[axis].saturating_sub(1)..=(place[axis] + 1).min(self.cells[axis] - 1)
+        };
+        let row = range(0);
+        for z in range(2) {
+            for y in range(1) {
+                let first = self.starts[self.cell([*row.start(), y, z])];
+                let end = self.starts[self.cell([*row.end(), y, z]) + 1];
+                see(&self.spheres[first as usize..end as usize]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn every_near_pair_is_found_once(
+            places in prop::collection::vec((prop::array::uniform3(-1.0..1.0_f64), 0.002..0.3_f64), 0..60),
+            strays in 0..3_usize,
+            skin in 0.0..0.1_f64,
+        ) {
+            let mut spheres: Vec<Row> = places.iter().map(|([x, y, z], r)| Row([*x, *y, *z, *r])).collect();
+            for (stray, sphere) in spheres.iter_mut().take(strays).enumerate() {
+                sphere.0[stray] *= 1e6;
+            }
+            let found = candidates(&spheres, skin, |a, b| (a + b) % 7 != 0);
+            for a in 0..spheres.len() {
+                let expected: Vec<u32> = (a + 1..spheres.len())
+                    .filter(|b| is_near(&spheres[a], &spheres[*b], skin) && (a + b) % 7 != 0)
+                    .map(|b| b as u32)
+                    .collect();
+                prop_assert_eq!(found.of(a), expected.as_slice());
+            }
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! What is read off a scene in the middle of a step, when something is due.
+//!
+//! Contacts are read between the two phases of a step, where forces belong to the positions they
+//! came from. Kinetic energy at that time is the mean of those half a step before and after.
+use std::collections::BTreeMap;
+
+use super::{
+    Vector,
+    contact::{law::Law, touching_lanes},
+    engine::Engine,
+};
+
+/// A touching contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Contact {
+    /// Bodies of the spec, a < b; planes are numbered after the bodies.
+    pub(super) bodies: [u32; 2],
+    /// Particles in memory; `None` for a plane.
+    pub(super) particles: (usize, Option<usize>),
+    /// Numbers of the particles in the order of the spec, or that of the plane.
+    numbers: [u32; 2],
+    /// δ [m].
+    pub(super) overlap: f64,
+    /// Smaller radius [m].
+    pub(super) radius: f64,
+    /// From a to b.
+    pub(super) normal: Vector,
+    /// F_N on b [N].
+    pub(super) normal_force: Vector,
+    /// F_T on b [N].
+    pub(super) shear_force: Vector,
+    /// k_N, k_T [N/m].
+    pub(super) stiffness: [f64; 2],
+    /// Whether an intact bond holds the bodies together.
+    pub(super) is_bonded: bool,
+}
+
+/// Sums over bodies and contacts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Energies {
+    pub(super) kinetic: f64,
+    /// In normal and shear springs.
+    pub(super) elastic: f64,
+    /// In the field of gravity, from the origin.
+    pub(super) gravitational: f64,
+}
+
+impl<F: Law> Engine<F> {
+    /// Contacts that touch, in the order of bodies; to be called between the phases.
+    pub(super) fn contacts(&self) -> Vec<Contact> {
+        let mut contacts = Vec::new();
+        let particles = &self.state.particles;
+        let bodies = self.model.masses.len() as u32;
+        for patch in &self.state.patches {
+            for (block, lane) in patch.inner.touching().chain(patch.outer.touching()) {
+                let [a, b] = [block.a, block.b].map(|side| side[lane] as usize);
+                let between = particles.centres[b].vector() - particles.centres[a].vector();
+                let radii = [a, b].map(|particle| particles.centres[particle].0[3]);
+                let distance = between.norm();
+                let overlap = radii[0] + radii[1] - distance;
+                let normal = between / distance;
+                let past = block.law.past(lane);
+                let contact = Contact {
+                    bodies: [particles.owners[a], particles.owners[b]],
+                    particles: (a, Some(b)),
+                    numbers: [particles.numbers[a], particles.numbers[b]],
+                    overlap,
+                    radius: radii[0].min(radii[1]),
+                    normal,
+                    normal_force: past.normal_force(block.stiffness[lane], overlap) * normal,
+                    shear_force: past.shear,
+                    stiffness: [block.stiffness[lane], past.stiffness],
+                    is_bonded: past.bond.is_intact,
+                };
+                contacts.push(contact.in_order());
+            }
+            for (plane, (list, face)) in (0..).zip(patch.walls.iter().zip(&self.state.faces)) {
+                for (block, bits) in list.blocks.iter().zip(&list.touching) {
+                    for lane in touching_lanes(*bits) {
+                        let particle = block.particles[lane] as usize;
+                        let centre = &particles.centres[particle].0;
+                        let overlap = centre[3] - face.height(centre);
+                        let normal = Vector::from(face.normal());
+                        let past = block.law.past(lane);
+                        contacts.push(Contact {
+                            bodies: [particles.owners[particle], bodies + plane],
+                            particles: (particle, None),
+                            numbers: [particles.numbers[particle], plane],
+                            overlap,
+                            radius: centre[3],
+                            normal,
+                            normal_force: past.normal_force(block.stiffness[lane], overlap)
+                                * normal,
+                            shear_force: past.shear,
+                            stiffness: [block.stiffness[lane], past.stiffness],
+                            is_bonded: past.bond.is_intact,
+                        });
+                    }
+                }
+            }
+        }
+        contacts.sort_by_key(|contact| (contact.bodies, contact.numbers));
+        contacts
+    }
+
+    /// Kinetic energy of the half-step velocities [J]; bodies with nothing free are left out.
+    pub(super) fn kinetic_energy(&self) -> f64 {
+        let particles = &self.state.particles;
+        let mut energy = 0.0;
+        for particle in 0..particles.len() {
+            let body = particles.owners[particle] as usize;
+            let inertia = self.model.sphere_inertias[body];
+            if inertia == 0.0 || !self.model.is_movable[body] {
+                continue;
+            }
+            let speed = particles.velocities[particle].vector().norm_squared();
+            energy += 0.5 * self.model.masses[body] * speed;
+            if let Some(spin) = particles.spins.get(particle) {
+                energy += 0.5 * inertia * spin.vector().norm_squared();
+            }
+        }
+        for clump in &self.state.clumps {
+            if self.model.is_movable[clump.body as usize] {
+                let turning = clump.spin.dot(&clump.momentum_of(clump.spin));
+                energy += 0.5 * (clump.mass * clump.velocity.norm_squared() + turning);
+            }
+        }
+        energy
+    }
+
+    /// −m g·x summed over movable bodies [J].
+    pub(super) fn gravitational_energy(&self) -> f64 {
+        let particles = &self.state.particles;
+        let gravity = self.model.gravity;
+        let mut energy = 0.0;
+        for particle in 0..particles.len() {
+            let body = particles.owners[particle] as usize;
+            if self.model.sphere_inertias[body] > 0.0 && self.model.is_movable[body] {
+                energy -=
+                    self.model.masses[body] * gravity.dot(&particles.centres[particle].vector());
+            }
+        }
+        for clump in &self.state.clumps {
+            if self.model.is_movable[clump.body as usize] {
+                energy -= clump.mass * gravity.dot(&clump.centre);
+            }
+        }
+        energy
+    }
+
+    /// Mean resultant force on movable bodies over the mean contact force, after a step.
+    /// `None` without contacts. Source: Yade's `unbalancedForce`.
+    pub(super) fn unbalanced_force_ratio(&self, contacts: &[Contact]) -> Option<f64> {
+        let forces = contacts
+            .iter()
+            .map(|contact| (contact.normal_force + contact.shear_force).norm());
+        let mean = forces.sum::<f64>() / contacts.len() as f64;
+        if mean.is_nan() || mean <= 0.0 {
+            return None;
+        }
+        let mut resultants: BTreeMap<u32, Vector> = BTreeMap::new();
+        let mut sum = 0.0;
+        let mut count = 0.0;
+        for patch in &self.state.patches {
+            for (particle, force) in patch.particles.clone().zip(&patch.wrenches.forces) {
+                let body = self.state.particles.owners[particle];
+                let place = body as usize;
+                if !self.model.is_movable[place] {
+                    continue;
+                }
+                if self.model.sphere_inertias[place] > 0.0 {
+                    let weight = self.model.masses[place] * self.model.gravity;
+                    sum += (force.vector() + weight).norm();
+                    count += 1.0;
+                } else {
+                    *resultants.entry(body).or_default() += force.vector();
+                }
+            }
+        }
+        for (body, force) in &resultants {
+            let weight = self.model.masses[*body as usize] * self.model.gravity;
+            sum += (force + weight).norm();
+            count += 1.0;
+        }
+        (count > 0.0).then(|| sum / count / mean)
+    }
+}
+
+impl Contact {
+    /// With the lower body first.
+    fn in_order(self) -> Self {
+        if self.bodies[0] < self.bodies[1] {
+            return self;
+        }
+        let [a, b] = self.bodies;
+        let [first, second] = self.numbers;
+        Self {
+            bodies: [b, a],
+            numbers: [second, first],
+            particles: match self.particles {
+                (first, Some(second)) => (second, Some(first)),
+                alone => alone,
+            },
+            normal: -self.normal,
+            normal_force: -self.normal_force,
+            shear_force: -self.shear_force,
+            ..self
+        }
+    }
+
+    /// Energy in both springs [J].
+    pub(super) fn energy(&self) -> f64 {
+        let [normal, shear] = self.stiffness;
+        let in_normal = 0.5 * self.normal_force.norm_squared() / normal;
+        let in_shear = if shear > 0.0 {
+            0.5 * self.shear_force.norm_squared() / shear
+        } else {
+            0.0
+        };
+        in_normal + in_shear
+    }
+}

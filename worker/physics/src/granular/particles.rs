@@ -1,0 +1,56 @@
+//! Every sphere that collides, in the order of space rather than of the spec.
+use serde::{Deserialize, Serialize};
+
+use super::{contact::Kinematics, rows::Row};
+
+/// The particles: one entry each in every array. Scenes without friction have no spins.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Particles {
+    /// Centre [m] and radius [m].
+    pub(super) centres: Vec<Row>,
+    /// [m/s]; the fourth number is 0.
+    pub(super) velocities: Vec<Row>,
+    /// [rad/s].
+    pub(super) spins: Vec<Row>,
+    /// 1/m [1/kg] along each axis; 0 where fixed, and for members of clumps.
+    pub(super) inverse_masses: Vec<Row>,
+    /// 1/I [1/(kg m²)] about each axis, likewise.
+    pub(super) inverse_inertias: Vec<Row>,
+    /// Number of the particle in the order of the spec.
+    pub(super) numbers: Vec<u32>,
+    /// Body of the spec that it belongs to.
+    pub(super) owners: Vec<u32>,
+    /// Its material.
+    pub(super) surfaces: Vec<u16>,
+}
+
+impl Particles {
+    pub(super) fn len(&self) -> usize {
+        self.centres.len()
+    }
+
+    pub(super) fn kinematics(&self) -> Kinematics<'_> {
+        Kinematics {
+            centres: &self.centres,
+            velocities: &self.velocities,
+            spins: &self.spins,
+        }
+    }
+
+    /// Sorts: what was at `order[k]` comes to `k`.
+    pub(super) fn reorder(&mut self, order: &[u32]) {
+        fn sorted<T: Copy>(items: &mut Vec<T>, order: &[u32]) {
+            if !items.is_empty() {
+                *items = order.iter().map(|old| items[*old as usize]).collect();
+            }
+        }
+        sorted(&mut self.centres, order);
+        sorted(&mut self.velocities, order);
+        sorted(&mut self.spins, order);
+        sorted(&mut self.inverse_masses, order);
+        sorted(&mut self.inverse_inertias, order);
+        sorted(&mut self.numbers, order);
+        sorted(&mut self.owners, order);
+        sorted(&mut self.surfaces, order);
+    }
+}

@@ -1,0 +1,172 @@
+//! A patch: some two thousand particles that are neighbours, with their contacts.
+//!
+//! Patches are what threads share out. A step has two phases: first every patch works through its
+//! contacts, adding to its own particles and keeping in its [`Halo`] what acts on others'; then
+//! every patch fetches what is for it from the halos, in a fixed order, and moves its bodies. How a
+//! scene is cut into patches depends on the scene alone, so that results do not know how many
+//! threads there were.
+use std::ops::Range;
+
+use pulp::{Arch, Simd, WithSimd};
+use serde::{Deserialize, Serialize};
+
+use super::{
+    contact::{
+        Kinematics, Wrenches,
+        law::Law,
+        pairs::{Halo, PairList},
+        walls::{Face, WallList},
+    },
+    motion::{
+        Drive,
+        clump::{Clump, Members, Rotation},
+        spheres::{Spheres, Turning},
+    },
+    rows::Row,
+};
+
+/// Neighbouring particles and the contacts whose first particle is one of them.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub(super) struct Patch<F: Law> {
+    pub(super) particles: Range<usize>,
+    pub(super) clumps: Range<usize>,
+    /// Contacts within the patch.
+    pub(super) inner: PairList<F>,
+    /// Contacts with particles of later patches.
+    pub(super) outer: PairList<F>,
+    /// Contacts by plane.
+    pub(super) walls: Vec<WallList<F>>,
+    /// What to fetch from the halos of earlier patches, patch by patch.
+    pub(super) incoming: Vec<Incoming>,
+    /// On its particles, from the last step that was observed.
+    #[serde(skip)]
+    pub(super) wrenches: Wrenches,
+    /// On each plane, from the last step [N].
+    pub(super) plane_forces: Vec<[f64; 4]>,
+}
+
+/// Entries of a halo that act on particles of a patch.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Incoming {
+    pub(super) patch: usize,
+    /// Place in the halo, and particle counted from the patch's first.
+    pub(super) entries: Vec<[u32; 2]>,
+}
+
+/// The first phase for one patch.
+pub(super) struct Push<'a, F: Law> {
+    pub(super) patch: &'a mut Patch<F>,
+    pub(super) halo: &'a mut Halo,
+    pub(super) kinematics: Kinematics<'a>,
+    pub(super) faces: &'a [Face],
+    pub(super) time_step: f64,
+}
+
+impl<F: Law> Push<'_, F> {
+    /// Works through the contacts in the widest vectors of this machine.
+    pub(super) fn run(self) {
+        Arch::new().dispatch(self);
+    }
+}
+
+impl<F: Law> WithSimd for Push<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            patch,
+            halo,
+            kinematics,
+            faces,
+            time_step,
+        } = self;
+        let first = patch.particles.start;
+        let wrenches = &mut patch.wrenches;
+        wrenches.clear(patch.particles.len(), F::IS_ROUGH);
+        (patch.inner).push_inner(simd, kinematics, first, wrenches, time_step);
+        (patch.outer).push_outer(simd, kinematics, first, wrenches, halo, time_step);
+        patch.plane_forces.clear();
+        for (list, face) in patch.walls.iter_mut().zip(faces) {
+            let force = list.push(simd, face, kinematics, first, wrenches, time_step);
+            patch.plane_forces.push(force);
+        }
+    }
+}
+
+/// The bodies of one patch, for the second phase.
+pub(super) struct Bodies<'a> {
+    pub(super) centres: &'a mut [Row],
+    pub(super) velocities: &'a mut [Row],
+    pub(super) spins: &'a mut [Row],
+    pub(super) inverse_masses: &'a [Row],
+    pub(super) inverse_inertias: &'a [Row],
+    pub(super) clumps: &'a mut [Clump],
+}
+
+impl<F: Law> Patch<F> {
+    /// Strength a_N [N] and spring k_N [N/m] of each intact bond.
+    pub(super) fn bonds(&self) -> impl Iterator<Item = (f64, f64)> {
+        let held = self.inner.touching().chain(self.outer.touching());
+        let bonds = held.map(|(block, lane)| (block.law.past(lane).bond, block.stiffness[lane]));
+        let intact = bonds.filter(|(bond, _)| bond.is_intact);
+        intact.map(|(bond, stiffness)| (bond.strength[0], stiffness))
+    }
+
+    /// The second phase. Returns the square of an upper bound of the speeds.
+    pub(super) fn advance(
+        &mut self,
+        bodies: Bodies<'_>,
+        halos: &[Halo],
+        drive: &Drive,
+        rotation: Rotation,
+    ) -> f64 {
+        self.fetch(halos);
+        let first = self.particles.start;
+        // before the members move: their arms are those of the forces
+        for clump in &mut *bodies.clumps {
+            let [force, torque] = clump.wrench(&self.wrenches, bodies.centres, first);
+            clump.advance(drive, rotation, force, torque);
+        }
+        if F::IS_ROUGH {
+            let turning = Turning {
+                drive,
+                torques: &self.wrenches.torques,
+                inverse_inertias: bodies.inverse_inertias,
+                spins: &mut *bodies.spins,
+            };
+            turning.advance();
+        }
+        let spheres = Spheres {
+            drive,
+            forces: &self.wrenches.forces,
+            inverse_masses: bodies.inverse_masses,
+            velocities: &mut *bodies.velocities,
+            centres: &mut *bodies.centres,
+        };
+        let mut speed_square: f64 = spheres.advance().iter().sum();
+        for clump in bodies.clumps {
+            let members = &mut Members {
+                centres: &mut *bodies.centres,
+                velocities: &mut *bodies.velocities,
+                spins: &mut *bodies.spins,
+            };
+            speed_square = speed_square.max(clump.place(members, first));
+        }
+        speed_square
+    }
+
+    fn fetch(&mut self, halos: &[Halo]) {
+        for incoming in &self.incoming {
+            let halo = &halos[incoming.patch];
+            for [place, particle] in &incoming.entries {
+                let (place, particle) = (*place as usize, *particle as usize);
+                self.wrenches.forces[particle].add(halo.forces[place].0);
+                if F::IS_ROUGH {
+                    self.wrenches.torques[particle].add(halo.torques[place].0);
+                }
+            }
+        }
+    }
+}

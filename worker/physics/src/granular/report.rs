@@ -1,0 +1,269 @@
+//! Results of a run, and whether to believe them.
+use indexmap::IndexMap;
+use loadframe_api::{
+    BodyProperties, QualityCheck, Quantity, Report, Warning, spec::granular_scene::GranularScene,
+};
+
+use super::{Vector, contact::law::Law, engine::Engine, journal::Journal};
+
+/// δ/r beyond which a linear contact of stiff grains is not what it stands for.
+const LARGEST_OVERLAP: f64 = 0.05;
+/// Of the critical step; beyond it an undamped gas of grains gains 20 % energy in a minute's run.
+const LARGEST_STEP_RATIO: f64 = 0.4;
+/// Created over largest energy.
+const LARGEST_CREATION: f64 = 0.05;
+/// Escaped bodies named in the warning.
+const LISTED: usize = 5;
+
+pub(super) fn report<F: Law>(
+    spec: &GranularScene,
+    engine: &Engine<F>,
+    journal: &Journal,
+) -> Report {
+    let escaped = engine.escaped_bodies();
+    let quality = quality(engine, journal);
+    Report {
+        stop_reason: "stages_done".to_owned(),
+        summary: summary(spec, engine, journal, escaped.len()),
+        warnings: warnings(journal, &quality, &escaped),
+        quality,
+        bodies: if spec.describes_bodies() {
+            bodies(engine)
+        } else {
+            Vec::new()
+        },
+        work: IndexMap::from([
+            ("steps".to_owned(), engine.state.step),
+            (
+                "particle_steps".to_owned(),
+                engine.state.step * engine.state.particles.len() as u64,
+            ),
+            ("candidate_steps".to_owned(), journal.candidate_steps),
+            ("neighbour_searches".to_owned(), engine.state.lists),
+        ]),
+    }
+}
+
+fn summary<F: Law>(
+    spec: &GranularScene,
+    engine: &Engine<F>,
+    journal: &Journal,
+    escaped: usize,
+) -> IndexMap<String, Quantity> {
+    let last = &journal.last;
+    let mass: f64 = engine.model.masses.iter().sum();
+    let rows: [(&str, Option<f64>, &str, &str); 12] = [
+        (
+            "simulated_time",
+            Some(engine.state.time),
+            "s",
+            "Time at the end.",
+        ),
+        (
+            "steps",
+            Some(engine.state.step as f64),
+            "1",
+            "Time steps done.",
+        ),
+        (
+            "time_step",
+            Some(journal.time_step),
+            "s",
+            "The last time step.",
+        ),
+        (
+            "bodies",
+            Some(spec.bodies.len() as f64),
+            "1",
+            "Bodies of the scene.",
+        ),
+        (
+            "particles",
+            Some(engine.state.particles.len() as f64),
+            "1",
+            "Spheres, members of clumps included.",
+        ),
+        ("total_mass", Some(mass), "kg", "Mass of all bodies."),
+        (
+            "contacts",
+            Some(last.contacts as f64),
+            "1",
+            "Touching contacts at the end.",
+        ),
+        (
+            "coordination_number",
+            last.coordination,
+            "1",
+            "Contacts per movable body at the end.",
+        ),
+        (
+            "kinetic_energy",
+            Some(last.kinetic),
+            "J",
+            "Of movable bodies at the end.",
+        ),
+        (
+            "elastic_energy",
+            Some(last.elastic),
+            "J",
+            "In the contacts at the end.",
+        ),
+        (
+            "unbalanced_force_ratio",
+            last.unbalanced,
+            "1",
+            "Mean resultant force on a movable body over the mean contact force, at the end: near 0 at rest.",
+        ),
+        (
+            "escaped_bodies",
+            Some(escaped as f64),
+            "1",
+            "Movable bodies behind a plane, or farther from the first box of the scene than its diagonal.",
+        ),
+    ];
+    let mut summary: IndexMap<String, Quantity> = IndexMap::new();
+    for (name, value, unit, description) in rows {
+        let value = value.unwrap_or(f64::NAN);
+        summary.insert(name.to_owned(), Quantity::new(value, unit, description));
+    }
+    let made = engine.state.bonds_made;
+    if made > 0 {
+        let broken = made.saturating_sub(last.bonds);
+        for (name, count, description) in [
+            ("bonds", made, "Bonds made at the start."),
+            ("broken_bonds", broken, "Bonds that broke."),
+        ] {
+            summary.insert(
+                name.to_owned(),
+                Quantity::new(count as f64, "1", description),
+            );
+        }
+    }
+    summary
+}
+
+fn quality<F: Law>(engine: &Engine<F>, journal: &Journal) -> IndexMap<String, QualityCheck> {
+    let mut quality = IndexMap::from([
+        (
+            "largest_overlap_ratio".to_owned(),
+            QualityCheck::at_most(
+                journal.worst.overlap_ratio,
+                LARGEST_OVERLAP,
+                "1",
+                "Largest overlap seen over the smaller radius: grains this soft are not stiff grains.",
+            ),
+        ),
+        (
+            "step_over_critical".to_owned(),
+            QualityCheck::at_most(
+                journal.worst.step_ratio,
+                LARGEST_STEP_RATIO,
+                "1",
+                "Largest time step seen over the critical one of the contacts at that time.",
+            ),
+        ),
+    ]);
+    if !engine.model.has_driven_bodies {
+        quality.insert(
+            "created_energy_ratio".to_owned(),
+            QualityCheck::at_most(
+                journal.balance.created_ratio(),
+                LARGEST_CREATION,
+                "1",
+                "Energy that the integration made, over the largest kinetic and elastic energy.",
+            ),
+        );
+    }
+    quality
+}
+
+fn warnings(
+    journal: &Journal,
+    quality: &IndexMap<String, QualityCheck>,
+    escaped: &[u32],
+) -> Vec<Warning> {
+    let mut warnings: Vec<Warning> = quality
+        .iter()
+        .filter(|(_, check)| !check.ok)
+        .map(|(name, check)| {
+            let advice = match name.as_str() {
+                "largest_overlap_ratio" => "choose a higher Young's modulus".to_owned(),
+                _ => match journal.worst.critical {
+                    Some((critical, body, partner)) => format!(
+                        "choose a smaller time step; the smallest critical step seen was {critical:e} s, \
+                         set by body {body} and its contact with {partner}"
+                    ),
+                    None => "choose a smaller time step".to_owned(),
+                },
+            };
+            Warning {
+                code: name.clone(),
+                detail: format!("{} is {:.3e}, beyond {}: {advice}", name.replace('_', " "), check.value, check.bound),
+            }
+        })
+        .collect();
+    for stage in &journal.unsettled_stages {
+        warnings.push(Warning {
+            code: "not_settled".to_owned(),
+            detail: format!(
+                "stage {stage} ended before the bodies were at rest: give it more steps"
+            ),
+        });
+    }
+    if !escaped.is_empty() {
+        let listed: Vec<String> = escaped.iter().take(LISTED).map(u32::to_string).collect();
+        let more = if escaped.len() > LISTED { ", ..." } else { "" };
+        warnings.push(Warning {
+            code: "escaped_bodies".to_owned(),
+            detail: format!(
+                "{} bodies left the scene: {}{more}",
+                escaped.len(),
+                listed.join(", ")
+            ),
+        });
+    }
+    warnings
+}
+
+fn bodies<F: Law>(engine: &Engine<F>) -> Vec<BodyProperties> {
+    let state = &engine.state;
+    let mut bodies = Vec::with_capacity(engine.model.masses.len());
+    for (particle, owner) in state.particles.owners.iter().enumerate() {
+        let inertia = engine.model.sphere_inertias[*owner as usize];
+        if inertia > 0.0 {
+            let diagonal = nalgebra::Matrix3::from_diagonal_element(inertia);
+            bodies.push(properties(
+                *owner,
+                engine,
+                state.particles.centres[particle].vector(),
+                diagonal,
+            ));
+        }
+    }
+    for clump in &state.clumps {
+        bodies.push(properties(
+            clump.body,
+            engine,
+            clump.centre,
+            clump.global_inertia(),
+        ));
+    }
+    bodies.sort_by_key(|body| body.body);
+    bodies
+}
+
+fn properties<F: Law>(
+    body: u32,
+    engine: &Engine<F>,
+    centre: Vector,
+    inertia: nalgebra::Matrix3<f64>,
+) -> BodyProperties {
+    BodyProperties {
+        body,
+        mass_kg: engine.model.masses[body as usize],
+        centre_m: centre.into(),
+        inertia_kg_m2: std::array::from_fn(|row| {
+            std::array::from_fn(|column| inertia[(row, column)])
+        }),
+    }
+}

@@ -1,0 +1,487 @@
+//! A run: stages, steps, what is observed on the way, until the end.
+use loadframe_api::spec::granular_scene::{GranularScene, LARGEST_WAY, MovePlane, Stage, TimeStep};
+use serde::{Deserialize, Serialize};
+
+use super::{
+    contact::{law::Law, walls::Load},
+    engine::{Engine, State},
+    journal::{Journal, Reading},
+    observe::Energies,
+    report, snapshot, tables,
+    time_step::Critical,
+};
+use crate::{
+    Ending, Interrupt, Recorder, RunContext, SimulationError,
+    checkpoint::{self, CheckpointError},
+    parallel::Team,
+};
+
+/// Steps between looks at energies, overlaps and the critical step, beside those recorded.
+const STEPS_PER_LOOK: u64 = 256;
+/// Particle steps between looks for interrupts: some milliseconds of work.
+const WORK_PER_INTERRUPT_LOOK: u64 = 50_000;
+/// Created energy over the scale beyond which a run is not worth going on with.
+const RUNAWAY: f64 = 0.5;
+
+/// A state and the spec it belongs to.
+#[derive(Serialize, Deserialize)]
+#[serde(bound = "")]
+struct Checkpoint<F: Law> {
+    spec: [u8; 32],
+    journal: Journal,
+    state: State<F>,
+}
+
+/// The same, to be written without a copy.
+#[derive(Serialize)]
+#[serde(bound = "")]
+struct CheckpointOf<'a, F: Law> {
+    spec: [u8; 32],
+    journal: &'a Journal,
+    state: &'a State<F>,
+}
+
+struct Runner<'a, F: Law> {
+    spec: &'a GranularScene,
+    engine: Engine<F>,
+    journal: Journal,
+    recorded: Vec<u32>,
+    /// Part of the critical step that an automatic one takes; `None` when the step is given.
+    automatic: Option<f64>,
+    /// Critical step of contacts that may come, whether there are any now [s].
+    foreseen: f64,
+    smallest_radius: f64,
+    fingerprint: [u8; 32],
+}
+
+pub(super) fn run<F: Law>(
+    spec: &GranularScene,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<Ending, SimulationError> {
+    let mut runner = Runner::<F>::new(spec, Team::new(context.threads)?)?;
+    if let Some(bytes) = context.checkpoint {
+        let checkpoint: Checkpoint<F> = checkpoint::unpack(bytes)?;
+        if checkpoint.spec != runner.fingerprint {
+            return Err(CheckpointError::OtherSpec.into());
+        }
+        runner.journal = checkpoint.journal;
+        runner.engine.resume(checkpoint.state);
+    }
+    let columns = tables::curve_columns(spec);
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+    recorder.columns(&columns)?;
+    for row in runner.journal.curve.chunks_exact(columns.len()) {
+        recorder.point(row)?;
+    }
+    if context.checkpoint.is_none() {
+        runner.begin(recorder)?;
+    }
+    let mut work = 0;
+    while let Some(stage) = spec.stages.get(runner.journal.stage) {
+        runner.drive_planes(stage);
+        while !runner.is_stage_done(stage) {
+            work += runner.engine.state.particles.len() as u64 + 100;
+            if work > WORK_PER_INTERRUPT_LOOK {
+                work = 0;
+                match context.interrupt.interrupt() {
+                    Some(Interrupt::Cancel) => return Ok(Ending::Cancelled),
+                    Some(Interrupt::Suspend) => {
+                        runner.keep(recorder)?;
+                        return Ok(Ending::Suspended);
+                    }
+                    None => {}
+                }
+                runner.tell_progress(recorder);
+                if recorder.checkpoint_due() {
+                    runner.keep(recorder)?;
+                }
+            }
+            runner.load_planes(stage);
+            runner.step(recorder)?;
+        }
+        if matches!(stage, Stage::Settle(_)) && !runner.journal.is_settled {
+            runner.journal.unsettled_stages.push(runner.journal.stage);
+        }
+        runner.journal.is_settled = false;
+        runner.journal.stage += 1;
+        runner.journal.stage_steps = 0;
+        runner.journal.stage_start = runner.engine.state.time;
+    }
+    tables::write(spec, &runner.journal, recorder)?;
+    snapshot::write_series(&runner.journal, recorder)?;
+    recorder.progress(1.0, "finished");
+    Ok(Ending::Finished(report::report(
+        spec,
+        &runner.engine,
+        &runner.journal,
+    )))
+}
+
+impl<'a, F: Law> Runner<'a, F> {
+    fn new(spec: &'a GranularScene, team: Team) -> Result<Self, SimulationError> {
+        let engine = Engine::new(spec, team);
+        let of_spheres = spec
+            .critical_step_of_one_contact()
+            .map(|critical| critical.step);
+        let of_clumps = engine.critical_step_of_clumps();
+        let foreseen = of_spheres
+            .into_iter()
+            .chain(of_clumps)
+            .fold(f64::INFINITY, f64::min);
+        let movable = spec.bodies.iter().filter(|body| !body.is_held());
+        let smallest_radius = movable
+            .map(|body| body.smallest_radius())
+            .fold(f64::INFINITY, f64::min);
+        let bytes =
+            postcard::to_stdvec(spec).map_err(|error| CheckpointError::Form(error.to_string()))?;
+        let automatic = match spec.time_step_s {
+            TimeStep::Given(_) => None,
+            TimeStep::Automatic(_) => Some(spec.accuracy.knobs().critical_step_fraction),
+        };
+        Ok(Self {
+            spec,
+            engine,
+            journal: Journal::default(),
+            recorded: spec.recorded_bodies(),
+            automatic,
+            foreseen,
+            smallest_radius,
+            fingerprint: *blake3::hash(&bytes).as_bytes(),
+        })
+    }
+
+    /// Chooses the first time step and records the state before it.
+    fn begin(&mut self, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
+        self.engine.list();
+        // a push of no time finds out what touches and changes nothing
+        self.engine.push(0.0);
+        let contacts = self.engine.contacts();
+        let critical = self.engine.critical_step(&contacts);
+        self.journal.time_step = match self.spec.time_step_s {
+            TimeStep::Given(step) => {
+                if let Some(critical) = critical
+                    && step > critical.step
+                    && !self.spec.allow_unstable
+                {
+                    return Err(unstable(step, critical));
+                }
+                step
+            }
+            TimeStep::Automatic(_) => self.automatic_step(critical),
+        };
+        let state = &self.engine.state;
+        recorder.log(&format!(
+            "{} bodies ({} spheres), {} contacts, time step {:e} s",
+            self.spec.bodies.len(),
+            state.particles.len(),
+            contacts.len(),
+            self.journal.time_step
+        ));
+        self.journal
+            .worst
+            .see_step(self.journal.time_step, critical);
+        if self.spec.record.snapshot_every_steps > 0 {
+            self.picture(recorder, &contacts)?;
+        }
+        self.record(recorder, &contacts, critical)
+    }
+
+    fn picture(
+        &mut self,
+        recorder: &mut dyn Recorder,
+        contacts: &[super::observe::Contact],
+    ) -> Result<(), SimulationError> {
+        let state = &self.engine.state;
+        snapshot::take(&self.engine, contacts, recorder)?;
+        self.journal.snapshots.push((state.step, state.time));
+        Ok(())
+    }
+
+    fn step(&mut self, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
+        let next = self.engine.state.step + 1;
+        let every = self.spec.record.every_steps;
+        let is_last = self.is_last_step();
+        let is_recorded = next.is_multiple_of(every) || is_last;
+        let is_pictured = match self.spec.record.snapshot_every_steps {
+            0 => false,
+            every => next.is_multiple_of(every) || is_last,
+        };
+        let time_step = self.journal.time_step;
+        if is_recorded || is_pictured || next.is_multiple_of(STEPS_PER_LOOK) {
+            self.engine.push(time_step);
+            let contacts = self.engine.contacts();
+            let before = self.engine.kinetic_energy();
+            let gravitational = self.engine.gravitational_energy();
+            self.engine.advance(time_step);
+            self.journal.stage_steps += 1;
+            let kinetic = 0.5 * (before + self.engine.kinetic_energy());
+            let energies = Energies {
+                kinetic,
+                elastic: contacts.iter().map(|contact| contact.energy()).sum(),
+                gravitational,
+            };
+            let critical = self.engine.critical_step(&contacts);
+            self.look(&contacts, energies, critical)?;
+            let is_last = is_last || (self.journal.is_settled && self.is_last_stage());
+            if is_recorded || is_last {
+                self.record(recorder, &contacts, critical)?;
+            }
+            let is_closing = is_last && self.spec.record.snapshot_every_steps > 0;
+            if is_pictured || is_closing {
+                self.picture(recorder, &contacts)?;
+            }
+            if self.automatic.is_some() {
+                self.journal.time_step = self.automatic_step(critical);
+            }
+        } else {
+            self.engine.step(time_step);
+            self.journal.stage_steps += 1;
+        }
+        self.journal.candidate_steps += self.engine.candidates();
+        self.check_speed()
+    }
+
+    /// Keeps what an observation says about the quality of the run.
+    fn look(
+        &mut self,
+        contacts: &[super::observe::Contact],
+        energies: Energies,
+        critical: Option<Critical>,
+    ) -> Result<(), SimulationError> {
+        self.check_finite()?;
+        let journal = &mut self.journal;
+        // of a bond, the change of its overlap
+        let overlaps = contacts
+            .iter()
+            .map(|contact| contact.normal_force.norm() / contact.stiffness[0] / contact.radius);
+        journal.worst.overlap_ratio = overlaps.fold(journal.worst.overlap_ratio, f64::max);
+        journal.worst.see_step(journal.time_step, critical);
+        let movable = self
+            .engine
+            .model
+            .is_movable
+            .iter()
+            .filter(|movable| **movable)
+            .count();
+        let ends = contacts.iter().flat_map(|contact| contact.bodies);
+        let is_movable = |body: u32| self.engine.model.is_movable.get(body as usize) == Some(&true);
+        let ends = ends.filter(|body| is_movable(*body)).count();
+        journal.last = Reading {
+            kinetic: energies.kinetic,
+            elastic: energies.elastic,
+            gravitational: energies.gravitational,
+            contacts: contacts.len() as u64,
+            bonds: contacts.iter().filter(|contact| contact.is_bonded).count() as u64,
+            unbalanced: self.engine.unbalanced_force_ratio(contacts),
+            coordination: (movable > 0).then(|| ends as f64 / movable as f64),
+        };
+        if let Some(Stage::Settle(settle)) = self.spec.stages.get(journal.stage) {
+            let ratio = journal.last.unbalanced;
+            journal.is_settled = ratio.is_some_and(|ratio| ratio <= settle.unbalanced_force_ratio);
+        }
+        if self.engine.model.has_driven_bodies {
+            return Ok(());
+        }
+        journal.balance.add(&energies, self.engine.state.plane_work);
+        let created = journal.balance.created_ratio();
+        if created > RUNAWAY && !self.spec.allow_unstable {
+            return Err(SimulationError::EnergyGrowth {
+                step: self.engine.state.step,
+                created_j: journal.balance.created,
+                step_ratio: journal.worst.step_ratio,
+            });
+        }
+        Ok(())
+    }
+
+    fn record(
+        &mut self,
+        recorder: &mut dyn Recorder,
+        contacts: &[super::observe::Contact],
+        critical: Option<Critical>,
+    ) -> Result<(), SimulationError> {
+        let ratio = critical.map_or(0.0, |critical| self.journal.time_step / critical.step);
+        let row = tables::curve_row(self.spec, &self.engine, &self.journal, ratio);
+        recorder.point(&row)?;
+        self.journal.curve.extend(row);
+        self.engine
+            .body_rows(&self.recorded, &mut self.journal.bodies);
+        let step = self.engine.state.step;
+        if self.spec.record.contacts && step > 0 {
+            tables::contact_rows(step, contacts, &mut self.journal.contacts);
+        }
+        Ok(())
+    }
+
+    /// The part of the critical step that was asked for, and none that lets a body jump.
+    fn automatic_step(&self, critical: Option<Critical>) -> f64 {
+        let critical = critical
+            .map_or(f64::INFINITY, |critical| critical.step)
+            .min(self.foreseen);
+        let stable = self.automatic.unwrap_or(1.0) * critical;
+        let speed = self
+            .engine
+            .state
+            .speed_bound
+            .max(self.engine.largest_speed());
+        // half the way that is allowed, so that a body may gain speed before the next look
+        let way = 0.5 * LARGEST_WAY * self.smallest_radius / speed;
+        let step = stable.min(way);
+        if step.is_finite() { step } else { FREE_STEP }
+    }
+
+    fn is_stage_done(&self, stage: &Stage) -> bool {
+        self.journal.is_settled || self.steps_left(stage) <= 0.0
+    }
+
+    fn is_last_stage(&self) -> bool {
+        self.journal.stage + 1 == self.spec.stages.len()
+    }
+
+    fn is_last_step(&self) -> bool {
+        let last = self.spec.stages.last();
+        self.is_last_stage() && last.is_some_and(|stage| self.steps_left(stage) <= 1.0)
+    }
+
+    /// Steps that a stage still takes with the present time step.
+    fn steps_left(&self, stage: &Stage) -> f64 {
+        let duration = stage.duration();
+        match (duration.steps, duration.time_s) {
+            (Some(steps), _) => steps.saturating_sub(self.journal.stage_steps) as f64,
+            (None, Some(time)) => {
+                let left = self.journal.stage_start + time - self.engine.state.time;
+                // a hair of a step is round-off
+                (left / self.journal.time_step - 1e-6).ceil()
+            }
+            (None, None) => 0.0,
+        }
+    }
+
+    fn drive_planes(&mut self, stage: &Stage) {
+        for (plane, face) in self
+            .engine
+            .model
+            .planes
+            .iter()
+            .zip(&mut self.engine.state.faces)
+        {
+            face.load = None;
+            face.velocity = match stage {
+                Stage::MovePlane(MovePlane {
+                    name,
+                    velocity_m_per_s,
+                    ..
+                }) if *name == plane.name => *velocity_m_per_s,
+                Stage::LoadPlane(load) if load.name == plane.name => {
+                    face.load = Some(Load {
+                        force: load.force_n,
+                        mass: load.mass_kg,
+                    });
+                    // a stage that was begun goes on at the speed it had
+                    if self.journal.stage_steps > 0 {
+                        face.velocity
+                    } else {
+                        0.0
+                    }
+                }
+                _ => 0.0,
+            };
+        }
+    }
+
+    /// The force of this moment on the planes that are under one.
+    fn load_planes(&mut self, stage: &Stage) {
+        if let Stage::LoadPlane(load) = stage {
+            let time = self.engine.state.time - self.journal.stage_start;
+            for face in &mut self.engine.state.faces {
+                if let Some(on_face) = &mut face.load {
+                    on_face.force = load.force_at(time);
+                }
+            }
+        }
+    }
+
+    fn check_speed(&self) -> Result<(), SimulationError> {
+        let time_step = self.journal.time_step;
+        let allowed = LARGEST_WAY * self.smallest_radius;
+        if self.engine.state.speed_bound * time_step <= allowed || self.automatic.is_some() {
+            return Ok(());
+        }
+        match self.engine.first_jump(time_step, LARGEST_WAY) {
+            Some((body, speed, radius)) if !self.spec.allow_unstable => {
+                Err(SimulationError::TooFast {
+                    body,
+                    step: self.engine.state.step,
+                    speed_m_per_s: speed,
+                    largest_step_s: LARGEST_WAY * radius / speed,
+                })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_finite(&self) -> Result<(), SimulationError> {
+        match self.engine.first_not_finite() {
+            Some((body, quantity)) => Err(SimulationError::BodyNotFinite {
+                body,
+                step: self.engine.state.step,
+                quantity,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn keep(&self, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
+        let checkpoint = CheckpointOf {
+            spec: self.fingerprint,
+            journal: &self.journal,
+            state: &self.engine.state,
+        };
+        recorder.checkpoint(&checkpoint::pack(&checkpoint)?)?;
+        Ok(())
+    }
+
+    fn tell_progress(&self, recorder: &mut dyn Recorder) {
+        let steps = |stage: &Stage| {
+            let duration = stage.duration();
+            let by_time = duration.time_s.map(|time| time / self.journal.time_step);
+            duration
+                .steps
+                .map(|steps| steps as f64)
+                .or(by_time)
+                .unwrap_or(0.0)
+        };
+        let all: f64 = self.spec.stages.iter().map(steps).sum();
+        let before: f64 = self.spec.stages[..self.journal.stage]
+            .iter()
+            .map(steps)
+            .sum();
+        let fraction = (before + self.journal.stage_steps as f64) / all.max(1.0);
+        let stage = self
+            .spec
+            .stages
+            .get(self.journal.stage)
+            .map_or("", Stage::name);
+        let phase = format!(
+            "stage {} of {}, {stage}, step {}, {:.6} s",
+            self.journal.stage + 1,
+            self.spec.stages.len(),
+            self.engine.state.step,
+            self.engine.state.time
+        );
+        recorder.progress(fraction.clamp(0.0, 0.999), &phase);
+    }
+}
+
+/// Step of a scene in which nothing can touch [s].
+const FREE_STEP: f64 = 1e-3;
+
+fn unstable(step: f64, critical: Critical) -> SimulationError {
+    SimulationError::Unstable {
+        given_s: step,
+        critical_s: critical.step,
+        body: critical.body as usize,
+        partner: critical.partner as usize,
+    }
+}

@@ -1,0 +1,224 @@
+//! From spec to model: what a scene is made of, resolved and in SI, and the state it starts from.
+use loadframe_api::spec::granular_scene::{
+    Body, BondRestLength, Convention, GranularScene, Material,
+};
+use nalgebra::UnitQuaternion;
+
+use super::{
+    Vector,
+    clump_geometry::{mass_properties, principal_axes},
+    contact::{stiffness::Surface, walls::Face},
+    motion::clump::{Clump, Rotation},
+    particles::Particles,
+    rows::Row,
+    sphere::Sphere,
+};
+
+/// What stays as it is during a run.
+#[derive(Clone, Debug)]
+pub(super) struct Model {
+    /// By number of material, in the order of names.
+    pub(super) surfaces: Vec<Surface>,
+    /// Whether anything has friction or cohesion.
+    pub(super) is_rough: bool,
+    /// Whether a bond rests where it is made, and not where its spheres just touch.
+    pub(super) bonds_rest_as_made: bool,
+    pub(super) gravity: Vector,
+    pub(super) damping: f64,
+    pub(super) rotation: Rotation,
+    pub(super) planes: Vec<PlaneModel>,
+    /// Mass of each body of the spec [kg].
+    pub(super) masses: Vec<f64>,
+    /// Whether each body has a degree of freedom.
+    pub(super) is_movable: Vec<bool>,
+    /// Inertia of each sphere body about its centre [kg m²]; 0 for clumps, which know their own.
+    pub(super) sphere_inertias: Vec<f64>,
+    /// Whether a body is moved at a velocity of its own along a fixed degree of freedom, so that work
+    /// is done on the scene that is not measured.
+    pub(super) has_driven_bodies: bool,
+    /// Box of all bodies and planes at the start [m].
+    pub(super) first_box: (Vector, Vector),
+    /// Orientation of each clump's principal axes at the start; none for spheres.
+    pub(super) orientations: Vec<UnitQuaternion<f64>>,
+    /// Spin that each body starts with [rad/s].
+    pub(super) spins: Vec<Vector>,
+}
+
+/// A plane of the spec.
+#[derive(Clone, Debug)]
+pub(super) struct PlaneModel {
+    pub(super) name: String,
+    pub(super) surface: usize,
+    pub(super) face: Face,
+}
+
+/// I/(m r²) of a solid sphere.
+const SPHERE_INERTIA: f64 = 0.4;
+
+impl Model {
+    pub(super) fn new(spec: &GranularScene) -> Self {
+        let names: Vec<&String> = spec.materials.keys().collect();
+        let number = |name: &String| names.binary_search(&name).unwrap_or_default();
+        let planes = spec.planes.iter().map(|plane| PlaneModel {
+            name: plane.name.clone(),
+            surface: number(&plane.material),
+            face: Face {
+                axis: plane.axis.index(),
+                facing: f64::from(plane.facing),
+                position: plane.position_m,
+                velocity: 0.0,
+                load: None,
+            },
+        });
+        let rough =
+            |material: &Material| material.friction_angle_rad > 0.0 || material.is_cohesive();
+        Self {
+            surfaces: spec.materials.values().map(Surface::new).collect(),
+            is_rough: spec.materials.values().any(rough),
+            bonds_rest_as_made: spec.laws.bond_rest_length == BondRestLength::Initial,
+            gravity: Vector::from(spec.gravity_m_per_s2),
+            damping: spec.laws.local_damping,
+            rotation: match spec.laws.convention {
+                Convention::Loadframe => Rotation::Splitting,
+                Convention::Yade => Rotation::Fincham,
+            },
+            planes: planes.collect(),
+            masses: Vec::new(),
+            is_movable: spec.bodies.iter().map(|body| !body.is_held()).collect(),
+            sphere_inertias: Vec::new(),
+            has_driven_bodies: spec.bodies.iter().any(is_driven),
+            first_box: first_box(spec),
+            orientations: Vec::new(),
+            spins: spec
+                .bodies
+                .iter()
+                .map(|body| Vector::from(body.angular_velocity_rad_per_s))
+                .collect(),
+        }
+    }
+}
+
+/// The model of `spec`, its particles in the order of the spec, and its clumps.
+pub(super) fn build(spec: &GranularScene) -> (Model, Particles, Vec<Clump>) {
+    let mut model = Model::new(spec);
+    let names: Vec<&String> = spec.materials.keys().collect();
+    let mut particles = Particles::default();
+    let mut clumps = Vec::new();
+    for (number, body) in (0..).zip(&spec.bodies) {
+        let material = names.binary_search(&&body.material).unwrap_or_default();
+        let density = spec.materials[&body.material].density_kg_per_m3;
+        let shape: Vec<Sphere> = body
+            .spheres()
+            .map(|(centre, radius)| Sphere::new(Vector::from(centre), radius))
+            .collect();
+        let first = particles.centres.len();
+        let (mass, inertia, orientation) = if body.sphere.is_some() {
+            let mass = density * shape[0].volume();
+            let inertia = SPHERE_INERTIA * mass * shape[0].radius.powi(2);
+            (mass, inertia, UnitQuaternion::identity())
+        } else {
+            let clump = clump(number, body, &shape, density, first as u32);
+            let (mass, orientation) = (clump.mass, clump.orientation);
+            clumps.push(clump);
+            (mass, 0.0, orientation)
+        };
+        model.orientations.push(orientation);
+        model.masses.push(mass);
+        model.sphere_inertias.push(inertia);
+        let is_sphere = body.sphere.is_some();
+        // what a clump's members do follows from the clump
+        let inverse = |value: f64, fixed: [bool; 3]| {
+            let parts = fixed.map(|fixed| {
+                if fixed || !is_sphere {
+                    0.0
+                } else {
+                    1.0 / value
+                }
+            });
+            Row([parts[0], parts[1], parts[2], 0.0])
+        };
+        let fixed = fixed(body);
+        for sphere in &shape {
+            particles
+                .centres
+                .push(Row::new(sphere.centre, sphere.radius));
+            particles
+                .velocities
+                .push(Row::new(Vector::from(body.velocity_m_per_s), 0.0));
+            particles
+                .inverse_masses
+                .push(inverse(mass, [fixed[0], fixed[1], fixed[2]]));
+            particles.owners.push(number);
+            particles.surfaces.push(material as u16);
+            if model.is_rough {
+                particles
+                    .spins
+                    .push(Row::new(Vector::from(body.angular_velocity_rad_per_s), 0.0));
+                particles
+                    .inverse_inertias
+                    .push(inverse(inertia, [fixed[3], fixed[4], fixed[5]]));
+            }
+        }
+    }
+    particles.numbers = (0..particles.centres.len() as u32).collect();
+    (model, particles, clumps)
+}
+
+fn clump(number: u32, body: &Body, shape: &[Sphere], density: f64, first: u32) -> Clump {
+    let properties = mass_properties(shape);
+    let axes = principal_axes(&properties.inertia);
+    let orientation = UnitQuaternion::from_rotation_matrix(&axes.rotation);
+    let centre = properties.centroid;
+    let offsets = shape
+        .iter()
+        .map(|sphere| orientation.inverse_transform_vector(&(sphere.centre - centre)));
+    let spin = Vector::from(body.angular_velocity_rad_per_s);
+    let mut clump = Clump {
+        body: number,
+        first,
+        offsets: offsets.collect(),
+        mass: density * properties.volume,
+        inertia: density * axes.moments,
+        centre,
+        velocity: Vector::from(body.velocity_m_per_s),
+        orientation,
+        angular_momentum: Vector::zeros(),
+        spin,
+        fixed: fixed(body),
+    };
+    clump.angular_momentum = clump.momentum_of(spin);
+    clump
+}
+
+/// Whether a fixed degree of freedom has a velocity.
+fn is_driven(body: &Body) -> bool {
+    let velocities = body
+        .velocity_m_per_s
+        .iter()
+        .chain(&body.angular_velocity_rad_per_s);
+    let mut pairs = fixed(body).into_iter().zip(velocities);
+    pairs.any(|(fixed, velocity)| fixed && *velocity != 0.0)
+}
+
+fn first_box(spec: &GranularScene) -> (Vector, Vector) {
+    let mut low = Vector::repeat(f64::INFINITY);
+    let mut high = Vector::repeat(f64::NEG_INFINITY);
+    for (centre, radius) in spec.bodies.iter().flat_map(Body::spheres) {
+        low = low.inf(&Vector::from(centre).add_scalar(-radius));
+        high = high.sup(&Vector::from(centre).add_scalar(radius));
+    }
+    for plane in &spec.planes {
+        let axis = plane.axis.index();
+        low[axis] = low[axis].min(plane.position_m);
+        high[axis] = high[axis].max(plane.position_m);
+    }
+    (low, high)
+}
+
+fn fixed(body: &Body) -> [bool; 6] {
+    let mut fixed = [false; 6];
+    for degree in &body.fixed {
+        fixed[degree.index()] = true;
+    }
+    fixed
+}

@@ -1,0 +1,140 @@
+//! Pictures of a scene for ParaView.
+//!
+//! Particles are points in the order of the spec, so that filters over time find the same ones; to
+//! see spheres, use the filter Glyph, scaled by `radius_m` (the point is the centre). Contacts are
+//! lines from centre to centre, or from a centre to its foot on a plane.
+use std::io;
+
+use super::{contact::law::Law, engine::Engine, journal::Journal, observe::Contact};
+use crate::{
+    Recorder,
+    vtk::{Array, Lines, Points, Series},
+};
+
+fn particles_name(step: u64) -> String {
+    format!("snapshots/step_{step:09}.vtp")
+}
+
+fn contacts_name(step: u64) -> String {
+    format!("snapshots/contacts_{step:09}.vtp")
+}
+
+/// Writes particles and contacts as they are now.
+pub(super) fn take<F: Law>(
+    engine: &Engine<F>,
+    contacts: &[Contact],
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
+    let step = engine.state.step;
+    take_particles(engine, contacts, &particles_name(step), recorder)?;
+    take_contacts(engine, contacts, &contacts_name(step), recorder)
+}
+
+fn take_particles<F: Law>(
+    engine: &Engine<F>,
+    contacts: &[Contact],
+    name: &str,
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
+    let particles = &engine.state.particles;
+    let count = particles.len();
+    let mut touching = vec![0; count];
+    for contact in contacts {
+        touching[contact.particles.0] += 1;
+        if let Some(other) = contact.particles.1 {
+            touching[other] += 1;
+        }
+    }
+    // where each particle of the spec is in memory
+    let mut places = vec![0; count];
+    for (place, number) in particles.numbers.iter().enumerate() {
+        places[*number as usize] = place;
+    }
+    let mut points = Vec::with_capacity(count);
+    let mut radii = Vec::with_capacity(count);
+    let mut velocities = Vec::with_capacity(3 * count);
+    let mut spins = Vec::with_capacity(3 * count);
+    let mut bodies = Vec::with_capacity(count);
+    let mut coordination = Vec::with_capacity(count);
+    for place in places {
+        let [x, y, z, radius] = particles.centres[place].0;
+        points.push([x, y, z]);
+        radii.push(radius);
+        velocities.extend_from_slice(&particles.velocities[place].0[..3]);
+        let body = particles.owners[place];
+        let spin = particles.spins.get(place).map(|spin| spin.vector());
+        spins.extend(spin.unwrap_or(engine.model.spins[body as usize]).iter());
+        bodies.push(body as i32);
+        coordination.push(touching[place]);
+    }
+    let data = [
+        Array::scalars("radius_m", &radii),
+        Array::vectors("velocity_m_per_s", &velocities),
+        Array::vectors("angular_velocity_rad_per_s", &spins),
+        Array::indices("body", &bodies),
+        Array::indices("coordination", &coordination),
+    ];
+    let picture = Points {
+        points: &points,
+        data: &data,
+    };
+    recorder.file(name, &mut |out| picture.write(out))
+}
+
+fn take_contacts<F: Law>(
+    engine: &Engine<F>,
+    contacts: &[Contact],
+    name: &str,
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
+    let centres = &engine.state.particles.centres;
+    let mut points = Vec::with_capacity(2 * contacts.len());
+    let mut forces = Vec::with_capacity(3 * contacts.len());
+    let (mut normal, mut shear, mut overlap) = (Vec::new(), Vec::new(), Vec::new());
+    for contact in contacts {
+        let (a, b) = contact.particles;
+        let centre = &centres[a];
+        let end = match b {
+            Some(b) => centres[b].vector(),
+            None => centre.vector() + contact.normal * (centre.0[3] - contact.overlap),
+        };
+        points.push(centre.vector().into());
+        points.push(end.into());
+        forces.extend((contact.normal_force + contact.shear_force).iter());
+        normal.push(contact.normal_force.norm());
+        shear.push(contact.shear_force.norm());
+        overlap.push(contact.overlap);
+    }
+    let ends: Vec<[u32; 2]> = (0..contacts.len() as u32)
+        .map(|line| [2 * line, 2 * line + 1])
+        .collect();
+    let lines = Lines {
+        points: &points,
+        ends: &ends,
+        point_data: &[],
+        cell_data: &[
+            Array::scalars("normal_force_n", &normal),
+            Array::scalars("shear_force_n", &shear),
+            Array::vectors("force_n", &forces),
+            Array::scalars("overlap_m", &overlap),
+        ],
+    };
+    recorder.file(name, &mut |out| lines.write(out))
+}
+
+/// Writes the series of all snapshots, played over time.
+pub(super) fn write_series(journal: &Journal, recorder: &mut dyn Recorder) -> io::Result<()> {
+    if journal.snapshots.is_empty() {
+        return Ok(());
+    }
+    for (file, name) in [
+        ("snapshots.pvd", particles_name as fn(u64) -> String),
+        ("contacts.pvd", contacts_name),
+    ] {
+        let entry = |(step, time): &(u64, f64)| (*time, name(*step));
+        let entries = journal.snapshots.iter().map(entry).collect();
+        let series = Series { entries };
+        recorder.file(file, &mut |out| series.write(out))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,216 @@
+//! The tables a run leaves behind.
+use std::io::{self, Write};
+
+use loadframe_api::spec::granular_scene::GranularScene;
+
+use super::{
+    contact::law::Law, engine::Engine, journal::Journal, motion::clump::Clump, observe::Contact,
+};
+use crate::{Recorder, csv};
+
+const BODY_COLUMNS: [&str; 16] = [
+    "step",
+    "time_s",
+    "body",
+    "x_m",
+    "y_m",
+    "z_m",
+    "vx_m_per_s",
+    "vy_m_per_s",
+    "vz_m_per_s",
+    "wx_rad_per_s",
+    "wy_rad_per_s",
+    "wz_rad_per_s",
+    "qw",
+    "qx",
+    "qy",
+    "qz",
+];
+
+const CONTACT_COLUMNS: [&str; 14] = [
+    "step",
+    "body_a",
+    "body_b",
+    "overlap_m",
+    "normal_x",
+    "normal_y",
+    "normal_z",
+    "fn_x_n",
+    "fn_y_n",
+    "fn_z_n",
+    "fs_x_n",
+    "fs_y_n",
+    "fs_z_n",
+    "bonded",
+];
+
+/// Columns of the curve that every scene has.
+const READINGS: [&str; 6] = [
+    "kinetic_energy_j",
+    "elastic_energy_j",
+    "contacts",
+    "coordination_number",
+    "unbalanced_force_ratio",
+    "step_over_critical",
+];
+
+/// Columns of the curve: place in the run, recorded planes, readings.
+pub(super) fn curve_columns(spec: &GranularScene) -> Vec<String> {
+    let place = ["step", "time_s", "stage"].map(str::to_owned);
+    let planes = spec.record.planes.iter().flat_map(|plane| {
+        [
+            format!("{plane}_displacement_m"),
+            format!("{plane}_force_n"),
+        ]
+    });
+    place
+        .into_iter()
+        .chain(planes)
+        .chain(READINGS.map(str::to_owned))
+        .collect()
+}
+
+/// A row of the curve. Unknown readings are left at 0.
+pub(super) fn curve_row<F: Law>(
+    spec: &GranularScene,
+    engine: &Engine<F>,
+    journal: &Journal,
+    step_ratio: f64,
+) -> Vec<f64> {
+    let state = &engine.state;
+    let mut row = vec![state.step as f64, state.time, journal.stage as f64];
+    for name in &spec.record.planes {
+        let plane = engine
+            .model
+            .planes
+            .iter()
+            .position(|plane| plane.name == *name);
+        let Some(plane) = plane else { continue };
+        let face = &state.faces[plane];
+        row.push(face.position - engine.model.planes[plane].face.position);
+        row.push(engine.plane_force(plane)[face.axis]);
+    }
+    let reading = &journal.last;
+    row.extend([
+        reading.kinetic,
+        reading.elastic,
+        reading.contacts as f64,
+        reading.coordination.unwrap_or(0.0),
+        reading.unbalanced.unwrap_or(0.0),
+        step_ratio,
+    ]);
+    row
+}
+
+impl<F: Law> Engine<F> {
+    /// Adds the rows of these bodies of the spec to `table`.
+    pub(super) fn body_rows(&self, bodies: &[u32], table: &mut Vec<f64>) {
+        let state = &self.state;
+        let mut places = vec![Place::Missing; self.model.masses.len()];
+        for (particle, owner) in state.particles.owners.iter().enumerate() {
+            places[*owner as usize] = Place::Sphere(particle);
+        }
+        for (clump, owner) in state.clumps.iter().enumerate() {
+            places[owner.body as usize] = Place::Clump(clump);
+        }
+        for body in bodies {
+            let [position, velocity, spin] = match places[*body as usize] {
+                Place::Missing => continue,
+                Place::Sphere(particle) => {
+                    let particles = &state.particles;
+                    let spin = particles.spins.get(particle);
+                    let initial = self.model.spins[*body as usize];
+                    [
+                        particles.centres[particle].vector(),
+                        particles.velocities[particle].vector(),
+                        // without friction nothing turns a sphere
+                        spin.map_or(initial, |spin| spin.vector()),
+                    ]
+                }
+                Place::Clump(clump) => {
+                    let clump = &state.clumps[clump];
+                    [clump.centre, clump.velocity, clump.spin]
+                }
+            };
+            table.extend([state.step as f64, state.time, f64::from(*body)]);
+            for vector in [position, velocity, spin] {
+                table.extend(vector.iter());
+            }
+            table.extend(match places[*body as usize] {
+                Place::Clump(clump) => {
+                    state.clumps[clump].turned(&self.model.orientations[*body as usize])
+                }
+                // the turning of a sphere is not followed: it cannot be seen
+                _ => [1.0, 0.0, 0.0, 0.0],
+            });
+        }
+    }
+}
+
+/// Where a body of the spec is in memory.
+#[derive(Clone, Copy)]
+enum Place {
+    Missing,
+    Sphere(usize),
+    Clump(usize),
+}
+
+impl Clump {
+    /// Rotation since the start as a quaternion w, x, y, z.
+    fn turned(&self, start: &nalgebra::UnitQuaternion<f64>) -> [f64; 4] {
+        let turn = self.orientation * start.inverse();
+        [turn.w, turn.i, turn.j, turn.k]
+    }
+}
+
+/// Adds the rows of these contacts to `table`.
+pub(super) fn contact_rows(step: u64, contacts: &[Contact], table: &mut Vec<f64>) {
+    for contact in contacts {
+        table.extend([
+            step as f64,
+            f64::from(contact.bodies[0]),
+            f64::from(contact.bodies[1]),
+            contact.overlap,
+        ]);
+        for vector in [contact.normal, contact.normal_force, contact.shear_force] {
+            table.extend(vector.iter());
+        }
+        table.push(f64::from(u8::from(contact.is_bonded)));
+    }
+}
+
+/// Gives all tables to the recorder.
+pub(super) fn write(
+    spec: &GranularScene,
+    journal: &Journal,
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
+    let columns = curve_columns(spec);
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+    table(recorder, "curve.csv", &columns, &journal.curve)?;
+    if !spec.recorded_bodies().is_empty() {
+        table(recorder, "bodies.csv", &BODY_COLUMNS, &journal.bodies)?;
+    }
+    if spec.record.contacts {
+        table(
+            recorder,
+            "contacts.csv",
+            &CONTACT_COLUMNS,
+            &journal.contacts,
+        )?;
+    }
+    Ok(())
+}
+
+fn table(
+    recorder: &mut dyn Recorder,
+    name: &str,
+    columns: &[&str],
+    rows: &[f64],
+) -> io::Result<()> {
+    recorder.file(name, &mut |out: &mut dyn Write| {
+        csv::header(out, columns)?;
+        let mut rows = rows.chunks_exact(columns.len());
+        rows.try_for_each(|row| csv::row(out, row))
+    })
+}

@@ -1,0 +1,83 @@
+//! A bond carries what it should and breaks at its strength, in pull and in shear.
+use serde_json::{Value, json};
+
+use super::{assert_close, contact, run};
+
+const RADIUS: f64 = 0.01;
+const STEP: f64 = 1e-6;
+/// c r² with c = 1 MPa and 2 MPa.
+const NORMAL_STRENGTH: f64 = 100.0;
+const SHEAR_STRENGTH: f64 = 200.0;
+/// E r, and the same with ν = 0.3.
+const NORMAL_STIFFNESS: f64 = 1e6;
+const SHEAR_STIFFNESS: f64 = 3e5;
+
+/// Two bonded spheres along x, `overlap` deep, the second driven away at `velocity` without turning.
+fn driven(overlap: f64, velocity: [f64; 3], steps: u64) -> Value {
+    json!({
+        "version": 1, "gravity_m_per_s2": [0, 0, 0],
+        "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e8, "stiffness_ratio": 0.3, "friction_angle_rad": 0.5,
+                                "normal_cohesion_pa": 1e6, "shear_cohesion_pa": 2e6}},
+        "bodies": [
+            {"sphere": {"radius_m": RADIUS}, "material": "stone", "position_m": [0, 0, 0], "fixed": ["x", "y", "z", "rx", "ry", "rz"]},
+            // one free rotation, which nothing drives: pairs that cannot move are not looked at
+            {"sphere": {"radius_m": RADIUS}, "material": "stone", "position_m": [2.0 * RADIUS - overlap, 0, 0],
+             "velocity_m_per_s": velocity, "fixed": ["x", "y", "z", "ry", "rz"]}],
+        "time_step_s": STEP,
+        "stages": [{"run": {"steps": steps}}],
+        "record": {"every_steps": 1, "contacts": true}
+    })
+}
+
+#[test]
+fn a_bond_breaks_at_its_tensile_strength() {
+    for overlap in [0.0, 0.004] {
+        let speed = 0.1;
+        let (report, record) = run(&driven(overlap, [speed, 0.0, 0.0], 2000));
+        // F = k v t reaches a_N in the middle of the run
+        let breaks = (NORMAL_STRENGTH / (NORMAL_STIFFNESS * speed) / STEP) as u64;
+        let (_, [normal, force, shear]) = contact(&record, breaks - 1, [0, 1]).expect("it holds");
+        assert_close(normal[0], 1.0, 1e-12);
+        // pulled back; the first step does not move yet
+        assert_close(
+            force[0],
+            -NORMAL_STIFFNESS * speed * STEP * (breaks - 2) as f64,
+            1e-6,
+        );
+        assert_close(shear[1], 0.0, 1e-12);
+        let later = contact(&record, breaks + 3, [0, 1]);
+        match later {
+            None => assert!(overlap == 0.0, "they are still inside each other"),
+            // broken inside each other: without force, and not thrown apart
+            Some((_, [_, force, _])) => assert_close(force[0], 0.0, 0.0),
+        }
+        assert_eq!(report.summary["bonds"].value, Some(1.0));
+        assert_eq!(report.summary["broken_bonds"].value, Some(1.0));
+    }
+}
+
+#[test]
+fn a_bond_breaks_at_its_shear_strength() {
+    let speed = 0.5;
+    let (report, record) = run(&driven(0.0, [0.0, speed, 0.0], 2000));
+    let rows = record.table("contacts.csv");
+    let shear = |row: &Vec<f64>| row[10..13].iter().map(|f| f * f).sum::<f64>().sqrt();
+    let strongest = rows
+        .iter()
+        .filter(|row| row[13] > 0.5)
+        .map(shear)
+        .fold(0.0, f64::max);
+    // moving across, the spheres also part by d²/4r, and F_N tan φ is taken off
+    let way = SHEAR_STRENGTH / SHEAR_STIFFNESS;
+    let pull = NORMAL_STIFFNESS * way * way / (4.0 * RADIUS);
+    let expected = SHEAR_STRENGTH - pull * 0.5_f64.tan();
+    assert_close(strongest, expected, 0.02 * expected);
+    assert_eq!(report.summary["broken_bonds"].value, Some(1.0));
+}
+
+#[test]
+fn a_loaded_bond_below_its_strength_holds() {
+    let (report, _) = run(&driven(0.002, [0.05, 0.0, 0.0], 1000));
+    assert_eq!(report.summary["broken_bonds"].value, Some(0.0));
+    assert_eq!(report.summary["contacts"].value, Some(1.0));
+}
