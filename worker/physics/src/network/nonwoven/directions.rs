@@ -44,6 +44,7 @@ pub(super) fn join(directions: &[Direction], reports: &[Report]) -> Report {
         quality: worst_quality(reports, "The worse of both directions."),
         warnings: warnings.collect(),
         work: total_work(reports),
+        bodies: Vec::new(),
     }
 }
 

@@ -46,7 +46,9 @@ mod tests {
     use super::*;
 
     fn steps_of(strain_step: f64, max_strain: f64, strains: &[f64]) -> Vec<u64> {
-        let loadframe_api::JobSpec::NonwovenTensile(mut spec) = crate::calibration_spec();
+        let loadframe_api::JobSpec::NonwovenTensile(mut spec) = crate::calibration_spec() else {
+            panic!("the calibration pulls a nonwoven");
+        };
         spec.test.strain_step = strain_step;
         spec.test.max_strain = max_strain;
         spec.output.force_distribution_strains = strains.to_vec();

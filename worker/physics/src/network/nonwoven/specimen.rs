@@ -276,7 +276,9 @@ mod tests {
 
     #[test]
     fn bonds_have_the_same_strength_in_both_directions() {
-        let loadframe_api::JobSpec::NonwovenTensile(mut spec) = crate::calibration_spec();
+        let loadframe_api::JobSpec::NonwovenTensile(mut spec) = crate::calibration_spec() else {
+            panic!("the calibration pulls a nonwoven");
+        };
         let upright = Specimen::new(&spec).expect("a lattice");
         spec.test.directions = vec![Direction::X];
         let turned = Specimen::new(&spec).expect("a lattice");
