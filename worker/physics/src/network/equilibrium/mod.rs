@@ -3,7 +3,8 @@
 //! Equilibrium means that the resultant of every free node is within
 //! F_lim = (e ε + f_r ε²)/A_cc (8) of [Zilka2022] eq. 3-4, or within what rounding alone explains.
 //!
-//! - [`newton_cg`] descends the energy of the whole network (default);
+//! - [`newton_cg`] descends the energy of the whole network (default), its steps found by
+//!   [`conjugate_gradients`] with [`block_jacobi`] for short waves and [`multigrid`] for long ones;
 //! - [`sequential`] moves node after node into its own balance, the thesis' relaxation;
 //! - [`parallel`] computes all moves before it makes any, the thesis' variant.
 //!
