@@ -20,6 +20,8 @@ const KNOWN: Record<string, Partial<Column>> = {
   residual_ratio: { label: "Residual over its limit", unit: "", isMinor: true },
   rounds: { label: "Rounds of breaking", unit: "", isMinor: true },
   stored_energy_n_mm: { isMinor: true },
+  stage: { isShown: false, isMinor: true },
+  kinetic_energy_j: { isShown: true, isMinor: true },
   width_strain: { label: "Width strain", unit: "%", factor: 100, isMinor: true },
 };
 
@@ -36,11 +38,21 @@ export function describeColumn(name: string, index: number): Column {
     label: humanise(stem),
     unit: ending?.[1] ?? "",
     factor: 1,
-    // Of an unknown kind, the second column is what the first one is there for.
-    isShown: index === 1,
+    // Of an unknown kind, the second column is what the first one is there for; forces always are.
+    isShown: index === 1 || name.endsWith("_force_n"),
     isMinor: false,
     ...KNOWN[name],
   };
+}
+
+/** Number of the first column drawn: what is known over steps and over time is drawn over time. */
+export function firstDrawn(names: string[]): number {
+  return names[0] === "step" && names[1] === "time_s" ? 1 : 0;
+}
+
+/** Number of the line that the curve is about: the first one drawn strong. */
+export function mainLine(columns: Column[]): number {
+  return Math.max(1, columns.findIndex((column, index) => index > 0 && column.isShown && !column.isMinor));
 }
 
 /** Label and unit, as on an axis. */

@@ -1,7 +1,7 @@
 // The plot of a curve: axes by unit, the main force strong, the rest thin, the maximum marked.
 import uPlot from "uplot";
 import { formatNumber, NARROW } from "../format/numbers";
-import { axisLabel, indexOfMaximum, type Column } from "./columns";
+import { axisLabel, indexOfMaximum, mainLine, type Column } from "./columns";
 
 export interface PlotInput {
   columns: Column[];
@@ -111,9 +111,10 @@ const fromZero: uPlot.Range.Function = (_, low, high) => {
 };
 
 function markMaximum(plot: uPlot, columns: Column[], colour: PlotInput["colour"]): void {
-  const column = columns[1];
-  const series = plot.series[1];
-  const values = plot.data[1] as number[] | undefined;
+  const main = mainLine(columns);
+  const column = columns[main];
+  const series = plot.series[main];
+  const values = plot.data[main] as number[] | undefined;
   if (!column || !series?.show || !values) return;
   const best = indexOfMaximum(values);
   const x = plot.data[0][best];
@@ -126,7 +127,7 @@ function markMaximum(plot: uPlot, columns: Column[], colour: PlotInput["colour"]
   const context = plot.ctx;
   context.save();
   context.fillStyle = colour("--surface");
-  context.strokeStyle = colour(seriesColour(0));
+  context.strokeStyle = colour(seriesColour(main - 1));
   context.lineWidth = 2 * ratio;
   // The line drawn last leaves its dashes behind.
   context.setLineDash([]);
