@@ -218,7 +218,8 @@ impl<'a, F: Law> Runner<'a, F> {
             let kinetic = 0.5 * (before + self.engine.kinetic_energy());
             let energies = Energies {
                 kinetic,
-                elastic: contacts.iter().map(|contact| contact.energy()).sum(),
+                // the sum of none is -0
+                elastic: 0.0 + contacts.iter().map(|contact| contact.energy()).sum::<f64>(),
                 gravitational,
             };
             let critical = self.engine.critical_step(&contacts);
