@@ -1,5 +1,6 @@
 """Reads the snapshots of every example with the real VTK and holds them against the spec and the
-tables: counts, names, the bond law, the jaw forces, and which bonds are broken."""
+tables: counts, names, the bond law, the jaw forces, and which bonds are broken; of scenes, where the
+spheres are, and that contacts carry what the tables say."""
 
 import csv
 import json
@@ -106,29 +107,86 @@ def check_snapshot(mesh, strain: float, spec: dict, rows, events, nodes: int, bo
     check(np.ptp(moved, axis=0) == 0, "the top jaw does not move as one")
 
 
+def read(file: Path):
+    """What VTK's own reader sees in a file."""
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(str(file))
+    reader.Update()
+    check(reader.GetErrorCode() == 0, f"VTK's error {reader.GetErrorCode()} in {file.name}")
+    return reader.GetOutput()
+
+
+def check_tensile(folder: Path, spec: dict, counts: tuple[int, int] | None) -> str:
+    """One direction's snapshots; without counts, as many nodes and bonds as the first has."""
+    rows, events = table(folder / "curve.csv"), table(folder / "events.csv")
+    series = pyvista.get_reader(folder / "snapshots.pvd")
+    strains = series.time_values
+    check(len(strains) > 1, f"a series of {len(strains)}")
+    files = sorted((folder / "snapshots").iterdir())
+    check(len(files) == len(strains), f"{len(files)} files, {len(strains)} in the series")
+    for strain, file in zip(strains, files, strict=True):
+        series.set_active_time_value(strain)
+        mesh = series.read()[0]
+        counts = counts or (mesh.n_points, mesh.n_cells)
+        check_snapshot(mesh, strain, spec, rows, events, *counts)
+        check(read(file).GetNumberOfLines() == counts[1], file.name)
+    return f"{len(strains)} snapshots of {counts[0]} nodes and {counts[1]} bonds, {len(events)} broken"
+
+
+def check_scene(folder: Path, spec: dict) -> str:
+    rows, bodies, contacts = (table(folder / f"{name}.csv") for name in ("curve", "bodies", "contacts"))
+    radii, spheres = [], {}
+    for body, given in enumerate(spec["bodies"]):
+        if "sphere" in given:
+            spheres[body] = len(radii)
+            radii.append(given["sphere"]["radius_m"])
+        else:
+            radii += [member["radius_m"] for member in given["clump"]["members"]]
+    steps = {row["time_s"]: row["step"] for row in rows}
+    times = pyvista.get_reader(folder / "snapshots.pvd").time_values
+    check(len(times) > 1, f"a series of {len(times)}")
+    check(pyvista.get_reader(folder / "contacts.pvd").time_values == times, "contacts at other times")
+    for time in times:
+        step = round(steps[time])
+        points = pyvista.wrap(read(folder / f"snapshots/step_{step:09}.vtp"))
+        check(points.n_points == points.n_cells == len(radii), f"{points.n_points} particles at step {step}")
+        check(points.point_data["radius_m"] == radii, f"radii at step {step}")
+        for row in (row for row in bodies if row["step"] == step and row["body"] in spheres):
+            place = spheres[row["body"]]
+            for names, values in (
+                (("x_m", "y_m", "z_m"), points.points[place]),
+                (("vx_m_per_s", "vy_m_per_s", "vz_m_per_s"), points.point_data["velocity_m_per_s"][place]),
+            ):
+                check(values == [row[name] for name in names], f"sphere {row['body']} at step {step}")
+        lines = pyvista.wrap(read(folder / f"snapshots/contacts_{step:09}.vtp"))
+        listed = [row for row in contacts if row["step"] == step]
+        row = next(row for row in rows if row["step"] == step)
+        check(lines.n_lines == row["contacts"], f"{lines.n_lines} contacts at step {step}")
+        if listed:
+            check(len(listed) == lines.n_lines, f"{len(listed)} rows of contacts at step {step}")
+            total = sum(np.linalg.norm([row[f"fn_{axis}_n"] for axis in "xyz"]) for row in listed)
+            drawn = lines.cell_data["normal_force_n"].sum()
+            check(abs(total - drawn) <= ROUNDING * total, f"normal forces at step {step}: {drawn}, {total} in the table")
+    return f"{len(times)} snapshots of {len(radii)} spheres"
+
+
 def check_example(binary: str, example: Path) -> str:
-    spec = json.loads(example.read_text())["spec"]
+    job = json.loads(example.read_text())
+    spec = job["spec"]
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch) / "result"
         subprocess.run([binary, "run", example, "--out", folder], check=True, stdout=subprocess.DEVNULL)
-        rows, events = table(folder / "curve.csv"), table(folder / "events.csv")
-        nodes, bonds = expected_counts(spec["fabric"])
-        series = pyvista.get_reader(folder / "snapshots.pvd")
-        strains = series.time_values
-        check(len(strains) > 1, f"a series of {len(strains)}")
-        files = sorted((folder / "snapshots").iterdir())
-        check(len(files) == len(strains), f"{len(files)} files, {len(strains)} in the series")
-        for strain, file in zip(strains, files, strict=True):
-            series.set_active_time_value(strain)
-            mesh = series.read()[0]
-            check_snapshot(mesh, strain, spec, rows, events, nodes, bonds)
-            # VTK's own reader sees the same
-            reader = vtkXMLPolyDataReader()
-            reader.SetFileName(str(file))
-            reader.Update()
-            check(reader.GetErrorCode() == 0, f"VTK's error {reader.GetErrorCode()} in {file.name}")
-            check(reader.GetOutput().GetNumberOfLines() == bonds, file.name)
-        return f"{len(strains)} snapshots of {nodes} nodes and {bonds} bonds, {len(events)} broken"
+        if not list(folder.rglob("*.vtp")):
+            wanted = spec.get("record", {}) | spec.get("output", {})
+            default = 0 if job["kind"] == "granular_scene" else 1
+            check(wanted.get("snapshot_every_steps", default) == 0, "snapshots are missing")
+            return "no snapshots asked for"
+        if job["kind"] == "granular_scene":
+            return check_scene(folder, spec)
+        found = [check_tensile(folder, spec, expected_counts(spec["fabric"]))]
+        if "x" in spec["test"].get("directions", []):
+            found.append(check_tensile(folder / "along_x", spec, None))
+        return "; ".join(found)
 
 
 def main() -> int:

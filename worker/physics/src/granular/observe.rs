@@ -8,6 +8,7 @@ use super::{
     Vector,
     contact::{law::Law, touching_lanes},
     engine::Engine,
+    journal::Reading,
 };
 
 /// A touching contact.
@@ -148,6 +149,24 @@ impl<F: Law> Engine<F> {
         energy
     }
 
+    /// What is read off the bodies and their `contacts` for a row of the curve.
+    pub(super) fn reading(&self, contacts: &[Contact], energies: &Energies) -> Reading {
+        let is_movable = &self.model.is_movable;
+        let movable = is_movable.iter().filter(|movable| **movable).count();
+        let ends = contacts.iter().flat_map(|contact| contact.bodies);
+        let ends = ends.filter(|body| is_movable.get(*body as usize) == Some(&true));
+        let coordination = ends.count() as f64 / movable as f64;
+        Reading {
+            kinetic: energies.kinetic,
+            elastic: energies.elastic,
+            gravitational: energies.gravitational,
+            contacts: contacts.len() as u64,
+            bonds: contacts.iter().filter(|contact| contact.is_bonded).count() as u64,
+            unbalanced: self.unbalanced_force_ratio(contacts),
+            coordination: (movable > 0).then_some(coordination),
+        }
+    }
+
     /// Mean resultant force on movable bodies over the mean contact force, after a step.
     /// `None` without contacts. Source: Yade's `unbalancedForce`.
     pub(super) fn unbalanced_force_ratio(&self, contacts: &[Contact]) -> Option<f64> {
@@ -219,4 +238,10 @@ impl Contact {
         };
         in_normal + in_shear
     }
+}
+
+/// In the contacts [J].
+pub(super) fn elastic_energy(contacts: &[Contact]) -> f64 {
+    // the sum of none is -0
+    0.0 + contacts.iter().map(Contact::energy).sum::<f64>()
 }

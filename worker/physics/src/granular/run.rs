@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::{
     contact::{law::Law, walls::Load},
     engine::{Engine, State},
-    journal::{Journal, Reading},
-    observe::Energies,
+    journal::Journal,
+    observe::{Contact, Energies, elastic_energy},
     report, snapshot, tables,
     time_step::Critical,
 };
@@ -181,6 +181,12 @@ impl<'a, F: Law> Runner<'a, F> {
         self.journal
             .worst
             .see_step(self.journal.time_step, critical);
+        let energies = Energies {
+            kinetic: self.engine.kinetic_energy(),
+            elastic: elastic_energy(&contacts),
+            gravitational: self.engine.gravitational_energy(),
+        };
+        self.journal.last = self.engine.reading(&contacts, &energies);
         if self.spec.record.snapshot_every_steps > 0 {
             self.picture(recorder, &contacts)?;
         }
@@ -190,7 +196,7 @@ impl<'a, F: Law> Runner<'a, F> {
     fn picture(
         &mut self,
         recorder: &mut dyn Recorder,
-        contacts: &[super::observe::Contact],
+        contacts: &[Contact],
     ) -> Result<(), SimulationError> {
         let state = &self.engine.state;
         snapshot::take(&self.engine, contacts, recorder)?;
@@ -218,8 +224,7 @@ impl<'a, F: Law> Runner<'a, F> {
             let kinetic = 0.5 * (before + self.engine.kinetic_energy());
             let energies = Energies {
                 kinetic,
-                // the sum of none is -0
-                elastic: 0.0 + contacts.iter().map(|contact| contact.energy()).sum::<f64>(),
+                elastic: elastic_energy(&contacts),
                 gravitational,
             };
             let critical = self.engine.critical_step(&contacts);
@@ -246,7 +251,7 @@ impl<'a, F: Law> Runner<'a, F> {
     /// Keeps what an observation says about the quality of the run.
     fn look(
         &mut self,
-        contacts: &[super::observe::Contact],
+        contacts: &[Contact],
         energies: Energies,
         critical: Option<Critical>,
     ) -> Result<(), SimulationError> {
@@ -258,25 +263,7 @@ impl<'a, F: Law> Runner<'a, F> {
             .map(|contact| contact.normal_force.norm() / contact.stiffness[0] / contact.radius);
         journal.worst.overlap_ratio = overlaps.fold(journal.worst.overlap_ratio, f64::max);
         journal.worst.see_step(journal.time_step, critical);
-        let movable = self
-            .engine
-            .model
-            .is_movable
-            .iter()
-            .filter(|movable| **movable)
-            .count();
-        let ends = contacts.iter().flat_map(|contact| contact.bodies);
-        let is_movable = |body: u32| self.engine.model.is_movable.get(body as usize) == Some(&true);
-        let ends = ends.filter(|body| is_movable(*body)).count();
-        journal.last = Reading {
-            kinetic: energies.kinetic,
-            elastic: energies.elastic,
-            gravitational: energies.gravitational,
-            contacts: contacts.len() as u64,
-            bonds: contacts.iter().filter(|contact| contact.is_bonded).count() as u64,
-            unbalanced: self.engine.unbalanced_force_ratio(contacts),
-            coordination: (movable > 0).then(|| ends as f64 / movable as f64),
-        };
+        journal.last = self.engine.reading(contacts, &energies);
         if let Some(Stage::Settle(settle)) = self.spec.stages.get(journal.stage) {
             let ratio = journal.last.unbalanced;
             journal.is_settled = ratio.is_some_and(|ratio| ratio <= settle.unbalanced_force_ratio);
@@ -299,7 +286,7 @@ impl<'a, F: Law> Runner<'a, F> {
     fn record(
         &mut self,
         recorder: &mut dyn Recorder,
-        contacts: &[super::observe::Contact],
+        contacts: &[Contact],
         critical: Option<Critical>,
     ) -> Result<(), SimulationError> {
         let ratio = critical.map_or(0.0, |critical| self.journal.time_step / critical.step);
