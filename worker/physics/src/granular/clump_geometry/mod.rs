@@ -98,8 +98,11 @@ fn collect_caps(spheres: &[Sphere], index: usize, caps: &mut Vec<Cap>) -> bool {
             continue;
         }
         let distance = squared.sqrt();
-        let hides_other = distance + other.radius <= radius;
-        if distance + radius <= other.radius && (!hides_other || other_index < index) {
+        // the difference of like radii is exact, a sum would swallow the distance of like spheres:
+        // one could hide in another that leaves it a visible part in the eyes of a third
+        let excess = radius - other.radius;
+        let hides_other = distance <= excess;
+        if distance <= -excess && (!hides_other || other_index < index) {
             return false;
         }
         if hides_other {
