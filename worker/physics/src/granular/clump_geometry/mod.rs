@@ -17,7 +17,9 @@
 //! Error: round-off. One or two spheres, 200 small ones on one a hundred times larger, and cubic
 //! lattices with four spheres through one point agree with closed forms within 1e-13; 20 000 random
 //! clumps of 12, turned and reordered, with themselves within 1e-15. Where three and more spheres
-//! nearly share a circle it is the root of round-off: 1.2e-8 at worst in 500 000 clumps made to.
+//! nearly share a circle it is the root of round-off: over 30 million clumps made to, near copies
+//! among them, shaking by round-off changed moments by 5.3e-8 at worst, and ∮ n dA and
+//! ∮ x nᵀ dA − V 1, nil on a closed surface, stayed below 3.2e-8, all relative.
 //! For five spheres Yade's 200³ cells give the same within 1.1e-5 in volume and 1e-4 in moments.
 //! Cost: for each pair of neighbours of a sphere one crossing of circles, each about 0.1 µs;
 //! measured 4 µs for 8 members, 0.2 to 4 ms for 135 by how densely they overlap, 80 ms for 2200.
@@ -98,8 +100,11 @@ fn collect_caps(spheres: &[Sphere], index: usize, caps: &mut Vec<Cap>) -> bool {
             continue;
         }
         let distance = squared.sqrt();
-        let hides_other = distance + other.radius <= radius;
-        if distance + radius <= other.radius && (!hides_other || other_index < index) {
+        // the difference of like radii is exact, a sum would swallow the distance of like spheres:
+        // one could hide in another that leaves it a visible part in the eyes of a third
+        let excess = radius - other.radius;
+        let hides_other = distance <= excess;
+        if distance <= -excess && (!hides_other || other_index < index) {
             return false;
         }
         if hides_other {
