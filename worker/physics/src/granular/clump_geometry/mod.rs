@@ -18,7 +18,7 @@
 //! lattices with four spheres through one point agree with closed forms within 1e-13; 20 000 random
 //! clumps of 12, turned and reordered, with themselves within 1e-15. Where three and more spheres
 //! nearly share a circle it is the root of round-off: over 30 million clumps made to, near copies
-//! among them, shaking by round-off changed moments by 5.3e-8 at worst, and ∮ n dA and
+//! among them, shaking by up to 1e-9 changed moments by 5.3e-8 at worst, and ∮ n dA and
 //! ∮ x nᵀ dA − V 1, nil on a closed surface, stayed below 3.2e-8, all relative.
 //! For five spheres Yade's 200³ cells give the same within 1.1e-5 in volume and 1e-4 in moments.
 //! Cost: for each pair of neighbours of a sphere one crossing of circles, each about 0.1 µs;
