@@ -45,7 +45,7 @@ pub(crate) fn write(runs: &[Run]) -> String {
     let mut page = format!(
         "# Nonwoven tensile test: model, thesis and experiment\n\n\
         Needle-punched PET, 49 x 51 x 3 lattice, the example `nonwoven_tensile` (parameters: [Zilka2022] \
-        tables 5 and 6), solver `newton_cg`, force accuracy 100, {seeds} seeds. Written by\n\
+        tables 5 and 6), solver `newton_cg`, force accuracy 1e4, {seeds} seeds. Written by\n\
         `LOADFRAME_VALIDATION=write cargo test --release -p loadframe-tests --test validation`.\n\n\
         ## Against the experiment ([Zilka2022] table 4)\n\n\
         | quantity | measured | half-bond jaws | off | clamped rows | off |\n|---|---|---|---|---|---|\n"
