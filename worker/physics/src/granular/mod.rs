@@ -53,6 +53,7 @@ mod run;
 mod scene;
 mod snapshot;
 mod sphere;
+mod stages;
 mod tables;
 mod time_step;
 
