@@ -3,7 +3,7 @@
 //! Layout: version (1 byte), BLAKE3 of the rest (32 bytes), then a zstd frame holding the state in
 //! postcard form. The version comes first and outside the checksum, so that a checkpoint of another
 //! version is told apart from a damaged one.
-use serde::{Serialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// Raised whenever the state's form changes.
 const VERSION: u8 = 2;
@@ -25,6 +25,29 @@ pub enum CheckpointError {
     OtherSpec,
     #[error("its state cannot be read or written: {0}")]
     Form(String),
+}
+
+/// Tells the specs of checkpoints apart; kept in each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Fingerprint([u8; 32]);
+
+impl Fingerprint {
+    /// # Errors
+    /// [`CheckpointError::Form`] when the spec does not serialize.
+    pub(crate) fn of(spec: &impl Serialize) -> Result<Self, CheckpointError> {
+        let bytes = postcard::to_stdvec(spec).map_err(form)?;
+        Ok(Self(*blake3::hash(&bytes).as_bytes()))
+    }
+
+    /// # Errors
+    /// [`CheckpointError::OtherSpec`] when a checkpoint's fingerprint is not this one.
+    pub(crate) fn check(self, of_checkpoint: Self) -> Result<(), CheckpointError> {
+        if of_checkpoint == self {
+            Ok(())
+        } else {
+            Err(CheckpointError::OtherSpec)
+        }
+    }
 }
 
 /// Packs `state`.

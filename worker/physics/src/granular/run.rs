@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     Ending, Interrupt, Recorder, RunContext, SimulationError,
-    checkpoint::{self, CheckpointError},
+    checkpoint::{self, Fingerprint},
     parallel::Team,
 };
 
@@ -28,7 +28,7 @@ const RUNAWAY: f64 = 0.5;
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Checkpoint<F: Law> {
-    spec: [u8; 32],
+    spec: Fingerprint,
     journal: Journal,
     state: State<F>,
 }
@@ -37,7 +37,7 @@ struct Checkpoint<F: Law> {
 #[derive(Serialize)]
 #[serde(bound = "")]
 struct CheckpointOf<'a, F: Law> {
-    spec: [u8; 32],
+    spec: Fingerprint,
     journal: &'a Journal,
     state: &'a State<F>,
 }
@@ -52,7 +52,7 @@ pub(super) struct Runner<'a, F: Law> {
     /// Critical step of contacts that may come, whether there are any now [s].
     foreseen: f64,
     smallest_radius: f64,
-    fingerprint: [u8; 32],
+    fingerprint: Fingerprint,
 }
 
 pub(super) fn run<F: Law>(
@@ -63,9 +63,7 @@ pub(super) fn run<F: Law>(
     let mut runner = Runner::<F>::new(spec, Team::new(context.threads)?)?;
     if let Some(bytes) = context.checkpoint {
         let checkpoint: Checkpoint<F> = checkpoint::unpack(bytes)?;
-        if checkpoint.spec != runner.fingerprint {
-            return Err(CheckpointError::OtherSpec.into());
-        }
+        runner.fingerprint.check(checkpoint.spec)?;
         runner.journal = checkpoint.journal;
         runner.engine.resume(checkpoint.state);
     }
@@ -134,8 +132,6 @@ impl<'a, F: Law> Runner<'a, F> {
         let smallest_radius = movable
             .map(|body| body.smallest_radius())
             .fold(f64::INFINITY, f64::min);
-        let bytes =
-            postcard::to_stdvec(spec).map_err(|error| CheckpointError::Form(error.to_string()))?;
         let automatic = match spec.time_step_s {
             TimeStep::Given(_) => None,
             TimeStep::Automatic(_) => Some(spec.accuracy.knobs().critical_step_fraction),
@@ -148,7 +144,7 @@ impl<'a, F: Law> Runner<'a, F> {
             automatic,
             foreseen,
             smallest_radius,
-            fingerprint: *blake3::hash(&bytes).as_bytes(),
+            fingerprint: Fingerprint::of(spec)?,
         })
     }
 

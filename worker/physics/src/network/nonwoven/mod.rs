@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Ending, Interrupt, Recorder, RunContext, SimulationError,
-    checkpoint::{self, CheckpointError},
+    checkpoint::{self, Fingerprint},
     network::equilibrium::work::Meter,
     parallel::Team,
 };
@@ -43,7 +43,7 @@ use state::State;
 /// A state and the spec it belongs to.
 #[derive(Serialize, Deserialize)]
 struct Checkpoint {
-    spec: [u8; 32],
+    spec: Fingerprint,
     state: State,
 }
 
@@ -56,14 +56,12 @@ fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    let fingerprint = fingerprint(spec)?;
+    let fingerprint = Fingerprint::of(spec)?;
     let specimen = Specimen::new(spec)?;
     let state = match context.checkpoint {
         Some(bytes) => {
             let checkpoint: Checkpoint = checkpoint::unpack(bytes)?;
-            if checkpoint.spec != fingerprint {
-                return Err(CheckpointError::OtherSpec.into());
-            }
+            fingerprint.check(checkpoint.spec)?;
             checkpoint.state
         }
         None => State::new(specimen.network.positions.len()),
@@ -161,13 +159,6 @@ fn record_step(
         distribution::take(experiment);
     }
     Ok(())
-}
-
-/// Tells the specs of checkpoints apart.
-fn fingerprint(spec: &NonwovenTensile) -> Result<[u8; 32], CheckpointError> {
-    let bytes =
-        postcard::to_stdvec(spec).map_err(|error| CheckpointError::Form(error.to_string()))?;
-    Ok(*blake3::hash(&bytes).as_bytes())
 }
 
 impl StopReason {
