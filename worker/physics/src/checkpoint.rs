@@ -83,7 +83,7 @@ pub(crate) fn unpack<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CheckpointE
     postcard::from_bytes(&plain).map_err(form)
 }
 
-fn form(error: impl std::fmt::Display) -> CheckpointError {
+pub(crate) fn form(error: impl std::fmt::Display) -> CheckpointError {
     CheckpointError::Form(error.to_string())
 }
 

@@ -21,7 +21,7 @@ use super::{
 };
 use crate::{
     Ending, Interrupt, Recorder, RunContext, SimulationError,
-    checkpoint::{self, CheckpointError, Fingerprint},
+    checkpoint::{self, Fingerprint},
 };
 
 /// Messages under way before a test waits for the recorder.
@@ -324,7 +324,8 @@ impl Plan {
                     answers[run] = None;
                     match *result {
                         Ok(Ending::Finished(report)) => {
-                            let report = serde_json::to_string(&report).map_err(form)?;
+                            let report =
+                                serde_json::to_string(&report).map_err(checkpoint::form)?;
                             self.tests[run] = Test::Finished { report, curve };
                         }
                         Ok(Ending::Cancelled | Ending::Suspended) => {}
@@ -361,17 +362,15 @@ impl Plan {
     fn results(self) -> Result<(Vec<Report>, Vec<Curve>), SimulationError> {
         let finished = self.tests.into_iter().map(|test| match test {
             Test::Finished { report, curve } => {
-                let report = serde_json::from_str(&report).map_err(form)?;
+                let report = serde_json::from_str(&report).map_err(checkpoint::form)?;
                 Ok((report, curve))
             }
-            Test::Waiting | Test::Begun(_) => Err(form("a test is not finished").into()),
+            Test::Waiting | Test::Begun(_) => {
+                Err(checkpoint::form("a test is not finished").into())
+            }
         });
         finished.collect()
     }
-}
-
-fn form(error: impl std::fmt::Display) -> CheckpointError {
-    CheckpointError::Form(error.to_string())
 }
 
 /// What the threads of a plan share.
