@@ -103,8 +103,14 @@ fn short(value: f64) -> String {
 /// Sets a knob; `None` when the value is not one it takes. Ranges are left to the schema.
 pub(super) fn turn(spec: &mut NonwovenTensile, knob: &str, value: &str) -> Option<()> {
     match knob {
-        "force_accuracy" => accuracy(spec).force_accuracy = value.parse().ok()?,
-        "solver" => accuracy(spec).solver = variant::<Solver>(value)?,
+        "force_accuracy" => {
+            let force_accuracy = value.parse().ok()?;
+            change_knobs(spec, |knobs| knobs.force_accuracy = force_accuracy);
+        }
+        "solver" => {
+            let solver: Solver = variant(value)?;
+            change_knobs(spec, |knobs| knobs.solver = solver);
+        }
         "strain_step" => spec.test.strain_step = value.parse().ok()?,
         "breaking" => spec.test.breaking = variant(value)?,
         "size" => resize(spec, value.parse().ok().filter(|factor| *factor > 0.0)?)?,
@@ -113,13 +119,11 @@ pub(super) fn turn(spec: &mut NonwovenTensile, knob: &str, value: &str) -> Optio
     Some(())
 }
 
-fn accuracy(spec: &mut NonwovenTensile) -> &mut Knobs {
-    let knobs = spec.accuracy.knobs();
+/// The spec's knobs of accuracy, written out, with a change.
+fn change_knobs(spec: &mut NonwovenTensile, change: impl FnOnce(&mut Knobs)) {
+    let mut knobs = spec.accuracy.knobs();
+    change(&mut knobs);
     spec.accuracy = Accuracy::Knobs(knobs);
-    match &mut spec.accuracy {
-        Accuracy::Knobs(knobs) => knobs,
-        Accuracy::Preset(_) => unreachable!("the line above wrote out the knobs"),
-    }
 }
 
 /// Scales the lattice at equal spacing, layers and shape; rows stay odd.
