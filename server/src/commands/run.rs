@@ -1,18 +1,16 @@
 //! `loadframe run`: a job without a server.
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
 use loadframe_worker::run::{
     DirectoryEnd, DirectoryError, DirectoryOptions, News, run_to_directory,
 };
-use loadframe_worker::{StopCause, StopSwitch};
 
 use super::failure::{Code, Failure};
 use super::progress::ProgressDisplay;
 use super::results;
-use super::signals::stop_signal;
+use super::signals::stop_switch;
 use super::source::SpecArgument;
 use super::terminal::{say, say_json};
 
@@ -37,14 +35,7 @@ pub(crate) struct Arguments {
 pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     let source = arguments.spec.read()?;
     let submission = source.submission()?;
-    let switch = Arc::new(StopSwitch::default());
-    tokio::spawn({
-        let switch = Arc::clone(&switch);
-        async move {
-            stop_signal().await;
-            switch.stop(StopCause::Shutdown);
-        }
-    });
+    let switch = stop_switch();
     let out = arguments.out.clone();
     let run = tokio::task::spawn_blocking(move || {
         let mut display = ProgressDisplay::start(&submission.name);

@@ -1,6 +1,8 @@
 //! Being told to stop: Ctrl-C, SIGTERM, or the end of the parent process.
 use std::io::{self, Read};
+use std::sync::Arc;
 
+use loadframe_worker::{StopCause, StopSwitch};
 use tokio::signal::unix::{SignalKind, signal};
 
 /// Waits for Ctrl-C or SIGTERM. Where signals cannot be watched, it waits for ever.
@@ -16,6 +18,17 @@ pub(crate) async fn stop_signal() {
         _ = interrupt.recv() => {}
         _ = terminate.recv() => {}
     }
+}
+
+/// A switch for simulations in this process that Ctrl-C or SIGTERM turns.
+pub(crate) fn stop_switch() -> Arc<StopSwitch> {
+    let switch = Arc::new(StopSwitch::default());
+    let turned = Arc::clone(&switch);
+    tokio::spawn(async move {
+        stop_signal().await;
+        turned.stop(StopCause::Shutdown);
+    });
+    switch
 }
 
 /// Waits until standard input ends, as it does for a child whose parent is gone.

@@ -1,16 +1,15 @@
 //! `loadframe study accuracy`: what exactness costs.
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::Args;
+use loadframe_worker::available_threads;
 use loadframe_worker::study::{
     CSV_FILE, Design, JSON_FILE, Request, SVG_FILE, StudyEnd, StudyOptions, run, words, write,
 };
-use loadframe_worker::{StopCause, StopSwitch, available_threads};
 
 use crate::commands::failure::{Code, Failure};
 use crate::commands::progress::ProgressDisplay;
-use crate::commands::signals::stop_signal;
+use crate::commands::signals::stop_switch;
 use crate::commands::source::SpecArgument;
 use crate::commands::terminal::{say, say_json, span};
 
@@ -57,14 +56,7 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     let submission = arguments.spec.read()?.submission()?;
     let design = Design::new(&submission.spec, &arguments.knobs, arguments.seeds)
         .map_err(|error| Failure::new(Code::Usage, error.to_string()))?;
-    let switch = Arc::new(StopSwitch::default());
-    tokio::spawn({
-        let switch = Arc::clone(&switch);
-        async move {
-            stop_signal().await;
-            switch.stop(StopCause::Shutdown);
-        }
-    });
+    let switch = stop_switch();
     let out = arguments.out.clone();
     let threads = arguments
         .threads
