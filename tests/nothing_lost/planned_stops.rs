@@ -54,6 +54,8 @@ impl Scene {
     fn reaches(&self, status: JobStatus) -> JobView {
         until("the job is in the expected state", || {
             let job = self.server.client.job(self.id);
+            let is_over = job.status == JobStatus::Finished && status != JobStatus::Finished;
+            assert!(!is_over, "done before it was {status:?}: {job:#?}");
             (job.status == status).then_some(job)
         })
     }

@@ -29,19 +29,20 @@ pub const SMALL: Size = Size {
     snapshot_every_steps: 10,
 };
 
-/// Takes seconds, with snapshots, in a thousand steps: long enough to be stopped several times.
+/// Takes several seconds, with snapshots, in thousands of steps: long enough to be stopped many
+/// times.
 pub const LONG: Size = Size {
-    points_per_row: 31,
-    rows: 35,
-    strain_step: 0.001,
-    snapshot_every_steps: 100,
+    points_per_row: 49,
+    rows: 51,
+    strain_step: 0.0004,
+    snapshot_every_steps: 250,
 };
 
-/// Takes a minute or so, in thousands of steps: not done before a test has had its way with it.
+/// Takes a minute or so, in ten thousands of steps: not done before a test has had its way with it.
 pub const SLOW: Size = Size {
     points_per_row: 49,
     rows: 51,
-    strain_step: 0.0002,
+    strain_step: 0.00002,
     snapshot_every_steps: 0,
 };
 
