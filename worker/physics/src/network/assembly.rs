@@ -260,6 +260,19 @@ impl Assembly {
             .collect()
     }
 
+    /// The same into a field that is there already.
+    pub(crate) fn pick_into(&self, of_network: &[Vector], field: &mut Field<f64>) {
+        let [x, y, z] = field.components_mut();
+        for (place, node) in self.places.nodes.iter().enumerate() {
+            let vector = of_network.get(*node as usize).copied().unwrap_or_default();
+            x[place] = vector.x;
+            y[place] = vector.y;
+            if let Some(z) = z.get_mut(place) {
+                *z = vector.z;
+            }
+        }
+    }
+
     /// Writes the free nodes' entries back into a nodal array of the network.
     pub(crate) fn put(&self, values: &Field<f64>, of_network: &mut [Vector]) {
         for place in self.free() {

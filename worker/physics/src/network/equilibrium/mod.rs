@@ -24,7 +24,6 @@ use super::{
     Vector,
     assembly::Assembly,
     configuration::{Configuration, Residual, Verdict},
-    field::Field,
 };
 use crate::{Interrupt, parallel::Team};
 pub(crate) use newton_cg::Workspace;
@@ -61,7 +60,7 @@ pub(crate) struct Settled {
 }
 
 impl Search {
-    /// Moves the free nodes of `assembly` from `displacements` towards equilibrium. A search that
+    /// Moves the free nodes of `assembly` from `displacements` of all nodes of its network towards equilibrium. A search that
     /// does not get there says so in the verdict of its residual.
     ///
     /// # Errors
@@ -69,23 +68,22 @@ impl Search {
     pub(crate) fn run(
         &self,
         assembly: &Assembly,
-        displacements: Vec<Vector>,
+        displacements: &[Vector],
         team: &Team,
         workspace: &mut Workspace,
         meter: &mut Meter<'_>,
     ) -> Result<Settled, Interrupt> {
         meter.work.equilibria += 1;
         match self.method {
-            Method::NewtonCg => {
-                let start = Field::of(&displacements, assembly.dimensions());
-                newton_cg::solve(self, assembly, &start, workspace, meter)
+            Method::NewtonCg => newton_cg::solve(self, assembly, displacements, workspace, meter),
+            Method::Sequential => {
+                sequential::solve(self, assembly, assembly.pick(displacements), meter)
             }
-            Method::Sequential => sequential::solve(self, assembly, displacements, meter),
             Method::Parallel { relaxation_factor } => parallel::solve(
                 self,
                 relaxation_factor,
                 assembly,
-                displacements,
+                assembly.pick(displacements),
                 team,
                 meter,
             ),
@@ -161,7 +159,7 @@ mod tests {
         let settled = search
             .run(
                 &assembly,
-                start,
+                &start,
                 &Team::new(1)?,
                 &mut Workspace::default(),
                 &mut meter,

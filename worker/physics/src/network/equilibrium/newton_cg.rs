@@ -18,6 +18,7 @@ use super::{
 use crate::{
     Interrupt,
     network::{
+        Vector,
         assembly::Assembly,
         configuration::{Configuration, Residual, Verdict},
         field::{Field, Real},
@@ -81,12 +82,20 @@ impl Workspace {
         self.spare.push(settled.configuration);
     }
 
-    /// A configuration at `displacements`.
-    fn configuration(&mut self, assembly: &Assembly, displacements: &Field<f64>) -> Configuration {
+    /// The energy at `displacements` of every node of the network [N mm].
+    pub(crate) fn energy(&mut self, assembly: &Assembly, displacements: &[Vector]) -> f64 {
+        let configuration = self.configuration(assembly, displacements);
+        let energy = configuration.energy;
+        self.spare.push(configuration);
+        energy
+    }
+
+    fn configuration(&mut self, assembly: &Assembly, displacements: &[Vector]) -> Configuration {
         let Some(mut configuration) = self.spare.pop() else {
-            return Configuration::new(assembly, displacements.clone());
+            let displacements = Field::of(&assembly.pick(displacements), assembly.dimensions());
+            return Configuration::new(assembly, displacements);
         };
-        configuration.displacements.copy_from(displacements);
+        assembly.pick_into(displacements, &mut configuration.displacements);
         configuration.update(assembly);
         configuration
     }
@@ -121,7 +130,7 @@ impl<T: Real> Memory<T> {
 pub(super) fn solve(
     search: &Search,
     assembly: &Assembly,
-    displacements: &Field<f64>,
+    displacements: &[Vector],
     workspace: &mut Workspace,
     meter: &mut Meter<'_>,
 ) -> Result<Settled, Interrupt> {

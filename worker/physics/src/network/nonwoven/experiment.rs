@@ -11,7 +11,7 @@ use crate::{
     network::{
         Vector,
         assembly::Assembly,
-        configuration::{Configuration, Verdict},
+        configuration::Verdict,
         equilibrium::{Method, Search, Settled, Workspace, work::Meter},
         field::Field,
         law::BondLaw,
@@ -171,8 +171,7 @@ impl<'a> Experiment<'a> {
         if let Some(settled) = self.settled.take() {
             self.workspace.take_back(settled);
         }
-        let (from, team) = (assembly.pick(&start), &self.team);
-        let settled = search.run(assembly, from, team, &mut self.workspace, meter)?;
+        let settled = search.run(assembly, &start, &self.team, &mut self.workspace, meter)?;
         self.check_finite(&settled).map_err(Halt::Failed)?;
 
         let mut displacements = start;
@@ -210,7 +209,7 @@ impl<'a> Experiment<'a> {
     }
 
     /// Displacements to search equilibrium from.
-    fn start(&self, meter: &mut Meter<'_>) -> Result<Vec<Vector>, Interrupt> {
+    fn start(&mut self, meter: &mut Meter<'_>) -> Result<Vec<Vector>, Interrupt> {
         let state = &self.state;
         if state.round > 0 || state.step == 0 {
             return Ok(state.displacements.clone());
@@ -225,10 +224,7 @@ impl<'a> Experiment<'a> {
         let repeated = jaw_move.repeat(last, network, parts, &state.displacements);
         let assembly = &self.loaded.assembly;
         meter.spend(2 * assembly.bonds())?;
-        let energy = |guess: &[Vector]| {
-            let guess = Field::of(&assembly.pick(guess), assembly.dimensions());
-            Configuration::<f32>::new(assembly, guess).energy
-        };
+        let mut energy = |guess: &[Vector]| self.workspace.energy(assembly, guess);
         if energy(&repeated) < energy(&stretched) {
             Ok(repeated)
         } else {
