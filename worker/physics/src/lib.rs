@@ -12,6 +12,7 @@ mod error;
 mod granular;
 mod network;
 mod parallel;
+mod plan;
 mod recorder;
 mod rng;
 mod statistics;

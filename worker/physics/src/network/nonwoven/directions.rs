@@ -2,7 +2,7 @@
 use indexmap::IndexMap;
 use loadframe_api::{Quantity, Report, Warning, spec::nonwoven_tensile::Direction};
 
-use super::repeats::{total_work, worst_quality};
+use crate::plan::{total_work, worst_quality};
 
 /// Results compared between directions, in units that do not depend on the specimen's size.
 const COMPARED: [&str; 4] = [

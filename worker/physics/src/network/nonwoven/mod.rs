@@ -6,7 +6,7 @@
 //! [`distribution`], [`tables`], [`spectrum`] and [`report`] turn that into files and results.
 //! [`width`] measures lateral contraction, [`progress`] how far the test is. This file holds the
 //! loop, which alone talks to the recorder. [`plan`] stands above: a job of repeats or [`directions`]
-//! is several such tests side by side, each speaking through a [`relay`], their results joined.
+//! is several such tests side by side ([`crate::plan`]), their results joined.
 mod directions;
 mod distribution;
 mod experiment;
@@ -14,7 +14,6 @@ mod lattice;
 pub(crate) mod plan;
 mod predictor;
 mod progress;
-mod relay;
 mod repeats;
 mod report;
 mod snapshot;

@@ -1,54 +1,28 @@
-//! A job of several tests: which ones, side by side on the job's threads.
+//! The tests of a job: repeats of a specimen, each in one or two directions.
 //!
-//! A job of one test goes straight to [`super::run`]. Otherwise each test is such a run of a spec
-//! of its own, with [`Relay`] for a recorder, and this thread listens to all of them: it alone
-//! talks to the job's recorder and keeps the state of the plan. Tests are begun in the plan's
-//! order and share nothing, so results do not know how many threads there were.
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread;
-
+//! A job of one test goes straight to [`super::run`]; otherwise its tests are those of a
+//! [`Plan`](crate::plan::Plan), and their results are joined here.
 use loadframe_api::{
     Report,
     spec::nonwoven_tensile::{Direction, NonwovenTensile},
 };
 use serde::{Deserialize, Serialize};
 
-use super::{
-    directions,
-    relay::{Curve, Gate, Message, Passage, Relay, Share},
-    repeats,
-};
+use super::{directions, repeats};
 use crate::{
     Ending, Interrupt, Recorder, RunContext, SimulationError,
-    checkpoint::{self, Fingerprint},
+    checkpoint::Fingerprint,
+    plan::{Conclusion, Curve, CurveKeeper, Plan, SavedReport, Share, Tests},
 };
 
-/// Messages under way before a test waits for the recorder.
-const MESSAGES: usize = 64;
+/// Leading columns of the curve that are kept of every test: nominal strain and force.
+const KEPT_COLUMNS: usize = 2;
 
-/// The state of a plan: the content of its checkpoint.
+/// What is kept of a finished test.
 #[derive(Debug, Serialize, Deserialize)]
-struct Plan {
-    spec: Fingerprint,
-    tests: Vec<Test>,
-    /// How far each test was.
-    fractions: Vec<f64>,
-    /// Columns and points of the job's own curve, needed again once its test is finished.
-    columns: Vec<String>,
-    points: Vec<Vec<f64>>,
-}
-
-/// A test of a plan.
-#[derive(Debug, Serialize, Deserialize)]
-enum Test {
-    /// Nothing of it is kept.
-    Waiting,
-    /// Its own checkpoint.
-    Begun(Vec<u8>),
-    /// Its report as JSON, because a report leaves out what is empty and the form of checkpoints
-    /// cannot; and its curve.
-    Finished { report: String, curve: Curve },
+struct Finished {
+    report: SavedReport,
+    curve: Curve,
 }
 
 /// Runs everything `spec` asks for.
@@ -63,19 +37,21 @@ pub(crate) fn run(
     if tests(spec) <= 1 {
         return super::run(spec, context, recorder);
     }
-    let mut plan = Plan::new(spec, context, recorder)?;
-    let gate = Gate::new(context.interrupt);
-    let failure = plan.carry_out(spec, context.threads, &gate, recorder)?;
-    match (gate.seen(), failure) {
-        (Some(Interrupt::Cancel), _) => return Ok(Ending::Cancelled),
-        (Some(Interrupt::Suspend), _) if !plan.is_finished() => {
-            recorder.checkpoint(&checkpoint::pack(&plan)?)?;
-            return Ok(Ending::Suspended);
+    let fingerprint = Fingerprint::of(spec)?;
+    let plan = match context.checkpoint {
+        Some(bytes) => Plan::resume(fingerprint, bytes, recorder)?,
+        None => {
+            recorder.log(&overview(spec));
+            Plan::new(fingerprint, tests(spec))
         }
-        (_, Some(error)) => return Err(error),
-        (_, None) => {}
-    }
-    let (reports, curves) = plan.results()?;
+    };
+    let finished = match plan.carry_out(&Repeats(spec), context, recorder)? {
+        Conclusion::Finished(finished) => finished,
+        Conclusion::Interrupted(Interrupt::Cancel) => return Ok(Ending::Cancelled),
+        Conclusion::Interrupted(Interrupt::Suspend) => return Ok(Ending::Suspended),
+    };
+    let reports = finished.iter().map(|test| test.report.read());
+    let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
     for (index, report) in reports.iter().enumerate() {
         recorder.log(&line(spec, index, report));
     }
@@ -89,10 +65,9 @@ pub(crate) fn run(
             repeats::write(spec, reports, recorder)?;
             for direction in 0..tests_per_repeat(spec) {
                 let name = share(spec, direction).name("repeats_curves.csv");
-                let curves = curves
-                    .iter()
-                    .skip(direction)
-                    .step_by(tests_per_repeat(spec));
+                let tests = finished.iter().skip(direction);
+                let tests = tests.step_by(tests_per_repeat(spec));
+                let curves = tests.map(|test| &test.curve);
                 repeats::write_curves(&name, curves, recorder)?;
             }
             repeats::join(spec, reports)
@@ -177,252 +152,31 @@ fn overview(spec: &NonwovenTensile) -> String {
     }
 }
 
-impl Plan {
-    /// A plan that has not begun, or the one of the checkpoint. The recorder hears what it has to
-    /// hear before the tests speak.
-    fn new(
-        spec: &NonwovenTensile,
+/// The tests of a spec.
+struct Repeats<'a>(&'a NonwovenTensile);
+
+impl Tests for Repeats<'_> {
+    type Result = Finished;
+
+    fn share(&self, test: usize) -> Share {
+        share(self.0, test)
+    }
+
+    fn run(
+        &self,
+        test: usize,
         context: RunContext<'_>,
         recorder: &mut dyn Recorder,
-    ) -> Result<Self, SimulationError> {
-        let count = tests(spec);
-        let fingerprint = Fingerprint::of(spec)?;
-        let Some(bytes) = context.checkpoint else {
-            recorder.log(&overview(spec));
-            return Ok(Self {
-                spec: fingerprint,
-                tests: (0..count).map(|_| Test::Waiting).collect(),
-                fractions: vec![0.0; count],
-                columns: Vec::new(),
-                points: Vec::new(),
-            });
-        };
-        let plan: Self = checkpoint::unpack(bytes)?;
-        fingerprint.check(plan.spec)?;
-        // a test that goes on repeats its curve itself
-        if matches!(plan.tests.first(), Some(Test::Finished { .. })) {
-            let columns: Vec<&str> = plan.columns.iter().map(String::as_str).collect();
-            recorder.columns(&columns)?;
-            for point in &plan.points {
-                recorder.point(point)?;
-            }
-        }
-        Ok(plan)
-    }
-
-    fn is_finished(&self) -> bool {
-        let mut tests = self.tests.iter();
-        tests.all(|test| matches!(test, Test::Finished { .. }))
-    }
-
-    /// Carries out the tests that are not finished, until they are or the gate closes. Returns the
-    /// error of the first that failed.
-    ///
-    /// # Errors
-    /// Of the recorder, the checkpoints and the threads, which are not those of a test.
-    fn carry_out(
-        &mut self,
-        spec: &NonwovenTensile,
-        threads: usize,
-        gate: &Gate<'_>,
-        recorder: &mut dyn Recorder,
-    ) -> Result<Option<SimulationError>, SimulationError> {
-        let open = self
-            .tests
-            .iter()
-            .enumerate()
-            .filter_map(|(run, test)| match test {
-                Test::Waiting => Some((run, None)),
-                Test::Begun(bytes) => Some((run, Some(bytes.clone()))),
-                Test::Finished { .. } => None,
-            });
-        let open: Vec<(usize, Option<Vec<u8>>)> = open.collect();
-        let workers = threads.clamp(1, open.len().max(1));
-        let stage = Stage {
-            spec,
-            // where there are fewer tests than threads, each gets several
-            threads: (threads / workers).max(1),
-            open: &open,
-            next: &AtomicUsize::new(0),
-            requests: &AtomicU64::new(0),
-            gate,
-        };
-        thread::scope(|scope| {
-            let (sender, receiver) = sync_channel(MESSAGES);
-            let mut handles = Vec::with_capacity(workers);
-            for _ in 0..workers {
-                let sender = sender.clone();
-                let work = move || stage.work(&sender);
-                let handle = thread::Builder::new().spawn_scoped(scope, work);
-                handles.push(handle.map_err(|error| {
-                    gate.stop(Interrupt::Cancel);
-                    SimulationError::Threads {
-                        threads,
-                        reason: error.to_string(),
-                    }
-                })?);
-            }
-            drop(sender);
-            let heard = self.listen(receiver, stage.requests, gate, recorder);
-            if heard.is_err() {
-                gate.stop(Interrupt::Cancel);
-            }
-            for handle in handles {
-                if let Err(panic) = handle.join() {
-                    // a bug in a test is that of the job, with its own words
-                    std::panic::resume_unwind(panic);
-                }
-            }
-            heard
+    ) -> Result<Conclusion<Finished>, SimulationError> {
+        let mut keeper = CurveKeeper::new(recorder, KEPT_COLUMNS);
+        let ending = super::run(&spec_of(self.0, test), context, &mut keeper)?;
+        Ok(match ending {
+            Ending::Finished(report) => Conclusion::Finished(Finished {
+                report: SavedReport::of(&report)?,
+                curve: keeper.into_curve(),
+            }),
+            Ending::Cancelled => Conclusion::Interrupted(Interrupt::Cancel),
+            Ending::Suspended => Conclusion::Interrupted(Interrupt::Suspend),
         })
-    }
-
-    /// Takes in what the tests say until all have ended.
-    fn listen(
-        &mut self,
-        messages: Receiver<Message>,
-        requests: &AtomicU64,
-        gate: &Gate<'_>,
-        recorder: &mut dyn Recorder,
-    ) -> Result<Option<SimulationError>, SimulationError> {
-        let mut failure: Option<(usize, SimulationError)> = None;
-        // for each running test, the last checkpoint request it answered
-        let mut answers: Vec<Option<u64>> = vec![None; self.tests.len()];
-        let (mut asked, mut kept) = (0, 0);
-        for message in messages {
-            match message {
-                Message::Started { run, answered } => answers[run] = Some(answered),
-                Message::Columns(columns) => {
-                    let names: Vec<&str> = columns.iter().map(String::as_str).collect();
-                    recorder.columns(&names)?;
-                    self.columns = columns;
-                    self.points.clear();
-                }
-                Message::Point(values) => {
-                    recorder.point(&values)?;
-                    self.points.push(values);
-                }
-                Message::File { name, bytes } => {
-                    recorder.file(&name, &mut |out| out.write_all(&bytes))?;
-                }
-                Message::Progress { run, fraction } => {
-                    self.progress(run, fraction, recorder);
-                    if asked == kept && recorder.checkpoint_due() {
-                        asked += 1;
-                        requests.store(asked, Ordering::Relaxed);
-                    }
-                }
-                Message::Checkpoint {
-                    run,
-                    bytes,
-                    answered,
-                } => {
-                    self.tests[run] = Test::Begun(bytes);
-                    answers[run] = Some(answered);
-                }
-                Message::Ended { run, result, curve } => {
-                    answers[run] = None;
-                    match *result {
-                        Ok(Ending::Finished(report)) => {
-                            let report =
-                                serde_json::to_string(&report).map_err(checkpoint::form)?;
-                            self.tests[run] = Test::Finished { report, curve };
-                        }
-                        Ok(Ending::Cancelled | Ending::Suspended) => {}
-                        Err(error) => {
-                            gate.fail(run);
-                            if failure.as_ref().is_none_or(|(first, _)| run < *first) {
-                                failure = Some((run, error));
-                            }
-                        }
-                    }
-                }
-            }
-            if asked > kept && answers.iter().flatten().all(|answered| *answered >= asked) {
-                recorder.checkpoint(&checkpoint::pack(self)?)?;
-                kept = asked;
-            }
-        }
-        Ok(failure.map(|(_, error)| error))
-    }
-
-    /// How far all tests together are.
-    fn progress(&mut self, run: usize, fraction: f64, recorder: &mut dyn Recorder) {
-        // a test that goes on from a state before the last one told catches up in silence
-        self.fractions[run] = self.fractions[run].max(fraction);
-        let count = self.tests.len();
-        let done = self.fractions.iter().sum::<f64>() / count as f64;
-        let finished = self.tests.iter();
-        let finished = finished.filter(|test| matches!(test, Test::Finished { .. }));
-        let phase = format!("{} of {count} tests finished", finished.count());
-        recorder.progress(done, &phase);
-    }
-
-    /// Reports and curves in the plan's order.
-    fn results(self) -> Result<(Vec<Report>, Vec<Curve>), SimulationError> {
-        let finished = self.tests.into_iter().map(|test| match test {
-            Test::Finished { report, curve } => {
-                let report = serde_json::from_str(&report).map_err(checkpoint::form)?;
-                Ok((report, curve))
-            }
-            Test::Waiting | Test::Begun(_) => {
-                Err(checkpoint::form("a test is not finished").into())
-            }
-        });
-        finished.collect()
-    }
-}
-
-/// What the threads of a plan share.
-#[derive(Clone, Copy)]
-struct Stage<'a> {
-    spec: &'a NonwovenTensile,
-    /// Threads for each test.
-    threads: usize,
-    /// Tests to be done in their order, and what they go on from.
-    open: &'a [(usize, Option<Vec<u8>>)],
-    next: &'a AtomicUsize,
-    requests: &'a AtomicU64,
-    gate: &'a Gate<'a>,
-}
-
-impl Stage<'_> {
-    /// Does one test after the other until there are none left or the gate is closed.
-    fn work(&self, messages: &SyncSender<Message>) {
-        while let Some((run, saved)) = self.open.get(self.next.fetch_add(1, Ordering::Relaxed)) {
-            let run = *run;
-            if self.gate.is_closed(run) {
-                return;
-            }
-            let answered = self.requests.load(Ordering::Relaxed);
-            if messages.send(Message::Started { run, answered }).is_err() {
-                return;
-            }
-            let mut relay = Relay {
-                run,
-                share: share(self.spec, run),
-                curve: Vec::new(),
-                messages: messages.clone(),
-                requests: self.requests,
-                answered,
-            };
-            let passage = Passage {
-                gate: self.gate,
-                run,
-            };
-            let context = RunContext {
-                threads: self.threads,
-                interrupt: &passage,
-                checkpoint: saved.as_deref(),
-            };
-            let result = super::run(&spec_of(self.spec, run), context, &mut relay);
-            let (result, curve) = (Box::new(result), relay.curve);
-            if messages
-                .send(Message::Ended { run, result, curve })
-                .is_err()
-            {
-                return;
-            }
-        }
     }
 }

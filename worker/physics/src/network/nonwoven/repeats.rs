@@ -1,13 +1,12 @@
 //! The joint result of repeats: means with their scatter, the worst quality, all warnings.
 use std::io;
 
-use indexmap::IndexMap;
-use loadframe_api::{
-    QualityCheck, Quantity, Report, Warning, spec::nonwoven_tensile::NonwovenTensile,
-};
+use loadframe_api::{Report, Warning, spec::nonwoven_tensile::NonwovenTensile};
 
-use super::relay::Curve;
-use crate::{Recorder, csv, statistics::Sample};
+use crate::{
+    Recorder, csv,
+    plan::{Curve, joint_warnings, mean, total_work, values, worst_quality},
+};
 
 /// Joins the reports of all repeats, the first of which gives the words.
 pub(super) fn join(spec: &NonwovenTensile, reports: &[Report]) -> Report {
@@ -19,29 +18,6 @@ pub(super) fn join(spec: &NonwovenTensile, reports: &[Report]) -> Report {
     joint.warnings = warnings(spec, reports);
     joint.work = total_work(reports);
     joint
-}
-
-/// The worst value of each check, whose bound is that of the first report.
-pub(super) fn worst_quality(reports: &[Report], words: &str) -> IndexMap<String, QualityCheck> {
-    let mut quality = reports
-        .first()
-        .map_or_else(IndexMap::new, |r| r.quality.clone());
-    for (name, check) in &mut quality {
-        let found = reports.iter().filter_map(|report| report.quality.get(name));
-        let worst = found.map(|check| check.value).fold(0.0, f64::max);
-        let description = format!("{} {words}", check.description);
-        *check = QualityCheck::at_most(worst, check.bound, &check.unit, &description);
-    }
-    quality
-}
-
-/// The sum of each work counter.
-pub(super) fn total_work(reports: &[Report]) -> IndexMap<String, u64> {
-    let mut work = IndexMap::new();
-    for (name, count) in reports.iter().flat_map(|report| &report.work) {
-        *work.entry(name.clone()).or_default() += count;
-    }
-    work
 }
 
 /// `repeats.csv`, seed and results of every repeat.
@@ -81,49 +57,19 @@ pub(super) fn write_curves<'a>(
     recorder.file(name, &mut |out| {
         csv::header(out, &["repeat", "nominal_strain", "force_n"])?;
         for (index, curve) in curves.clone().enumerate() {
-            for [strain, force] in curve {
-                csv::row(out, &[(index + 1) as f64, *strain, *force])?;
+            for point in curve.rows() {
+                let mut row = vec![(index + 1) as f64];
+                row.extend(point);
+                csv::row(out, &row)?;
             }
         }
         Ok(())
     })
 }
 
-/// The known values of a result, in the order of the repeats.
-fn values(reports: &[Report], name: &str) -> Vec<f64> {
-    let found = reports.iter().filter_map(|report| report.summary.get(name));
-    found.filter_map(|quantity| quantity.value).collect()
-}
-
-/// The mean of a result's values with their scatter.
-fn mean(quantity: &Quantity, values: &[f64]) -> Quantity {
-    let sample = Sample::of(values);
-    Quantity {
-        value: sample.map(|sample| sample.mean),
-        deviation: sample.and_then(|sample| sample.deviation),
-        interval: sample.and_then(|sample| sample.interval),
-        n: Some(sample.map_or(0, |sample| sample.count)),
-        ..quantity.clone()
-    }
-}
-
-/// Each sort of warning once, in the words of the first repeat that has it.
+/// The warnings of all repeats, and one where they teach no more than one.
 fn warnings(spec: &NonwovenTensile, reports: &[Report]) -> Vec<Warning> {
-    let mut sorts = IndexMap::<&str, (u64, &str, usize)>::new();
-    for (seed, report) in (spec.seed..).zip(reports) {
-        for warning in &report.warnings {
-            let first = (seed, warning.detail.as_str(), 0);
-            sorts.entry(&warning.code).or_insert(first).2 += 1;
-        }
-    }
-    let total = reports.len();
-    let joint = sorts
-        .into_iter()
-        .map(|(code, (seed, detail, count))| Warning {
-            code: code.to_owned(),
-            detail: format!("in {count} of {total} repeats, first with seed {seed}: {detail}"),
-        });
-    let mut warnings: Vec<Warning> = joint.collect();
+    let mut warnings = joint_warnings(spec.seed, "repeats", reports);
     let mut others = reports.iter().skip(1);
     if reports.len() > 1 && others.all(|report| report.summary == reports[0].summary) {
         warnings.push(Warning {
