@@ -2,7 +2,9 @@
 //! a step that must be stable.
 use std::collections::BTreeSet;
 
-use super::{Body, GranularScene, LoadPlane, MovePlane, Plane, Stage, TimeStep};
+use super::{
+    Body, ContactLaw, GranularScene, LoadPlane, Material, MovePlane, Plane, Stage, TimeStep,
+};
 use crate::Violation;
 
 /// Bodies may overlap by this part of the smaller radius at the start; more is a mistake, and
@@ -20,6 +22,7 @@ pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
     check_planes(spec, violations);
     check_stages(spec, violations);
     check_record(spec, violations);
+    check_laws(spec, violations);
     // what follows looks up materials and shapes
     if violations.is_empty() {
         super::overlaps::check(spec, LARGEST_OVERLAP, violations);
@@ -150,11 +153,38 @@ fn check_record(spec: &GranularScene, violations: &mut Vec<Violation>) {
     }));
 }
 
+/// Bonds know linear springs alone.
+fn check_laws(spec: &GranularScene, violations: &mut Vec<Violation>) {
+    if !spec.materials.values().any(Material::is_cohesive) {
+        return;
+    }
+    if spec.laws.contact != ContactLaw::Linear {
+        violations.push(
+            Violation::new(
+                "/laws/contact",
+                "not_together",
+                "bonds of cohesive materials stand on linear springs",
+            )
+            .allowed("\"linear\" with cohesion, any other without"),
+        );
+    }
+    let viscous = spec
+        .materials
+        .iter()
+        .filter(|(_, material)| material.restitution.is_some());
+    violations.extend(viscous.map(|(name, material)| {
+        let pointer = format!("/materials/{name}/restitution");
+        Violation::new(pointer, "not_together", "bonds have no dashpots")
+            .value(material.restitution)
+            .allowed("none in a scene with cohesion; damp it by /laws/local_damping")
+    }));
+}
+
 fn check_time_step(spec: &GranularScene, violations: &mut Vec<Violation>) {
     let TimeStep::Given(step) = spec.time_step_s else {
         return;
     };
-    if let Some(critical) = spec.critical_step_of_one_contact()
+    if let Some(critical) = spec.critical_step_of_one_contact(spec.first_speed())
         && step > critical.step
         && !spec.allow_unstable
     {

@@ -28,7 +28,7 @@ impl GranularScene {
         let step = match self.time_step_s {
             TimeStep::Given(step) => step,
             TimeStep::Automatic(_) => {
-                let critical = self.critical_step_of_one_contact();
+                let critical = self.critical_step_of_one_contact(self.first_speed());
                 let critical = critical.map_or(f64::INFINITY, |critical| critical.step);
                 self.accuracy.knobs().critical_step_fraction * critical
             }

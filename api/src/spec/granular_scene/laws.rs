@@ -8,13 +8,24 @@ use serde::{Deserialize, Serialize};
 pub struct Material {
     #[schemars(range(min = 1e-6, max = 1e12), extend("x-unit" = "kg/m3"))]
     pub density_kg_per_m3: f64,
-    /// E, modulus of the contact: K_N = E₁l₁E₂l₂/(E₁l₁ + E₂l₂) with l = 2r.
+    /// E. Under the laws `linear` and `logarithmic` the modulus of the contact as a spring:
+    /// K_N = E₁l₁E₂l₂/(E₁l₁ + E₂l₂) with l = 2r. Under `hertz_mindlin` that of the solid.
     #[schemars(range(min = 1e-3, max = 1e15), extend("x-unit" = "Pa"))]
     pub youngs_modulus_pa: f64,
-    /// ν, shear over normal stiffness: K_T is K_N with Eν in place of E.
+    /// ν, shear over normal stiffness: K_T is K_N with Eν in place of E. Not used by
+    /// `hertz_mindlin`.
     #[serde(default = "stiffness_ratio")]
     #[schemars(range(min = 1e-6, max = 10.0), extend("x-unit" = "1"))]
     pub stiffness_ratio: f64,
+    /// Poisson's ratio of the solid, used by `hertz_mindlin` alone; 0.3 when left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -0.99, max = 0.5), extend("x-unit" = "1"))]
+    pub poisson_ratio: Option<f64>,
+    /// e, speed after over speed before a head-on impact: contacts have a dashpot along the normal.
+    /// Between two materials the smaller one counts; left out, there is none, as with 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
+    pub restitution: Option<f64>,
     /// φ; a contact slides at tan φ of the smoother material. 0 is frictionless.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1.570_795_5), extend("x-unit" = "rad"))]
@@ -31,14 +42,16 @@ pub struct Material {
 }
 
 /// The laws of contact and damping.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Laws {
     pub contact: ContactLaw,
     /// λ_D of Cundall's local damping: each component of a body's acceleration is changed by
-    /// −λ_D |a| sgn(power). Independent of velocity, so free fall is slower too, by (1 − λ_D).
+    /// −λ_D |a| sgn(power). Independent of velocity, so free fall is slower too, by (1 − λ_D). Left
+    /// out, 0.3; or 0 when a material gives its restitution, which damps in another way.
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 0.99), extend("x-unit" = "1"))]
-    pub local_damping: f64,
+    pub local_damping: Option<f64>,
     pub convention: Convention,
     pub bond_rest_length: BondRestLength,
 }
@@ -61,6 +74,11 @@ pub enum ContactLaw {
     /// Springs along and across the normal, sliding by Coulomb ([CundallStrack1979]).
     #[default]
     Linear,
+    /// The same, with the logarithm of the strain along the normal: spheres under high pressure do
+    /// not pass through each other.
+    Logarithmic,
+    /// Hertz's springs of elastic spheres and Mindlin's shear without slip, sliding by Coulomb.
+    HertzMindlin,
 }
 
 /// Whose rules where programs differ.
@@ -119,17 +137,11 @@ pub struct Knobs {
     pub critical_step_fraction: f64,
 }
 
-impl Default for Laws {
-    fn default() -> Self {
-        Self {
-            contact: ContactLaw::default(),
-            // the usual choice for quasi-static loading, and the one of the ballast studies
-            local_damping: 0.3,
-            convention: Convention::default(),
-            bond_rest_length: BondRestLength::default(),
-        }
-    }
-}
+/// λ_D when nothing is said: the usual choice for quasi-static loading, and the one of the ballast
+/// studies.
+const LOCAL_DAMPING: f64 = 0.3;
+/// ν of most rocks and metals.
+const POISSON_RATIO: f64 = 0.3;
 
 impl Default for TimeStep {
     fn default() -> Self {
@@ -168,6 +180,36 @@ impl Material {
     /// Whether its spheres can be bonded.
     pub fn is_cohesive(&self) -> bool {
         self.normal_cohesion_pa > 0.0 || self.shear_cohesion_pa > 0.0
+    }
+
+    /// ν of the solid.
+    pub fn poisson_ratio(&self) -> f64 {
+        self.poisson_ratio.unwrap_or(POISSON_RATIO)
+    }
+
+    /// β of the oscillator whose half period leaves e of the speed: −ln e/√(π² + ln² e).
+    pub fn damping_ratio(&self) -> f64 {
+        let logarithm = self.restitution.unwrap_or(1.0).ln();
+        if logarithm < 0.0 {
+            -logarithm / std::f64::consts::PI.hypot(logarithm)
+        } else {
+            0.0
+        }
+    }
+}
+
+impl super::GranularScene {
+    /// Whether contacts have dashpots.
+    pub fn is_viscous(&self) -> bool {
+        (self.materials.values()).any(|material| material.damping_ratio() > 0.0)
+    }
+
+    /// λ_D, given or not.
+    pub fn local_damping(&self) -> f64 {
+        let has_restitution =
+            (self.materials.values()).any(|material| material.restitution.is_some());
+        let default = if has_restitution { 0.0 } else { LOCAL_DAMPING };
+        self.laws.local_damping.unwrap_or(default)
     }
 }
 

@@ -13,6 +13,7 @@
 mod bodies;
 mod checks;
 mod estimate;
+pub mod hertz;
 mod laws;
 mod overlaps;
 mod record;
@@ -34,7 +35,7 @@ pub use laws::{
     Preset, TimeStep,
 };
 pub use record::Record;
-pub use stability::{CriticalStep, series_stiffness};
+pub use stability::{CriticalStep, series_stiffness, step_with_dashpot};
 pub use stages::{LoadPlane, MovePlane, Run, Settle, Stage};
 
 /// A scene of bodies in contact.
@@ -91,6 +92,12 @@ impl crate::kinds::Spec for GranularScene {
 
     fn normalise(&mut self) {
         self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+        self.laws.local_damping = Some(self.local_damping());
+        if self.laws.contact == ContactLaw::HertzMindlin {
+            for material in self.materials.values_mut() {
+                material.poisson_ratio = Some(material.poisson_ratio());
+            }
+        }
     }
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {

@@ -5,14 +5,24 @@
 //! sphere that touches it. The critical step of the leapfrog is 2/ω with the highest frequency ω
 //! of the scene; here ω² is that of one contact, the larger of K_N/m* along the normal and
 //! K_T (1/m* + Σ r²/I) across it, with 1/m* the sum of the movable bodies' inverse masses and
-//! I = 2/5 m r².
+//! I = 2/5 m r². A dashpot shortens it, see [`step_with_dashpot`]. Hertz's contacts stiffen with their
+//! overlap: they are taken at that of an impact at the speed given, or at a least one.
 //!
 //! Source: [CundallStrack1979]; series rule as in Yade.
-use super::{Body, DegreeOfFreedom, GranularScene, Material};
+use super::{
+    Body, ContactLaw, DegreeOfFreedom, GranularScene, Material,
+    hertz::{self, Solid},
+};
 
 /// Stiffness of two springs in series [N/m].
 pub fn series_stiffness(first: f64, second: f64) -> f64 {
     first * second / (first + second)
+}
+
+/// Critical step with a dashpot of damping ratio β along the normal, over that without:
+/// √(1 + β²) − β, since the velocity that damps is that of half a step ago.
+pub fn step_with_dashpot(damping_ratio: f64) -> f64 {
+    (1.0 + damping_ratio * damping_ratio).sqrt() - damping_ratio
 }
 
 /// r²/I over 1/m for a sphere: I = 2/5 m r².
@@ -52,6 +62,8 @@ struct Partner<'a> {
     body: usize,
     material: &'a Material,
     radius: f64,
+    /// 1/r [1/m]; 0 for a plane.
+    curvature: f64,
     /// 1/m [1/kg]; 0 for one that does not move.
     inverse_mass: f64,
 }
@@ -69,8 +81,9 @@ pub struct CriticalStep {
 impl GranularScene {
     /// Smallest critical step of any contact between two spheres, or a sphere and a plane, that
     /// may come to pass: each sphere against the planes, the stiffest and the lightest other.
-    /// Clumps are left out: their mass is not known here. `None` when nothing can touch.
-    pub fn critical_step_of_one_contact(&self) -> Option<CriticalStep> {
+    /// Clumps are left out: their mass is not known here. `None` when nothing can touch. Under
+    /// Hertz's law the bodies meet at `speed` [m/s]; linear springs do not ask.
+    pub fn critical_step_of_one_contact(&self, speed: f64) -> Option<CriticalStep> {
         let spheres: Vec<Partner<'_>> = self
             .bodies
             .iter()
@@ -99,17 +112,22 @@ impl GranularScene {
         for sphere in &spheres {
             for other in others.iter().map(|other| &spheres[*other]) {
                 if other.body != sphere.body {
-                    offer(critical_step(sphere, other), sphere.body, Some(other.body));
+                    offer(
+                        self.critical_step(sphere, other, speed),
+                        sphere.body,
+                        Some(other.body),
+                    );
                 }
             }
             for plane in &self.planes {
                 if let Some(material) = self.materials.get(&plane.material) {
                     let wall = Partner {
                         material,
+                        curvature: 0.0,
                         inverse_mass: 0.0,
                         ..*sphere
                     };
-                    offer(critical_step(sphere, &wall), sphere.body, None);
+                    offer(self.critical_step(sphere, &wall, speed), sphere.body, None);
                 }
             }
         }
@@ -125,31 +143,69 @@ impl GranularScene {
             body,
             material,
             radius,
+            curvature: 1.0 / radius,
             inverse_mass,
         })
     }
+
+    /// Twice the largest speed at the start [m/s]: that of two bodies that meet.
+    pub fn first_speed(&self) -> f64 {
+        let squares = self.bodies.iter().map(|body| {
+            let components = body.velocity_m_per_s.iter();
+            components
+                .map(|component| component * component)
+                .sum::<f64>()
+        });
+        2.0 * squares.fold(0.0, f64::max).sqrt()
+    }
+
+    /// 2/ω of two spheres in contact [s]; infinite when neither moves.
+    fn critical_step(&self, a: &Partner<'_>, b: &Partner<'_>, speed: f64) -> f64 {
+        let inverse_mass = a.inverse_mass + b.inverse_mass;
+        let is_rough = a
+            .material
+            .friction_angle_rad
+            .min(b.material.friction_angle_rad)
+            > 0.0;
+        let [normal, shear] = match self.laws.contact {
+            ContactLaw::Linear | ContactLaw::Logarithmic => linear_stiffness(a, b),
+            ContactLaw::HertzMindlin => hertz_stiffness(a, b, inverse_mass, speed),
+        };
+        let shear = if is_rough {
+            shear * (1.0 + SPHERE_ROTATION)
+        } else {
+            0.0
+        };
+        let step = 2.0 / (normal.max(shear) * inverse_mass).sqrt();
+        match a.material.damping_ratio().max(b.material.damping_ratio()) {
+            0.0 => step,
+            ratio => step * step_with_dashpot(ratio),
+        }
+    }
 }
 
-/// 2/ω of two spheres in contact [s]; infinite when neither moves.
-fn critical_step(a: &Partner<'_>, b: &Partner<'_>) -> f64 {
-    let normal = series_stiffness(
-        a.material.normal_stiffness(a.radius),
-        b.material.normal_stiffness(b.radius),
-    );
-    let is_rough = a
-        .material
-        .friction_angle_rad
-        .min(b.material.friction_angle_rad)
-        > 0.0;
-    let shear = if is_rough {
-        let shear = series_stiffness(
-            a.material.shear_stiffness(a.radius),
-            b.material.shear_stiffness(b.radius),
-        );
-        shear * (1.0 + SPHERE_ROTATION)
-    } else {
-        0.0
-    };
-    let inverse_mass = a.inverse_mass + b.inverse_mass;
-    2.0 / (normal.max(shear) * inverse_mass).sqrt()
+/// K_N and K_T [N/m].
+fn linear_stiffness(a: &Partner<'_>, b: &Partner<'_>) -> [f64; 2] {
+    [Material::normal_stiffness, Material::shear_stiffness].map(|stiffness| {
+        series_stiffness(
+            stiffness(a.material, a.radius),
+            stiffness(b.material, b.radius),
+        )
+    })
+}
+
+/// Tangents k_N and k_T [N/m] where an impact stops; k_T/k_N = 4 G*/E*.
+fn hertz_stiffness(a: &Partner<'_>, b: &Partner<'_>, inverse_mass: f64, speed: f64) -> [f64; 2] {
+    if inverse_mass == 0.0 {
+        return [0.0; 2];
+    }
+    let [first, second] = [a, b].map(|partner| Solid {
+        youngs_modulus: partner.material.youngs_modulus_pa,
+        poisson_ratio: partner.material.poisson_ratio(),
+    });
+    let modulus = hertz::effective_modulus(first, second);
+    let radius = hertz::effective_radius(a.curvature, b.curvature);
+    let normal = hertz::impact_stiffness(modulus, radius, inverse_mass, speed);
+    let ratio = 4.0 * hertz::effective_shear_modulus(first, second) / modulus;
+    [normal, ratio * normal]
 }

@@ -4,9 +4,9 @@ use std::ops::Range;
 use super::{
     Vector,
     contact::{
-        law::{Bond, Law, Past},
+        law::{Bond, Law, Normal, Past},
         pairs::{PairBlock, PairList},
-        stiffness::{Springs, bond_strength},
+        stiffness::{Side, Springs, bond_strength},
         touching_lanes,
         walls::{Face, WallBlock, WallList},
     },
@@ -282,13 +282,6 @@ fn fill_pairs<F: Law>(
     memories: &Memories,
     patch: &mut Patch<F>,
 ) {
-    let surface = |particle: usize| {
-        let radius = particles.centres[particle].0[3];
-        (
-            model.surfaces[usize::from(particles.surfaces[particle])],
-            radius,
-        )
-    };
     // what touches now comes first, so that blocks of what does not are passed over by one look
     for wants_touching in [true, false] {
         for a in patch.particles.clone() {
@@ -298,7 +291,8 @@ fn fill_pairs<F: Law>(
                 if (is_bonded || is_touching(particles, a, b as usize)) != wants_touching {
                     continue;
                 }
-                let springs = Springs::between(surface(a), surface(b as usize));
+                let sides = [a, b as usize].map(|particle| side(model, particles, particle));
+                let springs = F::Normal::springs(&sides[0], &sides[1]);
                 let list = if patch.particles.contains(&(b as usize)) {
                     &mut patch.inner
                 } else {
@@ -312,6 +306,16 @@ fn fill_pairs<F: Law>(
     }
     patch.inner.finish();
     patch.outer.finish();
+}
+
+/// What a particle brings to a contact.
+fn side(model: &Model, particles: &Particles, particle: usize) -> Side {
+    Side {
+        surface: model.surfaces[usize::from(particles.surfaces[particle])],
+        radius: particles.centres[particle].0[3],
+        is_flat: false,
+        inverse_mass: model.inverse_mass(particles.owners[particle] as usize),
+    }
 }
 
 fn is_touching(particles: &Particles, a: usize, b: usize) -> bool {
@@ -337,23 +341,12 @@ fn fill_walls<F: Law>(
             if face.height(centre) > radius + skin || !model.is_movable[owner] {
                 continue;
             }
-            let own = model.surfaces[usize::from(particles.surfaces[particle])];
-            let springs = Springs::between((own, radius), (model.surfaces[plane.surface], radius));
+            let own = side(model, particles, particle);
+            let springs = F::Normal::springs(&own, &own.wall(model.surfaces[plane.surface]));
             let past = memories.wall(particles.numbers[particle], number);
             list.add(particle as u32, springs, past);
         }
         patch.walls.push(list);
-    }
-}
-
-impl Springs {
-    /// A contact's memory, with its past if it has one.
-    fn with(&self, past: Option<Past>) -> Past {
-        Past {
-            stiffness: self.shear,
-            friction: self.friction,
-            ..past.unwrap_or_default()
-        }
     }
 }
 
@@ -389,7 +382,7 @@ impl<F: Law> PairList<F> {
         if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
             [block.a[lane], block.b[lane]] = pair;
             block.stiffness[lane] = springs.normal;
-            block.law.set_past(lane, &springs.with(past));
+            block.law.start(lane, &springs, &past.unwrap_or_default());
             *touching |= u8::from(past.is_some()) << lane;
         }
     }
@@ -420,7 +413,7 @@ impl<F: Law> WallList<F> {
         if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
             block.particles[lane] = particle;
             block.stiffness[lane] = springs.normal;
-            block.law.set_past(lane, &springs.with(past));
+            block.law.start(lane, &springs, &past.unwrap_or_default());
             *touching |= u8::from(past.is_some()) << lane;
         }
     }

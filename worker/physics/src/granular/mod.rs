@@ -21,7 +21,7 @@
 //! which are the checkpoint.
 //!
 //! **Only what is used.** The law of contact is a type parameter, chosen once, here: a scene without
-//! cohesion has no bonds, a frictionless one has
+//! cohesion has no bonds, one without restitution no dashpots, a frictionless one has
 //! contacts without memory and particles without spin. Bodies without a degree of freedom have
 //! no contacts among themselves, scenes without clumps or planes have empty lists of them.
 //!
@@ -57,8 +57,10 @@ mod stages;
 mod tables;
 mod time_step;
 
-use contact::law::{Bonded, Coulomb, Frictionless};
-use loadframe_api::spec::granular_scene::{GranularScene, Material};
+use contact::law::{
+    Bonded, Coulomb, Frictionless, Hertz, HertzMindlin, Law, Linear, Logarithmic, Viscous,
+};
+use loadframe_api::spec::granular_scene::{ContactLaw, GranularScene, Material};
 
 use crate::{Ending, Recorder, RunContext, SimulationError};
 
@@ -74,12 +76,35 @@ pub(crate) fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    let any = |is: fn(&Material) -> bool| spec.materials.values().any(is);
-    if any(Material::is_cohesive) {
-        run::run::<Bonded>(spec, context, recorder)
-    } else if any(|material| material.friction_angle_rad > 0.0) {
-        run::run::<Coulomb>(spec, context, recorder)
-    } else {
-        run::run::<Frictionless>(spec, context, recorder)
+    if spec.materials.values().any(Material::is_cohesive) {
+        return run::run::<Bonded>(spec, context, recorder);
+    }
+    match spec.laws.contact {
+        ContactLaw::Linear => {
+            run_with::<Frictionless<Linear>, Coulomb<Linear>>(spec, context, recorder)
+        }
+        ContactLaw::Logarithmic => {
+            run_with::<Frictionless<Logarithmic>, Coulomb<Logarithmic>>(spec, context, recorder)
+        }
+        ContactLaw::HertzMindlin => {
+            run_with::<Frictionless<Hertz>, HertzMindlin>(spec, context, recorder)
+        }
+    }
+}
+
+/// Runs the scene under the law for smooth or that for rough materials, with a dashpot if there is
+/// one.
+fn run_with<Smooth: Law, Rough: Law>(
+    spec: &GranularScene,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<Ending, SimulationError> {
+    let mut materials = spec.materials.values();
+    let is_rough = materials.any(|material| material.friction_angle_rad > 0.0);
+    match (is_rough, spec.is_viscous()) {
+        (false, false) => run::run::<Smooth>(spec, context, recorder),
+        (true, false) => run::run::<Rough>(spec, context, recorder),
+        (false, true) => run::run::<Viscous<Smooth>>(spec, context, recorder),
+        (true, true) => run::run::<Viscous<Rough>>(spec, context, recorder),
     }
 }

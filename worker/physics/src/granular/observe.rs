@@ -6,7 +6,10 @@ use std::collections::BTreeMap;
 
 use super::{
     Vector,
-    contact::{law::Law, touching_lanes},
+    contact::{
+        law::{Held, Law, Normal, Spring},
+        touching_lanes,
+    },
     engine::Engine,
     journal::Reading,
 };
@@ -30,8 +33,14 @@ pub(super) struct Contact {
     pub(super) normal_force: Vector,
     /// F_T on b [N].
     pub(super) shear_force: Vector,
-    /// k_N, k_T [N/m].
+    /// Tangents k_N, k_T [N/m].
     pub(super) stiffness: [f64; 2],
+    /// c of the dashpot [N s/m].
+    pub(super) dashpot: f64,
+    /// Of the normal spring [m]; negative where a bond is stretched.
+    pub(super) compression: f64,
+    /// In the normal spring [J].
+    spring_energy: f64,
     /// Whether an intact bond holds the bodies together.
     pub(super) is_bonded: bool,
 }
@@ -60,18 +69,18 @@ impl<F: Law> Engine<F> {
                 let distance = between.norm();
                 let overlap = radii[0] + radii[1] - distance;
                 let normal = between / distance;
-                let past = block.law.past(lane);
+                let spring = Spring {
+                    constant: block.stiffness[lane],
+                    overlap,
+                    reach: radii[0] + radii[1],
+                };
+                let held = block.law.held(lane, &spring);
                 let contact = Contact {
                     bodies: [particles.owners[a], particles.owners[b]],
                     particles: (a, Some(b)),
                     numbers: [particles.numbers[a], particles.numbers[b]],
-                    overlap,
                     radius: radii[0].min(radii[1]),
-                    normal,
-                    normal_force: past.normal_force(block.stiffness[lane], overlap) * normal,
-                    shear_force: past.shear,
-                    stiffness: [block.stiffness[lane], past.stiffness],
-                    is_bonded: past.bond.is_intact,
+                    ..Contact::new::<F>(&spring, &held, normal)
                 };
                 contacts.push(contact.in_order());
             }
@@ -82,19 +91,18 @@ impl<F: Law> Engine<F> {
                         let centre = &particles.centres[particle].0;
                         let overlap = centre[3] - face.height(centre);
                         let normal = Vector::from(face.normal());
-                        let past = block.law.past(lane);
+                        let spring = Spring {
+                            constant: block.stiffness[lane],
+                            overlap,
+                            reach: 2.0 * centre[3],
+                        };
+                        let held = block.law.held(lane, &spring);
                         contacts.push(Contact {
                             bodies: [particles.owners[particle], bodies + plane],
                             particles: (particle, None),
                             numbers: [particles.numbers[particle], plane],
-                            overlap,
                             radius: centre[3],
-                            normal,
-                            normal_force: past.normal_force(block.stiffness[lane], overlap)
-                                * normal,
-                            shear_force: past.shear,
-                            stiffness: [block.stiffness[lane], past.stiffness],
-                            is_bonded: past.bond.is_intact,
+                            ..Contact::new::<F>(&spring, &held, normal)
                         });
                     }
                 }
@@ -206,6 +214,30 @@ impl<F: Law> Engine<F> {
 }
 
 impl Contact {
+    /// What a law holds along a normal; whose contact it is remains to be said.
+    fn new<F: Law>(spring: &Spring, held: &Held, normal: Vector) -> Self {
+        let elastic = held.spring_force * normal;
+        let sprung = Spring {
+            overlap: held.compression,
+            ..*spring
+        };
+        Self {
+            bodies: [0; 2],
+            particles: (0, None),
+            numbers: [0; 2],
+            overlap: spring.overlap,
+            radius: 0.0,
+            normal,
+            normal_force: held.force * normal,
+            shear_force: held.shear,
+            stiffness: held.stiffness,
+            dashpot: held.dashpot,
+            compression: held.compression,
+            spring_energy: F::Normal::energy(&sprung, elastic.norm_squared()),
+            is_bonded: held.is_bonded,
+        }
+    }
+
     /// With the lower body first.
     fn in_order(self) -> Self {
         if self.bodies[0] < self.bodies[1] {
@@ -229,14 +261,13 @@ impl Contact {
 
     /// Energy in both springs [J].
     pub(super) fn energy(&self) -> f64 {
-        let [normal, shear] = self.stiffness;
-        let in_normal = 0.5 * self.normal_force.norm_squared() / normal;
+        let shear = self.stiffness[1];
         let in_shear = if shear > 0.0 {
             0.5 * self.shear_force.norm_squared() / shear
         } else {
             0.0
         };
-        in_normal + in_shear
+        self.spring_energy + in_shear
     }
 }
 

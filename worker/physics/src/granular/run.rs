@@ -1,6 +1,8 @@
 //! A run: steps, what is observed on the way, until the end of the last of its
 //! [`stages`](super::stages).
-use loadframe_api::spec::granular_scene::{GranularScene, LARGEST_WAY, Stage, TimeStep};
+use loadframe_api::spec::granular_scene::{
+    ContactLaw, GranularScene, LARGEST_WAY, Stage, TimeStep,
+};
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -120,14 +122,7 @@ pub(super) fn run<F: Law>(
 impl<'a, F: Law> Runner<'a, F> {
     fn new(spec: &'a GranularScene, team: Team) -> Result<Self, SimulationError> {
         let engine = Engine::new(spec, team);
-        let of_spheres = spec
-            .critical_step_of_one_contact()
-            .map(|critical| critical.step);
-        let of_clumps = engine.critical_step_of_clumps();
-        let foreseen = of_spheres
-            .into_iter()
-            .chain(of_clumps)
-            .fold(f64::INFINITY, f64::min);
+        let foreseen = foreseen(spec, &engine, spec.first_speed());
         let movable = spec.bodies.iter().filter(|body| !body.is_held());
         let smallest_radius = movable
             .map(|body| body.smallest_radius())
@@ -257,7 +252,7 @@ impl<'a, F: Law> Runner<'a, F> {
         // of a bond, the change of its overlap
         let overlaps = contacts
             .iter()
-            .map(|contact| contact.normal_force.norm() / contact.stiffness[0] / contact.radius);
+            .map(|contact| contact.compression.abs() / contact.radius);
         journal.worst.overlap_ratio = overlaps.fold(journal.worst.overlap_ratio, f64::max);
         journal.worst.see_step(journal.time_step, critical);
         journal.last = self.engine.reading(contacts, &energies);
@@ -301,19 +296,32 @@ impl<'a, F: Law> Runner<'a, F> {
 
     /// The part of the critical step that was asked for, and none that lets a body jump.
     fn automatic_step(&self, critical: Option<Critical>) -> f64 {
-        let critical = critical
-            .map_or(f64::INFINITY, |critical| critical.step)
-            .min(self.foreseen);
-        let stable = self.automatic.unwrap_or(1.0) * critical;
         let speed = self
             .engine
             .state
             .speed_bound
             .max(self.engine.largest_speed());
+        let critical = critical
+            .map_or(f64::INFINITY, |critical| critical.step)
+            .min(self.foreseen_at(speed));
+        let stable = self.automatic.unwrap_or(1.0) * critical;
         // half the way that is allowed, so that a body may gain speed before the next look
         let way = 0.5 * LARGEST_WAY * self.smallest_radius / speed;
         let step = stable.min(way);
         if step.is_finite() { step } else { FREE_STEP }
+    }
+
+    /// Critical step of contacts that may come before the next look [s], at this speed [m/s].
+    fn foreseen_at(&self, speed: f64) -> f64 {
+        if self.spec.laws.contact != ContactLaw::HertzMindlin {
+            return self.foreseen;
+        }
+        let faces = self.engine.state.faces.iter();
+        let wall = faces.fold(0.0, |most: f64, face| most.max(face.velocity.abs()));
+        let gained =
+            self.engine.model.gravity.norm() * STEPS_PER_LOOK as f64 * self.journal.time_step;
+        let speed = 2.0 * (speed + gained) + wall;
+        foreseen(self.spec, &self.engine, speed)
     }
 
     fn check_speed(&self) -> Result<(), SimulationError> {
@@ -355,6 +363,17 @@ impl<'a, F: Law> Runner<'a, F> {
         recorder.checkpoint(&checkpoint::pack(&checkpoint)?)?;
         Ok(())
     }
+}
+
+/// Smallest critical step of any one contact that may come at this speed [s].
+fn foreseen<F: Law>(spec: &GranularScene, engine: &Engine<F>, speed: f64) -> f64 {
+    let of_spheres = spec.critical_step_of_one_contact(speed);
+    let of_clumps = engine.critical_step_of_clumps(speed);
+    of_spheres
+        .map(|critical| critical.step)
+        .into_iter()
+        .chain(of_clumps)
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// Step of a scene in which nothing can touch [s].

@@ -21,6 +21,8 @@ pub(super) struct Model {
     pub(super) surfaces: Vec<Surface>,
     /// Whether anything has friction or cohesion.
     pub(super) is_rough: bool,
+    /// Whether contacts have dashpots.
+    is_viscous: bool,
     /// Whether a bond rests where it is made, and not where its spheres just touch.
     pub(super) bonds_rest_as_made: bool,
     pub(super) gravity: Vector,
@@ -75,9 +77,10 @@ impl Model {
         Self {
             surfaces: spec.materials.values().map(Surface::new).collect(),
             is_rough: spec.materials.values().any(rough),
+            is_viscous: spec.is_viscous(),
             bonds_rest_as_made: spec.laws.bond_rest_length == BondRestLength::Initial,
             gravity: Vector::from(spec.gravity_m_per_s2),
-            damping: spec.laws.local_damping,
+            damping: spec.local_damping(),
             rotation: match spec.laws.convention {
                 Convention::Loadframe => Rotation::Splitting,
                 Convention::Yade => Rotation::Fincham,
@@ -94,6 +97,15 @@ impl Model {
                 .iter()
                 .map(|body| Vector::from(body.angular_velocity_rad_per_s))
                 .collect(),
+        }
+    }
+
+    /// Of a body at a dashpot [1/kg]: 0 for one that cannot move, and where there are none.
+    pub(super) fn inverse_mass(&self, body: usize) -> f64 {
+        if self.is_viscous && self.is_movable[body] {
+            1.0 / self.masses[body]
+        } else {
+            0.0
         }
     }
 }

@@ -9,9 +9,20 @@
 //! where m' is the mass of the other body and the terms with it are left out when that body cannot
 //! move; a single contact with a wall then gives 2√(m/K), and a pair of equal spheres √(2m/K),
 //! which is exact. T takes the diagonal alone (3.36-3.39), Yade too, which is up to √2 less safe.
+//! Stiffnesses are tangents at the present overlap. With dashpots, whose damping matrix over the
+//! masses has the bound D, built from them as ω² is from the springs, the step must satisfy
+//! ω² Δt² + 2 D Δt < 4 (G.19), since the velocities that damp are those of half a step ago.
 use std::collections::BTreeMap;
 
-use super::{contact::law::Law, engine::Engine, motion::clump::Clump, observe::Contact};
+use super::{
+    contact::{
+        law::{Law, Normal},
+        stiffness::Side,
+    },
+    engine::Engine,
+    motion::clump::Clump,
+    observe::Contact,
+};
 
 /// The critical step and the contact that sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +40,7 @@ pub(super) struct Critical {
 struct Rows {
     along: [f64; 3],
     about: [f64; 3],
+    damped: [f64; 3],
     stiffest: (f64, u32),
 }
 
@@ -62,6 +74,7 @@ impl<F: Law> Engine<F> {
                     let square = contact.normal[axis].powi(2);
                     let stiffness = normal * square + shear * (1.0 - square);
                     row.along[axis] += stiffness / mass * (1.0 + coupling);
+                    row.damped[axis] += contact.dashpot * square / mass * (1.0 + coupling);
                     row.about[axis] +=
                         shear * (1.0 - square) * (1.0 / mass + turning) * (1.0 + coupling);
                 }
@@ -77,7 +90,16 @@ impl<F: Law> Engine<F> {
                 .iter()
                 .chain(&row.about)
                 .fold(0.0, |most: f64, next| most.max(*next));
-            let step = 2.0 / square.sqrt();
+            let damped = row
+                .damped
+                .iter()
+                .fold(0.0, |most: f64, next| most.max(*next));
+            let step = if damped > 0.0 {
+                // the root of (G.19)
+                4.0 / (damped + (damped * damped + 4.0 * square).sqrt())
+            } else {
+                2.0 / square.sqrt()
+            };
             if square > 0.0 && critical.is_none_or(|found| step < found.step) {
                 critical = Some(Critical {
                     step,
@@ -89,9 +111,9 @@ impl<F: Law> Engine<F> {
         critical
     }
 
-    /// The critical step of any one contact of a clump's member with its like; `None` without
-    /// clumps that move.
-    pub(super) fn critical_step_of_clumps(&self) -> Option<f64> {
+    /// The critical step of any one contact of a clump's member with its like, at this `speed`
+    /// [m/s]; `None` without clumps that move.
+    pub(super) fn critical_step_of_clumps(&self, speed: f64) -> Option<f64> {
         let by_body = self.clumps_by_body();
         let clumps = self
             .state
@@ -103,10 +125,15 @@ impl<F: Law> Engine<F> {
                 let particles = &self.state.particles;
                 let radius = particles.centres[member].0[3];
                 let surface = self.model.surfaces[usize::from(particles.surfaces[member])];
-                // a wall harder than the member would be: twice its own stiffness in series
-                let stiffness = 2.0 * surface.half_stiffness(radius);
-                let freedom = 1.0 / clump.mass + self.turning(&by_body, member);
-                2.0 / (stiffness * freedom).sqrt()
+                let own = Side {
+                    surface,
+                    radius,
+                    is_flat: false,
+                    inverse_mass: 1.0 / clump.mass,
+                };
+                let stiffness = F::Normal::foreseen(&own, speed);
+                let freedom = own.inverse_mass + self.turning(&by_body, member);
+                surface.damped_step(2.0 / (stiffness * freedom).sqrt())
             })
         });
         steps.min_by(f64::total_cmp)

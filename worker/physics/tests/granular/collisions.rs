@@ -66,7 +66,7 @@ fn impact_takes_half_a_period_and_gives_the_speed_back() {
     }
 }
 
-fn momenta(record: &Record, step: u64, radii: &[f64]) -> [f64; 6] {
+pub(super) fn momenta(record: &Record, step: u64, radii: &[f64]) -> [f64; 6] {
     let mut sums = [0.0; 6];
     for (number, radius) in (0..).zip(radii) {
         let [x, v, w] = body(record, step, number);

@@ -8,7 +8,7 @@ use super::{
 };
 
 /// Grains in a box that fall on each other: more than two patches of them.
-fn rain(side: usize, friction: f64, steps: u64, with_clumps: bool) -> Value {
+pub(super) fn rain(side: usize, friction: f64, steps: u64, with_clumps: bool) -> Value {
     let mut bodies = Vec::new();
     for number in 0..side * side * side {
         let place = [number % side, number / side % side, number / side / side];
@@ -62,14 +62,33 @@ fn results_have_the_same_bits_on_any_number_of_threads() {
 #[test]
 fn a_run_in_pieces_gives_the_same_bytes() {
     let spec = rain(9, 0.5, 500, true);
-    let (expected, whole) = run(&spec);
-    let job = job(&spec);
+    let checkpoint = assert_resumes(&spec, 3);
+    let other = {
+        let mut other = spec.clone();
+        other["seed"] = json!(2);
+        super::job(&other)
+    };
+    let foreign = run_job(
+        &other,
+        &mut Record::default(),
+        &Uninterrupted,
+        Some(&checkpoint),
+        1,
+    );
+    assert!(foreign.is_err());
+}
+
+/// A run that is suspended every so many looks gives the bytes of one that is not. Returns its last
+/// checkpoint.
+pub(super) fn assert_resumes(spec: &Value, looks: u64) -> Vec<u8> {
+    let (expected, whole) = run(spec);
+    let job = job(spec);
     let mut record = Record::default();
     let mut checkpoint: Option<Vec<u8>> = None;
     let mut pieces = 0;
     let report = loop {
         pieces += 1;
-        let interrupt = AtLook::new(Interrupt::Suspend, 3);
+        let interrupt = AtLook::new(Interrupt::Suspend, looks);
         let ending = run_job(
             &job,
             &mut record,
@@ -87,17 +106,5 @@ fn a_run_in_pieces_gives_the_same_bytes() {
     assert_eq!(report, expected);
     assert!(record.files == whole.files);
     assert_eq!(record.points, whole.points);
-    let other = {
-        let mut other = spec.clone();
-        other["seed"] = json!(2);
-        super::job(&other)
-    };
-    let foreign = run_job(
-        &other,
-        &mut Record::default(),
-        &Uninterrupted,
-        checkpoint.as_deref(),
-        1,
-    );
-    assert!(foreign.is_err());
+    checkpoint.expect("it was suspended")
 }

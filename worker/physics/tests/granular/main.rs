@@ -10,6 +10,7 @@ mod examples;
 mod extremes;
 mod friction;
 mod impacts;
+mod laws;
 mod refusals;
 mod rotation;
 mod stages;

@@ -3,12 +3,13 @@
 //! With n from body a to body b, overlap δ (positive when touching) and half-step velocities, a
 //! contact pushes b with F = F_N n + F_T and a with −F, at arms r − δ/2 along the normal:
 //!
-//! - F_N and F_T by a [`law`], which owns what a contact remembers; without bonds F_N = k_N δ, never
-//!   negative (G.1);
+//! - F_N and F_T by a [`law`], which owns what a contact remembers; for a linear spring without bond
+//!   F_N = k_N δ, never negative (G.1);
 //! - torque on either body (r − δ/2) n × (−F) (G.2).
 //!
 //! Contacts live in blocks of [`LANES`], worked through as vectors. [`pairs`] are contacts of two
-//! spheres, [`walls`] of a sphere and a plane; [`stiffness`] has the two springs in series. A block holds *candidates*,
+//! spheres, [`walls`] of a sphere and a plane; [`stiffness`] knows what the two bodies bring to a
+//! contact, of which the law's normal spring makes its constants. A block holds *candidates*,
 //! some of which do not touch: they cost a look at the distance, and a candidate that stops
 //! touching forgets its shear force.
 //!
@@ -51,7 +52,9 @@ pub(super) struct Touch<S: Simd> {
     pub(super) normal: Vectors<S>,
     /// δ [m].
     pub(super) overlap: Lanes<S>,
-    /// k_N [N/m].
+    /// Distance at which the bodies just touch [m].
+    pub(super) reach: Lanes<S>,
+    /// Constant of the normal spring: k_N [N/m] of a linear one.
     pub(super) stiffness: Lanes<S>,
     pub(super) is_touching: S::m64s,
 }
@@ -69,6 +72,8 @@ pub(super) struct Push<S: Simd> {
 /// How the surfaces of a part of a block move past each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slip<S: Simd> {
+    /// Velocity of b relative to a along the normal: negative when they come closer [m/s].
+    pub(super) approach: Lanes<S>,
     /// Velocity of b's contact point relative to a's, across the normal [m/s].
     pub(super) velocity: Vectors<S>,
     /// Sum of both spins [rad/s].
@@ -80,6 +85,7 @@ impl<S: Simd> Slip<S> {
     #[inline(always)]
     fn none(simd: S) -> Self {
         Self {
+            approach: Lanes::splat(simd, 0.0),
             velocity: Vectors::zero(simd),
             spins: Vectors::zero(simd),
         }

@@ -26,7 +26,7 @@ pub(in crate::granular) struct PairBlock<F: Law> {
     /// Particles a; padding is a particle against itself.
     pub(in crate::granular) a: [u32; LANES],
     pub(in crate::granular) b: [u32; LANES],
-    /// k_N [N/m].
+    /// Constant of the normal spring: k_N [N/m] of a linear one.
     pub(in crate::granular) stiffness: Array,
     pub(in crate::granular) law: F,
 }
@@ -181,22 +181,23 @@ impl<F: Law> PairBlock<F> {
             let touch = Touch {
                 normal,
                 overlap,
+                reach,
                 stiffness: Lanes::load(simd, &self.stiffness, part),
                 is_touching,
             };
-            let slip = if F::IS_ROUGH {
+            let mut slip = Slip::none(simd);
+            if F::FEELS_SPEED {
                 let velocities = self.sides(simd, kinematics.velocities, part);
-                let spins = self.sides(simd, kinematics.spins, part);
-                let branches = spins[0].scaled(a.fourth) + spins[1].scaled(b.fourth);
-                let approach = (velocities[1] - velocities[0]).scaled(reach * inverse);
-                let velocity = approach - branches.cross(normal);
-                Slip {
-                    velocity: velocity - normal.scaled(velocity.dot(normal)),
-                    spins: spins[0] + spins[1],
+                let relative = velocities[1] - velocities[0];
+                slip.approach = relative.dot(normal);
+                if F::IS_ROUGH {
+                    let spins = self.sides(simd, kinematics.spins, part);
+                    let branches = spins[0].scaled(a.fourth) + spins[1].scaled(b.fourth);
+                    let velocity = relative.scaled(reach * inverse) - branches.cross(normal);
+                    slip.velocity = velocity - normal.scaled(velocity.dot(normal));
+                    slip.spins = spins[0] + spins[1];
                 }
-            } else {
-                Slip::none(simd)
-            };
+            }
             let push = self.law.advance(simd, part, touch, slip, time_step);
             touching |= bits::<S>(push.acts, part);
             let half = Lanes::splat(simd, 0.5) * overlap;

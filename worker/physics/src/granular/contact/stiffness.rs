@@ -1,28 +1,44 @@
-//! Stiffness and friction of a contact from its two materials.
-use loadframe_api::spec::granular_scene::{Material, series_stiffness};
+//! What two bodies bring to a contact: materials, radii, masses.
+use loadframe_api::spec::granular_scene::{Material, hertz::Solid, step_with_dashpot};
 
 /// A material as contacts see it.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::granular) struct Surface {
     /// E [Pa].
-    youngs_modulus: f64,
-    /// E ν [Pa].
-    shear_modulus: f64,
+    pub(super) youngs_modulus: f64,
+    /// E ν [Pa], of linear springs.
+    pub(super) shear_modulus: f64,
+    poisson_ratio: f64,
     /// φ [rad].
     friction_angle: f64,
     /// c_N and c_T [Pa].
     cohesion: [f64; 2],
+    /// β of a dashpot.
+    damping_ratio: f64,
 }
 
-/// What a contact is made of.
+/// A body at a contact.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::granular) struct Side {
+    pub(in crate::granular) surface: Surface,
+    /// Of the sphere [m]; a wall has that of the sphere it touches.
+    pub(in crate::granular) radius: f64,
+    pub(in crate::granular) is_flat: bool,
+    /// Of its body [1/kg]; 0 for one that does not move.
+    pub(in crate::granular) inverse_mass: f64,
+}
+
+/// What a contact is made of: constants of the law's springs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::granular) struct Springs {
-    /// k_N [N/m].
+    /// k_N [N/m] of a linear spring.
     pub(in crate::granular) normal: f64,
-    /// k_T [N/m].
+    /// k_T [N/m] of a linear spring.
     pub(in crate::granular) shear: f64,
     /// tan φ.
     pub(in crate::granular) friction: f64,
+    /// c [N s/m] beside a linear spring.
+    pub(in crate::granular) dashpot: f64,
 }
 
 impl Surface {
@@ -30,14 +46,64 @@ impl Surface {
         Self {
             youngs_modulus: material.youngs_modulus_pa,
             shear_modulus: material.youngs_modulus_pa * material.stiffness_ratio,
+            poisson_ratio: material.poisson_ratio(),
             friction_angle: material.friction_angle_rad,
             cohesion: [material.normal_cohesion_pa, material.shear_cohesion_pa],
+            damping_ratio: material.damping_ratio(),
         }
     }
 
     /// k_N of two spheres of this material with radius r [m].
     pub(in crate::granular) fn half_stiffness(&self, radius: f64) -> f64 {
         self.youngs_modulus * radius
+    }
+
+    /// A critical step of one contact without a dashpot [s], shortened by that of this surface:
+    /// 2/ω becomes 2/ω (√(1 + β²) − β).
+    pub(in crate::granular) fn damped_step(&self, step: f64) -> f64 {
+        step * step_with_dashpot(self.damping_ratio)
+    }
+
+    pub(super) fn solid(&self) -> Solid {
+        Solid {
+            youngs_modulus: self.youngs_modulus,
+            poisson_ratio: self.poisson_ratio,
+        }
+    }
+}
+
+impl Side {
+    /// A wall of this surface, where this sphere touches it.
+    pub(in crate::granular) fn wall(&self, surface: Surface) -> Self {
+        Self {
+            surface,
+            radius: self.radius,
+            is_flat: true,
+            inverse_mass: 0.0,
+        }
+    }
+
+    /// 1/r of the surface [1/m].
+    pub(super) fn curvature(&self) -> f64 {
+        if self.is_flat { 0.0 } else { 1.0 / self.radius }
+    }
+
+    /// tan φ of the smoother surface.
+    pub(super) fn friction_with(&self, other: &Self) -> f64 {
+        (self.surface.friction_angle)
+            .min(other.surface.friction_angle)
+            .tan()
+    }
+
+    /// 2 β √(m* k) [N s/m] of the surface that damps more, beside a spring of stiffness k [N/m].
+    pub(super) fn dashpot_with(&self, other: &Self, stiffness: f64) -> f64 {
+        let ratio = (self.surface.damping_ratio).max(other.surface.damping_ratio);
+        let inverse_mass = self.inverse_mass + other.inverse_mass;
+        if ratio > 0.0 && inverse_mass > 0.0 {
+            2.0 * ratio * (stiffness / inverse_mass).sqrt()
+        } else {
+            0.0
+        }
     }
 }
 
@@ -50,18 +116,4 @@ pub(in crate::granular) fn bond_strength(a: (Surface, f64), b: (Surface, f64)) -
         .iter()
         .any(|strength| *strength > 0.0)
         .then_some(strength)
-}
-
-impl Springs {
-    /// Two surfaces of bodies with radii r [m]: springs E 2r in series, the smaller friction angle.
-    pub(in crate::granular) fn between(a: (Surface, f64), b: (Surface, f64)) -> Self {
-        let series = |modulus: fn(&Surface) -> f64| {
-            series_stiffness(modulus(&a.0) * 2.0 * a.1, modulus(&b.0) * 2.0 * b.1)
-        };
-        Self {
-            normal: series(|surface| surface.youngs_modulus),
-            shear: series(|surface| surface.shear_modulus),
-            friction: a.0.friction_angle.min(b.0.friction_angle).tan(),
-        }
-    }
 }

@@ -46,7 +46,7 @@ pub(in crate::granular) struct Load {
 #[repr(align(64))]
 pub(in crate::granular) struct WallBlock<F: Law> {
     pub(in crate::granular) particles: [u32; LANES],
-    /// k_N [N/m].
+    /// Constant of the normal spring: k_N [N/m] of a linear one.
     pub(in crate::granular) stiffness: Array,
     pub(in crate::granular) law: F,
 }
@@ -155,23 +155,25 @@ impl<F: Law> WallBlock<F> {
             let touch = Touch {
                 normal,
                 overlap,
+                reach: radius + radius,
                 stiffness,
                 is_touching,
             };
-            let slip = if F::IS_ROUGH {
+            let mut slip = Slip::none(simd);
+            if F::FEELS_SPEED {
                 let velocity = gather(simd, kinematics.velocities, &self.particles, part).vector;
-                let spin = gather(simd, kinematics.spins, &self.particles, part).vector;
-                let twice = radius + radius;
                 let plane = Vectors::splat(simd, face.along(face.velocity));
-                let approach = (plane - velocity).scaled(twice.over(twice - overlap));
-                let velocity = approach - spin.scaled(radius).cross(normal);
-                Slip {
-                    velocity: velocity - normal.scaled(velocity.dot(normal)),
-                    spins: spin,
+                let relative = plane - velocity;
+                slip.approach = relative.dot(normal);
+                if F::IS_ROUGH {
+                    let spin = gather(simd, kinematics.spins, &self.particles, part).vector;
+                    let twice = radius + radius;
+                    let velocity = relative.scaled(twice.over(twice - overlap))
+                        - spin.scaled(radius).cross(normal);
+                    slip.velocity = velocity - normal.scaled(velocity.dot(normal));
+                    slip.spins = spin;
                 }
-            } else {
-                Slip::none(simd)
-            };
+            }
             let push = self.law.advance(simd, part, touch, slip, time_step);
             touching |= bits::<S>(push.acts, part);
             let arm = radius - Lanes::splat(simd, 0.5) * overlap;

@@ -15,16 +15,19 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Bond, Law, Past, Push, Slip, Touch,
+    Bond, Held, Law, Linear, Past, Push, Slip, Spring, Touch,
     coulomb::{Coulomb, cut},
 };
-use crate::granular::lanes::{Array, Lanes, Vectors};
+use crate::granular::{
+    contact::stiffness::Springs,
+    lanes::{Array, Lanes, Vectors},
+};
 
 /// Friction, and bonds for some.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(align(64))]
 pub(in crate::granular) struct Bonded {
-    coulomb: Coulomb,
+    coulomb: Coulomb<Linear>,
     /// a_N [N].
     normal_strength: Array,
     /// a_T [N].
@@ -36,6 +39,7 @@ pub(in crate::granular) struct Bonded {
 }
 
 impl Law for Bonded {
+    type Normal = Linear;
     const IS_ROUGH: bool = true;
 
     #[inline(always)]
@@ -103,11 +107,29 @@ impl Law for Bonded {
         }
     }
 
-    fn set_past(&mut self, lane: usize, past: &Past) {
-        self.coulomb.set_past(lane, past);
+    fn start(&mut self, lane: usize, springs: &Springs, past: &Past) {
+        self.coulomb.start(lane, springs, past);
         [self.normal_strength[lane], self.shear_strength[lane]] = past.bond.strength;
         self.rest[lane] = past.bond.rest;
         self.intact[lane] = f64::from(u8::from(past.bond.is_intact));
+    }
+
+    fn held(&self, lane: usize, spring: &Spring) -> Held {
+        let is_bonded = self.intact[lane] > 0.0;
+        let spring = Spring {
+            overlap: spring.overlap - self.rest[lane],
+            ..*spring
+        };
+        let held = self.coulomb.held(lane, &spring);
+        // what broke does not pull
+        let pushing = |value: f64| if is_bonded { value } else { value.max(0.0) };
+        Held {
+            spring_force: pushing(held.force),
+            force: pushing(held.force),
+            compression: pushing(held.compression),
+            is_bonded,
+            ..held
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Springs across the normal that slide: Coulomb friction by increments.
 //!
-//! F_N = k_N δ. The shear force of the last step is turned with the contact and with the mean spin
+//! F_N is the normal spring's. The shear force of the last step is turned with the contact and with the mean spin
 //! about the normal, grows by k_T times the slip of the step, and is cut back to the cone,
 //!
 //!   F_T ← F_T − F_T × (n₀ × n), F_T ← F_T − F_T × (½Δt n₀·(ω_a + ω_b)) n₀ (G.3)
@@ -9,29 +9,36 @@
 //! with the normal n₀ of the last step.
 //!
 //! Source: [CundallStrack1979] as written in Yade's `ScGeom::rotate`.
+use std::marker::PhantomData;
+
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{Law, Past, Push, Slip, Touch};
+use super::{Held, Law, Normal, Past, Push, Slip, Spring, Touch};
 use crate::granular::{
     Vector,
+    contact::stiffness::Springs,
     lanes::{Array, Lanes, Vectors},
 };
 
 /// Coulomb friction with its memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
 #[repr(align(64))]
-pub(in crate::granular) struct Coulomb {
-    stiffness: Array,
+pub(in crate::granular) struct Coulomb<N: Normal> {
+    /// Constant of the shear spring: k_T [N/m] of a linear one.
+    pub(super) stiffness: Array,
+    /// tan φ.
     pub(super) friction: Array,
     normal: [Array; 3],
     pub(super) shear: [Array; 3],
+    normal_spring: PhantomData<N>,
 }
 
-impl Coulomb {
-    /// The shear force turned and grown (G.3), (G.4), not cut.
+impl<N: Normal> Coulomb<N> {
+    /// The shear force of the last step, turned with the contact (G.3).
     #[inline(always)]
-    pub(super) fn grown<S: Simd>(
+    pub(super) fn turned<S: Simd>(
         &self,
         simd: S,
         part: usize,
@@ -43,7 +50,20 @@ impl Coulomb {
         let mut shear = Vectors::load(simd, &self.shear, part);
         shear = shear - shear.cross(before.cross(normal));
         let twist = Lanes::splat(simd, 0.5 * time_step) * before.dot(slip.spins);
-        shear = shear - shear.cross(before.scaled(twist));
+        shear - shear.cross(before.scaled(twist))
+    }
+
+    /// The shear force turned and grown (G.3), (G.4), not cut.
+    #[inline(always)]
+    pub(super) fn grown<S: Simd>(
+        &self,
+        simd: S,
+        part: usize,
+        normal: Vectors<S>,
+        slip: Slip<S>,
+        time_step: f64,
+    ) -> Vectors<S> {
+        let shear = self.turned(simd, part, normal, slip, time_step);
         let stiffness = Lanes::load(simd, &self.stiffness, part) * Lanes::splat(simd, time_step);
         shear - slip.velocity.scaled(stiffness)
     }
@@ -66,7 +86,8 @@ pub(super) fn cut<S: Simd>(simd: S, shear: Vectors<S>, limit: Lanes<S>) -> Vecto
     shear.scaled(back.only_if(slides, Lanes::splat(simd, 1.0)))
 }
 
-impl Law for Coulomb {
+impl<N: Normal> Law for Coulomb<N> {
+    type Normal = N;
     const IS_ROUGH: bool = true;
 
     #[inline(always)]
@@ -79,7 +100,7 @@ impl Law for Coulomb {
         time_step: f64,
     ) -> Push<S> {
         let shear = self.grown(simd, part, touch.normal, slip, time_step);
-        let normal = touch.stiffness * touch.overlap;
+        let normal = N::force(simd, &touch);
         let limit = normal * Lanes::load(simd, &self.friction, part);
         let shear = cut(simd, shear, limit).only_if(touch.is_touching, Vectors::zero(simd));
         self.keep(part, touch.normal, shear);
@@ -98,20 +119,22 @@ impl Law for Coulomb {
     fn past(&self, lane: usize) -> Past {
         let vector = |arrays: &[Array; 3]| Vector::from(arrays.map(|array| array[lane]));
         Past {
-            stiffness: self.stiffness[lane],
-            friction: self.friction[lane],
             normal: vector(&self.normal),
             shear: vector(&self.shear),
             ..Past::default()
         }
     }
 
-    fn set_past(&mut self, lane: usize, past: &Past) {
-        self.stiffness[lane] = past.stiffness;
-        self.friction[lane] = past.friction;
+    fn start(&mut self, lane: usize, springs: &Springs, past: &Past) {
+        self.stiffness[lane] = springs.shear;
+        self.friction[lane] = springs.friction;
         for axis in 0..3 {
             self.normal[axis][lane] = past.normal[axis];
             self.shear[axis][lane] = past.shear[axis];
         }
+    }
+
+    fn held(&self, lane: usize, spring: &Spring) -> Held {
+        Held::spring::<N>(spring, self.stiffness[lane], self.past(lane).shear)
     }
 }

@@ -1,15 +1,19 @@
-//! F_N = k_N δ and nothing else.
+//! A normal spring and nothing else.
+use std::marker::PhantomData;
+
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{Law, Past, Push, Slip, Touch};
-use crate::granular::lanes::Vectors;
+use super::{Held, Law, Normal, Past, Push, Slip, Spring, Touch};
+use crate::granular::{Vector, contact::stiffness::Springs, lanes::Vectors};
 
 /// No friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(in crate::granular) struct Frictionless;
+#[serde(bound = "")]
+pub(in crate::granular) struct Frictionless<N: Normal>(PhantomData<N>);
 
-impl Law for Frictionless {
+impl<N: Normal> Law for Frictionless<N> {
+    type Normal = N;
     const IS_ROUGH: bool = false;
 
     #[inline(always)]
@@ -22,7 +26,7 @@ impl Law for Frictionless {
         _time_step: f64,
     ) -> Push<S> {
         Push {
-            normal: touch.stiffness * touch.overlap,
+            normal: N::force(simd, &touch),
             shear: Vectors::zero(simd),
             acts: touch.is_touching,
         }
@@ -35,5 +39,9 @@ impl Law for Frictionless {
         Past::default()
     }
 
-    fn set_past(&mut self, _lane: usize, _past: &Past) {}
+    fn start(&mut self, _lane: usize, _springs: &Springs, _past: &Past) {}
+
+    fn held(&self, _lane: usize, spring: &Spring) -> Held {
+        Held::spring::<N>(spring, 0.0, Vector::zeros())
+    }
 }

@@ -1,37 +1,63 @@
 //! Laws of contact: what springs, friction and bonds make of overlap and slip.
 //!
 //! A law is a type of its own, one file each, chosen once for a scene: [`Frictionless`] remembers
-//! nothing and turns nothing, [`Coulomb`] remembers its shear force, [`Bonded`] holds together
-//! until it breaks.
+//! nothing and turns nothing, [`Coulomb`] remembers its shear force, [`HertzMindlin`] the overlap it
+//! belongs to as well, [`Bonded`] holds together until it breaks. Each stands on a spring along the
+//! [`normal`]: [`Linear`], [`Logarithmic`] or [`Hertz`]. [`Viscous`] is a dashpot beside any of them.
 mod bonded;
 mod coulomb;
 mod frictionless;
+mod hertz;
+mod logarithmic;
+pub(in crate::granular) mod normal;
+mod viscous;
 
 use std::fmt::Debug;
 
 use pulp::Simd;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use super::{Push, Slip, Touch};
+use super::{Push, Slip, Touch, stiffness::Springs};
 use crate::granular::Vector;
 
 pub(in crate::granular) use bonded::Bonded;
 pub(in crate::granular) use coulomb::Coulomb;
 pub(in crate::granular) use frictionless::Frictionless;
+pub(in crate::granular) use hertz::{Hertz, HertzMindlin};
+pub(in crate::granular) use logarithmic::Logarithmic;
+pub(in crate::granular) use normal::{Linear, Normal, Spring};
+pub(in crate::granular) use viscous::Viscous;
 
-/// What a contact is told once, and its past.
+/// What a contact remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(in crate::granular) struct Past {
-    /// k_T [N/m].
-    pub(in crate::granular) stiffness: f64,
-    /// tan φ.
-    pub(in crate::granular) friction: f64,
     /// n₀, from a to b.
     pub(in crate::granular) normal: Vector,
     /// F_T on b [N].
     pub(in crate::granular) shear: Vector,
+    /// √δ that the shear force belongs to, where that matters [√m].
+    pub(in crate::granular) root: f64,
     /// The bond between the bodies, also after it broke.
     pub(in crate::granular) bond: Bond,
+}
+
+/// What a contact does, as observers see it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::granular) struct Held {
+    /// F_N of the spring [N].
+    pub(in crate::granular) spring_force: f64,
+    /// F_N of spring and dashpot [N].
+    pub(in crate::granular) force: f64,
+    /// F_T on b [N].
+    pub(in crate::granular) shear: Vector,
+    /// Tangents k_N, k_T [N/m].
+    pub(in crate::granular) stiffness: [f64; 2],
+    /// c of the dashpot [N s/m].
+    pub(in crate::granular) dashpot: f64,
+    /// Compression of the spring [m], negative where a bond is stretched.
+    pub(in crate::granular) compression: f64,
+    /// Whether an intact bond holds the bodies together.
+    pub(in crate::granular) is_bonded: bool,
 }
 
 /// A bond and what is left of it.
@@ -48,8 +74,14 @@ pub(in crate::granular) struct Bond {
 pub(in crate::granular) trait Law:
     Clone + Debug + Default + Send + Sync + Serialize + DeserializeOwned + 'static
 {
+    /// The spring along the normal.
+    type Normal: Normal;
+
     /// Whether there are shear forces.
     const IS_ROUGH: bool;
+
+    /// Whether velocities matter.
+    const FEELS_SPEED: bool = Self::IS_ROUGH;
 
     /// Lanes in which something may act, given those that touch.
     #[inline(always)]
@@ -72,20 +104,29 @@ pub(in crate::granular) trait Law:
 
     fn past(&self, lane: usize) -> Past;
 
-    fn set_past(&mut self, lane: usize, past: &Past);
+    /// Sets a lane: what the contact is made of, and what it remembers.
+    fn start(&mut self, lane: usize, springs: &Springs, past: &Past);
+
+    /// What the contact in a lane does at this overlap.
+    fn held(&self, lane: usize, spring: &Spring) -> Held;
+}
+
+impl Held {
+    /// A normal spring alone, with what shears it: the constant of k_T and the force on b.
+    fn spring<N: Normal>(spring: &Spring, shear_constant: f64, shear: Vector) -> Self {
+        let force = spring.force::<N>();
+        Self {
+            spring_force: force,
+            force,
+            shear,
+            stiffness: [N::tangent(spring), N::shear(shear_constant, spring)],
+            compression: spring.overlap,
+            ..Self::default()
+        }
+    }
 }
 
 impl Past {
-    /// F_N from the spring constant [N/m] and the overlap [m].
-    pub(in crate::granular) fn normal_force(&self, stiffness: f64, overlap: f64) -> f64 {
-        let force = stiffness * (overlap - self.bond.rest);
-        if self.bond.is_intact {
-            force
-        } else {
-            force.max(0.0)
-        }
-    }
-
     /// The same contact with its bodies in the other order.
     pub(in crate::granular) fn seen_from_b(&self) -> Self {
         Self {
@@ -93,5 +134,101 @@ impl Past {
             shear: -self.shear,
             ..*self
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::granular::lanes::{Array, LANES, Lanes, Vectors};
+    use pulp::{Arch, Scalar, WithSimd};
+
+    /// Some steps of one block of contacts, all different; the last step in bits.
+    struct Block<F: Law>(F);
+
+    impl<F: Law> WithSimd for Block<F> {
+        type Output = Vec<u64>;
+
+        fn with_simd<S: Simd>(mut self, simd: S) -> Vec<u64> {
+            let number = |place: usize| ((place * 7919 + 3) % 1000) as f64 / 1000.0;
+            let array =
+                |row: usize| -> Array { std::array::from_fn(|lane| number(LANES * row + lane)) };
+            for lane in 0..LANES {
+                let springs = Springs {
+                    normal: 1e5 * (1.0 + number(lane)),
+                    shear: 3e4,
+                    friction: 0.5,
+                    dashpot: 7.0,
+                };
+                let past = Past {
+                    normal: Vector::new(0.0, 0.6, 0.8),
+                    ..Past::default()
+                };
+                self.0.start(lane, &springs, &past);
+            }
+            let mut bits = Vec::new();
+            for step in 1..9 {
+                let row = |row: usize| array(20 * step + row);
+                let (reach, vectors) = ([0.02; LANES], [row(1), row(2), row(3)]);
+                for part in 0..LANES / S::F64_LANES {
+                    let small = Lanes::splat(simd, 1e-3);
+                    // some lanes do not touch
+                    let overlap =
+                        (Lanes::load(simd, &row(0), part) - Lanes::splat(simd, 0.2)) * small;
+                    let normal = Vectors::load(simd, &vectors, part);
+                    let touch = Touch {
+                        normal: normal
+                            .scaled(Lanes::splat(simd, 1.0).over(normal.dot(normal).sqrt())),
+                        overlap,
+                        reach: Lanes::load(simd, &reach, part),
+                        stiffness: Lanes::splat(simd, 1e5),
+                        is_touching: Lanes::splat(simd, 0.0).below(overlap),
+                    };
+                    let slip = Slip {
+                        approach: Lanes::load(simd, &row(4), part),
+                        velocity: Vectors::load(simd, &[row(5), row(6), row(7)], part),
+                        spins: Vectors::load(simd, &[row(8), row(9), row(10)], part),
+                    };
+                    let push = self.0.advance(simd, part, touch, slip, 1e-5);
+                    let nothing = Vectors::zero(simd);
+                    let mut out = [[0.0; LANES]; 4];
+                    let force = push.normal.only_if(push.acts, nothing.x);
+                    force.store(&mut out[0], part);
+                    for (column, shear) in
+                        out[1..]
+                            .iter_mut()
+                            .zip([push.shear.x, push.shear.y, push.shear.z])
+                    {
+                        shear.store(column, part);
+                    }
+                    let lanes = part * S::F64_LANES..(part + 1) * S::F64_LANES;
+                    bits.extend(lanes.flat_map(|lane| out.map(|column| column[lane].to_bits())));
+                }
+            }
+            bits
+        }
+    }
+
+    fn assert_same_bits<F: Law>() {
+        let block = || Block(F::default());
+        let expected = Simd::vectorize(Scalar::new(), block());
+        assert!(expected.iter().any(|bits| *bits != 0));
+        assert_eq!(Arch::new().dispatch(block()), expected);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(simd) = pulp::x86::V3::try_new() {
+            assert_eq!(Simd::vectorize(simd, block()), expected);
+        }
+    }
+
+    #[test]
+    fn every_law_gives_the_same_bits_in_every_width() {
+        assert_same_bits::<Frictionless<Linear>>();
+        assert_same_bits::<Frictionless<Logarithmic>>();
+        assert_same_bits::<Coulomb<Linear>>();
+        assert_same_bits::<Coulomb<Logarithmic>>();
+        assert_same_bits::<HertzMindlin>();
+        assert_same_bits::<Bonded>();
+        assert_same_bits::<Viscous<HertzMindlin>>();
+        assert_same_bits::<Viscous<Frictionless<Hertz>>>();
     }
 }

@@ -1,0 +1,144 @@
+//! Hertz-Mindlin contacts of elastic spheres.
+//!
+//! With effective moduli E* and G*, effective radius R* (that of the sphere at a flat wall),
+//!
+//!   F_N = 4/3 E* √R* δ^1.5, k_N = 2 E* √(R* δ) (G.15)
+//!   k_T = 8 G* √(R* δ) (G.16)
+//!   1/E* = Σ (1 − ν²)/E, 1/G* = Σ (2 − ν)/G with G = E/(2(1 + ν)), 1/R* = Σ 1/r
+//!
+//! The shear force grows by increments with the k_T of the moment, Mindlin's solution without slip;
+//! when the overlap falls the shear force falls with k_T, since carrying it over to a softer spring
+//! would make energy. Sliding is Coulomb's.
+//!
+//! Source: [Johnson1985] chapter 4 and 7; the fall of the shear force [Thornton2013], as in
+//! LAMMPS's `mindlin_rescale`.
+use loadframe_api::spec::granular_scene::hertz;
+use pulp::Simd;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Held, Law, Past, Push, Slip, Touch,
+    coulomb::{Coulomb, cut},
+    normal::{Normal, Spring},
+};
+use crate::granular::{
+    contact::stiffness::{Side, Springs},
+    lanes::{Array, Lanes, Vectors},
+};
+
+/// F_N = 4/3 E* √R* δ^1.5.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(in crate::granular) struct Hertz;
+
+/// c of a dashpot over 2 β √(m* k_N): with k_N the tangent (G.15) it gives the restitution asked
+/// for whatever the speed ([AntypovElliott2011]).
+const DASHPOT: f64 = 0.912_870_929_175_276_9; // √(5/6)
+
+impl Normal for Hertz {
+    fn springs(a: &Side, b: &Side) -> Springs {
+        let [a_solid, b_solid] = [a, b].map(|side| side.surface.solid());
+        let root = hertz::effective_radius(a.curvature(), b.curvature()).sqrt();
+        let modulus = hertz::effective_modulus(a_solid, b_solid);
+        Springs {
+            normal: 4.0 / 3.0 * modulus * root,
+            shear: 8.0 * hertz::effective_shear_modulus(a_solid, b_solid) * root,
+            friction: a.friction_with(b),
+            dashpot: DASHPOT * a.dashpot_with(b, 2.0 * modulus * root),
+        }
+    }
+
+    #[inline(always)]
+    fn force<S: Simd>(_simd: S, touch: &Touch<S>) -> Lanes<S> {
+        touch.stiffness * touch.overlap * touch.overlap.sqrt()
+    }
+
+    fn tangent(spring: &Spring) -> f64 {
+        1.5 * spring.constant * spring.overlap.max(0.0).sqrt()
+    }
+
+    fn energy(spring: &Spring, _force_square: f64) -> f64 {
+        0.4 * spring.constant * spring.overlap.max(0.0).powf(2.5)
+    }
+
+    fn shear(constant: f64, spring: &Spring) -> f64 {
+        constant * spring.overlap.max(0.0).sqrt()
+    }
+
+    /// δ^¼: the dashpot follows the root of the tangent.
+    #[inline(always)]
+    fn dashpot<S: Simd>(_simd: S, touch: &Touch<S>) -> Lanes<S> {
+        touch.overlap.sqrt().sqrt()
+    }
+
+    fn foreseen(own: &Side, speed: f64) -> f64 {
+        let solid = own.surface.solid();
+        let wall = hertz::effective_modulus(solid, hertz::RIGID);
+        hertz::impact_stiffness(wall, own.radius, own.inverse_mass, speed)
+    }
+}
+
+/// Hertz springs, Mindlin shear without slip, Coulomb friction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[repr(align(64))]
+pub(in crate::granular) struct HertzMindlin {
+    coulomb: Coulomb<Hertz>,
+    /// √δ of the last step [√m].
+    root: Array,
+}
+
+impl Law for HertzMindlin {
+    type Normal = Hertz;
+    const IS_ROUGH: bool = true;
+
+    #[inline(always)]
+    fn advance<S: Simd>(
+        &mut self,
+        simd: S,
+        part: usize,
+        touch: Touch<S>,
+        slip: Slip<S>,
+        time_step: f64,
+    ) -> Push<S> {
+        let zero = Lanes::splat(simd, 0.0);
+        let root = touch.overlap.sqrt().only_if(touch.is_touching, zero);
+        let before = Lanes::load(simd, &self.root, part);
+        let kept = root.over(before);
+        let kept = kept.only_if(root.below(before), Lanes::splat(simd, 1.0));
+        let turned = (self.coulomb).turned(simd, part, touch.normal, slip, time_step);
+        let stiffness =
+            Lanes::load(simd, &self.coulomb.stiffness, part) * root * Lanes::splat(simd, time_step);
+        let grown = turned.scaled(kept) - slip.velocity.scaled(stiffness);
+        let normal = Hertz::force(simd, &touch);
+        let limit = normal * Lanes::load(simd, &self.coulomb.friction, part);
+        let shear = cut(simd, grown, limit).only_if(touch.is_touching, Vectors::zero(simd));
+        self.coulomb.keep(part, touch.normal, shear);
+        root.store(&mut self.root, part);
+        Push {
+            normal,
+            shear,
+            acts: touch.is_touching,
+        }
+    }
+
+    #[inline(always)]
+    fn forget<S: Simd>(&mut self, simd: S, part: usize) {
+        self.coulomb.forget(simd, part);
+        Lanes::splat(simd, 0.0).store(&mut self.root, part);
+    }
+
+    fn past(&self, lane: usize) -> Past {
+        Past {
+            root: self.root[lane],
+            ..self.coulomb.past(lane)
+        }
+    }
+
+    fn start(&mut self, lane: usize, springs: &Springs, past: &Past) {
+        self.coulomb.start(lane, springs, past);
+        self.root[lane] = past.root;
+    }
+
+    fn held(&self, lane: usize, spring: &Spring) -> Held {
+        self.coulomb.held(lane, spring)
+    }
+}
