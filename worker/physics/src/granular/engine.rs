@@ -31,6 +31,8 @@ pub(super) struct State<F: Law> {
     pub(super) step: u64,
     /// [s].
     pub(super) time: f64,
+    /// Δt of the last step [s].
+    last_step: f64,
     /// Lists made.
     pub(super) lists: u64,
     /// Work that moving planes have done on the bodies [J].
@@ -113,7 +115,7 @@ impl<F: Law> Engine<F> {
             let push = Push {
                 patch: &mut *patch,
                 halo: &mut self.halos[number],
-                kinematics: state.particles.kinematics(),
+                kinematics: state.particles.kinematics(state.last_step),
                 faces: &state.faces,
                 time_step,
             };
@@ -140,7 +142,7 @@ impl<F: Law> Engine<F> {
             self.list();
         }
         let state = &mut self.state;
-        let kinematics = state.particles.kinematics();
+        let kinematics = state.particles.kinematics(state.last_step);
         let faces = &state.faces;
         let work = state
             .patches
@@ -186,6 +188,7 @@ impl<F: Law> Engine<F> {
         }
         state.step += 1;
         state.time += time_step;
+        state.last_step = time_step;
         let way = state.speed_bound * time_step;
         state.is_listed = (state.skin).holds_after(way, plane_way, &state.particles.centres);
     }
@@ -253,10 +256,8 @@ fn share<'a, F: Law>(
     let turning = if F::IS_ROUGH { range.clone() } else { 0..0 };
     Bodies {
         centres: &mut particles.centres[range.clone()],
-        velocities: &mut particles.velocities[range.clone()],
-        spins: &mut particles.spins[turning.clone()],
-        inverse_masses: &particles.inverse_masses[range],
-        inverse_inertias: &particles.inverse_inertias[turning],
+        velocities: &mut particles.velocities[range],
+        spins: &mut particles.spins[turning],
         clumps: &mut clumps[patch.clumps.clone()],
     }
 }
@@ -273,15 +274,11 @@ fn shares<'a, F: Law>(
     let mut clumps = clumps;
     let mut shares = Vec::with_capacity(patches.len());
     for patch in patches {
-        let range = patch.particles.clone();
-        let rows = range.len();
-        let turning = if F::IS_ROUGH { range.clone() } else { 0..0 };
+        let rows = patch.particles.len();
         let bodies = Bodies {
             centres: take(&mut centres, rows),
             velocities: take(&mut velocities, rows),
-            spins: take(&mut spins, turning.len()),
-            inverse_masses: &particles.inverse_masses[range],
-            inverse_inertias: &particles.inverse_inertias[turning],
+            spins: take(&mut spins, if F::IS_ROUGH { rows } else { 0 }),
             clumps: take(&mut clumps, patch.clumps.len()),
         };
         shares.push((patch, bodies));

@@ -11,7 +11,7 @@ use super::{
         walls::{Face, WallBlock, WallList},
     },
     lanes::LANES,
-    motion::clump::Clump,
+    motion::{clump::Clump, spheres::PartlyFixed},
     neighbours::{
         grid::{Candidates, candidates},
         order::along_curve,
@@ -234,6 +234,7 @@ pub(super) fn list<F: Law>(
     for (number, patch) in patches.iter_mut().enumerate() {
         fill_pairs::<F>(model, particles, &candidates, memories, patch);
         fill_walls(model, faces, particles, skin, memories, patch);
+        patch.partly_fixed = partly_fixed(particles, patch.particles.clone());
         for (block, pairs) in patch.outer.blocks.iter().enumerate() {
             for lane in 0..LANES {
                 if pairs.is_padding(lane) {
@@ -257,6 +258,18 @@ pub(super) fn list<F: Law>(
         patch.incoming = incoming;
     }
     patches
+}
+
+/// Spheres in `range` with some of their degrees of freedom fixed.
+fn partly_fixed(particles: &Particles, range: Range<usize>) -> Vec<PartlyFixed> {
+    let fixed = particles.fixed[range].iter().enumerate();
+    let partly = fixed.filter(|(_, bits)| {
+        let (ways, turns) = (**bits & 0b111, **bits >> 3);
+        [ways, turns].iter().any(|bits| !matches!(bits, 0 | 0b111))
+    });
+    partly
+        .map(|(particle, bits)| PartlyFixed::new(particle as u32, *bits))
+        .collect()
 }
 
 /// Ranges of particles and clumps of each patch; no clump is cut.

@@ -58,7 +58,8 @@ mod tables;
 mod time_step;
 
 use contact::law::{
-    Bonded, Coulomb, Frictionless, Hertz, HertzMindlin, Law, Linear, Logarithmic, Viscous,
+    Bonded, Coulomb, Followed, Frictionless, Hertz, HertzMindlin, Kept, Law, Linear, Logarithmic,
+    Viscous,
 };
 use loadframe_api::spec::granular_scene::{ContactLaw, GranularScene, Material};
 
@@ -80,11 +81,17 @@ pub(crate) fn run(
         return run::run::<Bonded>(spec, context, recorder);
     }
     match spec.laws.contact {
+        // only what moves as x + Δt v was where its velocity says
+        ContactLaw::Linear if spec.bodies.iter().all(|body| body.sphere.is_some()) => {
+            run_with::<Frictionless<Linear>, Coulomb<Linear, Followed>>(spec, context, recorder)
+        }
         ContactLaw::Linear => {
-            run_with::<Frictionless<Linear>, Coulomb<Linear>>(spec, context, recorder)
+            run_with::<Frictionless<Linear>, Coulomb<Linear, Kept>>(spec, context, recorder)
         }
         ContactLaw::Logarithmic => {
-            run_with::<Frictionless<Logarithmic>, Coulomb<Logarithmic>>(spec, context, recorder)
+            run_with::<Frictionless<Logarithmic>, Coulomb<Logarithmic, Kept>>(
+                spec, context, recorder,
+            )
         }
         ContactLaw::HertzMindlin => {
             run_with::<Frictionless<Hertz>, HertzMindlin>(spec, context, recorder)

@@ -8,18 +8,16 @@ use super::{contact::Kinematics, rows::Row};
 pub(super) struct Particles {
     /// Centre [m] and radius [m].
     pub(super) centres: Vec<Row>,
-    /// [m/s]; the fourth number is 0.
+    /// [m/s], and 1/m [1/kg]: 0 for what no force moves, and for members of clumps.
     pub(super) velocities: Vec<Row>,
-    /// [rad/s].
+    /// [rad/s], and 1/I [1/(kg m²)], likewise.
     pub(super) spins: Vec<Row>,
-    /// 1/m [1/kg] along each axis; 0 where fixed, and for members of clumps.
-    pub(super) inverse_masses: Vec<Row>,
-    /// 1/I [1/(kg m²)] about each axis, likewise.
-    pub(super) inverse_inertias: Vec<Row>,
     /// Number of the particle in the order of the spec.
     pub(super) numbers: Vec<u32>,
     /// Body of the spec that it belongs to.
     pub(super) owners: Vec<u32>,
+    /// Bits of the degrees of freedom x, y, z, rx, ry, rz that are fixed.
+    pub(super) fixed: Vec<u8>,
     /// Its material.
     pub(super) surfaces: Vec<u16>,
 }
@@ -29,11 +27,13 @@ impl Particles {
         self.centres.len()
     }
 
-    pub(super) fn kinematics(&self) -> Kinematics<'_> {
+    /// `last_step` is Δt of the step before [s].
+    pub(super) fn kinematics(&self, last_step: f64) -> Kinematics<'_> {
         Kinematics {
             centres: &self.centres,
             velocities: &self.velocities,
             spins: &self.spins,
+            last_step,
         }
     }
 
@@ -47,10 +47,9 @@ impl Particles {
         sorted(&mut self.centres, order);
         sorted(&mut self.velocities, order);
         sorted(&mut self.spins, order);
-        sorted(&mut self.inverse_masses, order);
-        sorted(&mut self.inverse_inertias, order);
         sorted(&mut self.numbers, order);
         sorted(&mut self.owners, order);
+        sorted(&mut self.fixed, order);
         sorted(&mut self.surfaces, order);
     }
 }

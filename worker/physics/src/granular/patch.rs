@@ -20,7 +20,7 @@ use super::{
     motion::{
         Drive,
         clump::{Clump, Members, Rotation},
-        spheres::{Spheres, Turning},
+        spheres::{PartlyFixed, Spheres, Turning},
     },
     rows::Row,
 };
@@ -37,6 +37,8 @@ pub(super) struct Patch<F: Law> {
     pub(super) outer: PairList<F>,
     /// Contacts by plane.
     pub(super) walls: Vec<WallList<F>>,
+    /// Its spheres that are fixed in part.
+    pub(super) partly_fixed: Vec<PartlyFixed>,
     /// What to fetch from the halos of earlier patches, patch by patch.
     pub(super) incoming: Vec<Incoming>,
     /// On its particles, from the last step that was observed.
@@ -100,8 +102,6 @@ pub(super) struct Bodies<'a> {
     pub(super) centres: &'a mut [Row],
     pub(super) velocities: &'a mut [Row],
     pub(super) spins: &'a mut [Row],
-    pub(super) inverse_masses: &'a [Row],
-    pub(super) inverse_inertias: &'a [Row],
     pub(super) clumps: &'a mut [Clump],
 }
 
@@ -129,11 +129,13 @@ impl<F: Law> Patch<F> {
             let [force, torque] = clump.wrench(&self.wrenches, bodies.centres, first);
             clump.advance(drive, rotation, force, torque);
         }
+        for sphere in &mut self.partly_fixed {
+            sphere.note(bodies.centres, bodies.velocities, bodies.spins);
+        }
         if F::IS_ROUGH {
             let turning = Turning {
                 drive,
                 torques: &self.wrenches.torques,
-                inverse_inertias: bodies.inverse_inertias,
                 spins: &mut *bodies.spins,
             };
             turning.advance();
@@ -141,11 +143,14 @@ impl<F: Law> Patch<F> {
         let spheres = Spheres {
             drive,
             forces: &self.wrenches.forces,
-            inverse_masses: bodies.inverse_masses,
             velocities: &mut *bodies.velocities,
             centres: &mut *bodies.centres,
         };
         let mut speed_square: f64 = spheres.advance().iter().sum();
+        for sphere in &self.partly_fixed {
+            let step = drive.time_step;
+            sphere.hold(step, bodies.centres, bodies.velocities, bodies.spins);
+        }
         for clump in bodies.clumps {
             let members = &mut Members {
                 centres: &mut *bodies.centres,

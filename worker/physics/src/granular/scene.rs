@@ -139,36 +139,30 @@ pub(super) fn build(spec: &GranularScene) -> (Model, Particles, Vec<Clump>) {
         model.sphere_inertias.push(inertia);
         let is_sphere = body.sphere.is_some();
         // what a clump's members do follows from the clump
-        let inverse = |value: f64, fixed: [bool; 3]| {
-            let parts = fixed.map(|fixed| {
-                if fixed || !is_sphere {
-                    0.0
-                } else {
-                    1.0 / value
-                }
-            });
-            Row([parts[0], parts[1], parts[2], 0.0])
+        let fixed = if is_sphere { fixed_bits(body) } else { 0 };
+        let inverse = |value: f64, bits: u8| {
+            if !is_sphere || bits == 0b111 {
+                0.0
+            } else {
+                1.0 / value
+            }
         };
-        let fixed = fixed(body);
         for sphere in &shape {
             particles
                 .centres
                 .push(Row::new(sphere.centre, sphere.radius));
+            let velocity = Vector::from(body.velocity_m_per_s);
             particles
                 .velocities
-                .push(Row::new(Vector::from(body.velocity_m_per_s), 0.0));
-            particles
-                .inverse_masses
-                .push(inverse(mass, [fixed[0], fixed[1], fixed[2]]));
+                .push(Row::new(velocity, inverse(mass, fixed & 0b111)));
+            particles.fixed.push(fixed);
             particles.owners.push(number);
             particles.surfaces.push(material as u16);
             if model.is_rough {
+                let spin = Vector::from(body.angular_velocity_rad_per_s);
                 particles
                     .spins
-                    .push(Row::new(Vector::from(body.angular_velocity_rad_per_s), 0.0));
-                particles
-                    .inverse_inertias
-                    .push(inverse(inertia, [fixed[3], fixed[4], fixed[5]]));
+                    .push(Row::new(spin, inverse(inertia, fixed >> 3)));
             }
         }
     }
@@ -233,4 +227,10 @@ fn fixed(body: &Body) -> [bool; 6] {
         fixed[degree.index()] = true;
     }
     fixed
+}
+
+/// Bit by degree of freedom.
+fn fixed_bits(body: &Body) -> u8 {
+    let degrees = body.fixed.iter();
+    degrees.fold(0, |bits, degree| bits | 1 << degree.index())
 }

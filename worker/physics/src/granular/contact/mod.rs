@@ -36,6 +36,8 @@ pub(super) struct Kinematics<'a> {
     pub(super) velocities: &'a [Row],
     /// Angular velocity [rad/s], half a step ago.
     pub(super) spins: &'a [Row],
+    /// Δt of the step that brought the centres to where they are [s].
+    pub(super) last_step: f64,
 }
 
 /// Forces [N] and torques [N m] on the particles of a patch. The fourth numbers mean nothing.
@@ -78,6 +80,8 @@ pub(super) struct Slip<S: Simd> {
     pub(super) velocity: Vectors<S>,
     /// Sum of both spins [rad/s].
     pub(super) spins: Vectors<S>,
+    /// n₀, for a law that does not keep it.
+    pub(super) last_normal: Vectors<S>,
 }
 
 impl<S: Simd> Slip<S> {
@@ -88,6 +92,7 @@ impl<S: Simd> Slip<S> {
             approach: Lanes::splat(simd, 0.0),
             velocity: Vectors::zero(simd),
             spins: Vectors::zero(simd),
+            last_normal: Vectors::zero(simd),
         }
     }
 }

@@ -12,7 +12,10 @@
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{Kinematics, Slip, Touch, Wrenches, law::Law};
+use super::{
+    Kinematics, Slip, Touch, Wrenches,
+    law::{Law, direction},
+};
 use crate::granular::{
     lanes::{Array, LANES, Lanes, Vectors, bits},
     rows::{Gathered, Row, gather, scatter},
@@ -196,6 +199,10 @@ impl<F: Law> PairBlock<F> {
                     let velocity = relative.scaled(reach * inverse) - branches.cross(normal);
                     slip.velocity = velocity - normal.scaled(velocity.dot(normal));
                     slip.spins = spins[0] + spins[1];
+                    if F::FOLLOWS_NORMALS {
+                        let way = relative.scaled(Lanes::splat(simd, kinematics.last_step));
+                        slip.last_normal = direction(simd, between - way, inverse);
+                    }
                 }
             }
             let push = self.law.advance(simd, part, touch, slip, time_step);

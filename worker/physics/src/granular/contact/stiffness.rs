@@ -6,8 +6,8 @@ use loadframe_api::spec::granular_scene::{Material, hertz::Solid, step_with_dash
 pub(in crate::granular) struct Surface {
     /// E [Pa].
     pub(super) youngs_modulus: f64,
-    /// E ν [Pa], of linear springs.
-    pub(super) shear_modulus: f64,
+    /// ν, k_T/k_N of linear springs.
+    pub(super) stiffness_ratio: f64,
     poisson_ratio: f64,
     /// φ [rad].
     friction_angle: f64,
@@ -33,8 +33,8 @@ pub(in crate::granular) struct Side {
 pub(in crate::granular) struct Springs {
     /// k_N [N/m] of a linear spring.
     pub(in crate::granular) normal: f64,
-    /// k_T [N/m] of a linear spring.
-    pub(in crate::granular) shear: f64,
+    /// k_T/k_N of the constants.
+    pub(in crate::granular) ratio: f64,
     /// tan φ.
     pub(in crate::granular) friction: f64,
     /// c [N s/m] beside a linear spring.
@@ -45,7 +45,7 @@ impl Surface {
     pub(in crate::granular) fn new(material: &Material) -> Self {
         Self {
             youngs_modulus: material.youngs_modulus_pa,
-            shear_modulus: material.youngs_modulus_pa * material.stiffness_ratio,
+            stiffness_ratio: material.stiffness_ratio,
             poisson_ratio: material.poisson_ratio(),
             friction_angle: material.friction_angle_rad,
             cohesion: [material.normal_cohesion_pa, material.shear_cohesion_pa],

@@ -172,6 +172,7 @@ impl<F: Law> WallBlock<F> {
                         - spin.scaled(radius).cross(normal);
                     slip.velocity = velocity - normal.scaled(velocity.dot(normal));
                     slip.spins = spin;
+                    slip.last_normal = normal;
                 }
             }
             let push = self.law.advance(simd, part, touch, slip, time_step);

@@ -1,9 +1,11 @@
 //! Motion of spheres.
 //!
 //! A sphere's inertia is the same about every axis, so translation and rotation are one formula.
-//! Rows are worked through two at a time, component by component, without a branch; a component
-//! with inverse mass zero is fixed, or belongs to a clump's member, which its clump moves.
+//! Rows are worked through two at a time, component by component, without a branch; a sphere with
+//! inverse mass zero is fixed, or a clump's member, which its clump moves. Spheres that are fixed
+//! in part ([`PartlyFixed`]) are moved like the others and put back where they are held.
 use pulp::{Arch, Simd, WithSimd};
+use serde::{Deserialize, Serialize};
 
 use super::{Drive, Vector};
 use crate::granular::{
@@ -15,7 +17,7 @@ use crate::granular::{
 pub(in crate::granular) struct Spheres<'a> {
     pub(in crate::granular) drive: &'a Drive,
     pub(in crate::granular) forces: &'a [Row],
-    pub(in crate::granular) inverse_masses: &'a [Row],
+    /// With the inverse masses.
     pub(in crate::granular) velocities: &'a mut [Row],
     pub(in crate::granular) centres: &'a mut [Row],
 }
@@ -24,8 +26,60 @@ pub(in crate::granular) struct Spheres<'a> {
 pub(in crate::granular) struct Turning<'a> {
     pub(in crate::granular) drive: &'a Drive,
     pub(in crate::granular) torques: &'a [Row],
-    pub(in crate::granular) inverse_inertias: &'a [Row],
+    /// With the inverse inertias.
     pub(in crate::granular) spins: &'a mut [Row],
+}
+
+/// A sphere that is fixed in part, and what it keeps over a step.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(in crate::granular) struct PartlyFixed {
+    /// Counted from the first sphere of the patch.
+    pub(in crate::granular) particle: u32,
+    /// Bits of the degrees of freedom.
+    pub(in crate::granular) fixed: u8,
+    centre: Row,
+    velocity: Row,
+    spin: Row,
+}
+
+impl PartlyFixed {
+    pub(in crate::granular) fn new(particle: u32, fixed: u8) -> Self {
+        Self {
+            particle,
+            fixed,
+            ..Self::default()
+        }
+    }
+
+    /// Before the spheres move.
+    pub(in crate::granular) fn note(&mut self, centres: &[Row], velocities: &[Row], spins: &[Row]) {
+        let particle = self.particle as usize;
+        self.centre = centres[particle];
+        self.velocity = velocities[particle];
+        self.spin = spins.get(particle).copied().unwrap_or_default();
+    }
+
+    /// After they moved by a step Δt [s]: what is fixed has kept its velocity.
+    pub(in crate::granular) fn hold(
+        &self,
+        time_step: f64,
+        centres: &mut [Row],
+        velocities: &mut [Row],
+        spins: &mut [Row],
+    ) {
+        let particle = self.particle as usize;
+        for axis in 0..3 {
+            if self.fixed >> axis & 1 == 1 {
+                velocities[particle].0[axis] = self.velocity.0[axis];
+                centres[particle].0[axis] = self.centre.0[axis] + time_step * self.velocity.0[axis];
+            }
+            if let Some(spin) = spins.get_mut(particle)
+                && self.fixed >> (3 + axis) & 1 == 1
+            {
+                spin.0[axis] = self.spin.0[axis];
+            }
+        }
+    }
 }
 
 /// Rows in an [`Array`].
@@ -33,7 +87,7 @@ const PAIR: usize = LANES / 4;
 
 impl Spheres<'_> {
     /// Moves them. Returns the largest square of each velocity component.
-    pub(in crate::granular) fn advance(self) -> [f64; 4] {
+    pub(in crate::granular) fn advance(self) -> [f64; 3] {
         Arch::new().dispatch(self)
     }
 }
@@ -46,22 +100,23 @@ impl Turning<'_> {
 }
 
 impl WithSimd for Spheres<'_> {
-    type Output = [f64; 4];
+    type Output = [f64; 3];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> [f64; 4] {
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
         let law = Law::new(simd, self.drive, self.drive.gravity);
-        let step = Lanes::splat(simd, self.drive.time_step);
+        let way = per_component(self.drive.time_step);
         let mut largest: Array = [0.0; LANES];
         for first in (0..self.centres.len()).step_by(PAIR) {
             let force = read(self.forces, first);
-            let inverse = read(self.inverse_masses, first);
             let mut velocity = read(self.velocities, first);
+            let inverse = fourths(&velocity);
             let mut centre = read(self.centres, first);
             for part in 0..LANES / S::F64_LANES {
                 let after = law.advance(simd, [&force, &inverse, &velocity], part);
                 after.store(&mut velocity, part);
-                let place = Lanes::load(simd, &centre, part) + step * after;
+                let place =
+                    Lanes::load(simd, &centre, part) + Lanes::load(simd, &way, part) * after;
                 place.store(&mut centre, part);
                 let square = after * after;
                 let most = Lanes::load(simd, &largest, part);
@@ -72,11 +127,7 @@ impl WithSimd for Spheres<'_> {
             write(self.velocities, first, &velocity);
             write(self.centres, first, &centre);
         }
-        let mut components = [0.0_f64; 4];
-        for (place, square) in largest.into_iter().enumerate() {
-            components[place % 4] = components[place % 4].max(square);
-        }
-        components
+        std::array::from_fn(|axis| largest[axis].max(largest[axis + 4]))
     }
 }
 
@@ -88,8 +139,8 @@ impl WithSimd for Turning<'_> {
         let law = Law::new(simd, self.drive, Vector::zeros());
         for first in (0..self.spins.len()).step_by(PAIR) {
             let torque = read(self.torques, first);
-            let inverse = read(self.inverse_inertias, first);
             let mut spin = read(self.spins, first);
+            let inverse = fourths(&spin);
             for part in 0..LANES / S::F64_LANES {
                 let after = law.advance(simd, [&torque, &inverse, &spin], part);
                 after.store(&mut spin, part);
@@ -137,6 +188,19 @@ impl<S: Simd> Law<S> {
         let change = self.step * (acceleration * kept);
         change.only_if(zero.below(inverse), zero) + velocity
     }
+}
+
+/// A value for each component, and 0 for the number beside them.
+#[inline(always)]
+fn per_component(value: f64) -> Array {
+    [value, value, value, 0.0, value, value, value, 0.0]
+}
+
+/// The fourth number of each row for its components.
+#[inline(always)]
+fn fourths(rows: &Array) -> Array {
+    let (a, b) = (rows[3], rows[7]);
+    [a, a, a, 0.0, b, b, b, 0.0]
 }
 
 /// Two rows side by side; beyond the last one zeros, which nothing moves.

@@ -15,7 +15,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Bond, Held, Law, Linear, Past, Push, Slip, Spring, Touch,
+    Bond, Held, Kept, Law, Linear, Past, Push, Slip, Spring, Touch,
     coulomb::{Coulomb, cut},
 };
 use crate::granular::{
@@ -24,10 +24,10 @@ use crate::granular::{
 };
 
 /// Friction, and bonds for some.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(align(64))]
 pub(in crate::granular) struct Bonded {
-    coulomb: Coulomb<Linear>,
+    coulomb: Coulomb<Linear, Kept>,
     /// a_N [N].
     normal_strength: Array,
     /// a_T [N].
@@ -41,6 +41,7 @@ pub(in crate::granular) struct Bonded {
 impl Law for Bonded {
     type Normal = Linear;
     const IS_ROUGH: bool = true;
+    const FOLLOWS_NORMALS: bool = false;
 
     #[inline(always)]
     fn acting<S: Simd>(&self, simd: S, part: usize, touching: S::m64s) -> S::m64s {
@@ -59,9 +60,8 @@ impl Law for Bonded {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let was_intact = self.is_intact(simd, part);
         let rest = Lanes::load(simd, &self.rest, part);
-        let friction = Lanes::load(simd, &self.coulomb.friction, part);
         let spring = touch.stiffness * (touch.overlap - rest);
-        let grown = (self.coulomb).grown(simd, part, touch.normal, slip, time_step);
+        let (grown, friction) = self.coulomb.grown(simd, part, &touch, slip, time_step);
 
         let holds = Lanes::load(simd, &self.normal_strength, part);
         let is_torn = holds.below(-spring);

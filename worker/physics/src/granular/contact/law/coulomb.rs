@@ -14,7 +14,7 @@ use std::marker::PhantomData;
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{Held, Law, Normal, Past, Push, Slip, Spring, Touch};
+use super::{Held, Law, Normal, Normals, Past, Push, Slip, Spring, Touch, tangent::Tangent};
 use crate::granular::{
     Vector,
     contact::stiffness::Springs,
@@ -22,20 +22,24 @@ use crate::granular::{
 };
 
 /// Coulomb friction with its memory.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
 #[repr(align(64))]
-pub(in crate::granular) struct Coulomb<N: Normal> {
-    /// Constant of the shear spring: k_T [N/m] of a linear one.
-    pub(super) stiffness: Array,
-    /// tan φ.
-    pub(super) friction: Array,
-    normal: [Array; 3],
-    pub(super) shear: [Array; 3],
+pub(in crate::granular) struct Coulomb<N: Normal, M: Normals> {
+    shear: [Array; 3],
+    normals: M,
+    tangent: Tangent,
     normal_spring: PhantomData<N>,
 }
 
-impl<N: Normal> Coulomb<N> {
+impl<N: Normal, M: Normals> Coulomb<N, M> {
+    /// Constant of the shear spring, k_T [N/m] of a linear one, and tan φ.
+    #[inline(always)]
+    pub(super) fn tangent<S: Simd>(&self, simd: S, part: usize, touch: &Touch<S>) -> [Lanes<S>; 2] {
+        let [ratio, friction] = self.tangent.load(simd, part);
+        [touch.stiffness * ratio, friction]
+    }
+
     /// The shear force of the last step, turned with the contact (G.3).
     #[inline(always)]
     pub(super) fn turned<S: Simd>(
@@ -46,33 +50,36 @@ impl<N: Normal> Coulomb<N> {
         slip: Slip<S>,
         time_step: f64,
     ) -> Vectors<S> {
-        let before = Vectors::load(simd, &self.normal, part);
+        let before = self.normals.before(simd, part, slip.last_normal);
         let mut shear = Vectors::load(simd, &self.shear, part);
         shear = shear - shear.cross(before.cross(normal));
         let twist = Lanes::splat(simd, 0.5 * time_step) * before.dot(slip.spins);
         shear - shear.cross(before.scaled(twist))
     }
 
-    /// The shear force turned and grown (G.3), (G.4), not cut.
+    /// The shear force turned and grown (G.3), (G.4), not cut, and tan φ.
     #[inline(always)]
     pub(super) fn grown<S: Simd>(
         &self,
         simd: S,
         part: usize,
-        normal: Vectors<S>,
+        touch: &Touch<S>,
         slip: Slip<S>,
         time_step: f64,
-    ) -> Vectors<S> {
-        let shear = self.turned(simd, part, normal, slip, time_step);
-        let stiffness = Lanes::load(simd, &self.stiffness, part) * Lanes::splat(simd, time_step);
-        shear - slip.velocity.scaled(stiffness)
+    ) -> (Vectors<S>, Lanes<S>) {
+        let shear = self.turned(simd, part, touch.normal, slip, time_step);
+        let [stiffness, friction] = self.tangent(simd, part, touch);
+        let growth = slip
+            .velocity
+            .scaled(stiffness * Lanes::splat(simd, time_step));
+        (shear - growth, friction)
     }
 
     /// Keeps what the next step needs.
     #[inline(always)]
     pub(super) fn keep<S: Simd>(&mut self, part: usize, normal: Vectors<S>, shear: Vectors<S>) {
         shear.store(&mut self.shear, part);
-        normal.store(&mut self.normal, part);
+        self.normals.keep(part, normal);
     }
 }
 
@@ -86,9 +93,10 @@ pub(super) fn cut<S: Simd>(simd: S, shear: Vectors<S>, limit: Lanes<S>) -> Vecto
     shear.scaled(back.only_if(slides, Lanes::splat(simd, 1.0)))
 }
 
-impl<N: Normal> Law for Coulomb<N> {
+impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
     type Normal = N;
     const IS_ROUGH: bool = true;
+    const FOLLOWS_NORMALS: bool = M::FOLLOW;
 
     #[inline(always)]
     fn advance<S: Simd>(
@@ -99,9 +107,9 @@ impl<N: Normal> Law for Coulomb<N> {
         slip: Slip<S>,
         time_step: f64,
     ) -> Push<S> {
-        let shear = self.grown(simd, part, touch.normal, slip, time_step);
+        let (shear, friction) = self.grown(simd, part, &touch, slip, time_step);
         let normal = N::force(simd, &touch);
-        let limit = normal * Lanes::load(simd, &self.friction, part);
+        let limit = normal * friction;
         let shear = cut(simd, shear, limit).only_if(touch.is_touching, Vectors::zero(simd));
         self.keep(part, touch.normal, shear);
         Push {
@@ -117,24 +125,23 @@ impl<N: Normal> Law for Coulomb<N> {
     }
 
     fn past(&self, lane: usize) -> Past {
-        let vector = |arrays: &[Array; 3]| Vector::from(arrays.map(|array| array[lane]));
         Past {
-            normal: vector(&self.normal),
-            shear: vector(&self.shear),
+            normal: self.normals.at(lane),
+            shear: Vector::from(self.shear.map(|array| array[lane])),
             ..Past::default()
         }
     }
 
     fn start(&mut self, lane: usize, springs: &Springs, past: &Past) {
-        self.stiffness[lane] = springs.shear;
-        self.friction[lane] = springs.friction;
+        (self.tangent).set(lane, [springs.ratio, springs.friction]);
+        self.normals.set(lane, past.normal);
         for axis in 0..3 {
-            self.normal[axis][lane] = past.normal[axis];
             self.shear[axis][lane] = past.shear[axis];
         }
     }
 
     fn held(&self, lane: usize, spring: &Spring) -> Held {
-        Held::spring::<N>(spring, self.stiffness[lane], self.past(lane).shear)
+        let [ratio, _] = self.tangent.at(lane);
+        Held::spring::<N>(spring, ratio * spring.constant, self.past(lane).shear)
     }
 }

@@ -15,6 +15,8 @@ pub(in crate::granular) struct Frictionless<N: Normal>(PhantomData<N>);
 impl<N: Normal> Law for Frictionless<N> {
     type Normal = N;
     const IS_ROUGH: bool = false;
+    const FOLLOWS_NORMALS: bool = false;
+    const FOLLOWS_NORMALS: bool = false;
 
     #[inline(always)]
     fn advance<S: Simd>(

@@ -17,7 +17,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Held, Law, Past, Push, Slip, Touch,
+    Held, Kept, Law, Past, Push, Slip, Touch,
     coulomb::{Coulomb, cut},
     normal::{Normal, Spring},
 };
@@ -41,7 +41,7 @@ impl Normal for Hertz {
         let modulus = hertz::effective_modulus(a_solid, b_solid);
         Springs {
             normal: 4.0 / 3.0 * modulus * root,
-            shear: 8.0 * hertz::effective_shear_modulus(a_solid, b_solid) * root,
+            ratio: 6.0 * hertz::effective_shear_modulus(a_solid, b_solid) / modulus,
             friction: a.friction_with(b),
             dashpot: DASHPOT * a.dashpot_with(b, 2.0 * modulus * root),
         }
@@ -78,10 +78,10 @@ impl Normal for Hertz {
 }
 
 /// Hertz springs, Mindlin shear without slip, Coulomb friction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(align(64))]
 pub(in crate::granular) struct HertzMindlin {
-    coulomb: Coulomb<Hertz>,
+    coulomb: Coulomb<Hertz, Kept>,
     /// √δ of the last step [√m].
     root: Array,
 }
@@ -89,6 +89,7 @@ pub(in crate::granular) struct HertzMindlin {
 impl Law for HertzMindlin {
     type Normal = Hertz;
     const IS_ROUGH: bool = true;
+    const FOLLOWS_NORMALS: bool = false;
 
     #[inline(always)]
     fn advance<S: Simd>(
@@ -105,11 +106,11 @@ impl Law for HertzMindlin {
         let kept = root.over(before);
         let kept = kept.only_if(root.below(before), Lanes::splat(simd, 1.0));
         let turned = (self.coulomb).turned(simd, part, touch.normal, slip, time_step);
-        let stiffness =
-            Lanes::load(simd, &self.coulomb.stiffness, part) * root * Lanes::splat(simd, time_step);
+        let [constant, friction] = self.coulomb.tangent(simd, part, &touch);
+        let stiffness = constant * root * Lanes::splat(simd, time_step);
         let grown = turned.scaled(kept) - slip.velocity.scaled(stiffness);
         let normal = Hertz::force(simd, &touch);
-        let limit = normal * Lanes::load(simd, &self.coulomb.friction, part);
+        let limit = normal * friction;
         let shear = cut(simd, grown, limit).only_if(touch.is_touching, Vectors::zero(simd));
         self.coulomb.keep(part, touch.normal, shear);
         root.store(&mut self.root, part);

@@ -1,7 +1,8 @@
 //! Laws of contact: what springs, friction and bonds make of overlap and slip.
 //!
 //! A law is a type of its own, one file each, chosen once for a scene: [`Frictionless`] remembers
-//! nothing and turns nothing, [`Coulomb`] remembers its shear force, [`HertzMindlin`] the overlap it
+//! nothing and turns nothing, [`Coulomb`] remembers its shear force (and turns it by the normal of the
+//! last step, [`Kept`] or [`Followed`]), [`HertzMindlin`] the overlap it
 //! belongs to as well, [`Bonded`] holds together until it breaks. Each stands on a spring along the
 //! [`normal`]: [`Linear`], [`Logarithmic`] or [`Hertz`]. [`Viscous`] is a dashpot beside any of them.
 mod bonded;
@@ -10,6 +11,8 @@ mod frictionless;
 mod hertz;
 mod logarithmic;
 pub(in crate::granular) mod normal;
+mod normals;
+mod tangent;
 mod viscous;
 
 use std::fmt::Debug;
@@ -26,6 +29,7 @@ pub(in crate::granular) use frictionless::Frictionless;
 pub(in crate::granular) use hertz::{Hertz, HertzMindlin};
 pub(in crate::granular) use logarithmic::Logarithmic;
 pub(in crate::granular) use normal::{Linear, Normal, Spring};
+pub(in crate::granular) use normals::{Followed, Kept, Normals, direction};
 pub(in crate::granular) use viscous::Viscous;
 
 /// What a contact remembers.
@@ -79,6 +83,9 @@ pub(in crate::granular) trait Law:
 
     /// Whether there are shear forces.
     const IS_ROUGH: bool;
+
+    /// Whether the normals of the last step are to be found from velocities.
+    const FOLLOWS_NORMALS: bool;
 
     /// Whether velocities matter.
     const FEELS_SPEED: bool = Self::IS_ROUGH;
@@ -156,7 +163,7 @@ mod tests {
             for lane in 0..LANES {
                 let springs = Springs {
                     normal: 1e5 * (1.0 + number(lane)),
-                    shear: 3e4,
+                    ratio: 0.3,
                     friction: 0.5,
                     dashpot: 7.0,
                 };
@@ -188,6 +195,7 @@ mod tests {
                         approach: Lanes::load(simd, &row(4), part),
                         velocity: Vectors::load(simd, &[row(5), row(6), row(7)], part),
                         spins: Vectors::load(simd, &[row(8), row(9), row(10)], part),
+                        last_normal: Vectors::load(simd, &[row(11), row(12), row(13)], part),
                     };
                     let push = self.0.advance(simd, part, touch, slip, 1e-5);
                     let nothing = Vectors::zero(simd);
@@ -224,8 +232,9 @@ mod tests {
     fn every_law_gives_the_same_bits_in_every_width() {
         assert_same_bits::<Frictionless<Linear>>();
         assert_same_bits::<Frictionless<Logarithmic>>();
-        assert_same_bits::<Coulomb<Linear>>();
-        assert_same_bits::<Coulomb<Logarithmic>>();
+        assert_same_bits::<Coulomb<Linear, Followed>>();
+        assert_same_bits::<Coulomb<Linear, Kept>>();
+        assert_same_bits::<Coulomb<Logarithmic, Kept>>();
         assert_same_bits::<HertzMindlin>();
         assert_same_bits::<Bonded>();
         assert_same_bits::<Viscous<HertzMindlin>>();

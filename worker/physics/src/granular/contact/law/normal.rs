@@ -90,13 +90,20 @@ impl Linear {
     /// k_N and k_T of two springs in series, and a dashpot c = 2 β √(m* k_N), which gives the
     /// restitution it is asked for in every impact (see [`super::viscous`]).
     pub(super) fn between(a: &Side, b: &Side) -> Springs {
-        let series = |modulus: fn(&Side) -> f64| {
-            series_stiffness(modulus(a) * 2.0 * a.radius, modulus(b) * 2.0 * b.radius)
-        };
-        let normal = series(|side| side.surface.youngs_modulus);
+        let [first, second] = [a, b].map(|side| side.surface.youngs_modulus * 2.0 * side.radius);
+        let [first_ratio, second_ratio] = [a, b].map(|side| side.surface.stiffness_ratio);
+        let normal = series_stiffness(first, second);
+        let shear = series_stiffness(first * first_ratio, second * second_ratio);
+        #[allow(clippy::float_cmp, reason = "of one material, or written alike")]
+        let is_alike = first_ratio == second_ratio;
         Springs {
             normal,
-            shear: series(|side| side.surface.shear_modulus),
+            // the quotient would differ by a rounding from contact to contact
+            ratio: if is_alike {
+                first_ratio
+            } else {
+                shear / normal
+            },
             friction: a.friction_with(b),
             dashpot: a.dashpot_with(b, normal),
         }

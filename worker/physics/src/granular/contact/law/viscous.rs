@@ -22,7 +22,7 @@ use crate::granular::{
 };
 
 /// A law and a dashpot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
 #[repr(align(64))]
 pub(in crate::granular) struct Viscous<F: Law> {
@@ -36,6 +36,7 @@ pub(in crate::granular) struct Viscous<F: Law> {
 impl<F: Law> Law for Viscous<F> {
     type Normal = F::Normal;
     const IS_ROUGH: bool = F::IS_ROUGH;
+    const FOLLOWS_NORMALS: bool = F::FOLLOWS_NORMALS;
     const FEELS_SPEED: bool = true;
 
     #[inline(always)]
