@@ -16,7 +16,6 @@ impl<N: Normal> Law for Frictionless<N> {
     type Normal = N;
     const IS_ROUGH: bool = false;
     const FOLLOWS_NORMALS: bool = false;
-    const FOLLOWS_NORMALS: bool = false;
 
     #[inline(always)]
     fn advance<S: Simd>(
