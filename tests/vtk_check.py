@@ -197,6 +197,9 @@ def main() -> int:
     binary = os.environ.get("LOADFRAME_BIN", "target/release/loadframe")
     failed = 0
     for example in sorted(EXAMPLES.glob("*.json")):
+        # what a calibration writes has no snapshots
+        if json.loads(example.read_text())["kind"] == "calibrate":
+            continue
         try:
             print(f"{example.stem}: {check_example(binary, example)}")
         except AssertionError as error:

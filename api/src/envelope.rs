@@ -134,6 +134,22 @@ impl JobSpec {
     }
 }
 
+impl JobSpec {
+    /// Reads a spec as users write it, by itself.
+    ///
+    /// # Errors
+    /// As [`Submission::from_slice`], with pointers that begin with `/spec`.
+    pub fn from_text(kind: JobKind, text: &str) -> Result<Self, SubmissionError> {
+        let violations = spec_violations(kind, &parse(text.as_bytes())?);
+        if violations.is_empty() {
+            Self::from_json(kind, text)
+        } else {
+            let violations = violations.into_iter().map(within_spec);
+            Err(SubmissionError::Invalid(violations.collect()))
+        }
+    }
+}
+
 impl Limits {
     /// Refuses a job whose estimate exceeds the limits.
     pub fn violations(&self, estimate: &Estimate) -> Vec<Violation> {

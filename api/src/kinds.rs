@@ -33,6 +33,12 @@ pub trait Spec: Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
     /// Makes it one test of this seed, on the thread it is run on, that writes as little as it can.
     fn single(&mut self, seed: u64);
 
+    /// Makes it the tests of one specimen of this seed, as a calibration runs it: unlike
+    /// [`Self::single`] it keeps what is compared within a specimen, such as directions.
+    fn realise(&mut self, seed: u64) {
+        self.single(seed);
+    }
+
     /// Whether a result may be compared between settings: not when it grows with the specimen.
     fn compares(result: &str) -> bool;
 }
@@ -130,6 +136,13 @@ macro_rules! job_kinds {
                 own
             }
 
+            /// The spec of the tests of one specimen of this seed, which writes as little as it can.
+            pub fn realisation(&self, seed: u64) -> Self {
+                let mut own = self.clone();
+                match &mut own { $(Self::$kind(spec) => spec.realise(seed),)+ }
+                own
+            }
+
             /// Whether a result may be compared between the settings of a study.
             pub fn compares(&self, result: &str) -> bool {
                 match self { $(Self::$kind(_) => <$spec as Spec>::compares(result),)+ }
@@ -160,6 +173,10 @@ job_kinds! {
         "Granular scene",
         "Spheres and clumps between planes, in contact with friction, moved step by step through the stages you give.",
         ["granular_scene", "granular_scene_clump_drop", "granular_scene_breaking_clump"];
+    Calibrate("calibrate"): spec::calibrate::Calibrate,
+        "Calibration",
+        "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",
+        ["calibrate", "calibrate_pet"];
 }
 
 /// Work that is the same for every kind, given the spec's type.

@@ -35,6 +35,35 @@ pub fn component_schemas(add: impl FnOnce(&mut SchemaGenerator)) -> Map<String, 
     generator.take_definitions(true)
 }
 
+/// `x-unit` of the value that `pointer` names in what `schema` describes, which an array states once
+/// for all its entries.
+pub(crate) fn unit_at<'a>(schema: &'a Value, pointer: &str) -> Option<&'a str> {
+    let (name, rest) = match pointer.strip_prefix('/') {
+        None => return schema["x-unit"].as_str(),
+        Some(path) => match path.find('/') {
+            Some(end) => (&path[..end], &path[end..]),
+            None => (path, ""),
+        },
+    };
+    let name = name.replace("~1", "/").replace("~0", "~");
+    let of_array = schema.get("items").map(|item| {
+        let own = schema["x-unit"].as_str();
+        unit_at(item, rest).or(own)
+    });
+    let of_field = [
+        schema["properties"].get(&name),
+        schema.get("additionalProperties"),
+    ]
+    .into_iter()
+    .flatten()
+    .find_map(|field| unit_at(field, rest));
+    of_field.or(of_array.flatten()).or_else(|| {
+        let branches = ["oneOf", "anyOf", "allOf"].into_iter();
+        let mut branches = branches.filter_map(|keyword| schema[keyword].as_array());
+        branches.find_map(|branches| branches.iter().find_map(|branch| unit_at(branch, pointer)))
+    })
+}
+
 /// Everything in `spec` that the kind's schema refuses, with pointers relative to the spec.
 pub(crate) fn spec_violations(kind: JobKind, spec: &Value) -> Vec<Violation> {
     kind_checker(kind).violations(spec)

@@ -269,3 +269,55 @@ fn repeats_take_as_many_times_as_long() {
     let both = submission.spec.estimate(&Default::default());
     assert!((both.wall_s / one.wall_s - 2.0).abs() < 1e-9 && both.disk_mb > 1.9 * one.disk_mb);
 }
+
+fn calibration() -> Value {
+    serde_json::from_str(JobKind::Calibrate.examples()[0].body).expect("examples are JSON")
+}
+
+#[test]
+fn a_calibration_names_what_is_wrong_with_its_job_in_its_place() {
+    let mut body = calibration();
+    body["spec"]["job"]["spec"]["fabric"]["lattice"]["rows"] = json!(4);
+    let found = violations(&body);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(found[0].pointer, "/spec/job/spec/fabric/lattice/rows");
+    let mut body = calibration();
+    body["spec"]["free"][0]["parameter"] = json!("/bond/strength");
+    let found = violations(&body);
+    assert_eq!(found[0].pointer, "/spec/free/0/parameter");
+    let allowed = found[0].allowed.as_deref().expect("it says what there is");
+    assert!(
+        allowed.contains("/bond/modulus_n, /bond/friction_modulus_n"),
+        "{allowed}"
+    );
+    assert!(
+        !allowed.contains("seed") && !allowed.contains("rows"),
+        "{allowed}"
+    );
+}
+
+#[test]
+fn a_calibration_takes_no_more_than_all_its_trials() {
+    let estimate = |body: &Value| {
+        let submission = Submission::from_slice(body.to_string().as_bytes()).expect("valid");
+        submission.spec.estimate(&Default::default())
+    };
+    let body = calibration();
+    let inner = estimate(&body["spec"]["job"]);
+    let tests = 60.0 * 4.0;
+    // without the snapshots and tables that nobody would see, the test itself takes as long
+    assert!((estimate(&body).wall_s / (tests * inner.wall_s) - 1.0).abs() < 1e-9);
+    assert!(estimate(&body).disk_mb < inner.disk_mb * tests);
+}
+
+#[test]
+fn a_measured_curve_is_rows_however_it_was_given() {
+    let given = |curve: Value| {
+        let mut body = calibration();
+        body["spec"]["measured"]["curve"] = curve;
+        let submission = Submission::from_slice(body.to_string().as_bytes());
+        submission.expect("valid").spec.sha256()
+    };
+    let rows = given(json!({"rows": [[0.1, 8.5], [0.2, 30]]}));
+    assert_eq!(given(json!({"csv": "strain;force\n0,1;8,5\n0,2;30"})), rows);
+}

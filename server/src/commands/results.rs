@@ -47,9 +47,16 @@ fn result_row(name: &str, quantity: &Quantity) -> [String; 4] {
     [
         readable(name),
         quantity.value.map_or("not reached".to_owned(), |value| {
-            let scatter = quantity.deviation.filter(|s| *s > 0.0);
-            let scatter = scatter.map(|s| format!(" ± {}", number(s)));
-            number(value) + &scatter.unwrap_or_default()
+            let deviation = quantity.deviation.filter(|s| *s > 0.0);
+            let scatter = match (deviation, quantity.interval) {
+                (Some(s), _) => format!(" ± {}", number(s)),
+                // of a fitted value, which is no mean
+                (None, Some([low, high])) if low < high => {
+                    format!(" ({} … {})", number(low), number(high))
+                }
+                (None, _) => String::new(),
+            };
+            number(value) + &scatter
         }),
         unit(&quantity.unit),
         quantity.description.clone(),

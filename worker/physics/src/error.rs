@@ -57,6 +57,9 @@ pub enum SimulationError {
         created_j: f64,
         step_ratio: f64,
     },
+    /// A calibration has nothing to go by.
+    #[error("the calibration cannot be carried out: {0}")]
+    Calibration(String),
     /// The checkpoint cannot be resumed from.
     #[error("the checkpoint cannot be used")]
     Checkpoint(#[from] CheckpointError),
@@ -66,4 +69,14 @@ pub enum SimulationError {
     /// The threads asked for could not be started.
     #[error("{threads} threads could not be started: {reason}")]
     Threads { threads: usize, reason: String },
+}
+
+impl SimulationError {
+    /// Whether it follows from the spec, so that it would come again anywhere.
+    pub(crate) fn is_of_the_spec(&self) -> bool {
+        !matches!(
+            self,
+            Self::Checkpoint(_) | Self::Recorder(_) | Self::Threads { .. }
+        )
+    }
 }

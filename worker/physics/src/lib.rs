@@ -4,6 +4,7 @@
 //! recorder and a [`Report`] comes out. Nothing here knows a clock, a path, the network, the
 //! environment or a global: the same spec and seed give the same bytes on any number of threads.
 
+mod calibrate;
 mod calibration;
 mod checkpoint;
 mod csv;
@@ -74,5 +75,6 @@ pub fn simulate(
     match spec {
         JobSpec::NonwovenTensile(spec) => network::nonwoven::plan::run(spec, context, recorder),
         JobSpec::GranularScene(spec) => granular::run(spec, context, recorder),
+        JobSpec::Calibrate(spec) => calibrate::run(spec, context, recorder),
     }
 }

@@ -293,6 +293,10 @@ impl crate::kinds::Spec for NonwovenTensile {
         study::single(self, seed);
     }
 
+    fn realise(&mut self, seed: u64) {
+        study::realise(self, seed);
+    }
+
     fn compares(result: &str) -> bool {
         study::compares(result)
     }

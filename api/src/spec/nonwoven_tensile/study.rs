@@ -141,10 +141,15 @@ fn resize(spec: &mut NonwovenTensile, factor: f64) -> Option<()> {
 
 /// One test of one seed that writes nothing, along the first direction.
 pub(super) fn single(spec: &mut NonwovenTensile, seed: u64) {
-    spec.seed = seed;
-    spec.test.repeats = 1;
+    realise(spec, seed);
     let first = spec.test.directions.first().copied();
     spec.test.directions = vec![first.unwrap_or(Direction::Y)];
+}
+
+/// One specimen of one seed, pulled along all directions, that writes nothing.
+pub(super) fn realise(spec: &mut NonwovenTensile, seed: u64) {
+    spec.seed = seed;
+    spec.test.repeats = 1;
     spec.output = Output {
         snapshot_every_steps: 0,
         ..Output::default()

@@ -8,6 +8,8 @@ export interface Quantity {
   unit: string;
   /** Standard deviation over repeats, whose mean the value is. */
   deviation?: number;
+  /** 95 % interval of the mean, or of a fitted value. */
+  interval?: [low: number, high: number];
   n?: number;
   description?: string;
 }

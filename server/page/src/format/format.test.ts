@@ -70,6 +70,11 @@ describe("quantities", () => {
     expect([ratio.text, ratio.unit, ratio.scatter]).toEqual(["1.500", "", undefined]);
   });
 
+  it("shows the interval of a fitted value", () => {
+    const shown = showQuantity("bond_modulus_n", { value: 0.4, unit: "N", interval: [0.38, 0.42] });
+    expect(plain(shown.scatter ?? "")).toBe("0.3800 … 0.4200");
+  });
+
   it("leaves other pure numbers alone and says when a value is unknown", () => {
     expect(showQuantity("poisson_ratio", { value: 0.56, unit: "1" }).unit).toBe("");
     expect(showQuantity("max_force", { value: null, unit: "N" }).text).toBe("–");

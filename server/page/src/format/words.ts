@@ -29,7 +29,7 @@ export interface Shown {
   unit: string;
   /** The value as it came, for the tooltip. */
   exact: string;
-  /** The standard deviation over repeats. */
+  /** The standard deviation over repeats, or the 95 % interval of a fitted value. */
   scatter?: string;
 }
 
@@ -39,12 +39,13 @@ export function showQuantity(name: string, quantity: Quantity): Shown {
   // A ratio of strains is not a strain.
   const isStrain = unit === "1" && /strain|stretch/.test(name) && !name.startsWith("anisotropy");
   if (value === null) return { text: "–", unit: "", exact: "The test did not get far enough to know." };
-  const { deviation, n } = quantity;
+  const { deviation, interval, n } = quantity;
   const mean = deviation && n ? `, mean of ${n}, standard deviation ${deviation}` : "";
   const exact = `${value}${unit === "1" ? " (dimensionless)" : ` ${unit}`}${mean}`;
   const [factor, larger] = isStrain ? [0.01, "%"] : unit === "Pa" ? pascals(value) : [1, unit];
   // Two digits tell how far specimens differ.
-  const scatter = mean && `± ${formatChosen(Number(((deviation ?? 0) / factor).toPrecision(2)))}`;
+  const fitted = !mean && interval ? interval.map((end) => formatNumber(end / factor)).join(" … ") : "";
+  const scatter = mean ? `± ${formatChosen(Number(((deviation ?? 0) / factor).toPrecision(2)))}` : fitted;
   return { text: formatNumber(value / factor), unit: showUnit(larger), exact, ...(scatter && { scatter }) };
 }
 

@@ -18,6 +18,11 @@ impl Curve {
     pub(crate) fn rows(&self) -> impl Iterator<Item = &[f64]> + Clone {
         self.values.chunks_exact(self.columns.len().max(1))
     }
+
+    /// Place of a column.
+    pub(crate) fn column(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column == name)
+    }
 }
 
 /// Keeps the leading columns of a curve on its way to another recorder.

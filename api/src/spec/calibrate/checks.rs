@@ -1,0 +1,222 @@
+//! What the JSON Schema cannot say: a job that is valid wherever its parameters may go, and
+//! measurements it can be held against.
+use super::{Calibrate, FreeParameter, Measured, Scale, Template};
+use crate::{JobKind, Violation};
+
+/// Seeds beyond 2⁵³ − 1 are not exact in every language's JSON.
+const LARGEST_SEED: u64 = (1 << 53) - 1;
+/// Parameters named where one is unknown.
+const LISTED: usize = 30;
+
+pub(super) fn check(spec: &Calibrate, violations: &mut Vec<Violation>) {
+    check_measured(&spec.measured, violations);
+    check_counts(spec, violations);
+    if spec.job.kind == JobKind::Calibrate {
+        let violation = Violation::new(
+            "/job/kind",
+            "not_allowed",
+            "a calibration cannot be calibrated",
+        );
+        violations.push(violation.value("calibrate").allowed("every other kind"));
+        return;
+    }
+    match Template::new(&spec.job) {
+        Ok(template) => check_free(spec, &template, violations),
+        Err(inner) => violations.extend(inner.into_iter().map(|mut violation| {
+            violation.pointer.insert_str(0, "/job");
+            violation
+        })),
+    }
+}
+
+fn check_counts(spec: &Calibrate, violations: &mut Vec<Violation>) {
+    let fewest = spec.fewest_trials();
+    if spec.max_trials < fewest {
+        let detail = format!(
+            "{} free parameters need at least {fewest} trials",
+            spec.free.len()
+        );
+        let violation = Violation::new("/max_trials", "out_of_range", detail);
+        violations.push(
+            violation
+                .value(spec.max_trials)
+                .allowed(format!("≥ {fewest}")),
+        );
+    }
+    let others = u64::from(spec.realisations.saturating_sub(1));
+    if spec.seed > LARGEST_SEED - others {
+        let violation = Violation::new(
+            "/seed",
+            "out_of_range",
+            "the seeds of the realisations, which count on from this one, become too large",
+        );
+        let allowed = format!("0 … {}", LARGEST_SEED - others);
+        violations.push(violation.value(spec.seed).allowed(allowed));
+    }
+}
+
+fn check_free(spec: &Calibrate, template: &Template, violations: &mut Vec<Violation>) {
+    let before = violations.len();
+    for (index, free) in spec.free.iter().enumerate() {
+        let place = format!("/free/{index}");
+        let mut earlier = spec.free[..index].iter();
+        if earlier.any(|other| other.parameter == free.parameter) {
+            let pointer = format!("{place}/parameter");
+            let detail = "this parameter is given more than once";
+            let violation = Violation::new(pointer, "not_unique", detail);
+            violations.push(violation.value(free.parameter.as_str()));
+        }
+        match template.number(&free.parameter) {
+            Some(own) => check_range(&place, free, own, template, violations),
+            None => violations.push(no_parameter(&place, free, template)),
+        }
+    }
+    if violations.len() == before {
+        check_corners(spec, template, violations);
+    }
+}
+
+fn no_parameter(place: &str, free: &FreeParameter, template: &Template) -> Violation {
+    let known = template.numbers(LISTED);
+    Violation::new(
+        format!("{place}/parameter"),
+        "not_allowed",
+        "this names no number in the job's spec; whole numbers cannot be free",
+    )
+    .value(free.parameter.as_str())
+    .allowed(format!("a pointer to a number: {}", known.join(", ")))
+}
+
+fn check_range(
+    place: &str,
+    free: &FreeParameter,
+    own: f64,
+    template: &Template,
+    violations: &mut Vec<Violation>,
+) {
+    let unit = template.unit(&free.parameter);
+    let mut refuse = |field: &str, detail: &str, value: f64, allowed: String| {
+        let violation = Violation::new(format!("{place}/{field}"), "out_of_range", detail);
+        let violation = violation.value(value).allowed(allowed);
+        violations.push(match unit {
+            Some(unit) => violation.unit(unit),
+            None => violation,
+        });
+    };
+    let (min, max) = (free.min, free.max);
+    if min >= max {
+        refuse("max", "no room is left above min", max, format!("> {min}"));
+    } else if free.scale == Scale::Log && min <= 0.0 {
+        let detail = "a logarithmic scale has no 0; choose \"linear\" or a larger min";
+        refuse("min", detail, min, "> 0".to_owned());
+    } else if !(min..=max).contains(&free.start.unwrap_or(own)) {
+        let detail = match free.start {
+            Some(_) => "the search cannot start outside its range",
+            None => "left out, it is the job's own value, which lies outside the range",
+        };
+        let start = free.start.unwrap_or(own);
+        refuse("start", detail, start, format!("{min} … {max}"));
+    }
+}
+
+/// The job must be valid at the start and with each parameter at each end of its range.
+fn check_corners(spec: &Calibrate, template: &Template, violations: &mut Vec<Violation>) {
+    let start = |free: &FreeParameter| free.start.or_else(|| template.number(&free.parameter));
+    let base: Vec<(&str, f64)> = spec
+        .free
+        .iter()
+        .map(|free| (free.parameter.as_str(), start(free).unwrap_or(free.min)))
+        .collect();
+    if let Err(found) = template.job(&base) {
+        violations.extend(found.iter().map(|inner| at_value(spec, &base, inner, None)));
+        return;
+    }
+    for (index, free) in spec.free.iter().enumerate() {
+        for (field, value) in [("min", free.min), ("max", free.max)] {
+            let mut numbers = base.clone();
+            numbers[index].1 = value;
+            if let Err(found) = template.job(&numbers) {
+                let place = Some((index, field));
+                let found = found.iter();
+                violations.extend(found.map(|inner| at_value(spec, &numbers, inner, place)));
+            }
+        }
+    }
+}
+
+/// A violation of the inner job, said of the value that led to it.
+fn at_value(
+    spec: &Calibrate,
+    numbers: &[(&str, f64)],
+    inner: &Violation,
+    place: Option<(usize, &str)>,
+) -> Violation {
+    let own = |(parameter, _): &(&str, f64)| inner.pointer == format!("/spec{parameter}");
+    let index = place.map(|(index, _)| index);
+    let index = index.or_else(|| numbers.iter().position(own)).unwrap_or(0);
+    let field = place.map_or("start", |(_, field)| field);
+    let detail = format!(
+        "with {} = {} the job cannot be accepted: {inner}",
+        spec.free[index].parameter, numbers[index].1
+    );
+    Violation {
+        allowed: inner.allowed.clone(),
+        unit: inner.unit.clone(),
+        ..Violation::new(format!("/free/{index}/{field}"), &inner.code, detail)
+    }
+    .value(numbers[index].1)
+}
+
+fn check_measured(measured: &Measured, violations: &mut Vec<Violation>) {
+    if measured.results.is_empty() && measured.curve.is_none() {
+        let detail = "nothing was measured";
+        let violation = Violation::new("/measured", "missing_field", detail);
+        violations.push(violation.allowed("results, a curve, or both"));
+    }
+    for (index, result) in measured.results.iter().enumerate() {
+        let place = format!("/measured/results/{index}");
+        let mut earlier = measured.results[..index].iter();
+        if earlier.any(|other| other.result == result.result) {
+            let detail = "this result is given more than once";
+            let violation = Violation::new(format!("{place}/result"), "not_unique", detail);
+            violations.push(violation.value(result.result.as_str()));
+        }
+        if result.value == 0.0 && result.deviation.is_none() {
+            let detail = "differences cannot be told as parts of 0; give a deviation";
+            violations.push(no_scale(format!("{place}/deviation"), detail));
+        }
+    }
+    let Some(curve) = &measured.curve else {
+        return;
+    };
+    if curve.csv.is_some() != curve.rows.is_empty() {
+        let detail = "a curve is given as rows or as text";
+        let violation = Violation::new("/measured/curve", "not_allowed", detail);
+        violations.push(violation.allowed("rows or csv, one of them"));
+        return;
+    }
+    match curve.points() {
+        Err(line) => {
+            let detail = format!("line {line} has no two numbers");
+            let violation = Violation::new("/measured/curve/csv", "syntax", detail);
+            violations.push(violation.allowed("two numbers a line, such as 0.1,8.5"));
+        }
+        Ok(points) if points.is_empty() => {
+            let detail = "the text has no points";
+            violations.push(Violation::new(
+                "/measured/curve/csv",
+                "wrong_length",
+                detail,
+            ));
+        }
+        Ok(points) if curve.deviation.is_none() && points.iter().all(|[_, y]| *y == 0.0) => {
+            let detail = "all ordinates are 0; give a deviation";
+            violations.push(no_scale("/measured/curve/deviation".to_owned(), detail));
+        }
+        Ok(_) => {}
+    }
+}
+
+fn no_scale(pointer: String, detail: &str) -> Violation {
+    Violation::new(pointer, "missing_field", detail).allowed("> 0")
+}

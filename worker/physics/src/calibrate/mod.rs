@@ -1,0 +1,94 @@
+//! Calibration: parameters of another job are fitted to what was measured.
+//!
+//! In the order in which a run calls them: [`coordinates`] says where the search walks, [`misfit`]
+//! what it descends; [`search`] asks [`trials`] for residuals, which remembers all of them and has
+//! new ones tested in a [`batch`] over all specimens, side by side; [`confidence`] tells from
+//! trials around the best one how well parameters are known; [`tables`] and [`report`] turn that
+//! into files and results. Nothing here knows what the inner job is: it is simulated like any other.
+mod batch;
+mod confidence;
+mod coordinates;
+mod misfit;
+mod report;
+mod search;
+mod tables;
+mod trials;
+
+use loadframe_api::spec::calibrate::{Calibrate, Template};
+
+use crate::{Ending, Interrupt, Recorder, RunContext, SimulationError};
+use coordinates::Coordinate;
+use misfit::Targets;
+use trials::{Halt, Setting, Trials};
+
+/// Runs the calibration of `spec`.
+///
+/// # Errors
+/// What made a result impossible, see [`SimulationError`].
+pub(crate) fn run(
+    spec: &Calibrate,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<Ending, SimulationError> {
+    let template = Template::new(&spec.job).map_err(|violations| {
+        let violations: Vec<String> = violations.iter().map(ToString::to_string).collect();
+        SimulationError::Unbuildable(violations.join("; "))
+    })?;
+    let coordinates: Vec<Coordinate> = spec.free.iter().map(Coordinate::new).collect();
+    let targets = Targets::new(&spec.measured);
+    let setting = Setting {
+        spec,
+        template: &template,
+        targets: &targets,
+        coordinates: &coordinates,
+    };
+    if context.checkpoint.is_none() {
+        recorder.log(&format!(
+            "{} free parameters, {} measured quantities, {} specimens a trial, at most {} trials",
+            spec.free.len(),
+            targets.quantities(),
+            spec.realisations,
+            spec.max_trials
+        ));
+    }
+    let mut trials = Trials::new(setting, context, recorder)?;
+    match carry_out(&mut trials) {
+        Ok(report) => Ok(Ending::Finished(report)),
+        Err(Halt::Interrupted(Interrupt::Cancel)) => Ok(Ending::Cancelled),
+        Err(Halt::Interrupted(Interrupt::Suspend)) => Ok(Ending::Suspended),
+        Err(Halt::Failed(error)) => Err(error),
+        Err(Halt::Reached | Halt::UsedUp) => Err(SimulationError::Calibration(
+            "the search ended before it began".to_owned(),
+        )),
+    }
+}
+
+fn carry_out(trials: &mut Trials<'_>) -> Result<loadframe_api::Report, Halt> {
+    let free = trials
+        .setting
+        .spec
+        .free
+        .iter()
+        .zip(trials.setting.coordinates);
+    let start = free.map(|(free, coordinate)| {
+        let own = trials.setting.template.number(&free.parameter);
+        coordinate.of(free.start.or(own).unwrap_or(free.min))
+    });
+    let start: Vec<f64> = start.collect();
+    let stop_reason = search::search(trials, start)?;
+    trials.end_search();
+    let Some(best) = trials.best().cloned() else {
+        return Err(Halt::UsedUp);
+    };
+    let confidence = confidence::confidence(trials, best.trial)?;
+    tables::write(trials, &best)?;
+    let words = trials.setting.targets.words(best.misfit);
+    let line = format!(
+        "{} after {} trials, misfit {words}",
+        stop_reason.name().replace('_', " "),
+        trials.all().len()
+    );
+    trials.recorder().log(&line);
+    trials.recorder().progress(1.0, "finished");
+    Ok(report::report(trials, &best, &confidence, stop_reason)?)
+}
