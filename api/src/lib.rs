@@ -19,6 +19,7 @@ mod problem;
 mod schema;
 pub mod spec;
 pub mod study;
+pub mod surface;
 mod timestamp;
 pub mod worker;
 

@@ -1,7 +1,7 @@
 # yade-batch is not needed: yade -n -x -j1 tests/granular/yade_impacts.py
 # Oblique impacts as Yade computes them, one JSON line each: the reference of
 # worker/physics/tests/granular/impacts.json. Spheres of radius 0.01 and 0.015 m, or one of 0.01 m
-# and a wall; state after STEPS steps of DT.
+# and a wall or a facet, hit on its face, an edge or a corner; state after STEPS steps of DT.
 import json
 
 DT, STEPS = 1e-6, 600
@@ -11,6 +11,10 @@ CASES = {
     "damped": dict(phi=0.5, damping=0.3, wall=False),
     "wall_sliding": dict(phi=0.1, damping=0.0, wall=True),
     "wall_sticking": dict(phi=1.2, damping=0.2, wall=True),
+    "facet_sliding": dict(phi=0.1, damping=0.0, wall=True, facet=[[-0.05, -0.04, 0], [0.06, -0.03, 0], [0.01, 0.07, 0]]),
+    "facet_sticking": dict(phi=1.2, damping=0.2, wall=True, facet=[[-0.05, -0.04, 0], [0.01, 0.07, 0], [0.06, -0.03, 0]]),
+    "facet_edge": dict(phi=0.5, damping=0.0, wall=True, facet=[[0.003, -0.04, 0.0004], [0.06, 0.01, -0.006], [0.0035, 0.05, 0.0003]]),
+    "facet_corner": dict(phi=0.5, damping=0.0, wall=True, facet=[[0.002, -0.0015, 0.0003], [0.06, -0.03, -0.006], [0.04, 0.04, 0.002]]),
 }
 
 for name, case in CASES.items():
@@ -19,7 +23,9 @@ for name, case in CASES.items():
     O.materials.append(FrictMat(young=1e8, density=2600, label="a", **common))
     O.materials.append(FrictMat(young=3e8, density=1800, label="b", **dict(common, poisson=0.4)))
     O.bodies.append(sphere((0, 0, 0.01005), 0.01, material="a"))
-    if case["wall"]:
+    if "facet" in case:
+        O.bodies.append(facet(case["facet"], material="b"))
+    elif case["wall"]:
         O.bodies.append(wall(0, axis=2, sense=1, material="b"))
     else:
         O.bodies.append(sphere((0.006, -0.004, 0.0344), 0.015, material="b"))
@@ -29,9 +35,9 @@ for name, case in CASES.items():
     O.bodies[0].state.angVel = (-10, 7, 15)
     O.engines = [
         ForceResetter(),
-        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb(), Bo1_Facet_Aabb()]),
         InteractionLoop(
-            [Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
+            [Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom()],
             [Ip2_FrictMat_FrictMat_FrictPhys()],
             [Law2_ScGeom_FrictPhys_CundallStrack()],
         ),

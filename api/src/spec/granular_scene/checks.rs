@@ -1,9 +1,8 @@
 //! What the JSON Schema cannot say: names that must exist, bodies that must not sit in each other,
 //! a step that must be stable.
-use std::collections::BTreeSet;
-
 use super::{
     Body, ContactLaw, GranularScene, LoadPlane, Material, MovePlane, Plane, Stage, TimeStep,
+    check_walls,
 };
 use crate::Violation;
 
@@ -19,7 +18,8 @@ const MOST_PARTICLES: u64 = 10_000_000;
 
 pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
     check_bodies(spec, violations);
-    check_planes(spec, violations);
+    check_materials_of_walls(spec, violations);
+    check_walls::check(spec, violations);
     check_stages(spec, violations);
     check_record(spec, violations);
     check_laws(spec, violations);
@@ -68,22 +68,20 @@ fn check_material(spec: &GranularScene, pointer: &str, name: &str) -> Option<Vio
     })
 }
 
-fn check_planes(spec: &GranularScene, violations: &mut Vec<Violation>) {
-    let mut names = BTreeSet::new();
+fn check_materials_of_walls(spec: &GranularScene, violations: &mut Vec<Violation>) {
     for (index, plane) in spec.planes.iter().enumerate() {
-        let pointer = format!("/planes/{index}");
-        violations.extend(check_material(spec, &pointer, &plane.material));
-        if !names.insert(plane.name.as_str()) {
-            violations.push(
-                Violation::new(
-                    format!("{pointer}/name"),
-                    "name_taken",
-                    "another plane has this name",
-                )
-                .value(plane.name.as_str())
-                .allowed("a name of its own"),
-            );
-        }
+        violations.extend(check_material(
+            spec,
+            &format!("/planes/{index}"),
+            &plane.material,
+        ));
+    }
+    for (index, mesh) in spec.facets.iter().enumerate() {
+        violations.extend(check_material(
+            spec,
+            &format!("/facets/{index}"),
+            &mesh.material,
+        ));
     }
 }
 
@@ -115,17 +113,13 @@ fn check_stages(spec: &GranularScene, violations: &mut Vec<Violation>) {
         {
             violations.extend(check_plane_name(spec, format!("{pointer}/name"), name));
         }
-        if let Stage::LoadPlane(load) = stage
-            && load.peak_force_n.is_some() != load.period_s.is_some()
-        {
-            violations.push(
-                Violation::new(
-                    format!("{pointer}/period_s"),
-                    "not_both",
-                    "a force that swings needs its peak and its period",
-                )
-                .allowed("both or none of: peak_force_n, period_s"),
-            );
+        match stage {
+            Stage::LoadPlane(load) => {
+                let swings = [load.peak_force_n.is_some(), load.period_s.is_some()];
+                violations.extend(check_walls::check_swing(&pointer, swings));
+            }
+            Stage::Drive(drive) => check_walls::check_drive(spec, drive, &pointer, violations),
+            _ => {}
         }
     }
 }
@@ -134,6 +128,10 @@ fn check_record(spec: &GranularScene, violations: &mut Vec<Violation>) {
     for (index, name) in spec.record.planes.iter().enumerate() {
         let pointer = format!("/record/planes/{index}");
         violations.extend(check_plane_name(spec, pointer, name));
+    }
+    for (index, name) in spec.record.walls.iter().enumerate() {
+        let pointer = format!("/record/walls/{index}");
+        violations.extend(check_walls::check_name(spec, pointer, name));
     }
     let count = spec.bodies.len();
     let bodies = spec.record.bodies.iter().flatten().enumerate();
@@ -190,7 +188,7 @@ fn check_time_step(spec: &GranularScene, violations: &mut Vec<Violation>) {
     {
         let partner = match critical.partner {
             Some(partner) => format!("body {partner}"),
-            None => "a plane".to_owned(),
+            None => "a wall".to_owned(),
         };
         let detail = format!(
             "a contact of body {} with {partner} would gain energy in every step",

@@ -11,6 +11,11 @@ const START_S: f64 = 0.01;
 const SHORTEST_STEP_S: f64 = 3e-7;
 /// And this much longer for each plane [s].
 const PLANE_STEP_S: f64 = 2.5e-7;
+/// And this much longer for each mesh of facets: a body on it costs what one on a plane does, and a
+/// search is shared by some hundred steps [s].
+const FACETS_STEP_S: f64 = 2.5e-7;
+/// Memory of a triangle with its place in the search [MB].
+const FACET_MB: f64 = 3e-4;
 /// Memory of the process itself, and per particle with its contacts [MB].
 const MEMORY_MB: [f64; 2] = [14.0, 1.0e-3];
 /// A row of a table [MB], in memory and on disk.
@@ -48,7 +53,10 @@ impl GranularScene {
 
 pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estimate {
     let particles = spec.particles() as f64;
-    let planes = spec.planes.len() as f64;
+    let walls = spec.planes.len() as f64 * PLANE_STEP_S + spec.facets.len() as f64 * FACETS_STEP_S;
+    let facets: usize = (spec.facets.iter())
+        .map(|mesh| mesh.triangles().map_or(0, |triangles| triangles.len()))
+        .sum();
     let steps = spec.steps();
     let speed = calibration.bond_evaluations_per_s * PARTICLE_STEPS_PER_BOND_EVALUATION;
     let rows = steps / spec.record.every_steps as f64 + 2.0;
@@ -66,8 +74,8 @@ pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estim
         every => steps / every as f64 + 2.0,
     };
     Estimate {
-        wall_s: START_S + steps * (SHORTEST_STEP_S + planes * PLANE_STEP_S + particles / speed),
-        memory_mb: MEMORY_MB[0] + particles * MEMORY_MB[1] + tables,
+        wall_s: START_S + steps * (SHORTEST_STEP_S + walls + particles / speed),
+        memory_mb: MEMORY_MB[0] + particles * MEMORY_MB[1] + facets as f64 * FACET_MB + tables,
         disk_mb: tables + snapshots * particles * SNAPSHOT_MB_PER_PARTICLE,
         calibrated: false,
     }

@@ -143,6 +143,16 @@ const LOCAL_DAMPING: f64 = 0.3;
 /// ν of most rocks and metals.
 const POISSON_RATIO: f64 = 0.3;
 
+impl Laws {
+    /// Radius that facets bring to the stiffness of a contact, over that of the sphere.
+    pub fn facet_radius_ratio(&self) -> f64 {
+        match self.convention {
+            Convention::Loadframe => 1.0,
+            Convention::Yade => 2.0,
+        }
+    }
+}
+
 impl Default for TimeStep {
     fn default() -> Self {
         Self::Automatic(AutomaticTimeStep::Auto)

@@ -1,18 +1,22 @@
 //! Spec of a granular scene: bodies in contact, and what is done to them, in any order.
 //!
 //! The discrete element method of Cundall and Strack: spheres and rigid clumps of spheres between
-//! planes, with friction, in explicit time integration. Everything is in SI units, angles in
-//! radians. A body is named by its place in `bodies`, counted from 0; in tables, planes are numbered
-//! after the bodies, in the order of `planes`.
+//! planes and surfaces of triangles, with friction, in explicit time integration. Everything is in SI
+//! units, angles in radians. A body is named by its place in `bodies`, counted from 0; in tables,
+//! walls are numbered after the bodies, `planes` first, then `facets`.
 //!
-//! The parts, each in its own file: [`Material`], what collides ([`Body`], [`Plane`]), how
+//! The parts, each in its own file: [`Material`], what collides ([`Body`], [`Plane`],
+//! [`FacetMesh`]), how
 //! ([`Laws`], [`TimeStep`], [`Accuracy`]), what is done ([`Stage`]) and what is written ([`Record`]).
 //! A further shape, law or stage is one more optional field or one more variant; none of the
 //! names here changes for it. What the engine cannot do is not in these types, so that nothing a
 //! user writes is silently left out.
 mod bodies;
+mod check_walls;
 mod checks;
+mod drive;
 mod estimate;
+mod facets;
 pub mod hertz;
 mod laws;
 mod overlaps;
@@ -30,6 +34,8 @@ use crate::{Calibration, Estimate, Violation, study::Knob};
 
 pub use bodies::{Axis, Body, Clump, DegreeOfFreedom, Member, Plane, Sphere};
 pub use checks::LARGEST_WAY;
+pub use drive::{BodyDrive, BodyForce, BodyVelocity, Drive, Sine, Turn, WallDrive, WallForce};
+pub use facets::{FacetError, FacetMesh};
 pub use laws::{
     Accuracy, AutomaticTimeStep, BondRestLength, ContactLaw, Convention, Knobs, Laws, Material,
     Preset, TimeStep,
@@ -60,6 +66,10 @@ pub struct GranularScene {
     #[serde(default)]
     #[schemars(length(max = 1000))]
     pub planes: Vec<Plane>,
+    /// Walls of triangles.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub facets: Vec<FacetMesh>,
     #[serde(default)]
     pub laws: Laws,
     /// A number of seconds, or "auto": the part of the stable step that `accuracy` asks for.

@@ -1,6 +1,9 @@
-//! Bodies that sit in each other, or behind a plane, at the start.
+//! Bodies that sit in each other, behind a plane or in facets, at the start.
 use super::{Body, BondRestLength, GranularScene, Material};
-use crate::Violation;
+use crate::{
+    Violation,
+    surface::{bounds, closest_point, length, minus},
+};
 
 /// At most this many are listed; the worst comes first.
 const LISTED: usize = 20;
@@ -52,6 +55,7 @@ pub(super) fn check(spec: &GranularScene, largest_ratio: f64, violations: &mut V
     }
     let mut overlaps = between_bodies(spec, &mut particles, largest_ratio);
     overlaps.extend(behind_planes(spec, &particles, largest_ratio));
+    overlaps.extend(in_facets(spec, &particles, largest_ratio));
     overlaps.sort_by(|a, b| b.ratio.total_cmp(&a.ratio).then(a.body.cmp(&b.body)));
     let count = overlaps.len();
     for overlap in overlaps.into_iter().take(LISTED) {
@@ -145,6 +149,43 @@ fn behind_planes(spec: &GranularScene, particles: &[Particle], largest_ratio: f6
                     ratio,
                     is_same_place: false,
                 });
+            }
+        }
+    }
+    overlaps
+}
+
+/// Spheres come sorted by their lower ends along x: of those, a triangle can meet only the ones that
+/// begin before it ends, and not farther before it begins than the largest of them is wide.
+fn in_facets(spec: &GranularScene, particles: &[Particle], largest_ratio: f64) -> Vec<Overlap> {
+    let low = |particle: &Particle| particle.centre[0] - particle.radius;
+    let radii = particles.iter().map(|particle| particle.radius);
+    let widest = 2.0 * radii.fold(0.0, f64::max);
+    let mut overlaps = Vec::new();
+    for mesh in &spec.facets {
+        for (number, triangle) in mesh.triangles().unwrap_or_default().iter().enumerate() {
+            let [lower, upper] = bounds(triangle);
+            let first = particles.partition_point(|particle| low(particle) < lower[0] - widest);
+            let near = particles[first..].iter();
+            for particle in near.take_while(|particle| low(particle) <= upper[0]) {
+                let is_apart = (1..3).any(|axis| {
+                    let [centre, radius] = [particle.centre[axis], particle.radius];
+                    centre - radius > upper[axis] || centre + radius < lower[axis]
+                });
+                if is_apart || spec.bodies[particle.body].is_held() {
+                    continue;
+                }
+                let closest = closest_point(triangle, &particle.centre).position;
+                let distance = length(&minus(&closest, &particle.centre));
+                let ratio = (particle.radius - distance) / particle.radius;
+                if ratio > largest_ratio {
+                    overlaps.push(Overlap {
+                        body: particle.body,
+                        other: format!("triangle {number} of facets {:?}", mesh.name),
+                        ratio,
+                        is_same_place: false,
+                    });
+                }
             }
         }
     }

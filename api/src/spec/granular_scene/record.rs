@@ -18,6 +18,11 @@ pub struct Record {
     /// Planes whose force and displacement go to `curve.csv`.
     #[schemars(length(max = 1000))]
     pub planes: Vec<String>,
+    /// Walls, planes and facets alike, whose force and displacement go to `curve.csv` as vectors,
+    /// beside those that a `drive` stage drives, which are written in any case.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub walls: Vec<String>,
     /// Whether contacts go to `contacts.csv`.
     pub contacts: bool,
     /// Steps between snapshots for ParaView; 0 writes none.
@@ -34,6 +39,7 @@ impl Default for Record {
             every_steps: 100,
             bodies: None,
             planes: Vec::new(),
+            walls: Vec::new(),
             contacts: false,
             snapshot_every_steps: 0,
         }

@@ -2,8 +2,8 @@
 //!
 //! A contact is two springs in series, each body with K = E l, l = 2r:
 //! K_N = K₁K₂/(K₁ + K₂), and K_T the same with Eν in place of E. A plane takes the radius of the
-//! sphere that touches it. The critical step of the leapfrog is 2/ω with the highest frequency ω
-//! of the scene; here ω² is that of one contact, the larger of K_N/m* along the normal and
+//! sphere that touches it, and so do facets but for Yade's convention, in which they take twice it.
+//! The critical step of the leapfrog is 2/ω with the highest frequency ω of the scene; here ω² is that of one contact, the larger of K_N/m* along the normal and
 //! K_T (1/m* + Σ r²/I) across it, with 1/m* the sum of the movable bodies' inverse masses and
 //! I = 2/5 m r². A dashpot shortens it, see [`step_with_dashpot`]. Hertz's contacts stiffen with their
 //! overlap: they are taken at that of an impact at the speed given, or at a least one.
@@ -74,7 +74,7 @@ pub struct CriticalStep {
     /// 2/ω [s].
     pub step: f64,
     pub body: usize,
-    /// The body it touches; `None` for a plane.
+    /// The body it touches; `None` for a wall.
     pub partner: Option<usize>,
 }
 
@@ -119,12 +119,16 @@ impl GranularScene {
                     );
                 }
             }
-            for plane in &self.planes {
-                if let Some(material) = self.materials.get(&plane.material) {
+            let planes = self.planes.iter().map(|plane| (&plane.material, 1.0));
+            let facets = self.facets.iter();
+            let facets = facets.map(|mesh| (&mesh.material, self.laws.facet_radius_ratio()));
+            for (material, radius_ratio) in planes.chain(facets) {
+                if let Some(material) = self.materials.get(material) {
                     let wall = Partner {
                         material,
                         curvature: 0.0,
                         inverse_mass: 0.0,
+                        radius: radius_ratio * sphere.radius,
                         ..*sphere
                     };
                     offer(self.critical_step(sphere, &wall, speed), sphere.body, None);

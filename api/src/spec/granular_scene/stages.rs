@@ -2,6 +2,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::drive::{Drive, swing};
+
 /// A stage, with its own end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -12,6 +14,8 @@ pub enum Stage {
     MovePlane(MovePlane),
     /// The same, while a force pushes a plane that has a mass and is free along its axis: a plate.
     LoadPlane(LoadPlane),
+    /// The same, while any walls and bodies are moved or pushed.
+    Drive(Drive),
     /// Lets the bodies move until they are at rest.
     Settle(Settle),
 }
@@ -70,13 +74,7 @@ fn unbalanced() -> f64 {
 impl LoadPlane {
     /// Force at `time` [s] of the stage [N].
     pub fn force_at(&self, time: f64) -> f64 {
-        match (self.peak_force_n, self.period_s) {
-            (Some(peak), Some(period)) => {
-                let phase = std::f64::consts::TAU * time / period;
-                self.force_n + (peak - self.force_n) * 0.5 * (1.0 - phase.cos())
-            }
-            _ => self.force_n,
-        }
+        swing(self.force_n, self.peak_force_n, self.period_s, time)
     }
 }
 
@@ -118,6 +116,10 @@ impl Stage {
                 steps: stage.steps,
                 time_s: stage.time_s,
             },
+            Self::Drive(stage) => Run {
+                steps: stage.steps,
+                time_s: stage.time_s,
+            },
             Self::Settle(stage) => Run {
                 steps: stage.steps,
                 time_s: stage.time_s,
@@ -135,6 +137,7 @@ impl Stage {
             Self::Run(_) => "run",
             Self::MovePlane(_) => "move_plane",
             Self::LoadPlane(_) => "load_plane",
+            Self::Drive(_) => "drive",
             Self::Settle(_) => "settle",
         }
     }

@@ -4,11 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     contact::{Wrenches, law::Law, pairs::Halo, walls::Face},
+    facets::{Pose, search::Search},
     listing::{self, Memories},
     motion::{Drive, clump::Clump},
     neighbours::skin::Skin,
     particles::Particles,
-    patch::{Bodies, Patch, Push},
+    patch::{Bodies, BodyLoad, Patch, Push},
     scene::{Model, build},
 };
 use crate::parallel::Team;
@@ -23,6 +24,8 @@ pub(super) struct State<F: Law> {
     pub(super) particles: Particles,
     pub(super) clumps: Vec<Clump>,
     pub(super) faces: Vec<Face>,
+    /// Of each mesh.
+    pub(super) poses: Vec<Pose>,
     pub(super) patches: Vec<Patch<F>>,
     skin: Skin,
     /// Whether the lists hold for the next step.
@@ -35,8 +38,8 @@ pub(super) struct State<F: Law> {
     last_step: f64,
     /// Lists made.
     pub(super) lists: u64,
-    /// Work that moving planes have done on the bodies [J].
-    pub(super) plane_work: f64,
+    /// Work that moving walls have done on the bodies [J].
+    pub(super) wall_work: f64,
     /// Bonds made at the start.
     pub(super) bonds_made: u64,
     /// Farthest that one of them stretches before it breaks [m].
@@ -54,6 +57,9 @@ pub(super) struct Engine<F: Law> {
     /// Forces on the patch at work when patches are worked through one after the other: one array
     /// for all stays in the cache.
     scratch: Wrenches,
+    /// Forces on bodies in this step beside weights and contacts.
+    pub(super) loads: Vec<BodyLoad>,
+    search: Search,
     team: Team,
 }
 
@@ -66,6 +72,7 @@ impl<F: Law> Engine<F> {
             particles,
             clumps,
             faces,
+            poses: vec![Pose::default(); model.facets.meshes.len()],
             ..State::default()
         };
         Self {
@@ -73,6 +80,8 @@ impl<F: Law> Engine<F> {
             state,
             halos: Vec::new(),
             scratch: Wrenches::default(),
+            loads: Vec::new(),
+            search: Search::default(),
             team,
         }
     }
@@ -117,11 +126,19 @@ impl<F: Law> Engine<F> {
                 halo: &mut self.halos[number],
                 kinematics: state.particles.kinematics(state.last_step),
                 faces: &state.faces,
+                facets: &self.model.facets,
+                poses: &state.poses,
                 time_step,
             };
             push.run();
             let bodies = share(&mut state.particles, &mut state.clumps, patch);
-            let speed = patch.advance(bodies, &self.halos, &drive, self.model.rotation);
+            let speed = patch.advance(
+                bodies,
+                &self.halos,
+                &drive,
+                self.model.rotation,
+                &self.loads,
+            );
             speed_square = speed_square.max(speed);
             std::mem::swap(&mut patch.wrenches, &mut self.scratch);
         }
@@ -143,7 +160,7 @@ impl<F: Law> Engine<F> {
         }
         let state = &mut self.state;
         let kinematics = state.particles.kinematics(state.last_step);
-        let faces = &state.faces;
+        let (faces, facets, poses) = (&state.faces, &self.model.facets, &state.poses);
         let work = state
             .patches
             .iter_mut()
@@ -153,6 +170,8 @@ impl<F: Law> Engine<F> {
                 halo,
                 kinematics,
                 faces,
+                facets,
+                poses,
                 time_step,
             });
         self.team.map(work.collect(), Push::run);
@@ -162,40 +181,59 @@ impl<F: Law> Engine<F> {
     pub(super) fn advance(&mut self, time_step: f64) {
         let drive = self.drive(time_step);
         let state = &mut self.state;
-        let (halos, rotation) = (&self.halos, self.model.rotation);
+        let (halos, rotation, loads) = (&self.halos, self.model.rotation, &self.loads);
         let work = shares(&mut state.particles, &mut state.clumps, &mut state.patches);
         let speeds = self.team.map(work, |(patch, bodies)| {
-            patch.advance(bodies, halos, &drive, rotation)
+            patch.advance(bodies, halos, &drive, rotation, loads)
         });
         self.finish(time_step, speeds.into_iter().fold(0.0, f64::max));
     }
 
-    /// Planes, time, and whether the lists hold, after the bodies moved.
+    /// Walls, time, and whether the lists hold, after the bodies moved.
     fn finish(&mut self, time_step: f64, speed_square: f64) {
         let drive = self.drive(time_step);
         let state = &mut self.state;
         state.speed_bound = speed_square.sqrt();
-        let mut plane_way = 0.0_f64;
+        let mut wall_way = 0.0_f64;
         for (plane, face) in state.faces.iter_mut().enumerate() {
-            let force = forces(&state.patches, plane)[face.axis];
-            if let Some(load) = face.load {
-                let acceleration = (load.force + force) / load.mass;
-                face.velocity += time_step * drive.damped(acceleration, face.velocity);
+            let force = forces(&state.patches, plane);
+            face.motion
+                .accelerate(&drive, &[force[0], force[1], force[2]]);
+            state.wall_work -= work(&force, &face.motion.velocity) * time_step;
+            face.motion.advance(time_step);
+            // along itself a plane comes no closer to anything
+            let way = time_step * face.motion.velocity[face.axis];
+            face.position += way;
+            wall_way = wall_way.max(way.abs());
+        }
+        let meshes = state.poses.iter_mut().zip(&self.model.facets.meshes);
+        for (wall, (pose, mesh)) in (state.faces.len()..).zip(meshes) {
+            if pose.motion.is_moving() || pose.is_turning() {
+                let force = forces(&state.patches, wall);
+                pose.motion
+                    .accelerate(&drive, &[force[0], force[1], force[2]]);
+                let power = work(&force, &pose.motion.velocity) + force[3];
+                state.wall_work -= power * time_step;
+                wall_way = wall_way.max(time_step * pose.speed(mesh));
+                pose.advance(time_step);
             }
-            state.plane_work -= force * face.velocity * time_step;
-            face.position += time_step * face.velocity;
-            plane_way = plane_way.max((time_step * face.velocity).abs());
         }
         state.step += 1;
         state.time += time_step;
         state.last_step = time_step;
         let way = state.speed_bound * time_step;
-        state.is_listed = (state.skin).holds_after(way, plane_way, &state.particles.centres);
+        state.is_listed = (state.skin).holds_after(way, wall_way, &state.particles.centres);
     }
 
-    /// Force of all bodies on a plane in the last step [N].
-    pub(super) fn plane_force(&self, plane: usize) -> [f64; 3] {
-        forces(&self.state.patches, plane)
+    /// Force of all bodies on a wall, planes before meshes, in the last step [N].
+    pub(super) fn wall_force(&self, wall: usize) -> [f64; 3] {
+        let [x, y, z, _] = forces(&self.state.patches, wall);
+        [x, y, z]
+    }
+
+    /// The lists have to be made anew before the next step.
+    pub(super) fn drop_lists(&mut self) {
+        self.state.is_listed = false;
     }
 
     /// Searches for candidates anew.
@@ -211,14 +249,23 @@ impl<F: Law> Engine<F> {
         if state.lists.is_multiple_of(LISTS_PER_SORT) {
             listing::sort(&mut state.particles, &mut state.clumps);
         }
-        let skin = state.skin.width;
+        // bonded spheres are listed however far their bonds stretch
+        let skin = state.skin.width + state.longest_stretch;
         state.patches = listing::list(
             &self.model,
             &state.faces,
             &state.particles,
             &state.clumps,
-            // bonded spheres are listed however far their bonds stretch
-            skin + state.longest_stretch,
+            skin,
+            &memories,
+        );
+        listing::facets::fill(
+            &self.model,
+            &mut self.search,
+            &state.poses,
+            &state.particles,
+            &mut state.patches,
+            skin,
             &memories,
         );
         if state.lists == 0 {
@@ -235,15 +282,20 @@ impl<F: Law> Engine<F> {
     }
 }
 
-/// Force of all bodies on a plane in the last step [N].
-fn forces<F: Law>(patches: &[Patch<F>], plane: usize) -> [f64; 3] {
-    let mut sum = [0.0; 3];
+/// Force of all bodies on a wall in the last step [N], and the power of its turning [W].
+fn forces<F: Law>(patches: &[Patch<F>], wall: usize) -> [f64; 4] {
+    let mut sum = [0.0; 4];
     for patch in patches {
-        for (sum, part) in sum.iter_mut().zip(patch.plane_forces[plane]) {
+        for (sum, part) in sum.iter_mut().zip(patch.wall_forces[wall]) {
             *sum += part;
         }
     }
     sum
+}
+
+/// F·v [W].
+fn work(force: &[f64; 4], velocity: &[f64; 3]) -> f64 {
+    force[0] * velocity[0] + force[1] * velocity[1] + force[2] * velocity[2]
 }
 
 /// A patch's own bodies.
@@ -259,6 +311,7 @@ fn share<'a, F: Law>(
         velocities: &mut particles.velocities[range],
         spins: &mut particles.spins[turning],
         clumps: &mut clumps[patch.clumps.clone()],
+        owners: &particles.owners[patch.particles.clone()],
     }
 }
 
@@ -280,6 +333,7 @@ fn shares<'a, F: Law>(
             velocities: take(&mut velocities, rows),
             spins: take(&mut spins, if F::IS_ROUGH { rows } else { 0 }),
             clumps: take(&mut clumps, patch.clumps.len()),
+            owners: &particles.owners[patch.particles.clone()],
         };
         shares.push((patch, bodies));
     }

@@ -1,5 +1,5 @@
 //! Bodies that a run must tell of: not finite, too fast, gone.
-use super::{Vector, contact::law::Law, engine::Engine};
+use super::{Vector, contact::law::Law, engine::Engine, facets::Pose};
 
 impl<F: Law> Engine<F> {
     /// The first body whose state is not finite, and what of it.
@@ -28,6 +28,18 @@ impl<F: Law> Engine<F> {
         speeds.fold(0.0, f64::max)
     }
 
+    /// Largest speed of a plane [m/s].
+    pub(super) fn fastest_plane(&self) -> f64 {
+        let faces = self.state.faces.iter();
+        faces.fold(0.0, |most: f64, face| most.max(face.motion.speed()))
+    }
+
+    /// Largest speed of any point of a mesh [m/s].
+    pub(super) fn fastest_mesh(&self) -> f64 {
+        let meshes = self.state.poses.iter().zip(&self.model.facets.meshes);
+        meshes.fold(0.0, |most: f64, (pose, mesh)| most.max(pose.speed(mesh)))
+    }
+
     /// A movable body that moves more than `part` of its radius in a step: its number, speed
     /// [m/s] and radius [m].
     pub(super) fn first_jump(&self, time_step: f64, part: f64) -> Option<(usize, f64, f64)> {
@@ -42,10 +54,29 @@ impl<F: Law> Engine<F> {
         None
     }
 
-    /// Movable bodies behind a plane, or farther from the scene's first box than its diagonal.
+    /// Box of the scene at the start and of its walls now [m].
+    pub(super) fn box_of_walls(&self) -> (Vector, Vector) {
+        let (mut low, mut high) = self.model.first_box;
+        for face in &self.state.faces {
+            low[face.axis] = low[face.axis].min(face.position);
+            high[face.axis] = high[face.axis].max(face.position);
+        }
+        for (pose, mesh) in self.state.poses.iter().zip(&self.model.facets.meshes) {
+            let (middle, radius) = mesh.ball;
+            // the box itself while it stands where it was
+            if *pose != Pose::default() {
+                let middle = Vector::from(pose.to_global(&middle));
+                low = low.inf(&middle.add_scalar(-radius));
+                high = high.sup(&middle.add_scalar(radius));
+            }
+        }
+        (low, high)
+    }
+
+    /// Movable bodies behind a plane, or farther from the box of the scene than its diagonal.
     pub(super) fn escaped_bodies(&self) -> Vec<u32> {
         let particles = &self.state.particles;
-        let (low, high) = self.model.first_box;
+        let (low, high) = self.box_of_walls();
         let margin = Vector::repeat((high - low).norm());
         let mut escaped: Vec<u32> = Vec::new();
         for (centre, body) in particles.centres.iter().zip(&particles.owners) {

@@ -1,4 +1,6 @@
-//! Making the lists of candidates: order, patches, pairs, walls; the past of contacts is kept.
+//! Making the lists of candidates: order, patches, pairs, walls, facets; the past of contacts is kept.
+pub(super) mod facets;
+
 use std::ops::Range;
 
 use super::{
@@ -33,6 +35,8 @@ pub(super) struct Memories {
     pairs: Vec<(u32, Past)>,
     /// Particle, plane and past, sorted.
     walls: Vec<((u32, u32), Past)>,
+    /// Particle, facet and past, sorted.
+    facets: Vec<((u32, u32), Past)>,
     /// Whether this is the start, when bonds are made.
     makes_bonds: bool,
 }
@@ -87,6 +91,7 @@ impl Memories {
             starts,
             pairs: sorted,
             walls,
+            facets: facets::pasts(patches, particles),
             makes_bonds: false,
         }
     }

@@ -1,16 +1,16 @@
 //! Bodies in contact: the discrete element method.
 //!
 //! **Model.** Bodies are spheres and rigid clumps of spheres; they move by Newton's and Euler's laws
-//! under gravity and the forces of their contacts, with each other and with planes. SI units,
+//! under gravity and the forces of their contacts, with each other, with planes and with [`facets`]. SI units,
 //! angles in radians, overlaps positive, forces of a contact on its second body.
 //!
 //! **Data road.** [`scene`] resolves a spec into a *model*, which nothing changes, and the first
-//! *state*: [`particles`] (every sphere that collides, in arrays), clumps, planes. [`listing`] sorts
+//! *state*: [`particles`] (every sphere that collides, in arrays), clumps, walls. [`listing`] sorts
 //! particles along a curve through space, cuts them into patches of some two thousand, and fills
 //! each [`patch`] with candidates for contact from the search of [`neighbours`]; what contacts
 //! remember is carried over. A step of the [`engine`] has two phases: [`contact`] turns positions
 //! into forces, patch by patch; [`motion`] turns forces into new positions. [`run`] goes through
-//! the stages; when something is due it observes the scene between the phases ([`observe`],
+//! the stages, whose [`drives`] move walls and bodies; when something is due it observes the scene between the phases ([`observe`],
 //! [`time_step`], [`inspect`]) and keeps it in the [`journal`], from which [`tables`],
 //! [`snapshot`] and [`report`] make files and results.
 //!
@@ -29,7 +29,9 @@
 //! `WallList`, a stage a variant of the spec's `Stage` and its arm in [`run`].
 mod clump_geometry;
 mod contact;
+mod drives;
 mod engine;
+mod facets;
 #[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
 mod generate;
 #[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
@@ -81,8 +83,7 @@ pub(crate) fn run(
         return run::run::<Bonded>(spec, context, recorder);
     }
     match spec.laws.contact {
-        // only what moves as x + Δt v was where its velocity says
-        ContactLaw::Linear if spec.bodies.iter().all(|body| body.sphere.is_some()) => {
+        ContactLaw::Linear if normals_follow(spec) => {
             run_with::<Frictionless<Linear>, Coulomb<Linear, Followed>>(spec, context, recorder)
         }
         ContactLaw::Linear => {
@@ -97,6 +98,14 @@ pub(crate) fn run(
             run_with::<Frictionless<Hertz>, HertzMindlin>(spec, context, recorder)
         }
     }
+}
+
+/// Whether normals follow from velocities: only what moves as x + Δt v was where its velocity says, so
+/// no member of a clump, no facet where it meets the next, and no body that a stage gives another
+/// velocity.
+fn normals_follow(spec: &GranularScene) -> bool {
+    let are_spheres = spec.bodies.iter().all(|body| body.sphere.is_some());
+    are_spheres && spec.facets.is_empty() && spec.driven_bodies().is_empty()
 }
 
 /// Runs the scene under the law for smooth or that for rough materials, with a dashpot if there is

@@ -17,11 +17,13 @@ use super::{
 /// A touching contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contact {
-    /// Bodies of the spec, a < b; planes are numbered after the bodies.
+    /// Bodies of the spec, a < b; walls are numbered after the bodies, planes
+    /// before meshes.
     pub(super) bodies: [u32; 2],
-    /// Particles in memory; `None` for a plane.
+    /// Particles in memory; `None` for a wall.
     pub(super) particles: (usize, Option<usize>),
-    /// Numbers of the particles in the order of the spec, or that of the plane.
+    /// Numbers of the particles in the order of the spec, or that of
+    /// the plane or facet.
     numbers: [u32; 2],
     /// δ [m].
     pub(super) overlap: f64,
@@ -108,8 +110,40 @@ impl<F: Law> Engine<F> {
                 }
             }
         }
+        self.facet_contacts(&mut contacts);
         contacts.sort_by_key(|contact| (contact.bodies, contact.numbers));
         contacts
+    }
+
+    /// Contacts with facets.
+    fn facet_contacts(&self, contacts: &mut Vec<Contact>) {
+        let particles = &self.state.particles;
+        let first = (self.model.masses.len() + self.state.faces.len()) as u32;
+        let facets = &self.model.facets;
+        let patches = self.state.patches.iter();
+        for (particle, block, lane) in patches.flat_map(|patch| patch.facets.touching()) {
+            let sphere = &particles.centres[particle];
+            let facet = block.facets[lane];
+            let Some(near) = facets.reach(&self.state.poses, sphere, 0, facet) else {
+                continue;
+            };
+            let spring = Spring {
+                constant: block.stiffness[lane],
+                overlap: sphere.0[3] - near.distance,
+                reach: 2.0 * sphere.0[3],
+            };
+            let held = block.law.held(lane, &spring);
+            contacts.push(Contact {
+                bodies: [
+                    particles.owners[particle],
+                    first + facets.facets[facet as usize].mesh,
+                ],
+                particles: (particle, None),
+                numbers: [particles.numbers[particle], facet],
+                radius: sphere.0[3],
+                ..Contact::new::<F>(&spring, &held, Vector::from(near.normal))
+            });
+        }
     }
 
     /// Kinetic energy of the half-step velocities [J]; bodies with nothing free are left out.
@@ -202,6 +236,12 @@ impl<F: Law> Engine<F> {
                 } else {
                     *resultants.entry(body).or_default() += force.vector();
                 }
+            }
+        }
+        for load in &self.loads {
+            // of a sphere it is among the forces
+            if let Some(force) = resultants.get_mut(&load.body) {
+                *force += load.force;
             }
         }
         for (body, force) in &resultants {

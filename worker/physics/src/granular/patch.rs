@@ -11,12 +11,15 @@ use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 use super::{
+    Vector,
     contact::{
         Kinematics, Wrenches,
+        facets::{FacetList, Scenery},
         law::Law,
         pairs::{Halo, PairList},
         walls::{Face, WallList},
     },
+    facets::{Facets, Pose},
     motion::{
         Drive,
         clump::{Clump, Members, Rotation},
@@ -37,6 +40,8 @@ pub(super) struct Patch<F: Law> {
     pub(super) outer: PairList<F>,
     /// Contacts by plane.
     pub(super) walls: Vec<WallList<F>>,
+    /// Contacts with the facets of all meshes.
+    pub(super) facets: FacetList<F>,
     /// Its spheres that are fixed in part.
     pub(super) partly_fixed: Vec<PartlyFixed>,
     /// What to fetch from the halos of earlier patches, patch by patch.
@@ -44,8 +49,9 @@ pub(super) struct Patch<F: Law> {
     /// On its particles, from the last step that was observed.
     #[serde(skip)]
     pub(super) wrenches: Wrenches,
-    /// On each plane, from the last step [N].
-    pub(super) plane_forces: Vec<[f64; 4]>,
+    /// On each wall, planes before meshes, from the last step [N]; the fourth number is the power of a
+    /// mesh's turning [W].
+    pub(super) wall_forces: Vec<[f64; 4]>,
 }
 
 /// Entries of a halo that act on particles of a patch.
@@ -62,6 +68,8 @@ pub(super) struct Push<'a, F: Law> {
     pub(super) halo: &'a mut Halo,
     pub(super) kinematics: Kinematics<'a>,
     pub(super) faces: &'a [Face],
+    pub(super) facets: &'a Facets,
+    pub(super) poses: &'a [Pose],
     pub(super) time_step: f64,
 }
 
@@ -82,6 +90,8 @@ impl<F: Law> WithSimd for Push<'_, F> {
             halo,
             kinematics,
             faces,
+            facets,
+            poses,
             time_step,
         } = self;
         let first = patch.particles.start;
@@ -89,11 +99,22 @@ impl<F: Law> WithSimd for Push<'_, F> {
         wrenches.clear(patch.particles.len(), F::IS_ROUGH);
         (patch.inner).push_inner(simd, kinematics, first, wrenches, time_step);
         (patch.outer).push_outer(simd, kinematics, first, wrenches, halo, time_step);
-        patch.plane_forces.clear();
+        patch.wall_forces.clear();
         for (list, face) in patch.walls.iter_mut().zip(faces) {
             let force = list.push(simd, face, kinematics, first, wrenches, time_step);
-            patch.plane_forces.push(force);
+            patch.wall_forces.push(force);
         }
+        patch
+            .wall_forces
+            .resize(faces.len() + poses.len(), [0.0; 4]);
+        let scenery = Scenery {
+            facets,
+            poses,
+            kinematics,
+            time_step,
+        };
+        let on_meshes = &mut patch.wall_forces[faces.len()..];
+        (patch.facets).push(simd, scenery, first, wrenches, on_meshes);
     }
 }
 
@@ -103,6 +124,16 @@ pub(super) struct Bodies<'a> {
     pub(super) velocities: &'a mut [Row],
     pub(super) spins: &'a mut [Row],
     pub(super) clumps: &'a mut [Clump],
+    /// Body of each particle.
+    pub(super) owners: &'a [u32],
+}
+
+/// A force on a body's centre of mass beside its weight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct BodyLoad {
+    pub(super) body: u32,
+    /// [N].
+    pub(super) force: Vector,
 }
 
 impl<F: Law> Patch<F> {
@@ -121,12 +152,17 @@ impl<F: Law> Patch<F> {
         halos: &[Halo],
         drive: &Drive,
         rotation: Rotation,
+        loads: &[BodyLoad],
     ) -> f64 {
         self.fetch(halos);
         let first = self.particles.start;
+        self.load_spheres(&bodies, loads);
         // before the members move: their arms are those of the forces
         for clump in &mut *bodies.clumps {
-            let [force, torque] = clump.wrench(&self.wrenches, bodies.centres, first);
+            let [mut force, torque] = clump.wrench(&self.wrenches, bodies.centres, first);
+            for load in loads.iter().filter(|load| load.body == clump.body) {
+                force += load.force;
+            }
             clump.advance(drive, rotation, force, torque);
         }
         for sphere in &mut self.partly_fixed {
@@ -160,6 +196,18 @@ impl<F: Law> Patch<F> {
             speed_square = speed_square.max(clump.place(members, first));
         }
         speed_square
+    }
+
+    /// Adds the loads on bodies that are spheres; few bodies have one.
+    fn load_spheres(&mut self, bodies: &Bodies<'_>, loads: &[BodyLoad]) {
+        for load in loads {
+            let is_clump = bodies.clumps.iter().any(|clump| clump.body == load.body);
+            let place = bodies.owners.iter().position(|owner| *owner == load.body);
+            if let Some(place) = place.filter(|_| !is_clump) {
+                let [x, y, z] = load.force.into();
+                self.wrenches.forces[place].add([x, y, z, 0.0]);
+            }
+        }
     }
 
     fn fetch(&mut self, halos: &[Halo]) {

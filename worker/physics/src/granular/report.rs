@@ -118,7 +118,7 @@ fn summary<F: Law>(
             "escaped_bodies",
             Some(escaped as f64),
             "1",
-            "Movable bodies behind a plane, or farther from the first box of the scene than its diagonal.",
+            "Movable bodies behind a plane, or farther from the box of all bodies at the start and all walls than its diagonal.",
         ),
     ];
     let mut summary: IndexMap<String, Quantity> = IndexMap::new();

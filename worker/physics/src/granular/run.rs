@@ -80,7 +80,7 @@ pub(super) fn run<F: Law>(
     }
     let mut work = 0;
     while let Some(stage) = spec.stages.get(runner.journal.stage) {
-        runner.drive_planes(stage);
+        runner.begin_drives(stage);
         while !runner.is_stage_done(stage) {
             work += runner.engine.state.particles.len() as u64 + 100;
             if work > WORK_PER_INTERRUPT_LOOK {
@@ -98,7 +98,7 @@ pub(super) fn run<F: Law>(
                     runner.keep(recorder)?;
                 }
             }
-            runner.load_planes(stage);
+            runner.drive(stage);
             runner.step(recorder)?;
         }
         if matches!(stage, Stage::Settle(_)) && !runner.journal.is_settled {
@@ -263,7 +263,7 @@ impl<'a, F: Law> Runner<'a, F> {
         if self.engine.model.has_driven_bodies {
             return Ok(());
         }
-        journal.balance.add(&energies, self.engine.state.plane_work);
+        journal.balance.add(&energies, self.engine.state.wall_work);
         let created = journal.balance.created_ratio();
         if created > RUNAWAY && !self.spec.allow_unstable {
             return Err(SimulationError::EnergyGrowth {
@@ -282,7 +282,7 @@ impl<'a, F: Law> Runner<'a, F> {
         critical: Option<Critical>,
     ) -> Result<(), SimulationError> {
         let ratio = critical.map_or(0.0, |critical| self.journal.time_step / critical.step);
-        let row = tables::curve_row(self.spec, &self.engine, &self.journal, ratio);
+        let row = tables::curve_row(self.spec, &self.engine, &self.journal, contacts, ratio);
         recorder.point(&row)?;
         self.journal.curve.extend(row);
         self.engine
@@ -305,7 +305,9 @@ impl<'a, F: Law> Runner<'a, F> {
             .map_or(f64::INFINITY, |critical| critical.step)
             .min(self.foreseen_at(speed));
         let stable = self.automatic.unwrap_or(1.0) * critical;
-        // half the way that is allowed, so that a body may gain speed before the next look
+        // half the way that is allowed, so that a body may gain speed before the next look; a plane
+        // that comes along catches what it passed, facets do not
+        let speed = speed + self.engine.fastest_mesh();
         let way = 0.5 * LARGEST_WAY * self.smallest_radius / speed;
         let step = stable.min(way);
         if step.is_finite() { step } else { FREE_STEP }
@@ -316,8 +318,7 @@ impl<'a, F: Law> Runner<'a, F> {
         if self.spec.laws.contact != ContactLaw::HertzMindlin {
             return self.foreseen;
         }
-        let faces = self.engine.state.faces.iter();
-        let wall = faces.fold(0.0, |most: f64, face| most.max(face.velocity.abs()));
+        let wall = self.engine.fastest_plane().max(self.engine.fastest_mesh());
         let gained =
             self.engine.model.gravity.norm() * STEPS_PER_LOOK as f64 * self.journal.time_step;
         let speed = 2.0 * (speed + gained) + wall;

@@ -8,7 +8,11 @@ use super::{
     Vector,
     clump_geometry::{mass_properties, principal_axes},
     contact::{stiffness::Surface, walls::Face},
-    motion::clump::{Clump, Rotation},
+    facets::Facets,
+    motion::{
+        clump::{Clump, Rotation},
+        wall::WallMotion,
+    },
     particles::Particles,
     rows::Row,
     sphere::Sphere,
@@ -29,16 +33,19 @@ pub(super) struct Model {
     pub(super) damping: f64,
     pub(super) rotation: Rotation,
     pub(super) planes: Vec<PlaneModel>,
+    pub(super) facets: Facets,
     /// Mass of each body of the spec [kg].
     pub(super) masses: Vec<f64>,
     /// Whether each body has a degree of freedom.
     pub(super) is_movable: Vec<bool>,
     /// Inertia of each sphere body about its centre [kg m²]; 0 for clumps, which know their own.
     pub(super) sphere_inertias: Vec<f64>,
-    /// Whether a body is moved at a velocity of its own along a fixed degree of freedom, so that work
-    /// is done on the scene that is not measured.
+    /// Whether a body is driven by a stage, or moved at a velocity of its own along a fixed degree of
+    /// freedom, so that work is done on the scene that is not measured.
     pub(super) has_driven_bodies: bool,
-    /// Box of all bodies and planes at the start [m].
+    /// Bodies that some stage drives.
+    pub(super) driven: Vec<DrivenBody>,
+    /// Box of all bodies and walls at the start [m].
     pub(super) first_box: (Vector, Vector),
     /// Orientation of each clump's principal axes at the start; none for spheres.
     pub(super) orientations: Vec<UnitQuaternion<f64>>,
@@ -52,6 +59,18 @@ pub(super) struct PlaneModel {
     pub(super) name: String,
     pub(super) surface: usize,
     pub(super) face: Face,
+}
+
+/// What a driven body comes back to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DrivenBody {
+    pub(super) body: u32,
+    /// Centre of mass at the start [m].
+    pub(super) start: Vector,
+    /// Whether its spec fixes x, y, z.
+    pub(super) fixed: [bool; 3],
+    /// Velocity of its spec [m/s].
+    pub(super) velocity: [f64; 3],
 }
 
 /// I/(m r²) of a solid sphere.
@@ -68,8 +87,7 @@ impl Model {
                 axis: plane.axis.index(),
                 facing: f64::from(plane.facing),
                 position: plane.position_m,
-                velocity: 0.0,
-                load: None,
+                motion: WallMotion::default(),
             },
         });
         let rough =
@@ -86,10 +104,13 @@ impl Model {
                 Convention::Yade => Rotation::Fincham,
             },
             planes: planes.collect(),
+            facets: Facets::new(spec),
             masses: Vec::new(),
             is_movable: spec.bodies.iter().map(|body| !body.is_held()).collect(),
             sphere_inertias: Vec::new(),
-            has_driven_bodies: spec.bodies.iter().any(is_driven),
+            has_driven_bodies: spec.bodies.iter().any(is_driven)
+                || !spec.driven_bodies().is_empty(),
+            driven: Vec::new(),
             first_box: first_box(spec),
             orientations: Vec::new(),
             spins: spec
@@ -166,6 +187,20 @@ pub(super) fn build(spec: &GranularScene) -> (Model, Particles, Vec<Clump>) {
             }
         }
     }
+    let driven = spec.driven_bodies();
+    model.driven = (driven.into_iter())
+        .filter_map(|number| {
+            let body = spec.bodies.get(number as usize)?;
+            let clump = clumps.iter().find(|clump| clump.body == number);
+            let [x, y, z, ..] = fixed(body);
+            Some(DrivenBody {
+                body: number,
+                start: clump.map_or(Vector::from(body.position_m), |clump| clump.centre),
+                fixed: [x, y, z],
+                velocity: body.velocity_m_per_s,
+            })
+        })
+        .collect();
     particles.numbers = (0..particles.centres.len() as u32).collect();
     (model, particles, clumps)
 }
@@ -217,6 +252,12 @@ fn first_box(spec: &GranularScene) -> (Vector, Vector) {
         let axis = plane.axis.index();
         low[axis] = low[axis].min(plane.position_m);
         high[axis] = high[axis].max(plane.position_m);
+    }
+    let facets = spec.facets.iter();
+    let triangles = facets.flat_map(|mesh| mesh.triangles().unwrap_or_default());
+    for corner in triangles.flatten() {
+        low = low.inf(&Vector::from(corner));
+        high = high.sup(&Vector::from(corner));
     }
     (low, high)
 }

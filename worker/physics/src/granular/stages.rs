@@ -1,10 +1,7 @@
-//! The stages of a run: when each is done, what it does to the planes, how far the run is.
-use loadframe_api::spec::granular_scene::{MovePlane, Stage};
+//! The stages of a run: when each is done, how far the run is.
+use loadframe_api::spec::granular_scene::Stage;
 
-use super::{
-    contact::{law::Law, walls::Load},
-    run::Runner,
-};
+use super::{contact::law::Law, run::Runner};
 use crate::Recorder;
 
 impl<F: Law> Runner<'_, F> {
@@ -32,50 +29,6 @@ impl<F: Law> Runner<'_, F> {
                 (left / self.journal.time_step - 1e-6).ceil()
             }
             (None, None) => 0.0,
-        }
-    }
-
-    pub(super) fn drive_planes(&mut self, stage: &Stage) {
-        for (plane, face) in self
-            .engine
-            .model
-            .planes
-            .iter()
-            .zip(&mut self.engine.state.faces)
-        {
-            face.load = None;
-            face.velocity = match stage {
-                Stage::MovePlane(MovePlane {
-                    name,
-                    velocity_m_per_s,
-                    ..
-                }) if *name == plane.name => *velocity_m_per_s,
-                Stage::LoadPlane(load) if load.name == plane.name => {
-                    face.load = Some(Load {
-                        force: load.force_n,
-                        mass: load.mass_kg,
-                    });
-                    // a stage that was begun goes on at the speed it had
-                    if self.journal.stage_steps > 0 {
-                        face.velocity
-                    } else {
-                        0.0
-                    }
-                }
-                _ => 0.0,
-            };
-        }
-    }
-
-    /// The force of this moment on the planes that are under one.
-    pub(super) fn load_planes(&mut self, stage: &Stage) {
-        if let Stage::LoadPlane(load) = stage {
-            let time = self.engine.state.time - self.journal.stage_start;
-            for face in &mut self.engine.state.faces {
-                if let Some(on_face) = &mut face.load {
-                    on_face.force = load.force_at(time);
-                }
-            }
         }
     }
 

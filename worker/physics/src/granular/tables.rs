@@ -4,7 +4,8 @@ use std::io::{self, Write};
 use loadframe_api::spec::granular_scene::GranularScene;
 
 use super::{
-    contact::law::Law, engine::Engine, journal::Journal, motion::clump::Clump, observe::Contact,
+    Vector, contact::law::Law, engine::Engine, journal::Journal, motion::clump::Clump,
+    observe::Contact,
 };
 use crate::{Recorder, csv};
 
@@ -54,7 +55,7 @@ const READINGS: [&str; 6] = [
     "step_over_critical",
 ];
 
-/// Columns of the curve: place in the run, recorded planes, readings.
+/// Columns of the curve: place in the run, recorded planes, walls and driven bodies, readings.
 pub(super) fn curve_columns(spec: &GranularScene) -> Vec<String> {
     let place = ["step", "time_s", "stage"].map(str::to_owned);
     let planes = spec.record.planes.iter().flat_map(|plane| {
@@ -63,9 +64,19 @@ pub(super) fn curve_columns(spec: &GranularScene) -> Vec<String> {
             format!("{plane}_force_n"),
         ]
     });
+    let walls = spec.recorded_walls().into_iter().map(str::to_owned);
+    let bodies = spec.driven_bodies().into_iter();
+    let driven = walls.chain(bodies.map(|body| format!("body_{body}")));
+    let driven = driven.flat_map(|name| {
+        let along = |what: &str, unit: &str| {
+            ["x", "y", "z"].map(|axis| format!("{name}_{what}_{axis}_{unit}"))
+        };
+        [along("displacement", "m"), along("force", "n")].concat()
+    });
     place
         .into_iter()
         .chain(planes)
+        .chain(driven)
         .chain(READINGS.map(str::to_owned))
         .collect()
 }
@@ -75,6 +86,7 @@ pub(super) fn curve_row<F: Law>(
     spec: &GranularScene,
     engine: &Engine<F>,
     journal: &Journal,
+    contacts: &[Contact],
     step_ratio: f64,
 ) -> Vec<f64> {
     let state = &engine.state;
@@ -88,7 +100,18 @@ pub(super) fn curve_row<F: Law>(
         let Some(plane) = plane else { continue };
         let face = &state.faces[plane];
         row.push(face.position - engine.model.planes[plane].face.position);
-        row.push(engine.plane_force(plane)[face.axis]);
+        row.push(engine.wall_force(plane)[face.axis]);
+    }
+    for name in spec.recorded_walls() {
+        let Some(wall) = engine.wall(name) else {
+            continue;
+        };
+        row.extend(engine.wall_displacement(wall));
+        row.extend(engine.wall_force(wall));
+    }
+    for driven in &engine.model.driven {
+        row.extend(engine.body_displacement(driven).iter());
+        row.extend(force_on(driven.body, contacts).iter());
     }
     let reading = &journal.last;
     row.extend([
@@ -100,6 +123,20 @@ pub(super) fn curve_row<F: Law>(
         step_ratio,
     ]);
     row
+}
+
+/// Force of all contacts on a body [N].
+fn force_on(body: u32, contacts: &[Contact]) -> Vector {
+    let mut force = Vector::zeros();
+    for contact in contacts {
+        let on_second = contact.normal_force + contact.shear_force;
+        if contact.bodies[1] == body {
+            force += on_second;
+        } else if contact.bodies[0] == body {
+            force -= on_second;
+        }
+    }
+    force
 }
 
 impl<F: Law> Engine<F> {

@@ -15,8 +15,10 @@ fn scene(case: &Value) -> Value {
     let mut bodies = vec![json!({
         "sphere": {"radius_m": 0.01}, "material": "a", "position_m": [0, 0, 0.01005],
         "velocity_m_per_s": [0.3, -0.2, down], "angular_velocity_rad_per_s": [-10, 7, 15]})];
-    let mut planes = Vec::new();
-    if is_wall {
+    let (mut planes, mut facets) = (Vec::new(), Vec::new());
+    if case["facet"].is_array() {
+        facets.push(json!({"name": "plate", "triangles_m": [case["facet"]], "material": "b"}));
+    } else if is_wall {
         planes.push(
             json!({"name": "base", "axis": "z", "position_m": 0, "facing": 1, "material": "b"}),
         );
@@ -28,7 +30,7 @@ fn scene(case: &Value) -> Value {
     json!({
         "version": 1, "gravity_m_per_s2": [0, 0, -9.81],
         "materials": {"a": material(2600.0, 1e8, 0.3), "b": material(1800.0, 3e8, 0.4)},
-        "bodies": bodies, "planes": planes,
+        "bodies": bodies, "planes": planes, "facets": facets,
         "laws": {"local_damping": case["damping"], "convention": "yade"},
         "time_step_s": case["dt"],
         "stages": [{"run": {"steps": case["steps"]}}],

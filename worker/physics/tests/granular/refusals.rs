@@ -115,7 +115,7 @@ fn names_that_do_not_exist_are_all_told_at_once() {
 #[test]
 fn unknown_fields_are_refused() {
     let mut spec = scene(&[sphere("stone", 0.01, [0.0, 0.0, 0.02], [0.0; 3])]);
-    spec["facets"] = json!([]);
+    spec["cylinders"] = json!([]);
     spec["bodies"][0]["colour"] = json!("red");
     spec["stages"] = json!([{"explode": {"steps": 10}}]);
     let mut found = codes(&spec);
@@ -123,7 +123,7 @@ fn unknown_fields_are_refused() {
     assert!(
         found
             .iter()
-            .any(|(pointer, code)| pointer == "/spec/facets" && code == "unknown_field"),
+            .any(|(pointer, code)| pointer == "/spec/cylinders" && code == "unknown_field"),
         "{found:?}"
     );
     assert!(
@@ -153,4 +153,117 @@ fn bodies_that_leave_are_told_of() {
             .iter()
             .any(|warning| warning.code == "escaped_bodies")
     );
+}
+
+#[test]
+fn walls_that_are_no_surfaces_are_refused() {
+    let plate = json!([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]]);
+    let wall = |key: &str, value: Value| {
+        let mut spec = scene(&[sphere("stone", 0.01, [0.0, 0.0, 0.02], [0.0; 3])]);
+        spec["facets"] = json!([{"name": "wall", "material": "stone", key: value}]);
+        spec
+    };
+    // an open surface is a wall like any other
+    assert!(
+        submission(&wall(
+            "triangles_m",
+            json!([[[5, 5, 0], [6, 5, 0], [5, 6, 0]]])
+        ))
+        .is_ok()
+    );
+    for (key, value, pointer, code) in [
+        (
+            "triangles_m",
+            json!([]),
+            "/spec/facets/0/triangles_m",
+            "wrong_length",
+        ),
+        (
+            "triangles_m",
+            json!([plate[0], [[0, 0, 0], [1, 1, 1], [2, 2, 2]]]),
+            "/spec/facets/0/triangles_m/1",
+            "no_area",
+        ),
+        (
+            "triangles_m",
+            json!([[[0, 0, 0], [0, 0, 0], [1, 0, 0]]]),
+            "/spec/facets/0/triangles_m/0",
+            "no_area",
+        ),
+        ("stl", json!("c29s*"), "/spec/facets/0/stl", "not_a_surface"),
+        ("stl", json!("AAAA"), "/spec/facets/0/stl", "not_a_surface"),
+        (
+            "stl",
+            json!("solid empty\nendsolid\n"),
+            "/spec/facets/0/stl",
+            "not_a_surface",
+        ),
+        (
+            "stl",
+            json!(
+                "solid s\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 2 0 0\nendloop\nendfacet\nendsolid"
+            ),
+            "/spec/facets/0/stl",
+            "no_area",
+        ),
+        ("scale", json!(2.0), "/spec/facets/0", "not_one_source"),
+    ] {
+        assert_eq!(codes(&wall(key, value)), one(pointer, code), "{key}");
+    }
+    let mut both = wall("triangles_m", plate.clone());
+    both["facets"][0]["stl"] = json!("solid");
+    assert_eq!(codes(&both), one("/spec/facets/0", "not_one_source"));
+    let mut name = wall("triangles_m", plate);
+    name["facets"][0]["name"] = json!("base");
+    name["facets"][0]["material"] = json!("gold");
+    assert_eq!(
+        codes(&name),
+        [
+            one("/spec/facets/0/material", "no_such_material"),
+            one("/spec/facets/0/name", "name_taken")
+        ]
+        .concat()
+    );
+}
+
+#[test]
+fn bodies_in_facets_are_refused() {
+    let mut spec = scene(&[sphere("stone", 0.01, [0.0, 0.0, 0.02], [0.0; 3])]);
+    let at = |height: f64| json!([{"name": "wall", "material": "stone", "triangles_m": [[[-1, -1, height], [1, -1, height], [0, 1, height]]]}]);
+    spec["facets"] = at(0.0104);
+    assert!(submission(&spec).is_ok(), "4 % may overlap");
+    spec["facets"] = at(0.0106);
+    assert_eq!(codes(&spec), one("/spec/bodies/0/position_m", "overlap"));
+}
+
+#[test]
+fn drives_of_nothing_are_refused() {
+    let mut spec = scene(&[sphere("stone", 0.01, [0.0, 0.0, 0.02], [0.0; 3])]);
+    spec["record"] = json!({"walls": ["lid"]});
+    spec["stages"] = json!([{"drive": {"steps": 10,
+        "walls": [
+            {"name": "lid", "velocity_m_per_s": [0, 0, 1]},
+            {"name": "base"},
+            {"name": "base", "turn": {"angular_velocity_rad_per_s": [0, 0, 1]}},
+            {"name": "floor", "force": {"mass_kg": 1, "force_n": [0, 0, 1], "period_s": 1, "free": ["z"]}}],
+        "bodies": [
+            {"body": 3, "force": {"force_n": [0, 0, 1]}},
+            {"body": 0},
+            {"body": 0, "velocity": {"velocity_m_per_s": [0, 0, 1]}, "force": {"force_n": [0, 0, 1], "peak_force_n": [0, 0, 2]}}]}}]);
+    let at = |path: &str, code: &str| (format!("/spec/stages/0/drive/{path}"), code.to_owned());
+    let expected = [
+        at("walls/0/name", "no_such_wall"),
+        at("walls/1", "not_one_drive"),
+        at("walls/2/name", "driven_twice"),
+        at("walls/2/turn", "plane_cannot_turn"),
+        at("walls/3/name", "no_such_wall"),
+        at("walls/3/force/period_s", "not_both"),
+        at("bodies/0/body", "no_such_body"),
+        at("bodies/1", "not_one_drive"),
+        at("bodies/2/body", "driven_twice"),
+        at("bodies/2", "not_one_drive"),
+        at("bodies/2/force/period_s", "not_both"),
+        ("/spec/record/walls/0".to_owned(), "no_such_wall".to_owned()),
+    ];
+    assert_eq!(codes(&spec), expected);
 }

@@ -15,6 +15,7 @@
 //!
 //! Source: [CundallStrack1979]; order of operations as in Yade's `ScGeom` and
 //! `Law2_ScGeom_FrictPhys_CundallStrack`.
+pub(super) mod facets;
 pub(super) mod law;
 pub(super) mod pairs;
 pub(super) mod stiffness;

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::{Kinematics, Slip, Touch, Wrenches, law::Law};
 use crate::granular::{
     lanes::{Array, LANES, Lanes, Vectors, bits},
+    motion::wall::WallMotion,
     rows::{Gathered, gather, scatter},
 };
 
@@ -25,19 +26,8 @@ pub(in crate::granular) struct Face {
     pub(in crate::granular) facing: f64,
     /// Where it crosses the axis [m].
     pub(in crate::granular) position: f64,
-    /// Along the axis [m/s].
-    pub(in crate::granular) velocity: f64,
-    /// What drives it, if not its velocity.
-    pub(in crate::granular) load: Option<Load>,
-}
-
-/// A force on a plane that is free to follow it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(in crate::granular) struct Load {
-    /// Along the axis [N].
-    pub(in crate::granular) force: f64,
-    /// [kg].
-    pub(in crate::granular) mass: f64,
+    /// Along any axis.
+    pub(in crate::granular) motion: WallMotion,
 }
 
 /// Candidates in vectors; padding has no stiffness.
@@ -65,14 +55,9 @@ pub(in crate::granular) struct WallList<F: Law> {
 impl Face {
     /// Into the wall.
     pub(in crate::granular) fn normal(&self) -> [f64; 3] {
-        self.along(-self.facing)
-    }
-
-    /// A vector along the axis.
-    pub(in crate::granular) fn along(&self, value: f64) -> [f64; 3] {
-        let mut vector = [0.0; 3];
-        vector[self.axis] = value;
-        vector
+        let mut normal = [0.0; 3];
+        normal[self.axis] = -self.facing;
+        normal
     }
 
     /// Height of a centre above the plane [m].
@@ -162,7 +147,7 @@ impl<F: Law> WallBlock<F> {
             let mut slip = Slip::none(simd);
             if F::FEELS_SPEED {
                 let velocity = gather(simd, kinematics.velocities, &self.particles, part).vector;
-                let plane = Vectors::splat(simd, face.along(face.velocity));
+                let plane = Vectors::splat(simd, face.motion.velocity);
                 let relative = plane - velocity;
                 slip.approach = relative.dot(normal);
                 if F::IS_ROUGH {

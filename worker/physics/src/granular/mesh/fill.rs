@@ -1,7 +1,8 @@
 //! Filling a closed surface with spheres.
+use loadframe_api::surface::closest_point;
 use nalgebra::Vector3;
 
-use super::{Seams, TriangleMesh, closest_point};
+use super::{Seams, TriangleMesh};
 use crate::granular::{
     lattice::{Arrangement, Lattice},
     sphere::Sphere,
@@ -47,8 +48,8 @@ pub(crate) fn fill(
     let clearance = radius * (1.0 - ROUND_OFF);
     let fits = |centre: &Vector3<f64>| {
         let is_clear = mesh.corners().all(|corners| {
-            let closest = closest_point(&corners, centre).position;
-            (closest - centre).norm_squared() >= clearance * clearance
+            let closest = closest_point(&corners.map(Into::into), &(*centre).into()).position;
+            (Vector3::from(closest) - centre).norm_squared() >= clearance * clearance
         });
         is_clear && mesh.encloses(centre)
     };

@@ -1,20 +1,15 @@
-//! Triangle surfaces: walls, and grains measured by a scanner.
+//! Triangle surfaces of grains measured by a scanner.
 //!
-//! [`read_stl`] gives loose triangles in the unit of the file, [`TriangleMesh::weld`] joins them
-//! and counts what keeps the surface from being closed; a closed one has a volume, an inside
-//! ([`TriangleMesh::encloses`]) and can be filled with spheres ([`fill`]). [`closest_point`] is the
-//! geometry of a sphere against one triangle. Nothing here knows materials or motion.
-mod closest_point;
+//! [`TriangleMesh::weld`] joins loose triangles and counts what keeps the surface from being closed;
+//! a closed one has a volume, an inside ([`TriangleMesh::encloses`]) and can be filled with spheres
+//! ([`fill`]). Nothing here knows materials or motion.
 mod fill;
-mod stl;
 
 use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
-pub(crate) use closest_point::{ClosestPoint, Feature, closest_point};
 pub(crate) use fill::{FillError, fill};
-pub(crate) use stl::{StlError, read_stl};
 
 /// Corners closer than this share of the diagonal of the bounding box are one vertex: ten times
 /// what single precision leaves of a coordinate, and far below any feature one would contact.

@@ -7,7 +7,7 @@
 use super::super::rows::Row;
 
 /// Finest level: radii below 2⁻¹⁵ of the largest share it.
-const FINEST: usize = 15;
+pub(in crate::granular) const FINEST: usize = 15;
 /// Cells per sphere at most; sparser grids get wider cells.
 const CELLS_PER_SPHERE: f64 = 4.0;
 /// The grid covers so many standard deviations to either side. What is farther away is counted to
@@ -22,8 +22,8 @@ pub(in crate::granular) struct Candidates {
 }
 
 /// Spheres of one size class, sorted into cells.
-#[derive(Debug)]
-struct Level {
+#[derive(Clone, Debug)]
+pub(in crate::granular) struct Level {
     low: [f64; 3],
     inverse_width: f64,
     cells: [usize; 3],
@@ -117,7 +117,7 @@ fn collect(spheres: usize, pairs: &[[u32; 2]]) -> Candidates {
 
 impl Level {
     /// A grid for `members`, whose cells are at least `reach` wide.
-    fn new(spheres: &[Row], members: &[u32], reach: f64) -> Self {
+    pub(in crate::granular) fn new(spheres: &[Row], members: &[u32], reach: f64) -> Self {
         let coordinates = |axis: usize| members.iter().map(move |m| spheres[*m as usize].0[axis]);
         let count = members.len() as f64;
         let mut low = [0.0; 3];
@@ -183,7 +183,7 @@ impl Level {
     }
 
     /// Gives `see` the spheres of all cells around `sphere`, a row of cells at a time.
-    fn around(&self, sphere: &Row, mut see: impl FnMut(&[u32])) {
+    pub(in crate::granular) fn around(&self, sphere: &Row, mut see: impl FnMut(&[u32])) {
         let place = self.place(sphere);
         let range = |axis: usize| {
             place[axis].saturating_sub(1)..=(place[axis] + 1).min(self.cells[axis] - 1)

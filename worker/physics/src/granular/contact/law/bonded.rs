@@ -109,6 +109,11 @@ impl Law for Bonded {
 
     fn start(&mut self, lane: usize, springs: &Springs, past: &Past) {
         self.coulomb.start(lane, springs, past);
+        self.remember(lane, past);
+    }
+
+    fn remember(&mut self, lane: usize, past: &Past) {
+        self.coulomb.remember(lane, past);
         [self.normal_strength[lane], self.shear_strength[lane]] = past.bond.strength;
         self.rest[lane] = past.bond.rest;
         self.intact[lane] = f64::from(u8::from(past.bond.is_intact));

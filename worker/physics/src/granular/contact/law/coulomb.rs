@@ -134,6 +134,10 @@ impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
 
     fn start(&mut self, lane: usize, springs: &Springs, past: &Past) {
         (self.tangent).set(lane, [springs.ratio, springs.friction]);
+        self.remember(lane, past);
+    }
+
+    fn remember(&mut self, lane: usize, past: &Past) {
         self.normals.set(lane, past.normal);
         for axis in 0..3 {
             self.shear[axis][lane] = past.shear[axis];

@@ -42,6 +42,8 @@ impl<N: Normal> Law for Frictionless<N> {
 
     fn start(&mut self, _lane: usize, _springs: &Springs, _past: &Past) {}
 
+    fn remember(&mut self, _lane: usize, _past: &Past) {}
+
     fn held(&self, _lane: usize, spring: &Spring) -> Held {
         Held::spring::<N>(spring, 0.0, Vector::zeros())
     }

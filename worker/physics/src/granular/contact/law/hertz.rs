@@ -139,6 +139,11 @@ impl Law for HertzMindlin {
         self.root[lane] = past.root;
     }
 
+    fn remember(&mut self, lane: usize, past: &Past) {
+        self.coulomb.remember(lane, past);
+        self.root[lane] = past.root;
+    }
+
     fn held(&self, lane: usize, spring: &Spring) -> Held {
         self.coulomb.held(lane, spring)
     }

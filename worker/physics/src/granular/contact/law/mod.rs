@@ -114,6 +114,9 @@ pub(in crate::granular) trait Law:
     /// Sets a lane: what the contact is made of, and what it remembers.
     fn start(&mut self, lane: usize, springs: &Springs, past: &Past);
 
+    /// Sets what the contact in a lane remembers, and leaves what it is made of.
+    fn remember(&mut self, lane: usize, past: &Past);
+
     /// What the contact in a lane does at this overlap.
     fn held(&self, lane: usize, spring: &Spring) -> Held;
 }

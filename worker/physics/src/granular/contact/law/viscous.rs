@@ -78,6 +78,10 @@ impl<F: Law> Law for Viscous<F> {
         self.dashpot[lane] = springs.dashpot;
     }
 
+    fn remember(&mut self, lane: usize, past: &Past) {
+        self.law.remember(lane, past);
+    }
+
     fn held(&self, lane: usize, spring: &Spring) -> Held {
         let held = self.law.held(lane, spring);
         let scale = spring.dashpot::<F::Normal>();

@@ -10,7 +10,7 @@
 //! crate for it, stl_io 0.11, goes by the word.
 use std::str::FromStr as _;
 
-use nalgebra::Vector3;
+use super::Triangle;
 
 const HEADER: usize = 80;
 const PREFIX: usize = HEADER + 4;
@@ -19,7 +19,7 @@ const RECORD: usize = 50;
 /// Why a file is not a surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub(crate) enum StlError {
+pub enum StlError {
     #[error(
         "{bytes} bytes are neither an ASCII STL file, which begins with \"solid\", nor a binary one, which has 84 bytes and more"
     )]
@@ -48,7 +48,7 @@ pub(crate) enum StlError {
 ///
 /// # Errors
 /// See [`StlError`]; triangles and lines count from 1.
-pub(crate) fn read_stl(bytes: &[u8]) -> Result<Vec<[Vector3<f64>; 3]>, StlError> {
+pub fn read_stl(bytes: &[u8]) -> Result<Vec<Triangle>, StlError> {
     let promised = bytes.get(HEADER..PREFIX).map(|count| {
         let count = count
             .iter()
@@ -75,7 +75,7 @@ pub(crate) fn read_stl(bytes: &[u8]) -> Result<Vec<[Vector3<f64>; 3]>, StlError>
         }
         (None, None) => return Err(StlError::NotStl { bytes: bytes.len() }),
     };
-    let is_finite = |corners: &[Vector3<f64>; 3]| {
+    let is_finite = |corners: &Triangle| {
         corners
             .iter()
             .flat_map(|corner| corner.iter())
@@ -92,13 +92,13 @@ pub(crate) fn read_stl(bytes: &[u8]) -> Result<Vec<[Vector3<f64>; 3]>, StlError>
     Ok(triangles)
 }
 
-fn read_binary(records: &[u8]) -> Vec<[Vector3<f64>; 3]> {
+fn read_binary(records: &[u8]) -> Vec<Triangle> {
     let (records, _) = records.as_chunks::<RECORD>();
     let corners = |record: &[u8; RECORD]| {
         let (numbers, _) = record.as_chunks::<4>();
         // three numbers of the normal, then three of each corner
         std::array::from_fn(|corner| {
-            Vector3::from_fn(|axis, _| {
+            std::array::from_fn(|axis| {
                 f64::from(f32::from_le_bytes(numbers[3 + 3 * corner + axis]))
             })
         })
@@ -106,11 +106,11 @@ fn read_binary(records: &[u8]) -> Vec<[Vector3<f64>; 3]> {
     records.iter().map(corners).collect()
 }
 
-fn read_ascii(text: &str) -> Result<Vec<[Vector3<f64>; 3]>, StlError> {
+fn read_ascii(text: &str) -> Result<Vec<Triangle>, StlError> {
     let text = text.trim_start_matches('\u{feff}');
     let mut triangles = Vec::new();
     let mut expected = Expected::Solid;
-    let mut corners = [Vector3::zeros(); 3];
+    let mut corners = [[0.0; 3]; 3];
     let mut last_line = 0;
     for (index, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
@@ -129,7 +129,7 @@ fn read_ascii(text: &str) -> Result<Vec<[Vector3<f64>; 3]>, StlError> {
                 let [x, y, z] = numbers[..] else {
                     return Err(wrong(last_line, line, "vertex and three numbers"));
                 };
-                corners[corner] = Vector3::new(x, y, z);
+                corners[corner] = [x, y, z];
                 Expected::Vertex(corner + 1)
             }
             Expected::Vertex(3) if is("endloop") => Expected::EndFacet,
@@ -191,15 +191,11 @@ mod tests {
     const ASCII: &str = "solid plate of steel\n facet normal 0 0 1\n  outer loop\n   \
         vertex 0 0 0\n   vertex 1.5 0 0\n   VERTEX 0 2e-1 0\n  endloop\n endfacet\nendsolid\n";
 
-    fn plate() -> Vec<[Vector3<f64>; 3]> {
-        vec![[
-            Vector3::zeros(),
-            Vector3::new(1.5, 0.0, 0.0),
-            Vector3::new(0.0, 0.25, 0.0),
-        ]]
+    fn plate() -> Vec<Triangle> {
+        vec![[[0.0; 3], [1.5, 0.0, 0.0], [0.0, 0.25, 0.0]]]
     }
 
-    fn binary(header: &str, triangles: &[[Vector3<f64>; 3]]) -> Vec<u8> {
+    fn binary(header: &str, triangles: &[Triangle]) -> Vec<u8> {
         let mut bytes = vec![b' '; HEADER];
         bytes[..header.len()].copy_from_slice(header.as_bytes());
         bytes.extend((triangles.len() as u32).to_le_bytes());
@@ -216,7 +212,7 @@ mod tests {
     #[test]
     fn ascii_is_read_in_any_case_and_spacing() {
         let mut expected = plate();
-        expected[0][2].y = 0.2;
+        expected[0][2][1] = 0.2;
         assert_eq!(read_stl(ASCII.as_bytes()), Ok(expected.clone()));
         let windows = ASCII.replace('\n', "\r\n\n");
         assert_eq!(

@@ -1,9 +1,9 @@
 //! The point of a triangle that is closest to another point.
-use nalgebra::Vector3;
+use super::{Point, Triangle, along, dot, minus};
 
 /// Which part of a triangle a point lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Feature {
+pub enum Feature {
     Face,
     /// From the corner of this number (0, 1, 2) to the next.
     Edge(u8),
@@ -13,11 +13,19 @@ pub(crate) enum Feature {
 
 /// A point on a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ClosestPoint {
+pub struct ClosestPoint {
     /// Position, in the triangle's unit.
-    pub(crate) position: Vector3<f64>,
+    pub position: Point,
     /// A contact on an edge or a corner is shared with the neighbours that have it too.
-    pub(crate) feature: Feature,
+    pub feature: Feature,
+}
+
+impl ClosestPoint {
+    /// Whether it lies inside the triangle.
+    #[inline]
+    pub fn is_on_face(&self) -> bool {
+        self.feature == Feature::Face
+    }
 }
 
 /// The point closest to `point` on a triangle that has an area.
@@ -25,55 +33,52 @@ pub(crate) struct ClosestPoint {
 /// Walks the Voronoi regions of corners and edges by the signs of dot products; what is left is
 /// the face. Source: C. Ericson, *Real-Time Collision Detection* (2005), section 5.1.5.
 #[inline]
-pub(crate) fn closest_point(triangle: &[Vector3<f64>; 3], point: &Vector3<f64>) -> ClosestPoint {
+pub fn closest_point(triangle: &Triangle, point: &Point) -> ClosestPoint {
     let [a, b, c] = triangle;
-    let (ab, ac) = (b - a, c - a);
+    let (ab, ac) = (minus(b, a), minus(c, a));
     let at = |position, feature| ClosestPoint { position, feature };
 
-    let from_a = point - a;
-    let (d1, d2) = (ab.dot(&from_a), ac.dot(&from_a));
+    let from_a = minus(point, a);
+    let (d1, d2) = (dot(&ab, &from_a), dot(&ac, &from_a));
     if d1 <= 0.0 && d2 <= 0.0 {
         return at(*a, Feature::Vertex(0));
     }
-    let from_b = point - b;
-    let (d3, d4) = (ab.dot(&from_b), ac.dot(&from_b));
+    let from_b = minus(point, b);
+    let (d3, d4) = (dot(&ab, &from_b), dot(&ac, &from_b));
     if d3 >= 0.0 && d4 <= d3 {
         return at(*b, Feature::Vertex(1));
     }
     let beyond_ab = d1 * d4 - d3 * d2;
     if beyond_ab <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return at(a + ab * (d1 / (d1 - d3)), Feature::Edge(0));
+        return at(along(a, &ab, d1 / (d1 - d3)), Feature::Edge(0));
     }
-    let from_c = point - c;
-    let (d5, d6) = (ab.dot(&from_c), ac.dot(&from_c));
+    let from_c = minus(point, c);
+    let (d5, d6) = (dot(&ab, &from_c), dot(&ac, &from_c));
     if d6 >= 0.0 && d5 <= d6 {
         return at(*c, Feature::Vertex(2));
     }
     let beyond_ca = d5 * d2 - d1 * d6;
     if beyond_ca <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return at(a + ac * (d2 / (d2 - d6)), Feature::Edge(2));
+        return at(along(a, &ac, d2 / (d2 - d6)), Feature::Edge(2));
     }
     let beyond_bc = d3 * d6 - d5 * d4;
     let (along_b, along_c) = (d4 - d3, d5 - d6);
     if beyond_bc <= 0.0 && along_b >= 0.0 && along_c >= 0.0 {
         let share = along_b / (along_b + along_c);
-        return at(b + (c - b) * share, Feature::Edge(1));
+        return at(along(b, &minus(c, b), share), Feature::Edge(1));
     }
     let sum = beyond_ab + beyond_bc + beyond_ca;
-    let position = a + ab * (beyond_ca / sum) + ac * (beyond_ab / sum);
+    let position = along(&along(a, &ab, beyond_ca / sum), &ac, beyond_ab / sum);
     at(position, Feature::Face)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::{cross, length};
     use super::*;
     use proptest::prelude::*;
 
-    const RIGHT: [Vector3<f64>; 3] = [
-        Vector3::new(0.0, 0.0, 0.0),
-        Vector3::new(4.0, 0.0, 0.0),
-        Vector3::new(0.0, 3.0, 0.0),
-    ];
+    const RIGHT: Triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
 
     #[test]
     fn every_region_has_its_feature() {
@@ -93,54 +98,55 @@ mod tests {
             ([-1.0, 5.0, 1.0], [0.0, 3.0, 0.0], Feature::Vertex(2)),
         ];
         for (point, expected, feature) in cases {
-            let closest = closest_point(&RIGHT, &Vector3::from(point));
-            let off = (closest.position - Vector3::from(expected)).norm();
+            let closest = closest_point(&RIGHT, &point);
+            let off = length(&minus(&closest.position, &expected));
             assert!(off < 1e-14, "{point:?}: {closest:?}");
             assert_eq!(closest.feature, feature, "{point:?}");
         }
     }
 
     /// Closest point of a segment.
-    fn on_segment(from: &Vector3<f64>, to: &Vector3<f64>, point: &Vector3<f64>) -> Vector3<f64> {
-        let way = to - from;
-        from + way * (way.dot(&(point - from)) / way.norm_squared()).clamp(0.0, 1.0)
+    fn on_segment(from: &Point, to: &Point, point: &Point) -> Point {
+        let way = minus(to, from);
+        let share = dot(&way, &minus(point, from)) / dot(&way, &way);
+        along(from, &way, share.clamp(0.0, 1.0))
     }
 
     proptest! {
         /// The best of the three edges and, where the foot of the normal lies inside, the face.
         #[test]
         fn no_part_of_the_triangle_is_closer(
-            corners in prop::array::uniform3(prop::array::uniform3(-1.0..1.0_f64)),
+            triangle in prop::array::uniform3(prop::array::uniform3(-1.0..1.0_f64)),
             point in prop::array::uniform3(-2.0..2.0_f64),
         ) {
-            let triangle = corners.map(Vector3::from);
-            let point = Vector3::from(point);
             let [a, b, c] = triangle;
-            let normal = (b - a).cross(&(c - a));
-            prop_assume!(normal.norm() > 1e-3);
+            let normal = cross(&minus(&b, &a), &minus(&c, &a));
+            prop_assume!(length(&normal) > 1e-3);
+            let away = |from: &Point| length(&minus(from, &point));
             let mut best = [(a, b), (b, c), (c, a)]
-                .map(|(from, to)| (on_segment(&from, &to, &point) - point).norm())
+                .map(|(from, to)| away(&on_segment(&from, &to, &point)))
                 .into_iter()
                 .fold(f64::INFINITY, f64::min);
-            let foot = point - normal * (normal.dot(&(point - a)) / normal.norm_squared());
-            let is_left = |from: Vector3<f64>, to: Vector3<f64>| {
-                (to - from).cross(&(foot - from)).dot(&normal) >= 0.0
+            let height = dot(&normal, &minus(&point, &a)) / dot(&normal, &normal);
+            let foot = along(&point, &normal, -height);
+            let is_left = |from: Point, to: Point| {
+                dot(&cross(&minus(&to, &from), &minus(&foot, &from)), &normal) >= 0.0
             };
             if is_left(a, b) && is_left(b, c) && is_left(c, a) {
-                best = best.min((foot - point).norm());
+                best = best.min(away(&foot));
             }
             let closest = closest_point(&triangle, &point);
-            let distance = (closest.position - point).norm();
+            let distance = away(&closest.position);
             prop_assert!((distance - best).abs() < 1e-10, "{} {}", distance, best);
             // and it lies where it says
+            let off = |place: &Point| length(&minus(&closest.position, place));
             let from_feature = match closest.feature {
-                Feature::Face => (closest.position - a).dot(&normal) / normal.norm(),
+                Feature::Face => dot(&minus(&closest.position, &a), &normal) / length(&normal),
                 Feature::Edge(start) => {
                     let start = usize::from(start);
-                    let foot = on_segment(&triangle[start], &triangle[(start + 1) % 3], &point);
-                    (closest.position - foot).norm()
+                    off(&on_segment(&triangle[start], &triangle[(start + 1) % 3], &point))
                 }
-                Feature::Vertex(corner) => (closest.position - triangle[usize::from(corner)]).norm(),
+                Feature::Vertex(corner) => off(&triangle[usize::from(corner)]),
             };
             prop_assert!(from_feature.abs() < 1e-10);
         }

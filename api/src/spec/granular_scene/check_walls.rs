@@ -1,0 +1,186 @@
+//! What the JSON Schema cannot say of walls and of what drives them.
+use std::collections::BTreeSet;
+
+use super::{Drive, FacetMesh, GranularScene};
+use crate::{Violation, surface::unit_normal};
+
+/// At most this many triangles of a wall are listed.
+const LISTED: usize = 20;
+
+/// Names of walls, and the triangles of facets.
+pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
+    let planes = (0..spec.planes.len()).map(|index| format!("/planes/{index}/name"));
+    let facets = (0..spec.facets.len()).map(|index| format!("/facets/{index}/name"));
+    let mut names = BTreeSet::new();
+    for (pointer, name) in planes.chain(facets).zip(spec.wall_names()) {
+        if !names.insert(name) {
+            violations.push(
+                Violation::new(pointer, "name_taken", "another wall has this name")
+                    .value(name)
+                    .allowed("a name of its own"),
+            );
+        }
+    }
+    for (index, mesh) in spec.facets.iter().enumerate() {
+        check_triangles(mesh, &format!("/facets/{index}"), violations);
+    }
+}
+
+fn check_triangles(mesh: &FacetMesh, pointer: &str, violations: &mut Vec<Violation>) {
+    if mesh.triangles_m.is_some() == mesh.stl.is_some() {
+        violations.push(
+            Violation::new(
+                pointer,
+                "not_one_source",
+                "facets are either a list of triangles or an STL file",
+            )
+            .allowed("exactly one of: triangles_m, stl"),
+        );
+        return;
+    }
+    let triangles = match mesh.triangles() {
+        Ok(triangles) => triangles,
+        Err(error) => {
+            let violation =
+                Violation::new(format!("{pointer}/stl"), "not_a_surface", error.to_string());
+            violations.push(
+                violation.allowed("the text of an ASCII STL file, or a binary one in base64"),
+            );
+            return;
+        }
+    };
+    let flat = triangles.iter().enumerate();
+    let flat: Vec<usize> = flat
+        .filter_map(|(index, triangle)| unit_normal(triangle).is_none().then_some(index))
+        .collect();
+    for index in flat.iter().take(LISTED) {
+        let more = if flat.len() > LISTED {
+            format!(" ({} such triangles in all)", flat.len())
+        } else {
+            String::new()
+        };
+        let place = match mesh.stl {
+            Some(_) => format!("{pointer}/stl"),
+            None => format!("{pointer}/triangles_m/{index}"),
+        };
+        let detail = format!("triangle {index}, counted from 0, has no area{more}");
+        violations.push(
+            Violation::new(place, "no_area", detail)
+                .value(*index)
+                .allowed("three corners that are not on a line"),
+        );
+    }
+}
+
+/// That there is a wall of this name.
+pub(super) fn check_name(spec: &GranularScene, pointer: String, name: &str) -> Option<Violation> {
+    let names: Vec<&str> = spec.wall_names().collect();
+    (!names.contains(&name)).then(|| {
+        let allowed = if names.is_empty() {
+            "the scene has no walls".to_owned()
+        } else {
+            format!("one of: {}", names.join(", "))
+        };
+        Violation::new(
+            pointer,
+            "no_such_wall",
+            "no plane and no facets have this name",
+        )
+        .value(name)
+        .allowed(allowed)
+    })
+}
+
+/// A stage that drives.
+pub(super) fn check_drive(
+    spec: &GranularScene,
+    drive: &Drive,
+    pointer: &str,
+    violations: &mut Vec<Violation>,
+) {
+    let mut names = BTreeSet::new();
+    for (index, wall) in drive.walls.iter().enumerate() {
+        let pointer = format!("{pointer}/walls/{index}");
+        violations.extend(check_name(spec, format!("{pointer}/name"), &wall.name));
+        if !names.insert(wall.name.as_str()) {
+            violations
+                .push(driven_twice(format!("{pointer}/name"), "wall").value(wall.name.as_str()));
+        }
+        let ways = [
+            wall.velocity_m_per_s.is_some(),
+            wall.sine.is_some(),
+            wall.turn.is_some(),
+            wall.force.is_some(),
+        ];
+        if ways.iter().filter(|given| **given).count() != 1 {
+            violations.push(
+                Violation::new(&pointer, "not_one_drive", "a wall is driven in one way")
+                    .allowed("exactly one of: velocity_m_per_s, sine, turn, force"),
+            );
+        }
+        if wall.turn.is_some() && spec.planes.iter().any(|plane| plane.name == wall.name) {
+            violations.push(
+                Violation::new(
+                    format!("{pointer}/turn"),
+                    "plane_cannot_turn",
+                    "a plane stays across its axis",
+                )
+                .allowed("facets only"),
+            );
+        }
+        if let Some(force) = &wall.force {
+            let swings = [force.peak_force_n.is_some(), force.period_s.is_some()];
+            violations.extend(check_swing(&format!("{pointer}/force"), swings));
+        }
+    }
+    let count = spec.bodies.len();
+    let mut bodies = BTreeSet::new();
+    for (index, body) in drive.bodies.iter().enumerate() {
+        let pointer = format!("{pointer}/bodies/{index}");
+        if body.body as usize >= count {
+            let allowed = match count {
+                0 => "the scene has no bodies".to_owned(),
+                _ => format!("0 … {}", count - 1),
+            };
+            violations.push(
+                Violation::new(
+                    format!("{pointer}/body"),
+                    "no_such_body",
+                    "there is no body of this number",
+                )
+                .value(body.body)
+                .allowed(allowed),
+            );
+        }
+        if !bodies.insert(body.body) {
+            violations.push(driven_twice(format!("{pointer}/body"), "body").value(body.body));
+        }
+        if body.velocity.is_some() == body.force.is_some() {
+            violations.push(
+                Violation::new(&pointer, "not_one_drive", "a body is driven in one way")
+                    .allowed("exactly one of: velocity, force"),
+            );
+        }
+        if let Some(force) = &body.force {
+            let swings = [force.peak_force_n.is_some(), force.period_s.is_some()];
+            violations.extend(check_swing(&format!("{pointer}/force"), swings));
+        }
+    }
+}
+
+fn driven_twice(pointer: String, what: &str) -> Violation {
+    let detail = format!("this {what} is driven twice in one stage");
+    Violation::new(pointer, "driven_twice", detail).allowed("each once")
+}
+
+/// That a force has both its peak and its period, or neither.
+pub(super) fn check_swing(pointer: &str, [peak, period]: [bool; 2]) -> Option<Violation> {
+    (peak != period).then(|| {
+        Violation::new(
+            format!("{pointer}/period_s"),
+            "not_both",
+            "a force that swings needs its peak and its period",
+        )
+        .allowed("both or none of: peak_force_n, period_s")
+    })
+}

@@ -1,0 +1,218 @@
+//! Walls and bodies that are moved or pushed.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Axis, GranularScene, Stage};
+
+/// Lets the bodies move while walls (planes and facets alike) and bodies are driven, for `steps` or
+/// for `time_s`, exactly one of the two. Walls that are not named stand still. Everything stays where
+/// the stage leaves it; a body that was held to a velocity is let go with it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Drive {
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub walls: Vec<WallDrive>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub bodies: Vec<BodyDrive>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000_000_000_u64))]
+    pub steps: Option<u64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-15, max = 1e9), extend("x-unit" = "s"))]
+    pub time_s: Option<f64>,
+}
+
+/// How a wall is driven: `velocity_m_per_s`, `sine`, `turn` or `force`, exactly one of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WallDrive {
+    /// Name of a plane or of facets.
+    pub name: String,
+    /// In any direction. A plane that moves along itself drags what it touches.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(inner(inner(range(min = -1e6, max = 1e6))), extend("x-unit" = "m/s"))]
+    pub velocity_m_per_s: Option<[f64; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sine: Option<Sine>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turn: Option<Turn>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<WallForce>,
+}
+
+/// A swing about where the wall was, x = A (sin(2πft + φ) − sin φ), t from the start of the stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sine {
+    /// A.
+    #[schemars(inner(range(min = -1e6, max = 1e6)), extend("x-unit" = "m"))]
+    pub amplitude_m: [f64; 3],
+    /// f.
+    #[schemars(range(min = 0.0, max = 1e9), extend("x-unit" = "Hz"))]
+    pub frequency_hz: f64,
+    /// φ.
+    #[serde(default)]
+    #[schemars(range(min = -1e3, max = 1e3), extend("x-unit" = "rad"))]
+    pub phase_rad: f64,
+}
+
+/// A turn of facets about an axis through `about_m`: a drum.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Turn {
+    #[schemars(inner(range(min = -1e6, max = 1e6)), extend("x-unit" = "rad/s"))]
+    pub angular_velocity_rad_per_s: [f64; 3],
+    /// A point of the axis.
+    #[serde(default)]
+    #[schemars(inner(range(min = -1e9, max = 1e9)), extend("x-unit" = "m"))]
+    pub about_m: [f64; 3],
+}
+
+/// A force on a wall that has a mass and follows the force and what touches it along some axes: a
+/// plate. It has no weight, and starts at rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WallForce {
+    #[schemars(range(min = 1e-12, max = 1e12), extend("x-unit" = "kg"))]
+    pub mass_kg: f64,
+    /// At the start of the stage.
+    #[schemars(inner(range(min = -1e15, max = 1e15)), extend("x-unit" = "N"))]
+    pub force_n: [f64; 3],
+    /// Left out, the force is constant. Otherwise it swings between `force_n` and this,
+    /// F = F₀ + (F₁ − F₀)(1 − cos 2πt/T)/2.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(inner(inner(range(min = -1e15, max = 1e15))), extend("x-unit" = "N"))]
+    pub peak_force_n: Option<[f64; 3]>,
+    /// T of the swing; needed with `peak_force_n`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-15, max = 1e9), extend("x-unit" = "s"))]
+    pub period_s: Option<f64>,
+    /// Axes along which the wall moves; along the others it stands still.
+    #[schemars(length(min = 1, max = 3))]
+    pub free: Vec<Axis>,
+}
+
+/// How a body is driven: `velocity` or `force`, exactly one of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BodyDrive {
+    /// Number of the body.
+    pub body: u32,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<BodyVelocity>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<BodyForce>,
+}
+
+/// A velocity of a body's centre of mass that no force changes, along some axes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BodyVelocity {
+    /// Components along other axes than those of `along` are not looked at.
+    #[schemars(inner(range(min = -1e6, max = 1e6)), extend("x-unit" = "m/s"))]
+    pub velocity_m_per_s: [f64; 3],
+    /// Axes along which the body is held to its velocity; left out, all of them.
+    #[serde(default = "all_axes")]
+    #[schemars(length(min = 1, max = 3))]
+    pub along: Vec<Axis>,
+}
+
+/// A force on a body's centre of mass beside its weight: on a sleeper.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BodyForce {
+    /// At the start of the stage.
+    #[schemars(inner(range(min = -1e15, max = 1e15)), extend("x-unit" = "N"))]
+    pub force_n: [f64; 3],
+    /// As of a wall's force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(inner(inner(range(min = -1e15, max = 1e15))), extend("x-unit" = "N"))]
+    pub peak_force_n: Option<[f64; 3]>,
+    /// T of the swing; needed with `peak_force_n`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-15, max = 1e9), extend("x-unit" = "s"))]
+    pub period_s: Option<f64>,
+}
+
+fn all_axes() -> Vec<Axis> {
+    vec![Axis::X, Axis::Y, Axis::Z]
+}
+
+/// F₀ + (F₁ − F₀)(1 − cos 2πt/T)/2, or F₀ without a peak.
+pub(super) fn swing(first: f64, peak: Option<f64>, period: Option<f64>, time: f64) -> f64 {
+    match (peak, period) {
+        (Some(peak), Some(period)) => {
+            let phase = std::f64::consts::TAU * time / period;
+            first + (peak - first) * 0.5 * (1.0 - phase.cos())
+        }
+        _ => first,
+    }
+}
+
+fn swings(first: [f64; 3], peak: Option<[f64; 3]>, period: Option<f64>, time: f64) -> [f64; 3] {
+    std::array::from_fn(|axis| swing(first[axis], peak.map(|peak| peak[axis]), period, time))
+}
+
+impl WallForce {
+    /// Force at `time` [s] of the stage [N].
+    pub fn force_at(&self, time: f64) -> [f64; 3] {
+        swings(self.force_n, self.peak_force_n, self.period_s, time)
+    }
+}
+
+impl BodyForce {
+    /// Force at `time` [s] of the stage [N].
+    pub fn force_at(&self, time: f64) -> [f64; 3] {
+        swings(self.force_n, self.peak_force_n, self.period_s, time)
+    }
+}
+
+impl Sine {
+    /// Way from where the wall was at the start of the stage, at `time` [s] of it [m].
+    pub fn way_at(&self, time: f64) -> [f64; 3] {
+        let phase = std::f64::consts::TAU * self.frequency_hz * time + self.phase_rad;
+        let swing = phase.sin() - self.phase_rad.sin();
+        self.amplitude_m.map(|amplitude| amplitude * swing)
+    }
+}
+
+impl GranularScene {
+    /// The `drive` stages.
+    fn drives(&self) -> impl Iterator<Item = &Drive> {
+        self.stages.iter().filter_map(|stage| match stage {
+            Stage::Drive(drive) => Some(drive),
+            _ => None,
+        })
+    }
+
+    /// Walls whose force and displacement are written as vectors: those of `record.walls` and those
+    /// that some stage drives.
+    pub fn recorded_walls(&self) -> Vec<&str> {
+        let asked = self.record.walls.iter();
+        let driven = self.drives().flat_map(|drive| &drive.walls);
+        let mut walls = Vec::new();
+        for name in asked.chain(driven.map(|wall| &wall.name)) {
+            if !walls.contains(&name.as_str()) {
+                walls.push(name.as_str());
+            }
+        }
+        walls
+    }
+
+    /// Bodies that some stage drives.
+    pub fn driven_bodies(&self) -> Vec<u32> {
+        let bodies = self.drives().flat_map(|drive| &drive.bodies);
+        let mut bodies: Vec<u32> = bodies.map(|drive| drive.body).collect();
+        bodies.sort_unstable();
+        bodies.dedup();
+        bodies
+    }
+
+    /// Names of all walls, planes before facets.
+    pub fn wall_names(&self) -> impl Iterator<Item = &str> {
+        let planes = self.planes.iter().map(|plane| plane.name.as_str());
+        planes.chain(self.facets.iter().map(|mesh| mesh.name.as_str()))
+    }
+}

@@ -1,0 +1,90 @@
+//! Where a mesh is and how it moves.
+use loadframe_api::surface::{Point, along, cross, length, minus};
+use nalgebra::UnitQuaternion;
+use serde::{Deserialize, Serialize};
+
+use super::Mesh;
+use crate::granular::{Vector, motion::wall::WallMotion};
+
+/// Place and motion of a mesh.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(in crate::granular) struct Pose {
+    pub(in crate::granular) motion: WallMotion,
+    /// Where the origin of its frame is [m].
+    origin: Point,
+    /// Orientation of its frame, once it has turned.
+    turned: Option<UnitQuaternion<f64>>,
+    /// ω [rad/s]; zero for a wall that does not turn now.
+    spin: Point,
+    /// A point of the axis of that turn [m].
+    pivot: Point,
+}
+
+impl Pose {
+    /// Begins to turn at `spin` [rad/s] about an axis through `pivot` [m]; at zero, ends it.
+    pub(in crate::granular) fn turn(&mut self, spin: Point, pivot: Point) {
+        (self.spin, self.pivot) = (spin, pivot);
+    }
+
+    /// Whether it turns now.
+    pub(in crate::granular) fn is_turning(&self) -> bool {
+        self.spin.iter().any(|part| part.abs() > 0.0)
+    }
+
+    /// A place in the frame of the mesh.
+    #[inline]
+    pub(in crate::granular) fn to_local(&self, place: &Point) -> Point {
+        let from_origin = minus(place, &self.origin);
+        match &self.turned {
+            None => from_origin,
+            Some(turned) => turned
+                .inverse_transform_vector(&Vector::from(from_origin))
+                .into(),
+        }
+    }
+
+    /// A direction of the frame of the mesh in space.
+    #[inline]
+    pub(in crate::granular) fn direction(&self, local: &Point) -> Point {
+        match &self.turned {
+            None => *local,
+            Some(turned) => turned.transform_vector(&Vector::from(*local)).into(),
+        }
+    }
+
+    /// A place of the frame of the mesh in space.
+    #[inline]
+    pub(in crate::granular) fn to_global(&self, local: &Point) -> Point {
+        along(&self.direction(local), &self.origin, 1.0)
+    }
+
+    /// Velocity of the wall at a place that comes from turning alone [m/s].
+    #[inline]
+    pub(in crate::granular) fn turning_velocity(&self, place: &Point) -> Point {
+        cross(&self.spin, &minus(place, &self.pivot))
+    }
+
+    /// Bound of the speeds of all points of the mesh [m/s].
+    pub(in crate::granular) fn speed(&self, mesh: &Mesh) -> f64 {
+        let straight = self.motion.speed();
+        if !self.is_turning() {
+            return straight;
+        }
+        let (middle, radius) = mesh.ball;
+        let arm = length(&minus(&self.to_global(&middle), &self.pivot)) + radius;
+        straight + length(&self.spin) * arm
+    }
+
+    /// Moves on by a step [s].
+    pub(in crate::granular) fn advance(&mut self, time_step: f64) {
+        self.motion.advance(time_step);
+        self.origin = along(&self.origin, &self.motion.velocity, time_step);
+        if self.is_turning() {
+            let turn = UnitQuaternion::from_scaled_axis(Vector::from(self.spin) * time_step);
+            let arm = turn.transform_vector(&Vector::from(minus(&self.origin, &self.pivot)));
+            self.origin = along(&self.pivot, &arm.into(), 1.0);
+            let turned = turn * self.turned.unwrap_or_else(UnitQuaternion::identity);
+            self.turned = Some(UnitQuaternion::new_normalize(turned.into_inner()));
+        }
+    }
+}
