@@ -23,6 +23,7 @@ pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
     check_stages(spec, violations);
     check_record(spec, violations);
     check_laws(spec, violations);
+    super::region::check(spec, violations);
     // what follows looks up materials and shapes
     if violations.is_empty() {
         super::overlaps::check(spec, LARGEST_OVERLAP, violations);

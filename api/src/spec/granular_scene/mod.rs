@@ -21,9 +21,11 @@ pub mod hertz;
 mod laws;
 mod overlaps;
 mod record;
+mod region;
 mod stability;
 mod stages;
 mod study;
+mod vibrate;
 
 use std::collections::BTreeMap;
 
@@ -41,8 +43,10 @@ pub use laws::{
     Preset, TimeStep,
 };
 pub use record::Record;
+pub use region::Region;
 pub use stability::{CriticalStep, series_stiffness, step_with_dashpot};
 pub use stages::{LoadPlane, MovePlane, Run, Settle, Stage};
+pub use vibrate::Vibrate;
 
 /// A scene of bodies in contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -2,6 +2,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Region;
+
 /// What is written, and how often. A row that names a step holds the state after that step; its
 /// contacts are those whose forces moved the bodies in that step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -23,6 +25,10 @@ pub struct Record {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 1000))]
     pub walls: Vec<String>,
+    /// Boxes in which the scene is measured for `curve.csv`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 100))]
+    pub regions: Vec<Region>,
     /// Whether contacts go to `contacts.csv`.
     pub contacts: bool,
     /// Steps between snapshots for ParaView; 0 writes none.
@@ -40,6 +46,7 @@ impl Default for Record {
             bodies: None,
             planes: Vec::new(),
             walls: Vec::new(),
+            regions: Vec::new(),
             contacts: false,
             snapshot_every_steps: 0,
         }

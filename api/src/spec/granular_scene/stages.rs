@@ -2,7 +2,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::drive::{Drive, swing};
+use super::{
+    Vibrate,
+    drive::{Drive, swing},
+};
 
 /// A stage, with its own end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -18,6 +21,8 @@ pub enum Stage {
     Drive(Drive),
     /// Lets the bodies move until they are at rest.
     Settle(Settle),
+    /// Lets the bodies move while they are shaken, with less friction if asked for.
+    Vibrate(Vibrate),
 }
 
 /// A plane under a force, for `steps` or for `time_s`, exactly one of the two. It starts at rest and
@@ -124,10 +129,22 @@ impl Stage {
                 steps: stage.steps,
                 time_s: stage.time_s,
             },
+            Self::Vibrate(stage) => Run {
+                steps: stage.steps,
+                time_s: stage.time_s,
+            },
             Self::MovePlane(stage) => Run {
                 steps: stage.steps,
                 time_s: stage.time_s,
             },
+        }
+    }
+
+    /// Whether bodies are made to move, other than by gravity.
+    pub fn is_driven(&self) -> bool {
+        match self {
+            Self::MovePlane(_) | Self::LoadPlane(_) | Self::Drive(_) => true,
+            Self::Run(_) | Self::Settle(_) | Self::Vibrate(_) => false,
         }
     }
 
@@ -139,6 +156,7 @@ impl Stage {
             Self::LoadPlane(_) => "load_plane",
             Self::Drive(_) => "drive",
             Self::Settle(_) => "settle",
+            Self::Vibrate(_) => "vibrate",
         }
     }
 }

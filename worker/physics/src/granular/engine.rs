@@ -3,6 +3,7 @@ use loadframe_api::spec::granular_scene::GranularScene;
 use serde::{Deserialize, Serialize};
 
 use super::{
+    Vector,
     contact::{Wrenches, law::Law, pairs::Halo, walls::Face},
     facets::{Pose, search::Search},
     listing::{self, Memories},
@@ -46,12 +47,16 @@ pub(super) struct State<F: Law> {
     longest_stretch: f64,
     /// Upper bound of the speeds after the last step [m/s].
     pub(super) speed_bound: f64,
+    /// What tan φ is multiplied with.
+    friction_factor: f64,
 }
 
 /// A scene in motion.
 #[derive(Debug)]
 pub(super) struct Engine<F: Law> {
     pub(super) model: Model,
+    /// What acts on every body now [m/s²]: that of the model, and what shakes the scene.
+    pub(super) gravity: Vector,
     pub(super) state: State<F>,
     halos: Vec<Halo>,
     /// Forces on the patch at work when patches are worked through one after the other: one array
@@ -73,9 +78,11 @@ impl<F: Law> Engine<F> {
             clumps,
             faces,
             poses: vec![Pose::default(); model.facets.meshes.len()],
+            friction_factor: 1.0,
             ..State::default()
         };
         Self {
+            gravity: model.gravity,
             model,
             state,
             halos: Vec::new(),
@@ -148,7 +155,7 @@ impl<F: Law> Engine<F> {
     fn drive(&self, time_step: f64) -> Drive {
         Drive {
             time_step,
-            gravity: self.model.gravity,
+            gravity: self.gravity,
             damping: self.model.damping,
         }
     }
@@ -236,6 +243,16 @@ impl<F: Law> Engine<F> {
         self.state.is_listed = false;
     }
 
+    /// Sets what tan φ of all contacts is multiplied with, from the next step on.
+    pub(super) fn rub(&mut self, factor: f64) {
+        let state = &mut self.state;
+        if state.friction_factor.to_bits() != factor.to_bits() {
+            state.friction_factor = factor;
+            // contacts are told their friction when they are listed
+            state.is_listed = false;
+        }
+    }
+
     /// Searches for candidates anew.
     pub(super) fn list(&mut self) {
         let state = &mut self.state;
@@ -268,6 +285,12 @@ impl<F: Law> Engine<F> {
             skin,
             &memories,
         );
+        if state.friction_factor < 1.0 {
+            state
+                .patches
+                .iter_mut()
+                .for_each(|patch| patch.rub(state.friction_factor));
+        }
         if state.lists == 0 {
             let bonds = state.patches.iter().flat_map(Patch::bonds);
             for (strength, stiffness) in bonds {

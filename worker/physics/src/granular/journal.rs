@@ -1,7 +1,7 @@
 //! What a run has recorded so far, and what tells whether to believe it.
 use serde::{Deserialize, Serialize};
 
-use super::{observe::Energies, time_step::Critical};
+use super::{measure::Measure, observe::Energies, time_step::Critical};
 
 /// Everything a run has to say at its end, beside the state of its bodies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -26,6 +26,7 @@ pub(super) struct Journal {
     pub(super) snapshots: Vec<(u64, f64)>,
     pub(super) worst: Worst,
     pub(super) balance: Balance,
+    pub(super) driving: Driving,
     /// From the last observation.
     pub(super) last: Reading,
     /// Sum over steps of the candidates looked at.
@@ -39,15 +40,15 @@ pub(super) struct Worst {
     pub(super) overlap_ratio: f64,
     /// Δt over the critical step.
     pub(super) step_ratio: f64,
-    /// Critical step, body and partner where that was.
-    pub(super) critical: Option<(f64, u32, u32)>,
+    /// What was critical then.
+    pub(super) critical: Option<Critical>,
 }
 
 /// Energy that came from nowhere.
 ///
 /// E − W, with the energy E of the bodies and the work W of driven planes, can only fall: friction
 /// and damping take energy, nothing gives. What it rises above its lowest value so far was made
-/// by the integration.
+/// by the integration. While a scene is shaken nothing is added: that work is not measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Balance {
     lowest: Option<f64>,
@@ -55,6 +56,17 @@ pub(super) struct Balance {
     pub(super) created: f64,
     /// Largest kinetic and elastic energy, or work [J].
     pub(super) scale: f64,
+}
+
+/// Means over the looks at driven stages, which tell whether the bodies follow without inertia. Each
+/// look weighs as much as its pressure: what moves before anything is pressed does not count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Driving {
+    /// Σ p [Pa].
+    pressure: f64,
+    /// Σ I p and Σ of the unbalanced force ratio times p [Pa].
+    inertial_number: f64,
+    unbalanced: f64,
 }
 
 /// Readings of the last observation.
@@ -83,6 +95,11 @@ impl Balance {
             .max(work.abs());
     }
 
+    /// Work that is not measured begins: what is left afterwards is a new beginning.
+    pub(super) fn pause(&mut self) {
+        self.lowest = None;
+    }
+
     /// Created energy over the scale.
     pub(super) fn created_ratio(&self) -> f64 {
         if self.created > 0.0 {
@@ -93,13 +110,31 @@ impl Balance {
     }
 }
 
+impl Driving {
+    /// Adds a look at the whole scene.
+    pub(super) fn add(&mut self, scene: &Measure, unbalanced: Option<f64>) {
+        let pressure = scene.pressure();
+        if let (Some(number), Some(ratio)) = (scene.inertial_number(), unbalanced) {
+            self.pressure += pressure;
+            self.inertial_number += number * pressure;
+            self.unbalanced += ratio * pressure;
+        }
+    }
+
+    /// Mean inertial number and unbalanced force ratio; `None` when nothing was pressed.
+    pub(super) fn means(&self) -> Option<[f64; 2]> {
+        let sums = [self.inertial_number, self.unbalanced];
+        (self.pressure > 0.0).then(|| sums.map(|sum| sum / self.pressure))
+    }
+}
+
 impl Worst {
     pub(super) fn see_step(&mut self, time_step: f64, critical: Option<Critical>) {
         if let Some(critical) = critical {
             let ratio = time_step / critical.step;
             if ratio > self.step_ratio {
                 self.step_ratio = ratio;
-                self.critical = Some((critical.step, critical.body, critical.partner));
+                self.critical = Some(critical);
             }
         }
     }

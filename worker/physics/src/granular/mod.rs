@@ -10,8 +10,9 @@
 //! each [`patch`] with candidates for contact from the search of [`neighbours`]; what contacts
 //! remember is carried over. A step of the [`engine`] has two phases: [`contact`] turns positions
 //! into forces, patch by patch; [`motion`] turns forces into new positions. [`run`] goes through
-//! the stages, whose [`drives`] move walls and bodies; when something is due it observes the scene between the phases ([`observe`],
-//! [`time_step`], [`inspect`]) and keeps it in the [`journal`], from which [`tables`],
+//! the stages, whose [`drives`] move walls and bodies; when something is due it observes the scene
+//! between the phases ([`observe`], [`measure`], [`time_step`], [`inspect`]) and keeps it in the
+//! [`journal`], from which [`tables`],
 //! [`snapshot`] and [`report`] make files and results.
 //!
 //! **Numbers.** Contacts are worked through in vectors of 8, 4 or 1 ([`lanes`], [`rows`]), each
@@ -42,6 +43,7 @@ mod lanes;
 #[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
 mod lattice;
 mod listing;
+mod measure;
 #[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
 mod mesh;
 mod motion;
@@ -54,6 +56,7 @@ mod rows;
 mod run;
 mod scene;
 mod snapshot;
+mod solid_share;
 mod sphere;
 mod stages;
 mod tables;

@@ -230,7 +230,7 @@ impl<F: Law> Engine<F> {
                     continue;
                 }
                 if self.model.sphere_inertias[place] > 0.0 {
-                    let weight = self.model.masses[place] * self.model.gravity;
+                    let weight = self.model.masses[place] * self.gravity;
                     sum += (force.vector() + weight).norm();
                     count += 1.0;
                 } else {
@@ -245,7 +245,7 @@ impl<F: Law> Engine<F> {
             }
         }
         for (body, force) in &resultants {
-            let weight = self.model.masses[*body as usize] * self.model.gravity;
+            let weight = self.model.masses[*body as usize] * self.gravity;
             sum += (force + weight).norm();
             count += 1.0;
         }

@@ -145,6 +145,16 @@ impl<F: Law> Patch<F> {
         intact.map(|(bond, stiffness)| (bond.strength[0], stiffness))
     }
 
+    /// Multiplies tan φ of all contacts.
+    pub(super) fn rub(&mut self, factor: f64) {
+        let pairs = self.inner.blocks.iter_mut().chain(&mut self.outer.blocks);
+        pairs.for_each(|block| block.law.rub(factor));
+        let walls = self.walls.iter_mut().flat_map(|list| &mut list.blocks);
+        walls.for_each(|block| block.law.rub(factor));
+        let facets = self.facets.blocks.iter_mut();
+        facets.for_each(|block| block.law.rub(factor));
+    }
+
     /// The second phase. Returns the square of an upper bound of the speeds.
     pub(super) fn advance(
         &mut self,

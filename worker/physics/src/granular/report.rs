@@ -12,6 +12,10 @@ const LARGEST_OVERLAP: f64 = 0.05;
 const LARGEST_STEP_RATIO: f64 = 0.4;
 /// Created over largest energy.
 const LARGEST_CREATION: f64 = 0.05;
+/// I beyond which bodies that are driven do not follow at once ([GdrMidi2004]).
+const LARGEST_INERTIAL_NUMBER: f64 = 1e-3;
+/// Mean unbalanced force ratio of driven stages beyond which their forces are those of motion.
+const LARGEST_UNBALANCED: f64 = 0.1;
 /// Escaped bodies named in the warning.
 const LISTED: usize = 5;
 
@@ -21,11 +25,11 @@ pub(super) fn report<F: Law>(
     journal: &Journal,
 ) -> Report {
     let escaped = engine.escaped_bodies();
-    let quality = quality(engine, journal);
+    let quality = quality(spec, engine, journal);
     Report {
         stop_reason: "stages_done".to_owned(),
         summary: summary(spec, engine, journal, escaped.len()),
-        warnings: warnings(journal, &quality, &escaped),
+        warnings: warnings(spec, journal, &quality, &escaped),
         quality,
         bodies: if spec.describes_bodies() {
             bodies(engine)
@@ -142,7 +146,11 @@ fn summary<F: Law>(
     summary
 }
 
-fn quality<F: Law>(engine: &Engine<F>, journal: &Journal) -> IndexMap<String, QualityCheck> {
+fn quality<F: Law>(
+    spec: &GranularScene,
+    engine: &Engine<F>,
+    journal: &Journal,
+) -> IndexMap<String, QualityCheck> {
     let mut quality = IndexMap::from([
         (
             "largest_overlap_ratio".to_owned(),
@@ -159,7 +167,7 @@ fn quality<F: Law>(engine: &Engine<F>, journal: &Journal) -> IndexMap<String, Qu
                 journal.worst.step_ratio,
                 LARGEST_STEP_RATIO,
                 "1",
-                "Largest time step seen over the critical one of the contacts at that time.",
+                &limit(spec, journal),
             ),
         ),
     ]);
@@ -174,10 +182,66 @@ fn quality<F: Law>(engine: &Engine<F>, journal: &Journal) -> IndexMap<String, Qu
             ),
         );
     }
+    if let Some([number, ratio]) = journal.driving.means() {
+        quality.insert(
+            "inertial_number".to_owned(),
+            QualityCheck::at_most(
+                number,
+                LARGEST_INERTIAL_NUMBER,
+                "1",
+                "Mean over the stages that drive, weighed by pressure: above the bound the bodies' inertia shows.",
+            ),
+        );
+        quality.insert(
+            "driven_unbalanced_force_ratio".to_owned(),
+            QualityCheck::at_most(
+                ratio,
+                LARGEST_UNBALANCED,
+                "1",
+                "Mean resultant force on a body over the mean contact force, over the stages that drive, weighed by pressure.",
+            ),
+        );
+    }
     quality
 }
 
+/// What set the time step, and what softening it would save.
+fn limit(spec: &GranularScene, journal: &Journal) -> String {
+    let first = "Largest time step seen over the critical one of the contacts at that time.";
+    let Some(critical) = journal.worst.critical else {
+        return format!("{first} Nothing touched.");
+    };
+    let factor = critical.median / critical.step;
+    let saving = if factor > 1.01 {
+        format!(
+            "half of the bodies would allow {factor:.1} times as much, so softening this contact \
+             would save up to {:.0} % of the steps",
+            100.0 * (1.0 - 1.0 / factor)
+        )
+    } else {
+        "most bodies are as critical, so only softening all of them would save steps: a hundredth \
+         of the modulus takes a tenth"
+            .to_owned()
+    };
+    format!(
+        "{first} That was {:e} s, set by body {} and its contact with {}; {saving}.",
+        critical.step,
+        critical.body,
+        partner(spec, critical.partner)
+    )
+}
+
+/// What a body touches: another, or a plane, which are numbered after the bodies.
+fn partner(spec: &GranularScene, number: u32) -> String {
+    let plane = (number as usize).checked_sub(spec.bodies.len());
+    match plane.and_then(|plane| spec.planes.get(plane)) {
+        Some(plane) => format!("plane {:?}", plane.name),
+        None => format!("body {number}"),
+    }
+}
+
 fn warnings(
+    spec: &GranularScene,
     journal: &Journal,
     quality: &IndexMap<String, QualityCheck>,
     escaped: &[u32],
@@ -188,17 +252,28 @@ fn warnings(
         .map(|(name, check)| {
             let advice = match name.as_str() {
                 "largest_overlap_ratio" => "choose a higher Young's modulus".to_owned(),
+                "inertial_number" | "driven_unbalanced_force_ratio" => {
+                    "drive more slowly".to_owned()
+                }
                 _ => match journal.worst.critical {
-                    Some((critical, body, partner)) => format!(
-                        "choose a smaller time step; the smallest critical step seen was {critical:e} s, \
-                         set by body {body} and its contact with {partner}"
+                    Some(critical) => format!(
+                        "choose a smaller time step; the smallest critical step seen was {:e} s, \
+                         set by body {} and its contact with {}",
+                        critical.step,
+                        critical.body,
+                        partner(spec, critical.partner)
                     ),
                     None => "choose a smaller time step".to_owned(),
                 },
             };
             Warning {
                 code: name.clone(),
-                detail: format!("{} is {:.3e}, beyond {}: {advice}", name.replace('_', " "), check.value, check.bound),
+                detail: format!(
+                    "{} is {:.3e}, beyond {}: {advice}",
+                    name.replace('_', " "),
+                    check.value,
+                    check.bound
+                ),
             }
         })
         .collect();

@@ -81,6 +81,7 @@ pub(super) fn run<F: Law>(
     let mut work = 0;
     while let Some(stage) = spec.stages.get(runner.journal.stage) {
         runner.begin_drives(stage);
+        runner.rub(stage);
         while !runner.is_stage_done(stage) {
             work += runner.engine.state.particles.len() as u64 + 100;
             if work > WORK_PER_INTERRUPT_LOOK {
@@ -99,6 +100,7 @@ pub(super) fn run<F: Law>(
                 }
             }
             runner.drive(stage);
+            runner.shake(stage);
             runner.step(recorder)?;
         }
         if matches!(stage, Stage::Settle(_)) && !runner.journal.is_settled {
@@ -260,7 +262,18 @@ impl<'a, F: Law> Runner<'a, F> {
             let ratio = journal.last.unbalanced;
             journal.is_settled = ratio.is_some_and(|ratio| ratio <= settle.unbalanced_force_ratio);
         }
+        let stage = self.spec.stages.get(journal.stage);
+        if stage.is_some_and(Stage::is_driven) {
+            let scene = self.engine.cuboid([None; 2]);
+            let scene = self.engine.measure(&scene, contacts);
+            journal.driving.add(&scene, journal.last.unbalanced);
+        }
         if self.engine.model.has_driven_bodies {
+            return Ok(());
+        }
+        if let Some(Stage::Vibrate(_)) = stage {
+            // shaking gives energy that is not measured
+            journal.balance.pause();
             return Ok(());
         }
         journal.balance.add(&energies, self.engine.state.wall_work);
@@ -319,8 +332,13 @@ impl<'a, F: Law> Runner<'a, F> {
             return self.foreseen;
         }
         let wall = self.engine.fastest_plane().max(self.engine.fastest_mesh());
-        let gained =
-            self.engine.model.gravity.norm() * STEPS_PER_LOOK as f64 * self.journal.time_step;
+        let shaking = match self.spec.stages.get(self.journal.stage) {
+            Some(Stage::Vibrate(vibrate)) => vibrate.acceleration_m_per_s2,
+            _ => 0.0,
+        };
+        let gained = (self.engine.model.gravity.norm() + shaking)
+            * STEPS_PER_LOOK as f64
+            * self.journal.time_step;
         let speed = 2.0 * (speed + gained) + wall;
         foreseen(self.spec, &self.engine, speed)
     }

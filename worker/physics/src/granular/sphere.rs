@@ -17,6 +17,11 @@ impl Sphere {
 
     /// Volume 4/3 π r³ [m³].
     pub(crate) fn volume(&self) -> f64 {
-        4.0 / 3.0 * std::f64::consts::PI * self.radius.powi(3)
+        volume(self.radius)
     }
+}
+
+/// Volume [m³] of a sphere of this radius [m].
+pub(crate) fn volume(radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
 }

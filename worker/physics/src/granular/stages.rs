@@ -1,7 +1,7 @@
 //! The stages of a run: when each is done, how far the run is.
 use loadframe_api::spec::granular_scene::Stage;
 
-use super::{contact::law::Law, run::Runner};
+use super::{Vector, contact::law::Law, run::Runner};
 use crate::Recorder;
 
 impl<F: Law> Runner<'_, F> {
@@ -29,6 +29,24 @@ impl<F: Law> Runner<'_, F> {
                 (left / self.journal.time_step - 1e-6).ceil()
             }
             (None, None) => 0.0,
+        }
+    }
+
+    /// Friction during a stage; to be called as it begins.
+    pub(super) fn rub(&mut self, stage: &Stage) {
+        self.engine.rub(match stage {
+            Stage::Vibrate(vibrate) => vibrate.friction_factor,
+            _ => 1.0,
+        });
+    }
+
+    /// Gravity of this moment.
+    pub(super) fn shake(&mut self, stage: &Stage) {
+        let engine = &mut self.engine;
+        engine.gravity = engine.model.gravity;
+        if let Stage::Vibrate(vibrate) = stage {
+            let time = engine.state.time - self.journal.stage_start;
+            engine.gravity += Vector::from(vibrate.acceleration_at(time));
         }
     }
 

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use loadframe_api::spec::granular_scene::GranularScene;
 
 use super::{
-    Vector, contact::law::Law, engine::Engine, journal::Journal, motion::clump::Clump,
+    Vector, contact::law::Law, engine::Engine, journal::Journal, measure, motion::clump::Clump,
     observe::Contact,
 };
 use crate::{Recorder, csv};
@@ -55,7 +55,8 @@ const READINGS: [&str; 6] = [
     "step_over_critical",
 ];
 
-/// Columns of the curve: place in the run, recorded planes, walls and driven bodies, readings.
+/// Columns of the curve: place in the run, recorded planes, walls and driven bodies, readings,
+/// regions.
 pub(super) fn curve_columns(spec: &GranularScene) -> Vec<String> {
     let place = ["step", "time_s", "stage"].map(str::to_owned);
     let planes = spec.record.planes.iter().flat_map(|plane| {
@@ -73,11 +74,16 @@ pub(super) fn curve_columns(spec: &GranularScene) -> Vec<String> {
         };
         [along("displacement", "m"), along("force", "n")].concat()
     });
+    let regions = spec.record.regions.iter().flat_map(|region| {
+        let name = &region.name;
+        measure::COLUMNS.map(|column| format!("{name}_{column}"))
+    });
     place
         .into_iter()
         .chain(planes)
         .chain(driven)
         .chain(READINGS.map(str::to_owned))
+        .chain(regions)
         .collect()
 }
 
@@ -122,6 +128,10 @@ pub(super) fn curve_row<F: Law>(
         reading.unbalanced.unwrap_or(0.0),
         step_ratio,
     ]);
+    for region in &spec.record.regions {
+        let cuboid = engine.cuboid([region.low_m, region.high_m]);
+        row.extend(engine.measure(&cuboid, contacts).row());
+    }
     row
 }
 

@@ -14,6 +14,8 @@
 //! ω² Δt² + 2 D Δt < 4 (G.19), since the velocities that damp are those of half a step ago.
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use super::{
     contact::{
         law::{Law, Normal},
@@ -25,7 +27,7 @@ use super::{
 };
 
 /// The critical step and the contact that sets it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Critical {
     /// [s].
     pub(super) step: f64,
@@ -33,6 +35,8 @@ pub(super) struct Critical {
     pub(super) body: u32,
     /// Its stiffest contact.
     pub(super) partner: u32,
+    /// Critical step of the body in the middle, of all that touch something [s].
+    pub(super) median: f64,
 }
 
 /// What a body's contacts add up to.
@@ -84,6 +88,7 @@ impl<F: Law> Engine<F> {
             }
         }
         let mut critical: Option<Critical> = None;
+        let mut steps = Vec::new();
         for (body, row) in (0..).zip(&rows) {
             let square = row
                 .along
@@ -100,13 +105,21 @@ impl<F: Law> Engine<F> {
             } else {
                 2.0 / square.sqrt()
             };
+            if square > 0.0 {
+                steps.push(step);
+            }
             if square > 0.0 && critical.is_none_or(|found| step < found.step) {
                 critical = Some(Critical {
                     step,
                     body,
                     partner: row.stiffest.1,
+                    median: step,
                 });
             }
+        }
+        if let Some(critical) = &mut critical {
+            let middle = steps.len() / 2;
+            critical.median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
         }
         critical
     }

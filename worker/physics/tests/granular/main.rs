@@ -13,6 +13,7 @@ mod facets;
 mod friction;
 mod impacts;
 mod laws;
+mod observables;
 mod refusals;
 mod rotation;
 mod stages;

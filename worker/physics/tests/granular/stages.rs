@@ -97,3 +97,67 @@ fn settling_ends_at_rest_and_says_when_it_does_not() {
     let (report, _) = run(&scene(100));
     assert_eq!(report.warnings[0].code, "not_settled");
 }
+
+/// A free sphere follows the table's acceleration: v = A/ω (1 − cos ωt) along x, then along y.
+#[test]
+fn vibration_takes_turns_along_its_axes() {
+    let (amplitude, frequency) = (3.0, 50.0);
+    let omega = std::f64::consts::TAU * frequency;
+    let spec = json!({
+        "version": 1, "gravity_m_per_s2": [0, 0, -1],
+        "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e7}},
+        "bodies": [{"sphere": {"radius_m": RADIUS}, "material": "stone", "position_m": [0, 0, 0]}],
+        "laws": {"local_damping": 0.0},
+        "time_step_s": 1e-5,
+        "stages": [{"vibrate": {"acceleration_m_per_s2": amplitude, "frequency_hz": frequency, "time_s": 0.05}},
+                   {"run": {"time_s": 0.01}}],
+        "record": {"every_steps": 500}
+    });
+    let (_, record) = run(&spec);
+    let mean = amplitude / omega;
+    // velocities are those of half steps, and sums over steps: both first order
+    let tolerance = 2.0 * amplitude * 1e-5;
+    for (step, along_x, along_y) in [
+        (500, 1.0 - (omega * 0.005).cos(), 0.0),
+        (1000, 2.0, 0.0),
+        (2000, 0.0, 0.0),
+        (3000, 0.0, 2.0),
+        (4000, 0.0, 0.0),
+        (5000, 2.0, 0.0),
+        (6000, 2.0, 0.0),
+    ] {
+        let [_, velocity, _] = body(&record, step, 0);
+        assert_close(velocity[0], mean * along_x, tolerance);
+        assert_close(velocity[1], mean * along_y, tolerance);
+        assert_close(velocity[2], -(step as f64) * 1e-5, 1e-12);
+    }
+}
+
+/// A sphere that may not turn, on a floor that is tilted through gravity: it holds, slides while
+/// friction is reduced, and is stopped again when it is restored.
+#[test]
+fn friction_is_reduced_while_vibrating_and_restored_after() {
+    let friction: f64 = 0.5;
+    let (along, down) = (1.0, 9.0);
+    let (factor, damping) = (0.1, 0.3);
+    let spec = json!({
+        "version": 1, "gravity_m_per_s2": [along, 0, -down],
+        "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e7, "friction_angle_rad": friction}},
+        "bodies": [{"sphere": {"radius_m": RADIUS}, "material": "stone", "position_m": [0, 0, RADIUS], "fixed": ["rx", "ry", "rz"]}],
+        "planes": [{"name": "base", "axis": "z", "position_m": 0, "facing": 1, "material": "stone"}],
+        "laws": {"local_damping": damping},
+        "time_step_s": 1e-5,
+        "stages": [{"run": {"steps": 20_000}},
+                   {"vibrate": {"acceleration_m_per_s2": 0, "frequency_hz": 10, "friction_factor": factor, "time_s": 0.2}},
+                   {"run": {"time_s": 0.2}}],
+        "record": {"every_steps": 2000, "contacts": true}
+    });
+    let (report, record) = run(&spec);
+    let at = |step: u64| body(&record, step, 0);
+    assert_close(at(20_000)[1][0], 0.0, 1e-6);
+    let slides = (1.0 - damping) * (along - factor * friction.tan() * down);
+    assert_close(at(40_000)[1][0], slides * 0.2, 1e-3 * slides * 0.2);
+    assert_close(at(60_000)[1][0], 0.0, 1e-6);
+    assert!(report.quality["created_energy_ratio"].ok, "{report:?}");
+    super::determinism::assert_resumes(&spec, 40);
+}

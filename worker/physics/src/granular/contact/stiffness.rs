@@ -4,6 +4,8 @@ use loadframe_api::spec::granular_scene::{Material, hertz::Solid, step_with_dash
 /// A material as contacts see it.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::granular) struct Surface {
+    /// ρ [kg/m³].
+    pub(in crate::granular) density: f64,
     /// E [Pa].
     pub(super) youngs_modulus: f64,
     /// ν, k_T/k_N of linear springs.
@@ -44,6 +46,7 @@ pub(in crate::granular) struct Springs {
 impl Surface {
     pub(in crate::granular) fn new(material: &Material) -> Self {
         Self {
+            density: material.density_kg_per_m3,
             youngs_modulus: material.youngs_modulus_pa,
             stiffness_ratio: material.stiffness_ratio,
             poisson_ratio: material.poisson_ratio(),

@@ -119,6 +119,10 @@ impl Law for Bonded {
         self.intact[lane] = f64::from(u8::from(past.bond.is_intact));
     }
 
+    fn rub(&mut self, factor: f64) {
+        self.coulomb.rub(factor);
+    }
+
     fn held(&self, lane: usize, spring: &Spring) -> Held {
         let is_bonded = self.intact[lane] > 0.0;
         let spring = Spring {

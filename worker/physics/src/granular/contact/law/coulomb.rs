@@ -144,6 +144,12 @@ impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
         }
     }
 
+    fn rub(&mut self, factor: f64) {
+        for friction in &mut self.friction {
+            *friction *= factor;
+        }
+    }
+
     fn held(&self, lane: usize, spring: &Spring) -> Held {
         let [ratio, _] = self.tangent.at(lane);
         Held::spring::<N>(spring, ratio * spring.constant, self.past(lane).shear)

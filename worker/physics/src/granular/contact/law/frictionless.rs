@@ -44,6 +44,8 @@ impl<N: Normal> Law for Frictionless<N> {
 
     fn remember(&mut self, _lane: usize, _past: &Past) {}
 
+    fn rub(&mut self, _factor: f64) {}
+
     fn held(&self, _lane: usize, spring: &Spring) -> Held {
         Held::spring::<N>(spring, 0.0, Vector::zeros())
     }

@@ -144,6 +144,10 @@ impl Law for HertzMindlin {
         self.root[lane] = past.root;
     }
 
+    fn rub(&mut self, factor: f64) {
+        self.coulomb.rub(factor);
+    }
+
     fn held(&self, lane: usize, spring: &Spring) -> Held {
         self.coulomb.held(lane, spring)
     }

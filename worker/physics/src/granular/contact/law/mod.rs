@@ -117,6 +117,9 @@ pub(in crate::granular) trait Law:
     /// Sets what the contact in a lane remembers, and leaves what it is made of.
     fn remember(&mut self, lane: usize, past: &Past);
 
+    /// Multiplies tan φ of all lanes.
+    fn rub(&mut self, factor: f64);
+
     /// What the contact in a lane does at this overlap.
     fn held(&self, lane: usize, spring: &Spring) -> Held;
 }

@@ -9,7 +9,8 @@
 //! many contacts at once each has its own dashpot. The spheres part when they no longer overlap: just
 //! before, the dashpot pulls a little, as the closed form supposes. Sliding is limited by the force
 //! of the spring alone, which is never negative. A body that cannot move counts as infinitely heavy, a
-//! clump's member with the mass of its clump.
+//! clump's member with the mass of its clump. Across the normal there is no dashpot: what sticks rings on
+//! its shear spring until it slides, which is where local damping helps.
 //!
 //! Source: the oscillator in any textbook; for Hertz [Tsuji1992], [AntypovElliott2011].
 use pulp::Simd;
@@ -80,6 +81,10 @@ impl<F: Law> Law for Viscous<F> {
 
     fn remember(&mut self, lane: usize, past: &Past) {
         self.law.remember(lane, past);
+    }
+
+    fn rub(&mut self, factor: f64) {
+        self.law.rub(factor);
     }
 
     fn held(&self, lane: usize, spring: &Spring) -> Held {

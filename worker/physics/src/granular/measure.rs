@@ -1,0 +1,295 @@
+//! What is measured in a box: stress, porosity, coordination, inertial number.
+//!
+//! The stress is that of Love and Weber, compression positive,
+//!
+//!   σ = 1/V Σ_c w F_b ⊗ l (G.20)
+//!
+//! with the force F_b on the contact's second body, the branch l between the bodies' centres of mass
+//! (at a wall: to the contact point), and the part w of the branch that lies in the box; of the
+//! tensor the symmetric part. The inertial number is I = γ̇ d √(ρ/p) (G.21) with the pressure
+//! p = tr σ/3, mean density ρ and mean diameter d of the bodies (of spheres of their volume), and the
+//! shear rate γ̇ = √(2 D:D) of the affine motion that fits the velocities of their centres best.
+//! Below 10⁻³ flow is quasi-static.
+//!
+//! Solid volume is that of spheres cut by the box; of a clump that is cut, the members' share is
+//! scaled to the volume of their union. What touching bodies share is counted twice.
+//!
+//! Source: [Love1927], [Weber1966]; [GdrMidi2004].
+use nalgebra::Matrix3;
+
+use super::{
+    Vector,
+    contact::law::Law,
+    engine::Engine,
+    observe::Contact,
+    solid_share::{Cuboid, sphere_volume_within},
+};
+
+/// Quantities of a region and their units, as columns of the curve.
+pub(super) const COLUMNS: [&str; 10] = [
+    "porosity",
+    "coordination_number",
+    "inertial_number",
+    "mean_stress_pa",
+    "stress_xx_pa",
+    "stress_yy_pa",
+    "stress_zz_pa",
+    "stress_xy_pa",
+    "stress_xz_pa",
+    "stress_yz_pa",
+];
+
+/// Parts of the largest principal spread below which centres have none in that direction.
+const FLAT: f64 = 1e-12;
+
+/// The bodies whose centres are in a box, as a continuum.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Measure {
+    /// V of the box [m³].
+    volume: f64,
+    /// Solid volume in it [m³].
+    solid: f64,
+    /// σ [Pa], compression positive.
+    stress: Matrix3<f64>,
+    /// Contacts per movable body in it.
+    coordination: Option<f64>,
+    /// γ̇ [1/s].
+    shear_rate: f64,
+    /// d √ρ of the bodies in it [√(kg/m)].
+    inertia: f64,
+}
+
+/// A body as a point.
+struct Point {
+    centre: Vector,
+    velocity: Vector,
+    mass: f64,
+    volume: f64,
+}
+
+impl Measure {
+    /// p [Pa].
+    pub(super) fn pressure(&self) -> f64 {
+        self.stress.trace() / 3.0
+    }
+
+    /// I; `None` where nothing presses.
+    pub(super) fn inertial_number(&self) -> Option<f64> {
+        let pressure = self.pressure();
+        (pressure > 0.0).then(|| self.shear_rate * self.inertia / pressure.sqrt())
+    }
+
+    /// The numbers of [`COLUMNS`]; unknown ones are left at 0.
+    pub(super) fn row(&self) -> [f64; 10] {
+        let stress = &self.stress;
+        let porosity = if self.volume > 0.0 {
+            1.0 - self.solid / self.volume
+        } else {
+            0.0
+        };
+        [
+            porosity,
+            self.coordination.unwrap_or(0.0),
+            self.inertial_number().unwrap_or(0.0),
+            self.pressure(),
+            stress[(0, 0)],
+            stress[(1, 1)],
+            stress[(2, 2)],
+            stress[(0, 1)],
+            stress[(0, 2)],
+            stress[(1, 2)],
+        ]
+    }
+}
+
+impl<F: Law> Engine<F> {
+    /// A box between two corners: where one is left out, that of the bodies within the planes.
+    pub(super) fn cuboid(&self, corners: [Option<[f64; 3]>; 2]) -> Cuboid {
+        let (mut low, mut high) = (
+            Vector::repeat(f64::INFINITY),
+            Vector::repeat(f64::NEG_INFINITY),
+        );
+        for centre in &self.state.particles.centres {
+            low = low.inf(&centre.vector().add_scalar(-centre.0[3]));
+            high = high.sup(&centre.vector().add_scalar(centre.0[3]));
+        }
+        // between planes the box reaches from one to the other, whatever the bodies fill
+        for axis in 0..3 {
+            let across = |facing: f64| {
+                let faces = self.state.faces.iter();
+                let faces =
+                    faces.filter(move |face| face.axis == axis && face.facing * facing > 0.0);
+                faces.map(|face| face.position)
+            };
+            low[axis] = across(1.0).reduce(f64::max).unwrap_or(low[axis]);
+            high[axis] = across(-1.0).reduce(f64::min).unwrap_or(high[axis]);
+        }
+        Cuboid {
+            low: corners[0].map_or(low, Vector::from),
+            high: corners[1].map_or(high, Vector::from),
+        }
+    }
+
+    /// Measures a box, between the phases of a step or after it.
+    pub(super) fn measure(&self, cuboid: &Cuboid, contacts: &[Contact]) -> Measure {
+        let points = self.points();
+        let is_within = |point: &Point| cuboid.contains(&point.centre);
+        let within: Vec<&Point> = points.iter().flatten().filter(|p| is_within(p)).collect();
+        let volume = cuboid.volume();
+        if volume <= 0.0 || !volume.is_finite() {
+            return Measure::default();
+        }
+        let count = within.len() as f64;
+        let diameters = within
+            .iter()
+            .map(|point| (6.0 / std::f64::consts::PI * point.volume).cbrt());
+        let diameter = diameters.sum::<f64>() / count.max(1.0);
+        let sum = |of: fn(&Point) -> f64| within.iter().map(|point| of(point)).sum::<f64>();
+        let density = sum(|point| point.mass) / sum(|point| point.volume);
+        Measure {
+            volume,
+            solid: self.solid(cuboid),
+            stress: self.love_weber(cuboid, contacts, &points) / volume,
+            coordination: self.coordination(&points, is_within, contacts),
+            shear_rate: shear_rate(&within),
+            inertia: if count > 0.0 {
+                diameter * density.sqrt()
+            } else {
+                0.0
+            },
+        }
+    }
+
+    /// Every body of the state, by number; none where it has no place there.
+    fn points(&self) -> Vec<Option<Point>> {
+        let particles = &self.state.particles;
+        let mut points: Vec<Option<Point>> = Vec::new();
+        points.resize_with(self.model.masses.len(), || None);
+        let mut put = |body: u32, centre: Vector, velocity: Vector, particle: usize| {
+            let mass = self.model.masses[body as usize];
+            points[body as usize] = Some(Point {
+                centre,
+                velocity,
+                mass,
+                volume: mass / self.density(particle),
+            });
+        };
+        for (particle, body) in particles.owners.iter().enumerate() {
+            if self.model.sphere_inertias[*body as usize] > 0.0 {
+                let centre = particles.centres[particle].vector();
+                put(
+                    *body,
+                    centre,
+                    particles.velocities[particle].vector(),
+                    particle,
+                );
+            }
+        }
+        for clump in &self.state.clumps {
+            put(
+                clump.body,
+                clump.centre,
+                clump.velocity,
+                clump.first as usize,
+            );
+        }
+        points
+    }
+
+    fn density(&self, particle: usize) -> f64 {
+        self.model.surfaces[usize::from(self.state.particles.surfaces[particle])].density
+    }
+
+    /// Solid volume in a box [m³].
+    fn solid(&self, cuboid: &Cuboid) -> f64 {
+        let particles = &self.state.particles;
+        let share = |particle: usize| {
+            let centre = &particles.centres[particle];
+            sphere_volume_within(cuboid, &centre.vector(), centre.0[3])
+        };
+        let spheres = (0..particles.len()).filter(|particle| {
+            self.model.sphere_inertias[particles.owners[*particle] as usize] > 0.0
+        });
+        let spheres: f64 = spheres.map(share).sum();
+        let clumps = self.state.clumps.iter().map(|clump| {
+            let whole: f64 = clump
+                .members()
+                .map(|member| super::sphere::volume(particles.centres[member].0[3]))
+                .sum();
+            let union = clump.mass / self.density(clump.first as usize);
+            clump.members().map(share).sum::<f64>() * union / whole
+        });
+        spheres + clumps.sum::<f64>()
+    }
+
+    /// Σ w F ⊗ l [J], its symmetric part.
+    fn love_weber(
+        &self,
+        cuboid: &Cuboid,
+        contacts: &[Contact],
+        points: &[Option<Point>],
+    ) -> Matrix3<f64> {
+        let mut sum = Matrix3::zeros();
+        for contact in contacts {
+            let particle = contact.particles.0;
+            let of = |body: u32| points.get(body as usize).and_then(Option::as_ref);
+            let Some(first) = of(contact.bodies[0]) else {
+                continue;
+            };
+            let end = match of(contact.bodies[1]) {
+                Some(second) => second.centre,
+                // where it touches the wall
+                None => {
+                    let centre = &self.state.particles.centres[particle];
+                    centre.vector() + contact.normal * (centre.0[3] - contact.overlap)
+                }
+            };
+            let branch = end - first.centre;
+            let force = contact.normal_force + contact.shear_force;
+            sum += cuboid.part_of_segment(&first.centre, &branch) * force * branch.transpose();
+        }
+        0.5 * (sum + sum.transpose())
+    }
+
+    fn coordination(
+        &self,
+        points: &[Option<Point>],
+        is_within: impl Fn(&Point) -> bool,
+        contacts: &[Contact],
+    ) -> Option<f64> {
+        let is_counted = |body: usize| {
+            let point = points.get(body).and_then(Option::as_ref);
+            point.is_some_and(&is_within) && self.model.is_movable[body]
+        };
+        let bodies = (0..points.len()).filter(|body| is_counted(*body)).count();
+        let ends = contacts.iter().flat_map(|contact| contact.bodies);
+        let ends = ends.filter(|body| is_counted(*body as usize)).count();
+        (bodies > 0).then(|| ends as f64 / bodies as f64)
+    }
+}
+
+/// γ̇ of the affine motion v = v₀ + L (x − x₀) that fits best [1/s]: L = Σ v xᵀ (Σ x xᵀ)⁻¹ from the
+/// means; directions without extent are left out.
+fn shear_rate(points: &[&Point]) -> f64 {
+    let count = (points.len() as f64).max(1.0);
+    let mean =
+        |of: fn(&Point) -> Vector| points.iter().map(|point| of(point)).sum::<Vector>() / count;
+    let (centre, velocity) = (mean(|point| point.centre), mean(|point| point.velocity));
+    let (mut moments, mut spread) = (Matrix3::zeros(), Matrix3::zeros());
+    for point in points {
+        let away = point.centre - centre;
+        moments += (point.velocity - velocity) * away.transpose();
+        spread += away * away.transpose();
+    }
+    let axes = spread.symmetric_eigen();
+    let least = FLAT * axes.eigenvalues.max();
+    let inverse = axes
+        .eigenvalues
+        .map(|value| if value > least { 1.0 / value } else { 0.0 });
+    let gradient = moments
+        * axes.eigenvectors
+        * Matrix3::from_diagonal(&inverse)
+        * axes.eigenvectors.transpose();
+    let rate = 0.5 * (gradient + gradient.transpose());
+    (2.0 * rate.dot(&rate)).sqrt()
+}
