@@ -22,6 +22,7 @@ mod laws;
 mod overlaps;
 mod record;
 mod region;
+mod relax;
 mod stability;
 mod stages;
 mod study;
@@ -44,6 +45,7 @@ pub use laws::{
 };
 pub use record::Record;
 pub use region::Region;
+pub use relax::Relax;
 pub use stability::{CriticalStep, series_stiffness, step_with_dashpot};
 pub use stages::{LoadPlane, MovePlane, Run, Settle, Stage};
 pub use vibrate::Vibrate;

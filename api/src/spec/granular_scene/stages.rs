@@ -3,7 +3,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Vibrate,
+    Relax, Vibrate,
     drive::{Drive, swing},
 };
 
@@ -21,6 +21,8 @@ pub enum Stage {
     Drive(Drive),
     /// Lets the bodies move until they are at rest.
     Settle(Settle),
+    /// Takes bodies apart that sit in each other.
+    Relax(Relax),
     /// Lets the bodies move while they are shaken, with less friction if asked for.
     Vibrate(Vibrate),
 }
@@ -129,6 +131,10 @@ impl Stage {
                 steps: stage.steps,
                 time_s: stage.time_s,
             },
+            Self::Relax(stage) => Run {
+                steps: Some(stage.steps),
+                time_s: None,
+            },
             Self::Vibrate(stage) => Run {
                 steps: stage.steps,
                 time_s: stage.time_s,
@@ -144,7 +150,7 @@ impl Stage {
     pub fn is_driven(&self) -> bool {
         match self {
             Self::MovePlane(_) | Self::LoadPlane(_) | Self::Drive(_) => true,
-            Self::Run(_) | Self::Settle(_) | Self::Vibrate(_) => false,
+            Self::Run(_) | Self::Settle(_) | Self::Relax(_) | Self::Vibrate(_) => false,
         }
     }
 
@@ -156,6 +162,7 @@ impl Stage {
             Self::LoadPlane(_) => "load_plane",
             Self::Drive(_) => "drive",
             Self::Settle(_) => "settle",
+            Self::Relax(_) => "relax",
             Self::Vibrate(_) => "vibrate",
         }
     }

@@ -7,7 +7,10 @@ use super::{
     contact::{Wrenches, law::Law, pairs::Halo, walls::Face},
     facets::{Pose, search::Search},
     listing::{self, Memories},
-    motion::{Drive, clump::Clump},
+    motion::{
+        Drive,
+        clump::{Clump, Members},
+    },
     neighbours::skin::Skin,
     particles::Particles,
     patch::{Bodies, BodyLoad, Patch, Push},
@@ -104,6 +107,48 @@ impl<F: Law> Engine<F> {
         let patches = self.state.patches.iter();
         let counts = patches.map(|patch| patch.inner.count + patch.outer.count);
         counts.sum::<usize>() as u64
+    }
+
+    /// Bodies stand still in every degree of freedom that forces change.
+    pub(super) fn halt(&mut self) {
+        let state = &mut self.state;
+        let particles = &mut state.particles;
+        // the fourth numbers are inverse masses and inertias, 0 for what no force moves
+        for (rows, first) in [(&mut particles.velocities, 0), (&mut particles.spins, 3)] {
+            for (row, fixed) in rows.iter_mut().zip(&particles.fixed) {
+                for axis in 0..3 {
+                    if row.0[3] > 0.0 && fixed >> (first + axis) & 1 == 0 {
+                        row.0[axis] = 0.0;
+                    }
+                }
+            }
+        }
+        for clump in &mut state.clumps {
+            clump.halt();
+            let members = &mut Members {
+                centres: &mut particles.centres,
+                velocities: &mut particles.velocities,
+                spins: &mut particles.spins,
+            };
+            clump.place(members, 0);
+        }
+        state.speed_bound = 0.0;
+    }
+
+    /// Memory of the lists of candidates [bytes].
+    pub(super) fn contact_bytes(&self) -> u64 {
+        let patches = self.state.patches.iter();
+        let bytes = patches.map(|patch| {
+            let walls = patch
+                .walls
+                .iter()
+                .map(|list| size_of_val(list.blocks.as_slice()));
+            size_of_val(patch.inner.blocks.as_slice())
+                + size_of_val(patch.outer.blocks.as_slice())
+                + walls.sum::<usize>()
+                + size_of_val(patch.facets.blocks.as_slice())
+        });
+        bytes.sum::<usize>() as u64
     }
 
     /// One step of Δt [s].

@@ -2,11 +2,11 @@
 //!
 //! The stress is that of Love and Weber, compression positive,
 //!
-//!   σ = 1/V Σ_c w F_b ⊗ l (G.20)
+//!   σ = 1/V Σ_c w F_b ⊗ l (G.21)
 //!
 //! with the force F_b on the contact's second body, the branch l between the bodies' centres of mass
 //! (at a wall: to the contact point), and the part w of the branch that lies in the box; of the
-//! tensor the symmetric part. The inertial number is I = γ̇ d √(ρ/p) (G.21) with the pressure
+//! tensor the symmetric part. The inertial number is I = γ̇ d √(ρ/p) (G.22) with the pressure
 //! p = tr σ/3, mean density ρ and mean diameter d of the bodies (of spheres of their volume), and the
 //! shear rate γ̇ = √(2 D:D) of the affine motion that fits the velocities of their centres best.
 //! Below 10⁻³ flow is quasi-static.

@@ -27,6 +27,17 @@ impl Particles {
         self.centres.len()
     }
 
+    /// Memory of all arrays [bytes].
+    pub(super) fn bytes(&self) -> u64 {
+        let rows = [&self.centres, &self.velocities, &self.spins];
+        let rows = rows.map(|rows| size_of_val(rows.as_slice()));
+        let words = size_of_val(self.numbers.as_slice())
+            + size_of_val(self.owners.as_slice())
+            + size_of_val(self.fixed.as_slice())
+            + size_of_val(self.surfaces.as_slice());
+        (rows.into_iter().sum::<usize>() + words) as u64
+    }
+
     /// `last_step` is Δt of the step before [s].
     pub(super) fn kinematics(&self, last_step: f64) -> Kinematics<'_> {
         Kinematics {

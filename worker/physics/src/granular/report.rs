@@ -44,6 +44,8 @@ pub(super) fn report<F: Law>(
             ),
             ("candidate_steps".to_owned(), journal.candidate_steps),
             ("neighbour_searches".to_owned(), engine.state.lists),
+            ("particle_bytes".to_owned(), engine.state.particles.bytes()),
+            ("contact_bytes".to_owned(), engine.contact_bytes()),
         ]),
     }
 }
@@ -281,7 +283,7 @@ fn warnings(
         warnings.push(Warning {
             code: "not_settled".to_owned(),
             detail: format!(
-                "stage {stage} ended before the bodies were at rest: give it more steps"
+                "stage {stage} ended before the bodies were as it waits for: give it more steps"
             ),
         });
     }

@@ -103,7 +103,8 @@ pub(super) fn run<F: Law>(
             runner.shake(stage);
             runner.step(recorder)?;
         }
-        if matches!(stage, Stage::Settle(_)) && !runner.journal.is_settled {
+        let waits = matches!(stage, Stage::Settle(_) | Stage::Relax(_));
+        if waits && !runner.journal.is_settled {
             runner.journal.unsettled_stages.push(runner.journal.stage);
         }
         runner.journal.is_settled = false;
@@ -239,6 +240,10 @@ impl<'a, F: Law> Runner<'a, F> {
             self.journal.stage_steps += 1;
         }
         self.journal.candidate_steps += self.engine.candidates();
+        if let Some(Stage::Relax(_)) = self.spec.stages.get(self.journal.stage) {
+            self.engine.halt();
+            return Ok(());
+        }
         self.check_speed()
     }
 
@@ -255,7 +260,7 @@ impl<'a, F: Law> Runner<'a, F> {
         let overlaps = contacts
             .iter()
             .map(|contact| contact.compression.abs() / contact.radius);
-        journal.worst.overlap_ratio = overlaps.fold(journal.worst.overlap_ratio, f64::max);
+        let largest = overlaps.fold(0.0, f64::max);
         journal.worst.see_step(journal.time_step, critical);
         journal.last = self.engine.reading(contacts, &energies);
         if let Some(Stage::Settle(settle)) = self.spec.stages.get(journal.stage) {
@@ -263,6 +268,13 @@ impl<'a, F: Law> Runner<'a, F> {
             journal.is_settled = ratio.is_some_and(|ratio| ratio <= settle.unbalanced_force_ratio);
         }
         let stage = self.spec.stages.get(journal.stage);
+        if let Some(Stage::Relax(relax)) = stage {
+            journal.is_settled = largest <= relax.largest_overlap_ratio;
+            // what is relaxed is not yet the scene that is asked about
+            journal.balance.pause();
+            return Ok(());
+        }
+        journal.worst.overlap_ratio = journal.worst.overlap_ratio.max(largest);
         if stage.is_some_and(Stage::is_driven) {
             let scene = self.engine.cuboid([None; 2]);
             let scene = self.engine.measure(&scene, contacts);
@@ -374,6 +386,8 @@ impl<'a, F: Law> Runner<'a, F> {
     }
 
     fn keep(&self, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
+        // what is not finite would never come right again: the last good checkpoint stays
+        self.check_finite()?;
         let checkpoint = CheckpointOf {
             spec: self.fingerprint,
             journal: &self.journal,

@@ -170,7 +170,11 @@ fn a_turning_drum_turns_what_is_in_it() {
         "record": {"every_steps": 200}
     });
     let (report, record) = run(&spec);
-    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+    // it bobs over the drum's edges: no quasi-static test, and told of as such
+    let codes: Vec<&str> = (report.warnings.iter())
+        .map(|warning| warning.code.as_str())
+        .collect();
+    assert_eq!(codes, ["driven_unbalanced_force_ratio"]);
     let rows = record.table("bodies.csv");
     let half = &rows[rows.len() / 2..];
     let mean = half.iter().map(|row| row[10]).sum::<f64>() / half.len() as f64;

@@ -14,6 +14,7 @@ mod friction;
 mod impacts;
 mod laws;
 mod observables;
+mod peers;
 mod refusals;
 mod rotation;
 mod stages;

@@ -184,6 +184,19 @@ impl Clump {
         self.angular_momentum = self.momentum_of(self.spin);
     }
 
+    /// Stands still in every direction that is free.
+    pub(in crate::granular) fn halt(&mut self) {
+        for axis in 0..3 {
+            if !self.fixed[axis] {
+                self.velocity[axis] = 0.0;
+            }
+            if !self.fixed[3 + axis] {
+                self.spin[axis] = 0.0;
+            }
+        }
+        self.angular_momentum = self.momentum_of(self.spin);
+    }
+
     /// Puts the members where the clump has them. Returns the square of their largest speed.
     pub(in crate::granular) fn place(&self, members: &mut Members<'_>, first: usize) -> f64 {
         let mut largest = 0.0_f64;

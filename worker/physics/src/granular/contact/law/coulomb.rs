@@ -145,9 +145,7 @@ impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
     }
 
     fn rub(&mut self, factor: f64) {
-        for friction in &mut self.friction {
-            *friction *= factor;
-        }
+        self.tangent.rub(factor);
     }
 
     fn held(&self, lane: usize, spring: &Spring) -> Held {

@@ -39,6 +39,17 @@ impl Tangent {
         }
     }
 
+    /// Multiplies tan φ of all contacts.
+    pub(super) fn rub(&mut self, factor: f64) {
+        match self {
+            Self::Unset => {}
+            Self::One([_, friction]) => *friction *= factor,
+            Self::Each(arrays) => arrays[1]
+                .iter_mut()
+                .for_each(|friction| *friction *= factor),
+        }
+    }
+
     #[allow(clippy::float_cmp, reason = "the same materials give the same bits")]
     pub(super) fn set(&mut self, lane: usize, values: [f64; 2]) {
         match self {
