@@ -24,6 +24,7 @@ ROUNDING = 1e-10
 BOND_ARRAYS = {"strain", "force_n", "force_over_strength", "broken"}
 POINT_ARRAYS = {"displacement_mm", "jaw"}
 BOTTOM, TOP = 1, 2
+WALL_ARRAYS = {"wall", "force_n", "velocity_m_per_s"}
 
 
 def table(path: Path) -> list[dict[str, float]]:
@@ -142,14 +143,21 @@ def check_scene(folder: Path, spec: dict) -> str:
             radii.append(given["sphere"]["radius_m"])
         else:
             radii += [member["radius_m"] for member in given["clump"]["members"]]
-    times = pyvista.get_reader(folder / "snapshots.pvd").time_values
+    times = list(pyvista.get_reader(folder / "snapshots.pvd").time_values)
     check(len(times) > 1, f"a series of {len(times)}")
-    check(pyvista.get_reader(folder / "contacts.pvd").time_values == times, "contacts at other times")
+    check(list(pyvista.get_reader(folder / "contacts.pvd").time_values) == times, "contacts at other times")
     files = sorted(folder.glob("snapshots/step_*.vtp"))
     check(len(files) == len(times), f"{len(files)} files, {len(times)} in the series")
+    triangles = sum(len(mesh["triangles_m"]) for mesh in spec.get("facets", []) if "triangles_m" in mesh)
+    planes = len(spec.get("planes", []))
     compared = 0
     for file in files:
         step = int(file.stem.removeprefix("step_"))
+        if planes + triangles:
+            walls = pyvista.wrap(read(folder / f"snapshots/walls_{step:09}.vtp"))
+            check(walls.n_cells == planes + triangles, f"{walls.n_cells} walls at step {step}")
+            check(set(walls.cell_data.keys()) == WALL_ARRAYS, f"wall arrays {walls.cell_data.keys()}")
+            check(np.isfinite(walls.points), f"walls at step {step}")
         points = pyvista.wrap(read(file))
         check(points.n_points == points.n_cells == len(radii), f"{points.n_points} particles at step {step}")
         check(points.point_data["radius_m"] == radii, f"radii at step {step}")

@@ -171,8 +171,9 @@ job_kinds! {
             "nonwoven_tensile_repeats", "nonwoven_tensile_directions"];
     GranularScene("granular_scene"): spec::granular_scene::GranularScene,
         "Granular scene",
-        "Spheres and clumps between planes, in contact with friction, moved step by step through the stages you give.",
-        ["granular_scene", "granular_scene_clump_drop", "granular_scene_breaking_clump"];
+        "Spheres and clumps between planes and surfaces of triangles, in contact with friction, moved step by step through the stages you give.",
+        ["granular_scene", "granular_scene_clump_drop", "granular_scene_breaking_clump",
+            "granular_scene_hopper"];
     Calibrate("calibrate"): spec::calibrate::Calibrate,
         "Calibration",
         "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",

@@ -27,6 +27,15 @@ pub(crate) struct Lines<'a> {
     pub(crate) cell_data: &'a [Array<'a>],
 }
 
+/// Flat polygons, with data on points and polygons.
+pub(crate) struct Polygons<'a> {
+    pub(crate) points: &'a [[f64; 3]],
+    /// Corners of each polygon, one after the other: every polygon has its own points.
+    pub(crate) corners: &'a [usize],
+    pub(crate) point_data: &'a [Array<'a>],
+    pub(crate) cell_data: &'a [Array<'a>],
+}
+
 /// A named array of numbers.
 pub(crate) struct Array<'a> {
     name: &'a str,
@@ -40,7 +49,8 @@ enum Values<'a> {
     Indices(&'a [i32]),
 }
 
-/// Snapshots by time, here whatever grows during a test.
+/// Snapshots by time, here whatever grows during a test. Files of the same time are parts of one
+/// picture.
 pub(crate) struct Series {
     pub(crate) entries: Vec<(f64, String)>,
 }
@@ -139,9 +149,29 @@ impl Lines<'_> {
     }
 }
 
+impl Polygons<'_> {
+    /// Writes the `.vtp` file.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub(crate) fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let mut end = 0;
+        let offsets = self.corners.iter().map(|corners| {
+            end += *corners as i32;
+            end
+        });
+        let cells = Cells {
+            section: "Polys",
+            connectivity: (0..self.points.len() as i32).collect(),
+            offsets: offsets.collect(),
+        };
+        write_poly_data(out, self.points, &cells, self.point_data, self.cell_data)
+    }
+}
+
 /// Cells by the points they join.
 struct Cells {
-    /// `Verts` or `Lines`.
+    /// `Verts`, `Lines` or `Polys`.
     section: &'static str,
     connectivity: Vec<i32>,
     /// Where each cell ends in `connectivity`.
@@ -183,10 +213,11 @@ fn write_poly_data(
     writeln!(
         out,
         "    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" \
-         NumberOfLines=\"{}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">",
+         NumberOfLines=\"{}\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">",
         points.len(),
         count("Verts"),
-        count("Lines")
+        count("Lines"),
+        count("Polys")
     )?;
     let mut data = Vec::new();
     for (section, arrays) in sections {
@@ -212,10 +243,16 @@ impl Series {
         writeln!(out, "<?xml version=\"1.0\"?>")?;
         writeln!(out, "<VTKFile type=\"Collection\" version=\"1.0\">")?;
         writeln!(out, "  <Collection>")?;
+        let mut last: Option<(f64, u32)> = None;
         for (time, file) in &self.entries {
+            let part = match last {
+                Some((before, part)) if before.total_cmp(time).is_eq() => part + 1,
+                _ => 0,
+            };
+            last = Some((*time, part));
             writeln!(
                 out,
-                "    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>"
+                "    <DataSet timestep=\"{time}\" part=\"{part}\" file=\"{file}\"/>"
             )?;
         }
         writeln!(out, "  </Collection>\n</VTKFile>")

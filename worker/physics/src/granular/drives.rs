@@ -168,7 +168,8 @@ impl<F: Law> Engine<F> {
         planes.chain(meshes).position(|known| known == name)
     }
 
-    fn wall_count(&self) -> usize {
+    /// Planes and meshes together.
+    pub(super) fn wall_count(&self) -> usize {
         self.state.faces.len() + self.state.poses.len()
     }
 
@@ -180,15 +181,21 @@ impl<F: Law> Engine<F> {
         }
     }
 
-    /// How far a wall has come [m].
+    /// How far a wall has come [m], turning left out.
     pub(super) fn wall_displacement(&self, wall: usize) -> Point {
+        self.motion_of(wall).displacement
+    }
+
+    /// Velocity of a wall [m/s], turning left out.
+    pub(super) fn wall_velocity(&self, wall: usize) -> Point {
+        self.motion_of(wall).velocity
+    }
+
+    fn motion_of(&self, wall: usize) -> &WallMotion {
+        let planes = self.state.faces.len();
         match self.state.faces.get(wall) {
-            Some(face) => face.motion.displacement,
-            None => {
-                self.state.poses[wall - self.state.faces.len()]
-                    .motion
-                    .displacement
-            }
+            Some(face) => &face.motion,
+            None => &self.state.poses[wall - planes].motion,
         }
     }
 

@@ -105,7 +105,8 @@ impl<F: Law> Engine<F> {
     /// Candidates in the lists.
     pub(super) fn candidates(&self) -> u64 {
         let patches = self.state.patches.iter();
-        let counts = patches.map(|patch| patch.inner.count + patch.outer.count);
+        let counts =
+            patches.map(|patch| patch.inner.count + patch.outer.count + patch.facets.count);
         counts.sum::<usize>() as u64
     }
 

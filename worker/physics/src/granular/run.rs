@@ -113,7 +113,8 @@ pub(super) fn run<F: Law>(
         runner.journal.stage_start = runner.engine.state.time;
     }
     tables::write(spec, &runner.journal, recorder)?;
-    snapshot::write_series(&runner.journal, recorder)?;
+    let has_walls = runner.engine.wall_count() > 0;
+    snapshot::write_series(&runner.journal, has_walls, recorder)?;
     recorder.progress(1.0, "finished");
     Ok(Ending::Finished(report::report(
         spec,

@@ -2,7 +2,10 @@
 //!
 //! Particles are points in the order of the spec, so that filters over time find the same ones; to
 //! see spheres, use the filter Glyph, scaled by `radius_m` (the point is the centre). Contacts are
-//! lines from centre to centre, or from a centre to its foot on a plane.
+//! lines from centre to centre, or from a centre to its foot on a wall. Walls are a second part of the
+//! series of particles ([`walls`]).
+mod walls;
+
 use std::io;
 
 use super::{contact::law::Law, engine::Engine, journal::Journal, observe::Contact};
@@ -15,11 +18,15 @@ fn particles_name(step: u64) -> String {
     format!("snapshots/step_{step:09}.vtp")
 }
 
+fn walls_name(step: u64) -> String {
+    format!("snapshots/walls_{step:09}.vtp")
+}
+
 fn contacts_name(step: u64) -> String {
     format!("snapshots/contacts_{step:09}.vtp")
 }
 
-/// Writes particles and contacts as they are now.
+/// Writes particles, contacts and walls as they are now.
 pub(super) fn take<F: Law>(
     engine: &Engine<F>,
     contacts: &[Contact],
@@ -27,7 +34,8 @@ pub(super) fn take<F: Law>(
 ) -> io::Result<()> {
     let step = engine.state.step;
     take_particles(engine, contacts, &particles_name(step), recorder)?;
-    take_contacts(engine, contacts, &contacts_name(step), recorder)
+    take_contacts(engine, contacts, &contacts_name(step), recorder)?;
+    walls::take(engine, &walls_name(step), recorder)
 }
 
 fn take_particles<F: Law>(
@@ -123,17 +131,30 @@ fn take_contacts<F: Law>(
 }
 
 /// Writes the series of all snapshots, played over time.
-pub(super) fn write_series(journal: &Journal, recorder: &mut dyn Recorder) -> io::Result<()> {
+pub(super) fn write_series(
+    journal: &Journal,
+    has_walls: bool,
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
     if journal.snapshots.is_empty() {
         return Ok(());
     }
-    for (file, name) in [
-        ("snapshots.pvd", particles_name as fn(u64) -> String),
-        ("contacts.pvd", contacts_name),
+    let series = |names: &[fn(u64) -> String]| {
+        let snapshots = journal.snapshots.iter();
+        let entries = snapshots
+            .flat_map(|(step, time)| names.iter().map(|name| (*time, name(*step))))
+            .collect();
+        Series { entries }
+    };
+    let pictures: &[fn(u64) -> String] = if has_walls {
+        &[particles_name, walls_name]
+    } else {
+        &[particles_name]
+    };
+    for (file, series) in [
+        ("snapshots.pvd", series(pictures)),
+        ("contacts.pvd", series(&[contacts_name])),
     ] {
-        let entry = |(step, time): &(u64, f64)| (*time, name(*step));
-        let entries = journal.snapshots.iter().map(entry).collect();
-        let series = Series { entries };
         recorder.file(file, &mut |out| series.write(out))?;
     }
     Ok(())

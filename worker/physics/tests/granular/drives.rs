@@ -299,6 +299,15 @@ fn driven_scenes_have_the_same_bits_on_any_threads_and_in_pieces() {
             .iter()
             .any(|force| *force < -1.0)
     );
+    // walls are the second part of every picture
+    let series = String::from_utf8(whole.files["snapshots.pvd"].clone()).expect("text");
+    for file in whole.files.keys().filter(|file| file.contains("walls_")) {
+        assert!(
+            series.contains(&format!("part=\"1\" file=\"{file}\"")),
+            "{series}"
+        );
+    }
+    assert!(series.matches("part=\"1\"").count() > 3);
     for threads in [2, 3] {
         let (report, other) = run_on(&spec, threads);
         assert_eq!(report, expected, "{threads} threads");
