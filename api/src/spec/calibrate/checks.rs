@@ -32,10 +32,7 @@ pub(super) fn check(spec: &Calibrate, violations: &mut Vec<Violation>) {
 fn check_counts(spec: &Calibrate, violations: &mut Vec<Violation>) {
     let fewest = spec.fewest_trials();
     if spec.max_trials < fewest {
-        let detail = format!(
-            "{} free parameters need at least {fewest} trials",
-            spec.free.len()
-        );
+        let detail = "the search for this many parameters needs more trials";
         let violation = Violation::new("/max_trials", "out_of_range", detail);
         violations.push(
             violation
@@ -155,10 +152,15 @@ fn at_value(
     let index = place.map(|(index, _)| index);
     let index = index.or_else(|| numbers.iter().position(own)).unwrap_or(0);
     let field = place.map_or("start", |(_, field)| field);
-    let detail = format!(
-        "with {} = {} the job cannot be accepted: {inner}",
-        spec.free[index].parameter, numbers[index].1
-    );
+    let parameter = &spec.free[index].parameter;
+    let detail = if inner.pointer == format!("/spec{parameter}") {
+        inner.detail.clone()
+    } else {
+        format!(
+            "with {parameter} = {} the job cannot be accepted: {}: {}",
+            numbers[index].1, inner.pointer, inner.detail
+        )
+    };
     Violation {
         allowed: inner.allowed.clone(),
         unit: inner.unit.clone(),

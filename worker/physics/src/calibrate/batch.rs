@@ -131,6 +131,8 @@ pub(super) struct BatchRecorder<'a> {
     pub(super) trials: [usize; 2],
     /// Trials at most.
     pub(super) most: usize,
+    /// How far the search had come before the batch, by its misfit.
+    pub(super) descended: f64,
     pub(super) phase: String,
 }
 
@@ -153,8 +155,9 @@ impl Recorder for BatchRecorder<'_> {
 
     fn progress(&mut self, fraction: f64, _phase: &str) {
         let [before, within] = self.trials.map(|count| count as f64);
-        let fraction = (before + fraction * within) / self.most as f64;
-        self.recorder.progress(fraction.min(1.0), &self.phase);
+        let used = (before + fraction * within) / self.most as f64;
+        let fraction = used.max(self.descended).min(1.0);
+        self.recorder.progress(fraction, &self.phase);
     }
 
     fn log(&mut self, message: &str) {

@@ -221,6 +221,7 @@ impl<'a> Trials<'a> {
         let best = best.map_or(String::new(), |misfit| {
             format!(", best misfit {}", self.setting.targets.words(misfit))
         });
+        let descended = self.descended();
         let (trials, kept, work, job) = (&self.trials, &self.best, &self.work, self.job);
         let save = |under_way: &[u8]| {
             checkpoint::pack(&Saved {
@@ -236,6 +237,7 @@ impl<'a> Trials<'a> {
             save: &save,
             trials: [trials.len(), points.len()],
             most: self.setting.spec.max_trials as usize,
+            descended,
             phase: format!("trial {}{best}", trials.len() + 1),
         };
         let plan = match self.under_way.take() {
@@ -261,6 +263,21 @@ impl<'a> Trials<'a> {
             self.recorder.checkpoint(&bytes)?;
         }
         Ok(())
+    }
+
+    /// How far the search has come on its way to the tolerance, in orders of magnitude of the misfit:
+    /// most of its steps gain about as much of them.
+    fn descended(&self) -> f64 {
+        /// What is left for the derivatives around the best trial.
+        const RESERVE: f64 = 0.1;
+        let Some(best) = &self.best else {
+            return 0.0;
+        };
+        let start = self.misfit(0);
+        let part = (start / best.misfit).ln() / (start / self.setting.spec.tolerance).ln();
+        // a start within the tolerance has nothing to descend
+        let part = if part.is_finite() { part } else { 0.0 };
+        (1.0 - RESERVE) * part.clamp(0.0, 1.0)
     }
 
     /// Takes in what the specimens of a trial gave.
