@@ -66,6 +66,19 @@ fn newton_reaches_every_equilibrium_up_to_rupture() {
 }
 
 #[test]
+fn a_net_without_compression_is_balanced_to_the_last_digit() {
+    for accuracy in [1e4, 1e12] {
+        let mut spec = polyester(15, 17, 3);
+        spec.bond.compression_stiffness_n = 0.0;
+        // the first steps are the hard ones: hardly anything is taut
+        spec.test.max_strain = 0.05;
+        spec.accuracy = solver(Solver::NewtonCg, accuracy);
+        let (report, _) = run(&spec);
+        assert!(report.quality["unconverged_steps"].ok, "{accuracy:e}");
+    }
+}
+
+#[test]
 fn relaxations_are_balanced_or_say_that_they_are_not() {
     let is_quick = |name: &str| ["huge steps", "flat", "one layer of short bonds"].contains(&name);
     for method in [Solver::Sequential, Solver::Parallel] {

@@ -10,7 +10,7 @@ use super::{
     equilibrium::multigrid::mesh::Mesh,
     field::Field,
     incidence::Incidence,
-    law::BondLaw,
+    law::{BondLaw, StrainLaw},
     load_path::{Part, carries_load},
     places::{NONE, Places},
 };
@@ -33,6 +33,8 @@ pub(crate) struct Assembly {
     /// |X|² − l₀² [mm²], empty when all bonds begin at their rest length.
     pub(crate) excess: Vec<f64>,
     pub(crate) laws: Laws,
+    /// Strain over which the kinks of all laws are rounded off, on the way to the true ones.
+    pub(crate) rounding: Option<f64>,
     /// 1 for a bond that is intact and carries load, else 0.
     pub(crate) acts: Vec<u8>,
     acting: usize,
@@ -114,6 +116,7 @@ impl Assembly {
             rest_lengths: rest_lengths.collect(),
             excess,
             laws,
+            rounding: None,
             acts: vec![0; bonds.len()],
             acting: 0,
             dimensions,

@@ -6,7 +6,8 @@ use super::{
     assembly::{Assembly, BondState, NO_LENGTH},
     blocks::{BLOCK, Buffer},
     field::{Field, Real, sum},
-    law::BondLaw,
+    law::StrainLaw,
+    rounded::RoundedLaw,
     stiffness::Stiffness,
 };
 
@@ -71,17 +72,27 @@ impl<T: Real> Configuration<T> {
     pub(crate) fn update(&mut self, assembly: &Assembly) {
         wide(
             #[inline(always)]
-            || match (&assembly.laws, assembly.dimensions()) {
-                (Laws::Same(law), 2) => self.update_in::<2>(assembly, |_| *law),
-                (Laws::Same(law), _) => self.update_in::<3>(assembly, |_| *law),
-                (Laws::Each(laws), 2) => self.update_in::<2>(assembly, |bond| laws[bond]),
-                (Laws::Each(laws), _) => self.update_in::<3>(assembly, |bond| laws[bond]),
+            || match (&assembly.laws, assembly.dimensions(), assembly.rounding) {
+                (Laws::Same(law), 2, None) => self.update_in::<2, _>(assembly, |_| *law),
+                (Laws::Same(law), _, None) => self.update_in::<3, _>(assembly, |_| *law),
+                (Laws::Each(laws), 2, None) => self.update_in::<2, _>(assembly, |bond| laws[bond]),
+                (Laws::Each(laws), _, None) => self.update_in::<3, _>(assembly, |bond| laws[bond]),
+                (laws, 2, Some(rounding)) => {
+                    self.update_in::<2, _>(assembly, RoundedLaw::each(laws, rounding));
+                }
+                (laws, _, Some(rounding)) => {
+                    self.update_in::<3, _>(assembly, RoundedLaw::each(laws, rounding));
+                }
             },
         );
     }
 
     #[inline(always)]
-    fn update_in<const D: usize>(&mut self, assembly: &Assembly, law: impl Fn(usize) -> BondLaw) {
+    fn update_in<const D: usize, L: StrainLaw>(
+        &mut self,
+        assembly: &Assembly,
+        law: impl Fn(usize) -> L,
+    ) {
         let positions = assembly.positions.components();
         let displacements = self.displacements.components();
         let mut resultants = self.resultants.components_mut();

@@ -1,5 +1,18 @@
 //! The law of a single bond.
 
+/// What the kernels ask of a law.
+pub(crate) trait StrainLaw: Copy {
+    /// T(u) [N].
+    fn tension(&self, strain: f64) -> f64;
+
+    /// (a − b) l [N], what the axial stiffness (7) has more than the transverse one, times the
+    /// length: T'(1 + u) − T. Never negative.
+    fn axial_excess(&self, strain: f64) -> f64;
+
+    /// Energy stored per rest length [N mm/mm].
+    fn energy(&self, strain: f64) -> f64;
+}
+
 /// Force and energy of a bond as functions of its strain u = (l − l₀)/l₀ [-].
 ///
 /// T = e u + f_r u² for u ≥ 0 (1), T = r_c u for u < 0 (2), with modulus e [N], friction modulus
@@ -18,16 +31,6 @@ pub(crate) struct BondLaw {
 }
 
 impl BondLaw {
-    /// T(u) [N], (1) and (2).
-    #[inline(always)]
-    pub(crate) fn tension(&self, strain: f64) -> f64 {
-        if strain < 0.0 {
-            self.compression_stiffness * strain
-        } else {
-            (self.modulus + self.friction_modulus * strain) * strain
-        }
-    }
-
     /// u at which a tension T ≥ 0 [N] is reached, the positive root of f_r u² + e u − T = 0 (1).
     pub(crate) fn strain(&self, tension: f64) -> f64 {
         let discriminant = self.modulus * self.modulus + 4.0 * self.friction_modulus * tension;
@@ -44,11 +47,22 @@ impl BondLaw {
             self.modulus + 2.0 * self.friction_modulus * strain
         }
     }
+}
 
-    /// (a − b) l [N], what the axial stiffness (7) has more than the transverse one, times the
-    /// length: T'(1 + u) − T = e + f_r u (2 + u), or r_c in compression. Never negative.
+impl StrainLaw for BondLaw {
+    /// (1) and (2).
     #[inline(always)]
-    pub(crate) fn axial_excess(&self, strain: f64) -> f64 {
+    fn tension(&self, strain: f64) -> f64 {
+        if strain < 0.0 {
+            self.compression_stiffness * strain
+        } else {
+            (self.modulus + self.friction_modulus * strain) * strain
+        }
+    }
+
+    /// e + f_r u (2 + u), or r_c in compression.
+    #[inline(always)]
+    fn axial_excess(&self, strain: f64) -> f64 {
         if strain < 0.0 {
             self.compression_stiffness
         } else {
@@ -56,9 +70,9 @@ impl BondLaw {
         }
     }
 
-    /// Energy stored per rest length [N mm/mm]: e u²/2 + f_r u³/3, or r_c u²/2 (3).
+    /// e u²/2 + f_r u³/3, or r_c u²/2 (3).
     #[inline(always)]
-    pub(crate) fn energy(&self, strain: f64) -> f64 {
+    fn energy(&self, strain: f64) -> f64 {
         let square = strain * strain;
         if strain < 0.0 {
             0.5 * self.compression_stiffness * square
@@ -112,8 +126,8 @@ mod tests {
             let of = |function: fn(&BondLaw, f64) -> f64| {
                 (function(&PET, strain + step) - function(&PET, strain - step)) / (2.0 * step)
             };
-            assert!((of(BondLaw::energy) - PET.tension(strain)).abs() < 1e-9);
-            assert!((of(BondLaw::tension) - PET.slope(strain)).abs() < 1e-9);
+            assert!((of(StrainLaw::energy) - PET.tension(strain)).abs() < 1e-9);
+            assert!((of(StrainLaw::tension) - PET.slope(strain)).abs() < 1e-9);
         }
     }
 }

@@ -37,6 +37,7 @@ pub(crate) mod law;
 pub(crate) mod load_path;
 pub(crate) mod nonwoven;
 mod places;
+mod rounded;
 pub(crate) mod rupture;
 mod stiffness;
 
@@ -111,6 +112,14 @@ impl Laws {
         match self {
             Self::Same(law) => *law,
             Self::Each(laws) => laws[bond],
+        }
+    }
+
+    /// The largest e [N].
+    pub(crate) fn largest_modulus(&self) -> f64 {
+        match self {
+            Self::Same(law) => law.modulus,
+            Self::Each(laws) => laws.iter().fold(0.0, |most, law| law.modulus.max(most)),
         }
     }
 }

@@ -4,7 +4,8 @@
 //! F_lim = (e ε + f_r ε²)/A_cc (8) of [Zilka2022] eq. 3-4, or within what rounding alone explains.
 //!
 //! - [`newton_cg`] descends the energy of the whole network (default), its steps found by
-//!   [`conjugate_gradients`] with [`block_jacobi`] for short waves and [`multigrid`] for long ones;
+//!   [`conjugate_gradients`] with [`block_jacobi`] for short waves and [`multigrid`] for long ones,
+//!   by way of easier problems where it takes long ([`continuation`]);
 //! - [`sequential`] moves node after node into its own balance, the thesis' relaxation;
 //! - [`parallel`] computes all moves before it makes any, the thesis' variant.
 //!
@@ -12,6 +13,7 @@
 //! waves with tiny resultants. The difference of the two jaw forces shows it.
 mod block_jacobi;
 mod conjugate_gradients;
+mod continuation;
 mod line_search;
 pub(crate) mod multigrid;
 mod newton_cg;

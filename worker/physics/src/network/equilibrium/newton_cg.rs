@@ -12,6 +12,7 @@ use super::{
     Search, Settled,
     block_jacobi::BlockJacobi,
     conjugate_gradients::{Equations, Scratch, Solved, Stop, Waves, newton_step, precondition},
+    continuation::descend_by_stages,
     line_search::Line,
     work::Meter,
 };
@@ -103,7 +104,7 @@ impl Workspace {
 
 /// Memory that iterations use one after the other.
 #[derive(Debug)]
-struct Memory<T> {
+pub(super) struct Memory<T> {
     /// The resultants of the free nodes over the largest component among them: numbers of order
     /// one stay within the range of single precision.
     force: Field<T>,
@@ -140,7 +141,7 @@ pub(super) fn solve(
     let mut there = workspace.spare.pop().unwrap_or_else(|| here.clone());
     let memory = workspace.memory.take();
     let mut single = memory.unwrap_or_else(|| Memory::new(assembly));
-    let settled = descend(search, assembly, &mut here, &mut there, &mut single, meter);
+    let settled = descend_by_stages(search, assembly, &mut here, &mut there, &mut single, meter);
     workspace.memory = Some(single);
     workspace.spare.push(there);
     let residual = settled?;
@@ -151,7 +152,7 @@ pub(super) fn solve(
 }
 
 /// Moves `here` to equilibrium; `there` and `single` are memory.
-fn descend(
+pub(super) fn descend(
     search: &Search,
     assembly: &Assembly,
     here: &mut Configuration,

@@ -14,7 +14,7 @@ use crate::{
         configuration::Verdict,
         equilibrium::{Method, Search, Settled, Workspace, work::Meter},
         field::Field,
-        law::BondLaw,
+        law::{BondLaw, StrainLaw},
         load_path::{Part, parts},
         rupture::{BreakingRule, Candidate, breaking},
     },
