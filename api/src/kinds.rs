@@ -173,7 +173,7 @@ job_kinds! {
         "Granular scene",
         "Spheres and clumps between planes and surfaces of triangles, in contact with friction, moved step by step through the stages you give.",
         ["granular_scene", "granular_scene_clump_drop", "granular_scene_breaking_clump",
-            "granular_scene_hopper"];
+            "granular_scene_hopper", "granular_scene_angle_of_repose"];
     Calibrate("calibrate"): spec::calibrate::Calibrate,
         "Calibration",
         "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",

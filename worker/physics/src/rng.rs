@@ -12,6 +12,14 @@ pub(crate) enum Purpose {
     Irregularity,
     /// Bond strengths, one stream per bond.
     Strength,
+    /// Sizes of grains, one stream per generator.
+    GrainSizes,
+    /// Orientations of grains, one stream per generator.
+    GrainRotations,
+    /// Places of grains, one stream per generator.
+    GrainPlaces,
+    /// Places of grains that are put in during a test, one stream per batch.
+    BatchPlaces,
 }
 
 /// The streams of one purpose.
@@ -23,6 +31,10 @@ impl Streams {
         let name = match purpose {
             Purpose::Irregularity => "irregularity",
             Purpose::Strength => "strength",
+            Purpose::GrainSizes => "grain sizes",
+            Purpose::GrainRotations => "grain rotations",
+            Purpose::GrainPlaces => "grain places",
+            Purpose::BatchPlaces => "batch places",
         };
         // hashing keeps streams unrelated for seeds that differ in one bit, and the name makes a
         // new purpose harmless to the numbers of the old ones

@@ -1,15 +1,22 @@
-//! What collides: spheres, rigid clumps of spheres, planes.
+//! What collides: spheres, rigid clumps of spheres, bonded spheres that break, planes.
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A body: a sphere or a clump, exactly one of the two.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+use super::Filled;
+
+/// A body: a sphere, a clump or a breakable one, exactly one of the three.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sphere: Option<Sphere>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clump: Option<Clump>,
+    /// Spheres of a cohesive material, bonded to those of this body that they touch at the start,
+    /// and to no others. Each is a body of its own, with its own number; what the bonds still hold
+    /// together is a fragment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub breakable: Option<Clump>,
     /// Name of a material.
     pub material: String,
     /// Centre of the sphere, or the point that the offsets of a clump's members start from.
@@ -36,12 +43,16 @@ pub struct Sphere {
 }
 
 /// Spheres that move as one body and do not touch each other. They may overlap: mass, centre and
-/// inertia are those of their union, which counts overlaps once.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// inertia are those of their union, which counts overlaps once. Given one by one, or as spheres
+/// that fill a shape.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Clump {
-    #[schemars(length(min = 1, max = 100_000))]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 100_000))]
     pub members: Vec<Member>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub filled: Option<Filled>,
 }
 
 /// A sphere of a clump.
@@ -124,10 +135,35 @@ impl DegreeOfFreedom {
 }
 
 impl Body {
-    /// Spheres of this body.
+    /// Nothing yet, at a place [m].
+    pub fn at(position_m: [f64; 3], material: &str) -> Self {
+        Self {
+            material: material.to_owned(),
+            position_m,
+            ..Self::default()
+        }
+    }
+
+    /// Its members, when it is not a sphere.
+    pub fn members(&self) -> Option<&Clump> {
+        self.clump.as_ref().or(self.breakable.as_ref())
+    }
+
+    /// Spheres of this body, about when they fill a shape.
     pub fn particles(&self) -> u64 {
-        self.clump
+        self.members().map_or(1, Clump::expected_members)
+    }
+
+    /// Numbers that it takes: one, or one for each sphere of a breakable body.
+    pub fn numbers(&self) -> usize {
+        self.breakable
             .as_ref()
-            .map_or(1, |clump| clump.members.len() as u64)
+            .map_or(1, |grain| grain.members.len())
+    }
+
+    /// Whether its members are still to be found.
+    pub fn is_filled(&self) -> bool {
+        self.members()
+            .is_some_and(|members| members.filled.is_some())
     }
 }

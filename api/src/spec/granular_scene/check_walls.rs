@@ -1,7 +1,7 @@
 //! What the JSON Schema cannot say of walls and of what drives them.
 use std::collections::BTreeSet;
 
-use super::{Drive, FacetMesh, GranularScene};
+use super::{Body, Drive, FacetMesh, GranularScene};
 use crate::{Violation, surface::unit_normal};
 
 /// At most this many triangles of a wall are listed.
@@ -133,7 +133,10 @@ pub(super) fn check_drive(
             violations.extend(check_swing(&format!("{pointer}/force"), swings));
         }
     }
-    let count = spec.bodies.len();
+    // numbers are known up to the first breakable body whose members are still to be found
+    let known = |body: &&Body| body.breakable.is_none() || !body.is_filled();
+    let known = spec.bodies.iter().take_while(known);
+    let count: usize = known.map(Body::numbers).sum();
     let mut bodies = BTreeSet::new();
     for (index, body) in drive.bodies.iter().enumerate() {
         let pointer = format!("{pointer}/bodies/{index}");

@@ -1,7 +1,7 @@
 //! What the JSON Schema cannot say: names that must exist, bodies that must not sit in each other,
 //! a step that must be stable.
 use super::{
-    Body, ContactLaw, GranularScene, LoadPlane, Material, MovePlane, Plane, Stage, TimeStep,
+    Body, Clump, ContactLaw, GranularScene, LoadPlane, Material, MovePlane, Plane, Stage, TimeStep,
     check_walls,
 };
 use crate::Violation;
@@ -21,31 +21,63 @@ pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
     check_materials_of_walls(spec, violations);
     check_walls::check(spec, violations);
     check_stages(spec, violations);
-    check_record(spec, violations);
+    super::supply_checks::check(spec, violations);
+    check_recorded_planes(spec, violations);
+    let bodies = spec.given_bodies();
+    let is_all_given = spec.generators().next().is_none() && !bodies.iter().any(Body::is_filled);
+    if is_all_given {
+        check_recorded_bodies(spec, bodies.iter().map(Body::numbers).sum(), violations);
+    }
     check_laws(spec, violations);
     super::region::check(spec, violations);
     // what follows looks up materials and shapes
     if violations.is_empty() {
-        let largest = if spec.is_relaxed_first() {
-            f64::INFINITY
-        } else {
-            LARGEST_OVERLAP
-        };
-        super::overlaps::check(spec, largest, violations);
+        super::overlaps::check(spec, &bodies, largest_overlap(spec), violations);
         check_time_step(spec, violations);
     }
+}
+
+/// δ/r that bodies may start with.
+fn largest_overlap(spec: &GranularScene) -> f64 {
+    if spec.is_relaxed_first() {
+        f64::INFINITY
+    } else {
+        LARGEST_OVERLAP
+    }
+}
+
+pub(super) fn check_start(
+    spec: &GranularScene,
+    bodies: &[Body],
+    numbers: usize,
+    violations: &mut Vec<Violation>,
+) {
+    super::overlaps::check(spec, bodies, largest_overlap(spec), violations);
+    check_recorded_bodies(spec, numbers, violations);
 }
 
 fn check_bodies(spec: &GranularScene, violations: &mut Vec<Violation>) {
     let mut wrong = Vec::new();
     for (index, body) in spec.bodies.iter().enumerate() {
         let pointer = format!("/bodies/{index}");
-        if body.sphere.is_some() == body.clump.is_some() {
-            let detail = "a body is either a sphere or a clump";
+        let shapes = [
+            body.sphere.is_some(),
+            body.clump.is_some(),
+            body.breakable.is_some(),
+        ];
+        if shapes.iter().filter(|shape| **shape).count() != 1 {
+            let detail = "a body is a sphere, a clump or a breakable one";
             wrong.push(
                 Violation::new(&pointer, "not_one_shape", detail)
-                    .allowed("exactly one of: sphere, clump"),
+                    .allowed("exactly one of: sphere, clump, breakable"),
             );
+        }
+        if let Some(clump) = &body.clump {
+            wrong.extend(check_clump(&format!("{pointer}/clump"), clump));
+        }
+        if let Some(grain) = &body.breakable {
+            wrong.extend(check_clump(&format!("{pointer}/breakable"), grain));
+            wrong.extend(check_cohesive(spec, &pointer, &body.material));
         }
         wrong.extend(check_material(spec, &pointer, &body.material));
     }
@@ -61,7 +93,34 @@ fn check_bodies(spec: &GranularScene, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_material(spec: &GranularScene, pointer: &str, name: &str) -> Option<Violation> {
+/// A clump is given member by member or by what it fills.
+pub(super) fn check_clump(pointer: &str, clump: &Clump) -> Option<Violation> {
+    (clump.members.is_empty() == clump.filled.is_none()).then(|| {
+        let detail = "members are given one by one or fill a shape";
+        Violation::new(pointer, "not_one_shape", detail)
+            .allowed("exactly one of: members (at least one), filled")
+    })
+}
+
+/// What can break is held together by something.
+pub(super) fn check_cohesive(
+    spec: &GranularScene,
+    pointer: &str,
+    material: &str,
+) -> Option<Violation> {
+    let is_loose = |name: &str| {
+        let material = spec.materials.get(name);
+        material.is_some_and(|material| !material.is_cohesive())
+    };
+    is_loose(material).then(|| {
+        let detail = "nothing bonds the spheres of a breakable body of this material";
+        Violation::new(format!("{pointer}/material"), "not_cohesive", detail)
+            .value(material)
+            .allowed("a material with normal_cohesion_pa or shear_cohesion_pa above 0")
+    })
+}
+
+pub(super) fn check_material(spec: &GranularScene, pointer: &str, name: &str) -> Option<Violation> {
     let names: Vec<&str> = spec.materials.keys().map(String::as_str).collect();
     (!spec.materials.contains_key(name)).then(|| {
         Violation::new(
@@ -108,7 +167,8 @@ fn check_stages(spec: &GranularScene, violations: &mut Vec<Violation>) {
     for (index, stage) in spec.stages.iter().enumerate() {
         let pointer = format!("/stages/{index}/{}", stage.name());
         let duration = stage.duration();
-        if duration.steps.is_some() == duration.time_s.is_some() {
+        let takes_time = !matches!(stage, Stage::Cut(_));
+        if takes_time && duration.steps.is_some() == duration.time_s.is_some() {
             violations.push(
                 Violation::new(&pointer, "not_one_duration", "a stage needs one duration")
                     .allowed("exactly one of: steps, time_s"),
@@ -130,7 +190,7 @@ fn check_stages(spec: &GranularScene, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_record(spec: &GranularScene, violations: &mut Vec<Violation>) {
+fn check_recorded_planes(spec: &GranularScene, violations: &mut Vec<Violation>) {
     for (index, name) in spec.record.planes.iter().enumerate() {
         let pointer = format!("/record/planes/{index}");
         violations.extend(check_plane_name(spec, pointer, name));
@@ -139,7 +199,9 @@ fn check_record(spec: &GranularScene, violations: &mut Vec<Violation>) {
         let pointer = format!("/record/walls/{index}");
         violations.extend(check_walls::check_name(spec, pointer, name));
     }
-    let count = spec.bodies.len();
+}
+
+fn check_recorded_bodies(spec: &GranularScene, count: usize, violations: &mut Vec<Violation>) {
     let bodies = spec.record.bodies.iter().flatten().enumerate();
     let missing = bodies.filter(|(_, body)| **body as usize >= count);
     violations.extend(missing.take(LISTED).map(|(index, body)| {
@@ -188,7 +250,9 @@ fn check_time_step(spec: &GranularScene, violations: &mut Vec<Violation>) {
     let TimeStep::Given(step) = spec.time_step_s else {
         return;
     };
-    if let Some(critical) = spec.critical_step_of_one_contact(spec.first_speed())
+    let samples = spec.samples();
+    if let Some(critical) =
+        spec.critical_step_of_one_contact(&samples, GranularScene::first_speed(&samples))
         && step > critical.step
         && !spec.allow_unstable
     {

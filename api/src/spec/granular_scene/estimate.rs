@@ -33,7 +33,9 @@ impl GranularScene {
         let step = match self.time_step_s {
             TimeStep::Given(step) => step,
             TimeStep::Automatic(_) => {
-                let critical = self.critical_step_of_one_contact(self.first_speed());
+                let samples = self.samples();
+                let speed = Self::first_speed(&samples);
+                let critical = self.critical_step_of_one_contact(&samples, speed);
                 let critical = critical.map_or(f64::INFINITY, |critical| critical.step);
                 self.accuracy.knobs().critical_step_fraction * critical
             }
@@ -67,7 +69,7 @@ pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estim
     };
     let tables = rows
         * (CURVE_ROW_MB
-            + BODY_ROW_MB * spec.recorded_bodies().len() as f64
+            + BODY_ROW_MB * spec.recorded_bodies(spec.particles() as usize).len() as f64
             + CONTACT_ROW_MB * contacts);
     let snapshots = match spec.record.snapshot_every_steps {
         0 => 0.0,

@@ -2,11 +2,14 @@
 //!
 //! The discrete element method of Cundall and Strack: spheres and rigid clumps of spheres between
 //! planes and surfaces of triangles, with friction, in explicit time integration. Everything is in SI
-//! units, angles in radians. A body is named by its place in `bodies`, counted from 0; in tables,
-//! walls are numbered after the bodies, `planes` first, then `facets`.
+//! units, angles in radians. A body is named by its number, counted from 0: those of `bodies` first,
+//! then those of `import`, then those of `generate`, then those that stages `insert`; each sphere of
+//! a breakable body has its own number. In tables, walls are numbered after the bodies, `planes`
+//! first, then `facets`.
 //!
 //! The parts, each in its own file: [`Material`], what collides ([`Body`], [`Plane`],
-//! [`FacetMesh`]), how
+//! [`FacetMesh`]), where bodies come from besides ([`Import`], [`Generate`] and the shapes that
+//! [`Filled`] fills), how it collides
 //! ([`Laws`], [`TimeStep`], [`Accuracy`]), what is done ([`Stage`]) and what is written ([`Record`]).
 //! A further shape, law or stage is one more optional field or one more variant; none of the
 //! names here changes for it. What the engine cannot do is not in these types, so that nothing a
@@ -17,7 +20,11 @@ mod checks;
 mod drive;
 mod estimate;
 mod facets;
+mod generate;
+mod grains;
 pub mod hertz;
+mod import;
+mod insert;
 mod laws;
 mod overlaps;
 mod record;
@@ -26,9 +33,10 @@ mod relax;
 mod stability;
 mod stages;
 mod study;
+mod supply_checks;
 mod vibrate;
 
-use std::collections::BTreeMap;
+use std::{borrow::Cow, collections::BTreeMap};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -39,6 +47,10 @@ pub use bodies::{Axis, Body, Clump, DegreeOfFreedom, Member, Plane, Sphere};
 pub use checks::LARGEST_WAY;
 pub use drive::{BodyDrive, BodyForce, BodyVelocity, Drive, Sine, Turn, WallDrive, WallForce};
 pub use facets::{FacetError, FacetMesh};
+pub use generate::{Arrangement, Generate, Grain, SieveFraction, Sizes, Volume};
+pub use grains::{Filled, Lattice, Shape};
+pub use import::{Import, ImportError, ImportFormat};
+pub use insert::{Cut, Insert};
 pub use laws::{
     Accuracy, AutomaticTimeStep, BondRestLength, ContactLaw, Convention, Knobs, Laws, Material,
     Preset, TimeStep,
@@ -69,6 +81,14 @@ pub struct GranularScene {
     #[serde(default)]
     #[schemars(length(max = 10_000_000))]
     pub bodies: Vec<Body>,
+    /// Files of other programs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub import: Vec<Import>,
+    /// Bodies to be made.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub generate: Vec<Generate>,
     #[serde(default)]
     #[schemars(length(max = 1000))]
     pub planes: Vec<Plane>,
@@ -95,9 +115,75 @@ pub struct GranularScene {
 }
 
 impl GranularScene {
-    /// Spheres of all bodies, members of clumps counted each.
+    /// Spheres of all bodies, members of clumps counted each; those to be made as far as they can be
+    /// foreseen.
     pub fn particles(&self) -> u64 {
-        self.bodies.iter().map(Body::particles).sum()
+        let given: u64 = self.given_bodies().iter().map(Body::particles).sum();
+        let made = self.generators().map(|(_, generator)| {
+            let density = self.density_of(&generator.material);
+            generator.expected_particles(density)
+        });
+        given.saturating_add(made.fold(0, u64::saturating_add))
+    }
+
+    /// Bodies of `bodies` and of `import`; files that cannot be read have none.
+    pub fn given_bodies(&self) -> Cow<'_, [Body]> {
+        if self.import.is_empty() {
+            return Cow::Borrowed(&self.bodies);
+        }
+        let read = |import: &Import| import.bodies(self.density_of(&import.material));
+        let imported = self
+            .import
+            .iter()
+            .flat_map(|import| read(import).unwrap_or_default());
+        Cow::Owned(self.bodies.iter().cloned().chain(imported).collect())
+    }
+
+    /// Whether a body is or will be a rigid clump.
+    pub fn has_clumps(&self) -> bool {
+        let is_clump = |generator: &Generate| matches!(generator.grain, Grain::Clump(_));
+        self.given_bodies().iter().any(|body| body.clump.is_some())
+            || self.generators().any(|(_, generator)| is_clump(generator))
+    }
+
+    /// Everything that makes bodies, with its JSON pointer: those of the start, then stages.
+    pub fn generators(&self) -> impl Iterator<Item = (String, &Generate)> {
+        let first = self.generate.iter().enumerate();
+        let first = first.map(|(index, generator)| (format!("/generate/{index}"), generator));
+        let stages = self.stages.iter().enumerate();
+        first.chain(stages.filter_map(|(index, stage)| match stage {
+            Stage::Insert(insert) => {
+                Some((format!("/stages/{index}/insert/bodies"), &insert.bodies))
+            }
+            _ => None,
+        }))
+    }
+
+    /// The bodies that are given, and samples of those that will be made.
+    fn samples(&self) -> Cow<'_, [Body]> {
+        let given = self.given_bodies();
+        let mut made = self
+            .generators()
+            .flat_map(|(_, generator)| generator.extremes())
+            .peekable();
+        if made.peek().is_none() {
+            return given;
+        }
+        Cow::Owned(given.iter().cloned().chain(made).collect())
+    }
+
+    /// [kg/m³]; not a number for a material that does not exist.
+    fn density_of(&self, material: &str) -> f64 {
+        let material = self.materials.get(material);
+        material.map_or(f64::NAN, |material| material.density_kg_per_m3)
+    }
+
+    /// What is wrong with the places, speeds and numbers of all bodies that the scene starts with,
+    /// where `spec` itself could not tell.
+    pub fn check_start(&self, bodies: &[Body], numbers: usize) -> Vec<Violation> {
+        let mut violations = Vec::new();
+        checks::check_start(self, bodies, numbers, &mut violations);
+        violations
     }
 }
 

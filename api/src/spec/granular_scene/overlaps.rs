@@ -10,7 +10,9 @@ const LISTED: usize = 20;
 
 /// A sphere of a body.
 struct Particle {
+    /// Place among the bodies, and its number.
     body: usize,
+    number: usize,
     centre: [f64; 3],
     radius: f64,
 }
@@ -18,6 +20,7 @@ struct Particle {
 /// Two spheres, or a sphere and a plane, that overlap too much.
 struct Overlap {
     body: usize,
+    number: usize,
     /// What the other is, in words.
     other: String,
     /// Over the smaller radius.
@@ -29,7 +32,7 @@ impl Body {
     /// Centre and radius [m] of each sphere at the start.
     pub fn spheres(&self) -> impl Iterator<Item = ([f64; 3], f64)> {
         let sphere = self.sphere.iter().map(|sphere| ([0.0; 3], sphere.radius_m));
-        let members = self.clump.iter().flat_map(|clump| &clump.members);
+        let members = self.members().into_iter().flat_map(|clump| &clump.members);
         let members = members.map(|member| (member.offset_m, member.radius_m));
         sphere.chain(members).map(|(offset, radius)| {
             let centre = std::array::from_fn(|axis| self.position_m[axis] + offset[axis]);
@@ -44,22 +47,44 @@ impl Body {
     }
 }
 
-pub(super) fn check(spec: &GranularScene, largest_ratio: f64, violations: &mut Vec<Violation>) {
+/// Checks `bodies`, of which the first are those of the spec.
+pub(super) fn check(
+    spec: &GranularScene,
+    bodies: &[Body],
+    largest_ratio: f64,
+    violations: &mut Vec<Violation>,
+) {
     let mut particles: Vec<Particle> = Vec::new();
-    for (body, shape) in spec.bodies.iter().enumerate() {
-        particles.extend(shape.spheres().map(|(centre, radius)| Particle {
-            body,
-            centre,
-            radius,
-        }));
+    let mut first = 0;
+    for (body, shape) in bodies.iter().enumerate() {
+        particles.extend(
+            shape
+                .spheres()
+                .enumerate()
+                .map(|(place, (centre, radius))| {
+                    // the members of a rigid clump share its number
+                    let place = place.min(shape.numbers() - 1);
+                    Particle {
+                        body,
+                        number: first + place,
+                        centre,
+                        radius,
+                    }
+                }),
+        );
+        first += shape.numbers();
     }
-    let mut overlaps = between_bodies(spec, &mut particles, largest_ratio);
-    overlaps.extend(behind_planes(spec, &particles, largest_ratio));
-    overlaps.extend(in_facets(spec, &particles, largest_ratio));
+    let mut overlaps = between_bodies(spec, bodies, &mut particles, largest_ratio);
+    overlaps.extend(behind_planes(spec, bodies, &particles, largest_ratio));
+    overlaps.extend(in_facets(spec, bodies, &particles, largest_ratio));
     overlaps.sort_by(|a, b| b.ratio.total_cmp(&a.ratio).then(a.body.cmp(&b.body)));
     let count = overlaps.len();
     for overlap in overlaps.into_iter().take(LISTED) {
-        let pointer = format!("/bodies/{}/position_m", overlap.body);
+        let pointer = if overlap.body < spec.bodies.len() {
+            format!("/bodies/{}/position_m", overlap.body)
+        } else {
+            "/import".to_owned()
+        };
         let more = if count > LISTED {
             format!(" ({count} such overlaps in all)")
         } else {
@@ -68,11 +93,11 @@ pub(super) fn check(spec: &GranularScene, largest_ratio: f64, violations: &mut V
         let violation = if overlap.is_same_place {
             let detail = format!(
                 "body {} has its centre where {} has its own{more}",
-                overlap.body, overlap.other
+                overlap.number, overlap.other
             );
             Violation::new(pointer, "equal_centres", detail).allowed("places of their own")
         } else {
-            let detail = format!("body {} sits in {}{more}", overlap.body, overlap.other);
+            let detail = format!("body {} sits in {}{more}", overlap.number, overlap.other);
             Violation::new(pointer, "overlap", detail)
                 .value(overlap.ratio)
                 .allowed(format!(
@@ -88,6 +113,7 @@ pub(super) fn check(spec: &GranularScene, largest_ratio: f64, violations: &mut V
 /// ends can touch it.
 fn between_bodies(
     spec: &GranularScene,
+    bodies: &[Body],
     particles: &mut [Particle],
     largest_ratio: f64,
 ) -> Vec<Overlap> {
@@ -101,7 +127,7 @@ fn between_bodies(
             }
             let away = |axis: usize| second.centre[axis] - first.centre[axis];
             let reach = first.radius + second.radius;
-            if away(1).abs() > reach || first.body == second.body {
+            if away(1).abs() > reach || first.number == second.number {
                 continue;
             }
             let distance = (0..3).map(|axis| away(axis).powi(2)).sum::<f64>().sqrt();
@@ -109,17 +135,24 @@ fn between_bodies(
             if ratio <= largest_ratio && distance > 0.0 {
                 continue;
             }
-            let (low, high) = (first.body.min(second.body), first.body.max(second.body));
-            if spec.bodies[low].is_held() && spec.bodies[high].is_held() {
+            let (low, high) = if first.number < second.number {
+                (first, second)
+            } else {
+                (second, first)
+            };
+            let pair = [low, high].map(|particle| &bodies[particle.body]);
+            if pair.iter().all(|body| body.is_held()) {
                 continue;
             }
             let is_same_place = distance == 0.0;
-            if rests_in_a_bond(spec, [low, high]) && !is_same_place {
+            let may_bond = low.body == high.body || pair.iter().all(|body| body.sphere.is_some());
+            if may_bond && rests_in_a_bond(spec, pair) && !is_same_place {
                 continue;
             }
             overlaps.push(Overlap {
-                body: high,
-                other: format!("body {low}"),
+                body: high.body,
+                number: high.number,
+                other: format!("body {}", low.number),
                 ratio,
                 is_same_place,
             });
@@ -129,24 +162,30 @@ fn between_bodies(
 }
 
 /// Whether the bodies will be bonded at the distance they have.
-fn rests_in_a_bond(spec: &GranularScene, bodies: [usize; 2]) -> bool {
-    let is_cohesive = |body: usize| {
-        let material = spec.materials.get(&spec.bodies[body].material);
+fn rests_in_a_bond(spec: &GranularScene, bodies: [&Body; 2]) -> bool {
+    let is_cohesive = |body: &Body| {
+        let material = spec.materials.get(&body.material);
         material.is_some_and(Material::is_cohesive)
     };
     spec.laws.bond_rest_length == BondRestLength::Initial && bodies.into_iter().all(is_cohesive)
 }
 
-fn behind_planes(spec: &GranularScene, particles: &[Particle], largest_ratio: f64) -> Vec<Overlap> {
+fn behind_planes(
+    spec: &GranularScene,
+    bodies: &[Body],
+    particles: &[Particle],
+    largest_ratio: f64,
+) -> Vec<Overlap> {
     let mut overlaps = Vec::new();
     for plane in &spec.planes {
         for particle in particles {
             let height = particle.centre[plane.axis.index()] - plane.position_m;
             let overlap = particle.radius - height * f64::from(plane.facing);
             let ratio = overlap / particle.radius;
-            if ratio > largest_ratio && !spec.bodies[particle.body].is_held() {
+            if ratio > largest_ratio && !bodies[particle.body].is_held() {
                 overlaps.push(Overlap {
                     body: particle.body,
+                    number: particle.number,
                     other: format!("or behind plane {:?}", plane.name),
                     ratio,
                     is_same_place: false,
@@ -159,7 +198,12 @@ fn behind_planes(spec: &GranularScene, particles: &[Particle], largest_ratio: f6
 
 /// Spheres come sorted by their lower ends along x: of those, a triangle can meet only the ones that
 /// begin before it ends, and not farther before it begins than the largest of them is wide.
-fn in_facets(spec: &GranularScene, particles: &[Particle], largest_ratio: f64) -> Vec<Overlap> {
+fn in_facets(
+    spec: &GranularScene,
+    bodies: &[Body],
+    particles: &[Particle],
+    largest_ratio: f64,
+) -> Vec<Overlap> {
     let low = |particle: &Particle| particle.centre[0] - particle.radius;
     let radii = particles.iter().map(|particle| particle.radius);
     let widest = 2.0 * radii.fold(0.0, f64::max);
@@ -174,7 +218,7 @@ fn in_facets(spec: &GranularScene, particles: &[Particle], largest_ratio: f64) -
                     let [centre, radius] = [particle.centre[axis], particle.radius];
                     centre - radius > upper[axis] || centre + radius < lower[axis]
                 });
-                if is_apart || spec.bodies[particle.body].is_held() {
+                if is_apart || bodies[particle.body].is_held() {
                     continue;
                 }
                 let closest = closest_point(triangle, &particle.centre).position;
@@ -183,6 +227,7 @@ fn in_facets(spec: &GranularScene, particles: &[Particle], largest_ratio: f64) -
                 if ratio > largest_ratio {
                     overlaps.push(Overlap {
                         body: particle.body,
+                        number: particle.number,
                         other: format!("triangle {number} of facets {:?}", mesh.name),
                         ratio,
                         is_same_place: false,

@@ -54,17 +54,17 @@ impl Default for Record {
 }
 
 impl super::GranularScene {
-    /// Bodies whose motion is written.
-    pub fn recorded_bodies(&self) -> Vec<u32> {
+    /// Bodies whose motion is written, of a scene of `count`.
+    pub fn recorded_bodies(&self, count: usize) -> Vec<u32> {
         match &self.record.bodies {
             Some(bodies) => bodies.clone(),
-            None if self.bodies.len() < FEW_BODIES => (0..self.bodies.len() as u32).collect(),
+            None if count < FEW_BODIES => (0..count as u32).collect(),
             None => Vec::new(),
         }
     }
 
-    /// Whether the outcome describes every body.
-    pub fn describes_bodies(&self) -> bool {
-        self.bodies.len() < FEW_BODIES
+    /// Whether the outcome describes every body of `count`.
+    pub fn describes_bodies(count: usize) -> bool {
+        count < FEW_BODIES
     }
 }

@@ -80,16 +80,20 @@ pub struct CriticalStep {
 
 impl GranularScene {
     /// Smallest critical step of any contact between two spheres, or a sphere and a plane, that
-    /// may come to pass: each sphere against the planes, the stiffest and the lightest other.
-    /// Clumps are left out: their mass is not known here. `None` when nothing can touch. Under
-    /// Hertz's law the bodies meet at `speed` [m/s]; linear springs do not ask.
-    pub fn critical_step_of_one_contact(&self, speed: f64) -> Option<CriticalStep> {
-        let spheres: Vec<Partner<'_>> = self
-            .bodies
-            .iter()
-            .enumerate()
-            .filter_map(|(body, spec)| self.partner(body, spec))
-            .collect();
+    /// may come to pass between `bodies`: each sphere against the planes, the stiffest and the
+    /// lightest other. Rigid clumps are left out: their mass is not known here. `None` when nothing
+    /// can touch. Under Hertz's law the bodies meet at `speed` [m/s]; linear springs do not ask.
+    pub fn critical_step_of_one_contact(
+        &self,
+        bodies: &[Body],
+        speed: f64,
+    ) -> Option<CriticalStep> {
+        let mut spheres: Vec<Partner<'_>> = Vec::new();
+        let mut number = 0;
+        for body in bodies {
+            self.add_partners(number, body, &mut spheres);
+            number += body.numbers();
+        }
         let stiffness = |partner: &Partner<'_>| partner.material.normal_stiffness(partner.radius);
         let most = |value: &dyn Fn(&Partner<'_>) -> f64| {
             let mut order: Vec<usize> = (0..spheres.len()).collect();
@@ -138,23 +142,30 @@ impl GranularScene {
         smallest
     }
 
-    fn partner<'a>(&'a self, body: usize, spec: &'a Body) -> Option<Partner<'a>> {
-        let material = self.materials.get(&spec.material)?;
-        let radius = spec.sphere?.radius_m;
-        let mass = material.density_kg_per_m3 * 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
-        let inverse_mass = if spec.is_movable() { 1.0 / mass } else { 0.0 };
-        Some(Partner {
-            body,
-            material,
-            radius,
-            curvature: 1.0 / radius,
-            inverse_mass,
-        })
+    /// Spheres that move on their own, of a body that begins at `number`.
+    fn add_partners<'a>(&'a self, number: usize, body: &'a Body, to: &mut Vec<Partner<'a>>) {
+        let Some(material) = self.materials.get(&body.material) else {
+            return;
+        };
+        if body.clump.is_some() {
+            return;
+        }
+        for (place, (_, radius)) in body.spheres().enumerate() {
+            let mass =
+                material.density_kg_per_m3 * 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+            to.push(Partner {
+                body: number + place,
+                material,
+                radius,
+                curvature: 1.0 / radius,
+                inverse_mass: if body.is_movable() { 1.0 / mass } else { 0.0 },
+            });
+        }
     }
 
-    /// Twice the largest speed at the start [m/s]: that of two bodies that meet.
-    pub fn first_speed(&self) -> f64 {
-        let squares = self.bodies.iter().map(|body| {
+    /// Twice the largest speed of `bodies` at the start [m/s]: that of two bodies that meet.
+    pub fn first_speed(bodies: &[Body]) -> f64 {
+        let squares = bodies.iter().map(|body| {
             let components = body.velocity_m_per_s.iter();
             components
                 .map(|component| component * component)

@@ -3,7 +3,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Relax, Vibrate,
+    Cut, Insert, Relax, Vibrate,
     drive::{Drive, swing},
 };
 
@@ -25,6 +25,10 @@ pub enum Stage {
     Relax(Relax),
     /// Lets the bodies move while they are shaken, with less friction if asked for.
     Vibrate(Vibrate),
+    /// Puts bodies in while the others move.
+    Insert(Box<Insert>),
+    /// Takes bodies out.
+    Cut(Cut),
 }
 
 /// A plane under a force, for `steps` or for `time_s`, exactly one of the two. It starts at rest and
@@ -143,6 +147,14 @@ impl Stage {
                 steps: stage.steps,
                 time_s: stage.time_s,
             },
+            Self::Insert(stage) => Run {
+                steps: stage.steps,
+                time_s: stage.time_s,
+            },
+            Self::Cut(_) => Run {
+                steps: None,
+                time_s: None,
+            },
         }
     }
 
@@ -150,7 +162,12 @@ impl Stage {
     pub fn is_driven(&self) -> bool {
         match self {
             Self::MovePlane(_) | Self::LoadPlane(_) | Self::Drive(_) => true,
-            Self::Run(_) | Self::Settle(_) | Self::Relax(_) | Self::Vibrate(_) => false,
+            Self::Run(_)
+            | Self::Settle(_)
+            | Self::Relax(_)
+            | Self::Vibrate(_)
+            | Self::Insert(_)
+            | Self::Cut(_) => false,
         }
     }
 
@@ -164,6 +181,8 @@ impl Stage {
             Self::Settle(_) => "settle",
             Self::Relax(_) => "relax",
             Self::Vibrate(_) => "vibrate",
+            Self::Insert(_) => "insert",
+            Self::Cut(_) => "cut",
         }
     }
 }

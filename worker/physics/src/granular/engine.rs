@@ -15,6 +15,8 @@ use super::{
     particles::Particles,
     patch::{Bodies, BodyLoad, Patch, Push},
     scene::{Model, build},
+    specimen::Specimen,
+    supply::Reserve,
 };
 use crate::parallel::Team;
 
@@ -44,8 +46,10 @@ pub(super) struct State<F: Law> {
     pub(super) lists: u64,
     /// Work that moving walls have done on the bodies [J].
     pub(super) wall_work: f64,
-    /// Bonds made at the start.
+    /// Bonds made, at the start and of bodies that were put in.
     pub(super) bonds_made: u64,
+    /// Intact bonds of bodies that were taken out.
+    pub(super) bonds_removed: u64,
     /// Farthest that one of them stretches before it breaks [m].
     longest_stretch: f64,
     /// Upper bound of the speeds after the last step [m/s].
@@ -61,22 +65,23 @@ pub(super) struct Engine<F: Law> {
     /// What acts on every body now [m/s²]: that of the model, and what shakes the scene.
     pub(super) gravity: Vector,
     pub(super) state: State<F>,
+    /// Bodies that are not in the scene yet.
+    pub(super) reserve: Reserve,
     halos: Vec<Halo>,
     /// Forces on the patch at work when patches are worked through one after the other: one array
     /// for all stays in the cache.
     scratch: Wrenches,
     /// Forces on bodies in this step beside weights and contacts.
     pub(super) loads: Vec<BodyLoad>,
-    search: Search,
+    pub(super) search: Search,
     team: Team,
 }
 
 impl<F: Law> Engine<F> {
-    pub(super) fn new(spec: &GranularScene, team: Team) -> Self {
-        let (model, particles, clumps) = build(spec);
+    pub(super) fn new(spec: &GranularScene, specimen: &Specimen<'_>, team: Team) -> Self {
+        let (model, particles, clumps) = build(spec, specimen);
         let faces = model.planes.iter().map(|plane| plane.face).collect();
         let state = State {
-            skin: Skin::new(&particles.centres),
             particles,
             clumps,
             faces,
@@ -84,16 +89,21 @@ impl<F: Law> Engine<F> {
             friction_factor: 1.0,
             ..State::default()
         };
-        Self {
+        let mut engine = Self {
             gravity: model.gravity,
             model,
             state,
+            reserve: Reserve::default(),
             halos: Vec::new(),
             scratch: Wrenches::default(),
             loads: Vec::new(),
             search: Search::default(),
             team,
-        }
+        };
+        let state = &mut engine.state;
+        engine.reserve = Reserve::split_off(specimen, &mut state.particles, &mut state.clumps);
+        state.skin = Skin::new(&state.particles.centres);
+        engine
     }
 
     /// Goes on from `state`.
@@ -230,6 +240,13 @@ impl<F: Law> Engine<F> {
         self.team.map(work.collect(), Push::run);
     }
 
+    /// Finds out what touches between two steps, when something was done to the scene.
+    pub(super) fn push_still(&mut self) {
+        self.push(0.0);
+        // shear forces were turned to the present normals
+        self.state.last_step = 0.0;
+    }
+
     /// The second phase: the forces move the bodies.
     pub(super) fn advance(&mut self, time_step: f64) {
         let drive = self.drive(time_step);
@@ -301,12 +318,27 @@ impl<F: Law> Engine<F> {
 
     /// Searches for candidates anew.
     pub(super) fn list(&mut self) {
-        let state = &mut self.state;
-        let memories = if state.lists == 0 {
+        let memories = if self.state.lists == 0 {
             Memories::none()
         } else {
-            Memories::of(&state.patches, &state.particles)
+            self.memories()
         };
+        self.list_with(&memories);
+    }
+
+    /// What the contacts of the last step remember.
+    pub(super) fn memories(&self) -> Memories {
+        Memories::of(&self.state.patches, &self.state.particles)
+    }
+
+    /// The same after bodies came or went.
+    pub(super) fn relist(&mut self, memories: Memories) {
+        self.state.skin = Skin::new(&self.state.particles.centres);
+        self.list_with(&memories);
+    }
+
+    fn list_with(&mut self, memories: &Memories) {
+        let state = &mut self.state;
         // in the old order, as the way is measured from
         state.skin.renew(&state.particles.centres);
         if state.lists.is_multiple_of(LISTS_PER_SORT) {
@@ -320,7 +352,7 @@ impl<F: Law> Engine<F> {
             &state.particles,
             &state.clumps,
             skin,
-            &memories,
+            memories,
         );
         listing::facets::fill(
             &self.model,
@@ -329,7 +361,7 @@ impl<F: Law> Engine<F> {
             &state.particles,
             &mut state.patches,
             skin,
-            &memories,
+            memories,
         );
         if state.friction_factor < 1.0 {
             state
@@ -337,12 +369,14 @@ impl<F: Law> Engine<F> {
                 .iter_mut()
                 .for_each(|patch| patch.rub(state.friction_factor));
         }
-        if state.lists == 0 {
+        if memories.makes_bonds() {
             let bonds = state.patches.iter().flat_map(Patch::bonds);
+            let mut held = 0;
             for (strength, stiffness) in bonds {
                 state.longest_stretch = state.longest_stretch.max(strength / stiffness);
-                state.bonds_made += 1;
+                held += 1;
             }
+            state.bonds_made += held - memories.intact_bonds();
         }
         state.skin.start(&state.particles.centres);
         state.is_listed = true;

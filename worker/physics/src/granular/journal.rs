@@ -22,6 +22,16 @@ pub(super) struct Journal {
     pub(super) curve: Vec<f64>,
     pub(super) bodies: Vec<f64>,
     pub(super) contacts: Vec<f64>,
+    /// Rows of `fragments.csv`.
+    pub(super) fragments: Vec<f64>,
+    /// Batches of the present stage, and grains that came in with them.
+    pub(super) batches: u64,
+    pub(super) supplied: usize,
+    /// Stages that ended before all was in, and how many grains were left.
+    pub(super) not_inserted: Vec<(usize, usize)>,
+    /// Bodies that were taken out, and their mass [kg].
+    pub(super) removed_bodies: u64,
+    pub(super) removed_mass: f64,
     /// Step and time of each snapshot.
     pub(super) snapshots: Vec<(u64, f64)>,
     pub(super) worst: Worst,
@@ -98,6 +108,11 @@ impl Balance {
     /// Work that is not measured begins: what is left afterwards is a new beginning.
     pub(super) fn pause(&mut self) {
         self.lowest = None;
+    }
+
+    /// Bodies came or went, and with them this energy [J].
+    pub(super) fn shift(&mut self, energy: f64) {
+        self.lowest = self.lowest.map(|lowest| lowest + energy);
     }
 
     /// Created energy over the scale.

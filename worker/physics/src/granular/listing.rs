@@ -28,7 +28,7 @@ use super::{
 const PATCH: usize = 2048;
 
 /// What contacts remember, by particle number of the spec, whatever the order in memory.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Memories {
     /// For each particle, the partners with higher numbers that it touched.
     starts: Vec<u32>,
@@ -37,8 +37,20 @@ pub(super) struct Memories {
     walls: Vec<((u32, u32), Past)>,
     /// Particle, facet and past, sorted.
     facets: Vec<((u32, u32), Past)>,
-    /// Whether this is the start, when bonds are made.
-    makes_bonds: bool,
+    /// Particles with this number and higher ones are new: bonds are made between them.
+    newcomers: u32,
+}
+
+impl Default for Memories {
+    fn default() -> Self {
+        Self {
+            starts: Vec::new(),
+            pairs: Vec::new(),
+            walls: Vec::new(),
+            facets: Vec::new(),
+            newcomers: u32::MAX,
+        }
+    }
 }
 
 /// Spheres this part of the smaller radius apart touch when bonds are made: places in a spec are
@@ -73,11 +85,17 @@ impl Memories {
             }
         }
         walls.sort_by_key(|(key, _)| *key);
-        let mut starts = vec![0_u32; particles.len() + 1];
+        // numbers of particles that were taken out are missing
+        let numbers = particles
+            .numbers
+            .iter()
+            .max()
+            .map_or(0, |last| *last as usize + 1);
+        let mut starts = vec![0_u32; numbers + 1];
         for (low, ..) in &pairs {
             starts[*low as usize + 1] += 1;
         }
-        for number in 0..particles.len() {
+        for number in 0..numbers {
             starts[number + 1] += starts[number];
         }
         let mut next = starts.clone();
@@ -92,8 +110,25 @@ impl Memories {
             pairs: sorted,
             walls,
             facets: facets::pasts(patches, particles),
-            makes_bonds: false,
+            ..Self::default()
         }
+    }
+
+    /// The same when particles of these numbers come in.
+    pub(super) fn with_newcomers(self, first: u32) -> Self {
+        Self {
+            newcomers: first,
+            ..self
+        }
+    }
+
+    pub(super) fn makes_bonds(&self) -> bool {
+        self.newcomers < u32::MAX
+    }
+
+    pub(super) fn intact_bonds(&self) -> u64 {
+        let intact = self.pairs.iter().filter(|(_, past)| past.bond.is_intact);
+        intact.count() as u64
     }
 
     /// What the contact of particles `a` and `b` remembers, seen from a.
@@ -110,7 +145,7 @@ impl Memories {
     /// At the start of a scene.
     pub(super) fn none() -> Self {
         Self {
-            makes_bonds: true,
+            newcomers: 0,
             ..Self::default()
         }
     }
@@ -123,8 +158,14 @@ impl Memories {
         a: usize,
         b: usize,
     ) -> Option<Past> {
-        if !self.makes_bonds {
-            return self.pair(particles.numbers[a], particles.numbers[b]);
+        let numbers = [a, b].map(|particle| particles.numbers[particle]);
+        if numbers[0].min(numbers[1]) < self.newcomers {
+            return self.pair(numbers[0], numbers[1]);
+        }
+        // spheres of breakable grains are bonded within their grain only
+        let [own, other] = [a, b].map(|particle| particles.owners[particle] as usize);
+        if model.grains.get(own) != model.grains.get(other) {
+            return None;
         }
         let [a, b] = [a, b].map(|particle| {
             let centre = particles.centres[particle];

@@ -4,16 +4,18 @@
 //! under gravity and the forces of their contacts, with each other, with planes and with [`facets`]. SI units,
 //! angles in radians, overlaps positive, forces of a contact on its second body.
 //!
-//! **Data road.** [`scene`] resolves a spec into a *model*, which nothing changes, and the first
+//! **Data road.** [`specimen`] lists every body, those that [`generate`] makes included; [`scene`]
+//! resolves spec and specimen into a *model*, which nothing changes, and the first
 //! *state*: [`particles`] (every sphere that collides, in arrays), clumps, walls. [`listing`] sorts
 //! particles along a curve through space, cuts them into patches of some two thousand, and fills
 //! each [`patch`] with candidates for contact from the search of [`neighbours`]; what contacts
 //! remember is carried over. A step of the [`engine`] has two phases: [`contact`] turns positions
 //! into forces, patch by patch; [`motion`] turns forces into new positions. [`run`] goes through
 //! the stages, whose [`drives`] move walls and bodies; when something is due it observes the scene
-//! between the phases ([`observe`], [`measure`], [`time_step`], [`inspect`]) and keeps it in the
-//! [`journal`], from which [`tables`],
-//! [`snapshot`] and [`report`] make files and results.
+//! between the phases ([`observe`], [`measure`], [`time_step`], [`inspect`], [`fragments`]) and keeps
+//! it in the [`journal`], from which [`tables`], [`snapshot`] and [`report`] make files and results.
+//! Between steps a stage may put bodies in ([`supply`]) or take them out ([`removal`]): arrays and
+//! lists are made anew, bodies keep their numbers.
 //!
 //! **Numbers.** Contacts are worked through in vectors of 8, 4 or 1 ([`lanes`], [`rows`]), each
 //! lane a contact, with nothing fused: every machine gives the same bits. Forces on a particle are
@@ -33,32 +35,31 @@ mod contact;
 mod drives;
 mod engine;
 mod facets;
-#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
+mod fragments;
 mod generate;
-#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
-mod import;
 mod inspect;
 mod journal;
 mod lanes;
-#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
 mod lattice;
 mod listing;
 mod measure;
-#[allow(dead_code, unused_imports, reason = "scenes that use it follow")]
 mod mesh;
 mod motion;
 mod neighbours;
 mod observe;
 mod particles;
 mod patch;
+mod removal;
 mod report;
 mod rows;
 mod run;
 mod scene;
 mod snapshot;
 mod solid_share;
+mod specimen;
 mod sphere;
 mod stages;
+mod supply;
 mod tables;
 mod time_step;
 
@@ -107,8 +108,7 @@ pub(crate) fn run(
 /// no member of a clump, no facet where it meets the next, and no body that a stage gives another
 /// velocity.
 fn normals_follow(spec: &GranularScene) -> bool {
-    let are_spheres = spec.bodies.iter().all(|body| body.sphere.is_some());
-    are_spheres && spec.facets.is_empty() && spec.driven_bodies().is_empty()
+    !spec.has_clumps() && spec.facets.is_empty() && spec.driven_bodies().is_empty()
 }
 
 /// Runs the scene under the law for smooth or that for rough materials, with a dashpot if there is

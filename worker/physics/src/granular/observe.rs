@@ -194,7 +194,10 @@ impl<F: Law> Engine<F> {
     /// What is read off the bodies and their `contacts` for a row of the curve.
     pub(super) fn reading(&self, contacts: &[Contact], energies: &Energies) -> Reading {
         let is_movable = &self.model.is_movable;
-        let movable = is_movable.iter().filter(|movable| **movable).count();
+        let bodies = self.present_bodies();
+        let movable = bodies
+            .filter(|(body, ..)| is_movable[*body as usize])
+            .count();
         let ends = contacts.iter().flat_map(|contact| contact.bodies);
         let ends = ends.filter(|body| is_movable.get(*body as usize) == Some(&true));
         let coordination = ends.count() as f64 / movable as f64;

@@ -28,10 +28,10 @@ pub(super) fn report<F: Law>(
     let quality = quality(spec, engine, journal);
     Report {
         stop_reason: "stages_done".to_owned(),
-        summary: summary(spec, engine, journal, escaped.len()),
-        warnings: warnings(spec, journal, &quality, &escaped),
+        summary: summary(engine, journal, escaped.len()),
+        warnings: warnings(spec, engine.model.masses.len(), journal, &quality, &escaped),
         quality,
-        bodies: if spec.describes_bodies() {
+        bodies: if GranularScene::describes_bodies(engine.model.masses.len()) {
             bodies(engine)
         } else {
             Vec::new()
@@ -51,13 +51,18 @@ pub(super) fn report<F: Law>(
 }
 
 fn summary<F: Law>(
-    spec: &GranularScene,
     engine: &Engine<F>,
     journal: &Journal,
     escaped: usize,
 ) -> IndexMap<String, Quantity> {
     let last = &journal.last;
-    let mass: f64 = engine.model.masses.iter().sum();
+    let mut masses: Vec<(u32, f64)> = engine
+        .present_bodies()
+        .map(|(body, mass, _)| (body, mass))
+        .collect();
+    // summed in the order of numbers
+    masses.sort_unstable_by_key(|(body, _)| *body);
+    let mass: f64 = masses.iter().map(|(_, mass)| mass).sum();
     let rows: [(&str, Option<f64>, &str, &str); 12] = [
         (
             "simulated_time",
@@ -79,9 +84,9 @@ fn summary<F: Law>(
         ),
         (
             "bodies",
-            Some(spec.bodies.len() as f64),
+            Some(masses.len() as f64),
             "1",
-            "Bodies of the scene.",
+            "Bodies of the scene at the end; each sphere of a breakable one is one.",
         ),
         (
             "particles",
@@ -89,7 +94,12 @@ fn summary<F: Law>(
             "1",
             "Spheres, members of clumps included.",
         ),
-        ("total_mass", Some(mass), "kg", "Mass of all bodies."),
+        (
+            "total_mass",
+            Some(mass),
+            "kg",
+            "Mass of all bodies at the end.",
+        ),
         (
             "contacts",
             Some(last.contacts as f64),
@@ -134,7 +144,7 @@ fn summary<F: Law>(
     }
     let made = engine.state.bonds_made;
     if made > 0 {
-        let broken = made.saturating_sub(last.bonds);
+        let broken = engine.broken_bonds(last);
         for (name, count, description) in [
             ("bonds", made, "Bonds made at the start."),
             ("broken_bonds", broken, "Bonds that broke."),
@@ -144,6 +154,13 @@ fn summary<F: Law>(
                 Quantity::new(count as f64, "1", description),
             );
         }
+    }
+    if journal.removed_bodies > 0 {
+        let count = journal.removed_bodies as f64;
+        let count = Quantity::new(count, "1", "Bodies that stages took out.");
+        summary.insert("removed_bodies".to_owned(), count);
+        let mass = Quantity::new(journal.removed_mass, "kg", "Their mass.");
+        summary.insert("removed_mass".to_owned(), mass);
     }
     summary
 }
@@ -169,7 +186,7 @@ fn quality<F: Law>(
                 journal.worst.step_ratio,
                 LARGEST_STEP_RATIO,
                 "1",
-                &limit(spec, journal),
+                &limit(spec, engine.model.masses.len(), journal),
             ),
         ),
     ]);
@@ -208,7 +225,7 @@ fn quality<F: Law>(
 }
 
 /// What set the time step, and what softening it would save.
-fn limit(spec: &GranularScene, journal: &Journal) -> String {
+fn limit(spec: &GranularScene, bodies: usize, journal: &Journal) -> String {
     let first = "Largest time step seen over the critical one of the contacts at that time.";
     let Some(critical) = journal.worst.critical else {
         return format!("{first} Nothing touched.");
@@ -229,13 +246,13 @@ fn limit(spec: &GranularScene, journal: &Journal) -> String {
         "{first} That was {:e} s, set by body {} and its contact with {}; {saving}.",
         critical.step,
         critical.body,
-        partner(spec, critical.partner)
+        partner(spec, bodies, critical.partner)
     )
 }
 
 /// What a body touches: another, or a plane, which are numbered after the bodies.
-fn partner(spec: &GranularScene, number: u32) -> String {
-    let plane = (number as usize).checked_sub(spec.bodies.len());
+fn partner(spec: &GranularScene, bodies: usize, number: u32) -> String {
+    let plane = (number as usize).checked_sub(bodies);
     match plane.and_then(|plane| spec.planes.get(plane)) {
         Some(plane) => format!("plane {:?}", plane.name),
         None => format!("body {number}"),
@@ -244,6 +261,7 @@ fn partner(spec: &GranularScene, number: u32) -> String {
 
 fn warnings(
     spec: &GranularScene,
+    bodies: usize,
     journal: &Journal,
     quality: &IndexMap<String, QualityCheck>,
     escaped: &[u32],
@@ -263,7 +281,7 @@ fn warnings(
                          set by body {} and its contact with {}",
                         critical.step,
                         critical.body,
-                        partner(spec, critical.partner)
+                        partner(spec, bodies, critical.partner)
                     ),
                     None => "choose a smaller time step".to_owned(),
                 },
@@ -284,6 +302,15 @@ fn warnings(
             code: "not_settled".to_owned(),
             detail: format!(
                 "stage {stage} ended before the bodies were as it waits for: give it more steps"
+            ),
+        });
+    }
+    for (stage, left) in &journal.not_inserted {
+        warnings.push(Warning {
+            code: "not_inserted".to_owned(),
+            detail: format!(
+                "stage {stage} ended before {left} of its grains found room: give it more time or a \
+                 larger region"
             ),
         });
     }

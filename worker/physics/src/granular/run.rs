@@ -1,16 +1,21 @@
 //! A run: steps, what is observed on the way, until the end of the last of its
 //! [`stages`](super::stages).
+use std::{borrow::Cow, collections::BTreeMap, ops::Range};
+
 use loadframe_api::spec::granular_scene::{
-    ContactLaw, GranularScene, LARGEST_WAY, Stage, TimeStep,
+    Body, ContactLaw, GranularScene, LARGEST_WAY, Stage, TimeStep,
 };
 use serde::{Deserialize, Serialize};
 
 use super::{
     contact::law::Law,
     engine::{Engine, State},
+    fragments,
     journal::Journal,
     observe::{Contact, Energies, elastic_energy},
-    report, snapshot, tables,
+    report, snapshot,
+    specimen::Specimen,
+    tables,
     time_step::Critical,
 };
 use crate::{
@@ -44,10 +49,15 @@ struct CheckpointOf<'a, F: Law> {
     state: &'a State<F>,
 }
 
+/// What goes through the stages.
 pub(super) struct Runner<'a, F: Law> {
     pub(super) spec: &'a GranularScene,
     pub(super) engine: Engine<F>,
     pub(super) journal: Journal,
+    /// Bodies that wait for a stage, by its number.
+    pub(super) reserved: BTreeMap<usize, Range<usize>>,
+    /// All bodies as they are described.
+    bodies: Cow<'a, [Body]>,
     recorded: Vec<u32>,
     /// Part of the critical step that an automatic one takes; `None` when the step is given.
     automatic: Option<f64>,
@@ -82,6 +92,9 @@ pub(super) fn run<F: Law>(
     while let Some(stage) = spec.stages.get(runner.journal.stage) {
         runner.begin_drives(stage);
         runner.rub(stage);
+        if let Stage::Cut(cut) = stage {
+            runner.cut(cut, recorder)?;
+        }
         while !runner.is_stage_done(stage) {
             work += runner.engine.state.particles.len() as u64 + 100;
             if work > WORK_PER_INTERRUPT_LOOK {
@@ -101,12 +114,14 @@ pub(super) fn run<F: Law>(
             }
             runner.drive(stage);
             runner.shake(stage);
+            runner.supply(stage, recorder);
             runner.step(recorder)?;
         }
         let waits = matches!(stage, Stage::Settle(_) | Stage::Relax(_));
         if waits && !runner.journal.is_settled {
             runner.journal.unsettled_stages.push(runner.journal.stage);
         }
+        runner.end_supply(stage);
         runner.journal.is_settled = false;
         runner.journal.stage += 1;
         runner.journal.stage_steps = 0;
@@ -125,9 +140,11 @@ pub(super) fn run<F: Law>(
 
 impl<'a, F: Law> Runner<'a, F> {
     fn new(spec: &'a GranularScene, team: Team) -> Result<Self, SimulationError> {
-        let engine = Engine::new(spec, team);
-        let foreseen = foreseen(spec, &engine, spec.first_speed());
-        let movable = spec.bodies.iter().filter(|body| !body.is_held());
+        let specimen = Specimen::new(spec)?;
+        let engine = Engine::new(spec, &specimen, team);
+        let speed = GranularScene::first_speed(&specimen.bodies);
+        let foreseen = foreseen(spec, &specimen.bodies, &engine, speed);
+        let movable = specimen.bodies.iter().filter(|body| !body.is_held());
         let smallest_radius = movable
             .map(|body| body.smallest_radius())
             .fold(f64::INFINITY, f64::min);
@@ -139,7 +156,9 @@ impl<'a, F: Law> Runner<'a, F> {
             spec,
             engine,
             journal: Journal::default(),
-            recorded: spec.recorded_bodies(),
+            recorded: spec.recorded_bodies(specimen.numbers()),
+            reserved: specimen.waiting,
+            bodies: specimen.bodies,
             automatic,
             foreseen,
             smallest_radius,
@@ -169,24 +188,44 @@ impl<'a, F: Law> Runner<'a, F> {
         let state = &self.engine.state;
         recorder.log(&format!(
             "{} bodies ({} spheres), {} contacts, time step {:e} s",
-            self.spec.bodies.len(),
+            self.engine.present_bodies().count(),
             state.particles.len(),
             contacts.len(),
             self.journal.time_step
         ));
+        self.show(&contacts, critical, recorder)
+    }
+
+    /// Reads off and records a scene between two steps, after something was done to it.
+    pub(super) fn observe_still(
+        &mut self,
+        recorder: &mut dyn Recorder,
+    ) -> Result<(), SimulationError> {
+        self.engine.push_still();
+        let contacts = self.engine.contacts();
+        let critical = self.engine.critical_step(&contacts);
+        self.show(&contacts, critical, recorder)
+    }
+
+    fn show(
+        &mut self,
+        contacts: &[Contact],
+        critical: Option<Critical>,
+        recorder: &mut dyn Recorder,
+    ) -> Result<(), SimulationError> {
         self.journal
             .worst
             .see_step(self.journal.time_step, critical);
         let energies = Energies {
             kinetic: self.engine.kinetic_energy(),
-            elastic: elastic_energy(&contacts),
+            elastic: elastic_energy(contacts),
             gravitational: self.engine.gravitational_energy(),
         };
-        self.journal.last = self.engine.reading(&contacts, &energies);
+        self.journal.last = self.engine.reading(contacts, &energies);
         if self.spec.record.snapshot_every_steps > 0 {
-            self.picture(recorder, &contacts)?;
+            self.picture(recorder, contacts)?;
         }
-        self.record(recorder, &contacts, critical)
+        self.record(recorder, contacts, critical)
     }
 
     fn picture(
@@ -196,7 +235,11 @@ impl<'a, F: Law> Runner<'a, F> {
     ) -> Result<(), SimulationError> {
         let state = &self.engine.state;
         snapshot::take(&self.engine, contacts, recorder)?;
-        self.journal.snapshots.push((state.step, state.time));
+        let entry = (state.step, state.time);
+        // after bodies were taken out, the picture of the same step is taken again
+        if self.journal.snapshots.last() != Some(&entry) {
+            self.journal.snapshots.push(entry);
+        }
         Ok(())
     }
 
@@ -204,7 +247,9 @@ impl<'a, F: Law> Runner<'a, F> {
         let next = self.engine.state.step + 1;
         let every = self.spec.record.every_steps;
         let is_last = self.is_last_step();
-        let is_recorded = next.is_multiple_of(every) || is_last;
+        let is_breakable = !self.engine.model.grains.is_empty();
+        let is_recorded =
+            next.is_multiple_of(every) || is_last || (is_breakable && self.ends_stage());
         let is_pictured = match self.spec.record.snapshot_every_steps {
             0 => false,
             every => next.is_multiple_of(every) || is_last,
@@ -225,7 +270,8 @@ impl<'a, F: Law> Runner<'a, F> {
             };
             let critical = self.engine.critical_step(&contacts);
             self.look(&contacts, energies, critical)?;
-            let is_last = is_last || (self.journal.is_settled && self.is_last_stage());
+            let is_last =
+                is_last || (self.journal.is_settled && (self.is_last_stage() || is_breakable));
             if is_recorded || is_last {
                 self.record(recorder, &contacts, critical)?;
             }
@@ -313,6 +359,7 @@ impl<'a, F: Law> Runner<'a, F> {
         self.journal.curve.extend(row);
         self.engine
             .body_rows(&self.recorded, &mut self.journal.bodies);
+        fragments::add_row(&self.engine, &mut self.journal);
         let step = self.engine.state.step;
         if self.spec.record.contacts && step > 0 {
             tables::contact_rows(step, contacts, &mut self.journal.contacts);
@@ -353,7 +400,15 @@ impl<'a, F: Law> Runner<'a, F> {
             * STEPS_PER_LOOK as f64
             * self.journal.time_step;
         let speed = 2.0 * (speed + gained) + wall;
-        foreseen(self.spec, &self.engine, speed)
+        foreseen(self.spec, &self.bodies, &self.engine, speed)
+    }
+
+    /// Makes an automatic step small enough for bodies that came in.
+    pub(super) fn limit_step(&mut self) {
+        if self.automatic.is_some() {
+            let step = self.automatic_step(None);
+            self.journal.time_step = self.journal.time_step.min(step);
+        }
     }
 
     fn check_speed(&self) -> Result<(), SimulationError> {
@@ -400,8 +455,8 @@ impl<'a, F: Law> Runner<'a, F> {
 }
 
 /// Smallest critical step of any one contact that may come at this speed [s].
-fn foreseen<F: Law>(spec: &GranularScene, engine: &Engine<F>, speed: f64) -> f64 {
-    let of_spheres = spec.critical_step_of_one_contact(speed);
+fn foreseen<F: Law>(spec: &GranularScene, bodies: &[Body], engine: &Engine<F>, speed: f64) -> f64 {
+    let of_spheres = spec.critical_step_of_one_contact(bodies, speed);
     let of_clumps = engine.critical_step_of_clumps(speed);
     of_spheres
         .map(|critical| critical.step)

@@ -9,12 +9,14 @@ use super::{
     clump_geometry::{mass_properties, principal_axes},
     contact::{stiffness::Surface, walls::Face},
     facets::Facets,
+    fragments::NO_GRAIN,
     motion::{
         clump::{Clump, Rotation},
         wall::WallMotion,
     },
     particles::Particles,
     rows::Row,
+    specimen::Specimen,
     sphere::Sphere,
 };
 
@@ -34,7 +36,7 @@ pub(super) struct Model {
     pub(super) rotation: Rotation,
     pub(super) planes: Vec<PlaneModel>,
     pub(super) facets: Facets,
-    /// Mass of each body of the spec [kg].
+    /// Mass of each body by its number, also of those that wait [kg].
     pub(super) masses: Vec<f64>,
     /// Whether each body has a degree of freedom.
     pub(super) is_movable: Vec<bool>,
@@ -51,6 +53,9 @@ pub(super) struct Model {
     pub(super) orientations: Vec<UnitQuaternion<f64>>,
     /// Spin that each body starts with [rad/s].
     pub(super) spins: Vec<Vector>,
+    /// First body of the breakable grain that each body is part of, or [`NO_GRAIN`]; empty when
+    /// nothing is breakable.
+    pub(super) grains: Vec<u32>,
 }
 
 /// A plane of the spec.
@@ -77,7 +82,7 @@ pub(super) struct DrivenBody {
 const SPHERE_INERTIA: f64 = 0.4;
 
 impl Model {
-    pub(super) fn new(spec: &GranularScene) -> Self {
+    pub(super) fn new(spec: &GranularScene, specimen: &Specimen<'_>) -> Self {
         let names: Vec<&String> = spec.materials.keys().collect();
         let number = |name: &String| names.binary_search(&name).unwrap_or_default();
         let planes = spec.planes.iter().map(|plane| PlaneModel {
@@ -106,18 +111,15 @@ impl Model {
             planes: planes.collect(),
             facets: Facets::new(spec),
             masses: Vec::new(),
-            is_movable: spec.bodies.iter().map(|body| !body.is_held()).collect(),
+            is_movable: Vec::new(),
             sphere_inertias: Vec::new(),
-            has_driven_bodies: spec.bodies.iter().any(is_driven)
+            has_driven_bodies: specimen.bodies.iter().any(is_driven)
                 || !spec.driven_bodies().is_empty(),
             driven: Vec::new(),
-            first_box: first_box(spec),
+            first_box: first_box(spec, specimen),
             orientations: Vec::new(),
-            spins: spec
-                .bodies
-                .iter()
-                .map(|body| Vector::from(body.angular_velocity_rad_per_s))
-                .collect(),
+            spins: Vec::new(),
+            grains: Vec::new(),
         }
     }
 
@@ -131,78 +133,176 @@ impl Model {
     }
 }
 
-/// The model of `spec`, its particles in the order of the spec, and its clumps.
-pub(super) fn build(spec: &GranularScene) -> (Model, Particles, Vec<Clump>) {
-    let mut model = Model::new(spec);
+/// The model of a scene, and the particles and clumps of all its bodies in the order of their
+/// numbers.
+pub(super) fn build(
+    spec: &GranularScene,
+    specimen: &Specimen<'_>,
+) -> (Model, Particles, Vec<Clump>) {
+    let mut builder = Builder {
+        model: Model::new(spec, specimen),
+        particles: Particles::default(),
+        clumps: Vec::new(),
+    };
     let names: Vec<&String> = spec.materials.keys().collect();
-    let mut particles = Particles::default();
-    let mut clumps = Vec::new();
-    for (number, body) in (0..).zip(&spec.bodies) {
+    for body in specimen.bodies.iter() {
         let material = names.binary_search(&&body.material).unwrap_or_default();
         let density = spec.materials[&body.material].density_kg_per_m3;
         let shape: Vec<Sphere> = body
             .spheres()
             .map(|(centre, radius)| Sphere::new(Vector::from(centre), radius))
             .collect();
-        let first = particles.centres.len();
-        let (mass, inertia, orientation) = if body.sphere.is_some() {
-            let mass = density * shape[0].volume();
-            let inertia = SPHERE_INERTIA * mass * shape[0].radius.powi(2);
-            (mass, inertia, UnitQuaternion::identity())
+        if body.clump.is_some() {
+            builder.add_clump(body, &shape, material, density);
+        } else if body.breakable.is_some() {
+            builder.add_grain(body, &shape, material, density);
         } else {
-            let clump = clump(number, body, &shape, density, first as u32);
-            let (mass, orientation) = (clump.mass, clump.orientation);
-            clumps.push(clump);
-            (mass, 0.0, orientation)
-        };
-        model.orientations.push(orientation);
-        model.masses.push(mass);
-        model.sphere_inertias.push(inertia);
-        let is_sphere = body.sphere.is_some();
-        // what a clump's members do follows from the clump
-        let fixed = if is_sphere { fixed_bits(body) } else { 0 };
-        let inverse = |value: f64, bits: u8| {
-            if !is_sphere || bits == 0b111 {
-                0.0
-            } else {
-                1.0 / value
-            }
-        };
-        for sphere in &shape {
-            particles
-                .centres
-                .push(Row::new(sphere.centre, sphere.radius));
             let velocity = Vector::from(body.velocity_m_per_s);
-            particles
-                .velocities
-                .push(Row::new(velocity, inverse(mass, fixed & 0b111)));
-            particles.fixed.push(fixed);
-            particles.owners.push(number);
-            particles.surfaces.push(material as u16);
-            if model.is_rough {
-                let spin = Vector::from(body.angular_velocity_rad_per_s);
-                particles
-                    .spins
-                    .push(Row::new(spin, inverse(inertia, fixed >> 3)));
-            }
+            builder.add_sphere(body, &shape[0], velocity, material, density);
         }
     }
-    let driven = spec.driven_bodies();
-    model.driven = (driven.into_iter())
+    let Builder {
+        mut model,
+        mut particles,
+        clumps,
+    } = builder;
+    model.driven = driven(spec, specimen, &particles, &clumps);
+    if !model.grains.is_empty() {
+        model.grains.resize(model.masses.len(), NO_GRAIN);
+    }
+    particles.numbers = (0..particles.centres.len() as u32).collect();
+    (model, particles, clumps)
+}
+
+/// Bodies that stages drive, in the order of their numbers.
+fn driven(
+    spec: &GranularScene,
+    specimen: &Specimen<'_>,
+    particles: &Particles,
+    clumps: &[Clump],
+) -> Vec<DrivenBody> {
+    let mut owners = Vec::with_capacity(particles.len());
+    for body in specimen.bodies.iter() {
+        owners.extend(std::iter::repeat_n(body, body.numbers()));
+    }
+    let driven = spec.driven_bodies().into_iter();
+    driven
         .filter_map(|number| {
-            let body = spec.bodies.get(number as usize)?;
+            let body = owners.get(number as usize)?;
             let clump = clumps.iter().find(|clump| clump.body == number);
+            let sphere = particles.owners.iter().position(|owner| *owner == number)?;
             let [x, y, z, ..] = fixed(body);
             Some(DrivenBody {
                 body: number,
-                start: clump.map_or(Vector::from(body.position_m), |clump| clump.centre),
+                start: clump.map_or(particles.centres[sphere].vector(), |clump| clump.centre),
                 fixed: [x, y, z],
                 velocity: body.velocity_m_per_s,
             })
         })
-        .collect();
-    particles.numbers = (0..particles.centres.len() as u32).collect();
-    (model, particles, clumps)
+        .collect()
+}
+
+/// A scene in the making.
+struct Builder {
+    model: Model,
+    particles: Particles,
+    clumps: Vec<Clump>,
+}
+
+impl Builder {
+    /// The next number.
+    fn number(&self) -> u32 {
+        self.model.masses.len() as u32
+    }
+
+    fn add_sphere(
+        &mut self,
+        body: &Body,
+        sphere: &Sphere,
+        velocity: Vector,
+        material: usize,
+        density: f64,
+    ) {
+        let mass = density * sphere.volume();
+        let inertia = SPHERE_INERTIA * mass * sphere.radius.powi(2);
+        let fixed = fixed_bits(body);
+        let inverse = |value: f64, bits: u8| if bits == 0b111 { 0.0 } else { 1.0 / value };
+        let inverses = [inverse(mass, fixed & 0b111), inverse(inertia, fixed >> 3)];
+        self.add_particle(body, sphere, velocity, material, inverses, fixed);
+        self.add_body(body, mass, inertia, UnitQuaternion::identity());
+    }
+
+    fn add_clump(&mut self, body: &Body, shape: &[Sphere], material: usize, density: f64) {
+        let first = self.particles.centres.len() as u32;
+        let clump = clump(self.number(), body, shape, density, first);
+        for sphere in shape {
+            // what a clump's members do follows from the clump
+            let velocity = Vector::from(body.velocity_m_per_s);
+            self.add_particle(body, sphere, velocity, material, [0.0; 2], 0);
+        }
+        self.add_body(body, clump.mass, 0.0, clump.orientation);
+        self.clumps.push(clump);
+    }
+
+    /// The spheres of a breakable grain, which moves as one at first.
+    fn add_grain(&mut self, body: &Body, shape: &[Sphere], material: usize, density: f64) {
+        let first = self.number();
+        self.model.grains.resize(first as usize, NO_GRAIN);
+        self.model
+            .grains
+            .resize(first as usize + shape.len(), first);
+        let volume: f64 = shape.iter().map(Sphere::volume).sum();
+        let weighted = shape.iter().map(|sphere| sphere.centre * sphere.volume());
+        let centre = weighted.sum::<Vector>() / volume;
+        let spin = Vector::from(body.angular_velocity_rad_per_s);
+        for sphere in shape {
+            let velocity =
+                Vector::from(body.velocity_m_per_s) + spin.cross(&(sphere.centre - centre));
+            self.add_sphere(body, sphere, velocity, material, density);
+        }
+    }
+
+    /// A particle of the body that has the next number; inverses of mass and inertia, and bits of
+    /// what is fixed.
+    fn add_particle(
+        &mut self,
+        body: &Body,
+        sphere: &Sphere,
+        velocity: Vector,
+        material: usize,
+        inverses: [f64; 2],
+        fixed: u8,
+    ) {
+        let owner = self.number();
+        let particles = &mut self.particles;
+        particles
+            .centres
+            .push(Row::new(sphere.centre, sphere.radius));
+        particles.velocities.push(Row::new(velocity, inverses[0]));
+        particles.fixed.push(fixed);
+        particles.owners.push(owner);
+        particles.surfaces.push(material as u16);
+        if self.model.is_rough {
+            let spin = Vector::from(body.angular_velocity_rad_per_s);
+            particles.spins.push(Row::new(spin, inverses[1]));
+        }
+    }
+
+    fn add_body(
+        &mut self,
+        body: &Body,
+        mass: f64,
+        sphere_inertia: f64,
+        orientation: UnitQuaternion<f64>,
+    ) {
+        let model = &mut self.model;
+        model.masses.push(mass);
+        model.sphere_inertias.push(sphere_inertia);
+        model.orientations.push(orientation);
+        model.is_movable.push(!body.is_held());
+        let spin = Vector::from(body.angular_velocity_rad_per_s);
+        model.spins.push(spin);
+    }
 }
 
 fn clump(number: u32, body: &Body, shape: &[Sphere], density: f64, first: u32) -> Clump {
@@ -241,12 +341,20 @@ fn is_driven(body: &Body) -> bool {
     pairs.any(|(fixed, velocity)| fixed && *velocity != 0.0)
 }
 
-fn first_box(spec: &GranularScene) -> (Vector, Vector) {
+fn first_box(spec: &GranularScene, specimen: &Specimen<'_>) -> (Vector, Vector) {
     let mut low = Vector::repeat(f64::INFINITY);
     let mut high = Vector::repeat(f64::NEG_INFINITY);
-    for (centre, radius) in spec.bodies.iter().flat_map(Body::spheres) {
+    for (centre, radius) in specimen.bodies[..specimen.present]
+        .iter()
+        .flat_map(Body::spheres)
+    {
         low = low.inf(&Vector::from(centre).add_scalar(-radius));
         high = high.sup(&Vector::from(centre).add_scalar(radius));
+    }
+    for (_, generator) in spec.generators() {
+        let [lower, upper] = generator.region.bounds();
+        low = low.inf(&Vector::from(lower));
+        high = high.sup(&Vector::from(upper));
     }
     for plane in &spec.planes {
         let axis = plane.axis.index();

@@ -8,7 +8,9 @@ mod walls;
 
 use std::io;
 
-use super::{contact::law::Law, engine::Engine, journal::Journal, observe::Contact};
+use super::{
+    contact::law::Law, engine::Engine, fragments::Fragments, journal::Journal, observe::Contact,
+};
 use crate::{
     Recorder,
     vtk::{Array, Lines, Points, Series},
@@ -53,11 +55,9 @@ fn take_particles<F: Law>(
             touching[other] += 1;
         }
     }
-    // where each particle of the spec is in memory
-    let mut places = vec![0; count];
-    for (place, number) in particles.numbers.iter().enumerate() {
-        places[*number as usize] = place;
-    }
+    // where each particle is in memory, by number
+    let mut places: Vec<usize> = (0..count).collect();
+    places.sort_unstable_by_key(|place| particles.numbers[*place]);
     let mut points = Vec::with_capacity(count);
     let mut radii = Vec::with_capacity(count);
     let mut velocities = Vec::with_capacity(3 * count);
@@ -75,13 +75,24 @@ fn take_particles<F: Law>(
         bodies.push(body as i32);
         coordination.push(touching[place]);
     }
-    let data = [
+    let mut data = vec![
         Array::scalars("radius_m", &radii),
         Array::vectors("velocity_m_per_s", &velocities),
         Array::vectors("angular_velocity_rad_per_s", &spins),
         Array::indices("body", &bodies),
         Array::indices("coordination", &coordination),
     ];
+    let (grains, fragments);
+    if !engine.model.grains.is_empty() {
+        let held = Fragments::of(engine);
+        // NO_GRAIN becomes −1
+        let grain = |body: &i32| engine.model.grains[*body as usize] as i32;
+        grains = bodies.iter().map(grain).collect::<Vec<i32>>();
+        let fragment = |body: &i32| held.of_body(*body as u32) as i32;
+        fragments = bodies.iter().map(fragment).collect::<Vec<i32>>();
+        data.push(Array::indices("grain", &grains));
+        data.push(Array::indices("fragment", &fragments));
+    }
     let picture = Points {
         points: &points,
         data: &data,

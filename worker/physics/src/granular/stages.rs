@@ -21,14 +21,22 @@ impl<F: Law> Runner<'_, F> {
     /// Steps that a stage still takes with the present time step.
     fn steps_left(&self, stage: &Stage) -> f64 {
         let duration = stage.duration();
-        match (duration.steps, duration.time_s) {
+        let steps_of = |time: f64| {
+            // a hair of a step is round-off
+            (time / self.journal.time_step - 1e-6).ceil()
+        };
+        let latest = match (duration.steps, duration.time_s) {
             (Some(steps), _) => steps.saturating_sub(self.journal.stage_steps) as f64,
             (None, Some(time)) => {
-                let left = self.journal.stage_start + time - self.engine.state.time;
-                // a hair of a step is round-off
-                (left / self.journal.time_step - 1e-6).ceil()
+                steps_of(self.journal.stage_start + time - self.engine.state.time)
             }
             (None, None) => 0.0,
+        };
+        match stage {
+            Stage::Insert(insert) => self
+                .time_after_last_batch(insert)
+                .map_or(latest, |time| latest.min(steps_of(time))),
+            _ => latest,
         }
     }
 
@@ -48,6 +56,12 @@ impl<F: Law> Runner<'_, F> {
             let time = engine.state.time - self.journal.stage_start;
             engine.gravity += Vector::from(vibrate.acceleration_at(time));
         }
+    }
+
+    /// Whether the next step ends the present stage, as far as that is known before it.
+    pub(super) fn ends_stage(&self) -> bool {
+        let stage = self.spec.stages.get(self.journal.stage);
+        stage.is_some_and(|stage| self.steps_left(stage) <= 1.0)
     }
 
     pub(super) fn tell_progress(&self, recorder: &mut dyn Recorder) {

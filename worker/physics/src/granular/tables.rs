@@ -1,11 +1,11 @@
 //! The tables a run leaves behind.
 use std::io::{self, Write};
 
-use loadframe_api::spec::granular_scene::GranularScene;
+use loadframe_api::spec::granular_scene::{GranularScene, Material};
 
 use super::{
-    Vector, contact::law::Law, engine::Engine, journal::Journal, measure, motion::clump::Clump,
-    observe::Contact,
+    Vector, contact::law::Law, engine::Engine, fragments, journal::Journal, measure,
+    motion::clump::Clump, observe::Contact,
 };
 use crate::{Recorder, csv};
 
@@ -78,13 +78,19 @@ pub(super) fn curve_columns(spec: &GranularScene) -> Vec<String> {
         let name = &region.name;
         measure::COLUMNS.map(|column| format!("{name}_{column}"))
     });
+    let bonds = is_cohesive(spec).then(|| "broken_bonds".to_owned());
     place
         .into_iter()
         .chain(planes)
         .chain(driven)
         .chain(READINGS.map(str::to_owned))
         .chain(regions)
+        .chain(bonds)
         .collect()
+}
+
+fn is_cohesive(spec: &GranularScene) -> bool {
+    spec.materials.values().any(Material::is_cohesive)
 }
 
 /// A row of the curve. Unknown readings are left at 0.
@@ -131,6 +137,9 @@ pub(super) fn curve_row<F: Law>(
     for region in &spec.record.regions {
         let cuboid = engine.cuboid([region.low_m, region.high_m]);
         row.extend(engine.measure(&cuboid, contacts).row());
+    }
+    if is_cohesive(spec) {
+        row.push(engine.broken_bonds(reading) as f64);
     }
     row
 }
@@ -235,8 +244,16 @@ pub(super) fn write(
     let columns = curve_columns(spec);
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     table(recorder, "curve.csv", &columns, &journal.curve)?;
-    if !spec.recorded_bodies().is_empty() {
+    if !journal.bodies.is_empty() {
         table(recorder, "bodies.csv", &BODY_COLUMNS, &journal.bodies)?;
+    }
+    if !journal.fragments.is_empty() {
+        table(
+            recorder,
+            "fragments.csv",
+            &fragments::COLUMNS,
+            &journal.fragments,
+        )?;
     }
     if spec.record.contacts {
         table(

@@ -24,6 +24,7 @@ use super::{
     engine::Engine,
     motion::clump::Clump,
     observe::Contact,
+    rows::Row,
 };
 
 /// The critical step and the contact that sets it.
@@ -127,15 +128,16 @@ impl<F: Law> Engine<F> {
     /// The critical step of any one contact of a clump's member with its like, at this `speed`
     /// [m/s]; `None` without clumps that move.
     pub(super) fn critical_step_of_clumps(&self, speed: f64) -> Option<f64> {
-        let by_body = self.clumps_by_body();
-        let clumps = self
-            .state
-            .clumps
-            .iter()
-            .filter(|clump| self.model.is_movable[clump.body as usize]);
-        let steps = clumps.flat_map(|clump| {
-            clump.members().map(|member| {
-                let particles = &self.state.particles;
+        let all = [
+            (&self.state.particles, &self.state.clumps),
+            (&self.reserve.particles, &self.reserve.clumps),
+        ];
+        let clumps = all
+            .into_iter()
+            .flat_map(|(particles, clumps)| clumps.iter().map(move |clump| (particles, clump)))
+            .filter(|(_, clump)| self.model.is_movable[clump.body as usize]);
+        let steps = clumps.flat_map(|(particles, clump)| {
+            clump.members().map(move |member| {
                 let radius = particles.centres[member].0[3];
                 let surface = self.model.surfaces[usize::from(particles.surfaces[member])];
                 let own = Side {
@@ -145,7 +147,7 @@ impl<F: Law> Engine<F> {
                     inverse_mass: 1.0 / clump.mass,
                 };
                 let stiffness = F::Normal::foreseen(&own, speed);
-                let freedom = own.inverse_mass + self.turning(&by_body, member);
+                let freedom = own.inverse_mass + clump.turning(&particles.centres[member]);
                 surface.damped_step(2.0 / (stiffness * freedom).sqrt())
             })
         });
@@ -154,20 +156,24 @@ impl<F: Law> Engine<F> {
 
     /// Arm² over inertia of a contact of a particle, at most [1/kg].
     fn turning(&self, clumps: &BTreeMap<u32, &Clump>, particle: usize) -> f64 {
-        let centre = self.state.particles.centres[particle];
-        let radius = centre.0[3];
+        let centre = &self.state.particles.centres[particle];
         let owner = self.state.particles.owners[particle];
         match clumps.get(&owner) {
-            Some(clump) => {
-                let arm = (centre.vector() - clump.centre).norm() + radius;
-                arm.powi(2) / clump.inertia.min()
-            }
-            None => radius.powi(2) / self.model.sphere_inertias[owner as usize],
+            Some(clump) => clump.turning(centre),
+            None => centre.0[3].powi(2) / self.model.sphere_inertias[owner as usize],
         }
     }
 
     fn clumps_by_body(&self) -> BTreeMap<u32, &Clump> {
         let clumps = self.state.clumps.iter();
         clumps.map(|clump| (clump.body, clump)).collect()
+    }
+}
+
+impl Clump {
+    /// Arm² over inertia of a contact of a member, at most [1/kg].
+    fn turning(&self, member: &Row) -> f64 {
+        let arm = (member.vector() - self.centre).norm() + member.0[3];
+        arm.powi(2) / self.inertia.min()
     }
 }

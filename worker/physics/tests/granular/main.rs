@@ -4,12 +4,14 @@ mod scene;
 
 mod appendix_a;
 mod bonds;
+mod breakage;
 mod collisions;
 mod determinism;
 mod drives;
 mod examples;
 mod extremes;
 mod facets;
+mod flow;
 mod friction;
 mod impacts;
 mod laws;
@@ -17,6 +19,7 @@ mod observables;
 mod peers;
 mod refusals;
 mod rotation;
+mod specimens;
 mod stages;
 
 use loadframe_api::{JobSpec, Report, Submission, SubmissionError, Violation};

@@ -26,6 +26,7 @@ pub(crate) enum GrainShape {
     Cylinder { radius: f64, half_height: f64 },
     /// Members touch all faces, the spacing shrinks until rows fit.
     Cuboid { sides: [f64; 3] },
+    #[allow(dead_code, reason = "the sleeper of the box test, whose mass is given")]
     /// The outermost layer of the cuboid: what others can touch. Its inside is empty, so that mass
     /// and inertia have to be given.
     CuboidShell { sides: [f64; 3] },

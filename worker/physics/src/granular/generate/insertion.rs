@@ -89,6 +89,38 @@ pub(crate) fn insert(
     Ok(centres)
 }
 
+/// Centres [m] for as many of these spheres as find room now, in their order: the first that none
+/// of `tries` random places is free for ends it. `is_allowed` may refuse places for other reasons.
+pub(crate) fn insert_some(
+    region: &Region,
+    radii: &[f64],
+    obstacles: &[Sphere],
+    tries: usize,
+    is_allowed: impl Fn(&Sphere) -> bool,
+    random: &mut impl Rng,
+) -> Vec<Vector3<f64>> {
+    let all = radii.iter().copied();
+    let all = all.chain(obstacles.iter().map(|obstacle| obstacle.radius));
+    let mut occupied = Occupied::new(region, all.collect::<Vec<_>>().iter().copied());
+    for obstacle in obstacles {
+        occupied.add(*obstacle);
+    }
+    let mut centres = Vec::new();
+    for &radius in radii {
+        let Some(room) = region.inset(radius) else {
+            break;
+        };
+        let mut drawn = (0..tries).map(|_| Sphere::new(room.draw(random), radius));
+        let is_free = |place: &Sphere| occupied.is_free(place) && is_allowed(place);
+        let Some(free) = drawn.find(is_free) else {
+            break;
+        };
+        occupied.add(free);
+        centres.push(free.centre);
+    }
+    centres
+}
+
 /// The spheres placed so far.
 struct Occupied {
     spheres: Vec<Sphere>,

@@ -15,7 +15,7 @@ const ROUND_OFF: f64 = 1e-9;
 
 /// Centres [m] on a lattice for spheres of `radius` that stay inside a region, from below upwards.
 ///
-/// The lattice starts in the lower corner of a cuboid and on the axis of a cylinder. Each centre
+/// The lattice starts in the lower corner of a cuboid, on the axis of a cylinder and in the middle of a ball. Each centre
 /// is moved by a random vector no longer than `jitter` [m]; spheres do not overlap as long as
 /// 2 radius + 2 jitter ≤ spacing.
 pub(crate) fn place_regularly(
@@ -32,6 +32,7 @@ pub(crate) fn place_regularly(
     let anchor = match inner {
         Region::Cuboid { lower, .. } => lower,
         Region::Cylinder { base, .. } => base,
+        Region::Ball { centre, .. } => centre,
     };
     let [lower, upper] = inner.bounds();
     let lattice = Lattice {

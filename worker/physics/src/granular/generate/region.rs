@@ -1,6 +1,7 @@
 //! Where grains may be placed.
 use std::f64::consts::{PI, TAU};
 
+use loadframe_api::spec::granular_scene::Volume;
 use nalgebra::Vector3;
 use rand::{Rng, RngExt as _};
 
@@ -18,6 +19,34 @@ pub(crate) enum Region {
         radius: f64,
         height: f64,
     },
+    Ball {
+        centre: Vector3<f64>,
+        radius: f64,
+    },
+}
+
+impl From<Volume> for Region {
+    fn from(region: Volume) -> Self {
+        match region {
+            Volume::Box { lower_m, upper_m } => Self::Cuboid {
+                lower: lower_m.into(),
+                upper: upper_m.into(),
+            },
+            Volume::Cylinder {
+                base_m,
+                radius_m,
+                height_m,
+            } => Self::Cylinder {
+                base: base_m.into(),
+                radius: radius_m,
+                height: height_m,
+            },
+            Volume::Sphere { centre_m, radius_m } => Self::Ball {
+                centre: centre_m.into(),
+                radius: radius_m,
+            },
+        }
+    }
 }
 
 impl Region {
@@ -26,6 +55,7 @@ impl Region {
         match self {
             Self::Cuboid { lower, upper } => (upper - lower).product(),
             Self::Cylinder { radius, height, .. } => PI * radius * radius * height,
+            Self::Ball { radius, .. } => 4.0 / 3.0 * PI * radius.powi(3),
         }
     }
 
@@ -41,6 +71,9 @@ impl Region {
                 base - Vector3::new(radius, radius, 0.0),
                 base + Vector3::new(radius, radius, height),
             ],
+            Self::Ball { centre, radius } => {
+                [centre.add_scalar(-radius), centre.add_scalar(radius)]
+            }
         }
     }
 
@@ -64,6 +97,10 @@ impl Region {
                     height,
                 })
             }
+            Self::Ball { centre, radius } => {
+                let radius = radius - by;
+                (radius >= 0.0).then_some(Self::Ball { centre, radius })
+            }
         }
     }
 
@@ -75,6 +112,7 @@ impl Region {
             && match self {
                 Self::Cuboid { .. } => true,
                 Self::Cylinder { base, radius, .. } => (point - base).xy().norm() <= radius + slack,
+                Self::Ball { centre, radius } => (point - centre).norm() <= radius + slack,
             }
     }
 
@@ -93,6 +131,13 @@ impl Region {
                 let (sine, cosine) = (TAU * v).sin_cos();
                 let away = radius * u.sqrt();
                 base + Vector3::new(away * cosine, away * sine, w * height)
+            }
+            Self::Ball { centre, radius } => {
+                let (sine, cosine) = (TAU * v).sin_cos();
+                let along = 2.0 * w - 1.0;
+                let across = (1.0 - along * along).sqrt();
+                let away = radius * u.cbrt();
+                centre + Vector3::new(across * cosine, across * sine, along) * away
             }
         }
     }

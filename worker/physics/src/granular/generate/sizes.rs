@@ -1,6 +1,7 @@
 //! How large grains are.
 use std::f64::consts::PI;
 
+use loadframe_api::spec::granular_scene::Sizes as SpecSizes;
 use rand::{Rng, RngExt as _};
 use rand_distr::{Distribution as _, StandardNormal};
 
@@ -42,6 +43,36 @@ pub(crate) enum Amount {
     Count(usize),
     /// Grains of so much volume together [m³], to within half a grain, of each fraction.
     Volume(f64),
+}
+
+impl From<&SpecSizes> for Sizes {
+    fn from(sizes: &SpecSizes) -> Self {
+        match sizes {
+            SpecSizes::RadiusM(radius) => Self::Single(*radius),
+            SpecSizes::Uniform {
+                smallest_radius_m,
+                largest_radius_m,
+            } => Self::Uniform {
+                lower: *smallest_radius_m,
+                upper: *largest_radius_m,
+            },
+            SpecSizes::LogNormal {
+                median_radius_m,
+                sigma,
+            } => Self::LogNormal {
+                median: *median_radius_m,
+                sigma: *sigma,
+            },
+            SpecSizes::SieveCurve(fractions) => {
+                let fractions = fractions.iter().map(|fraction| Fraction {
+                    lower_diameter: fraction.smallest_diameter_m,
+                    upper_diameter: fraction.largest_diameter_m,
+                    mass_share: fraction.mass_share,
+                });
+                Self::Sieve(fractions.collect())
+            }
+        }
+    }
 }
 
 impl Sizes {

@@ -89,6 +89,7 @@ impl TriangleMesh {
 
     /// Volume inside a closed surface, in the cube of its unit; negative when its triangles are
     /// clockwise seen from outside. ∑ a·(b × c)/6 about the middle of the box.
+    #[cfg(test)]
     pub(crate) fn signed_volume(&self) -> f64 {
         let [lower, upper] = self.bounds();
         let middle = (lower + upper) * 0.5;

@@ -3,26 +3,17 @@
 //! `x y z r` as `yade.export.text` writes them, or `x y z r clump` as `yade.export.textClumps`
 //! does; any white space between, `#` begins a comment. A clump number of -1 is Yade's for a free
 //! sphere. The comment `#format` names other columns, which are refused rather than misread.
-use super::{ImportError, Line};
-use crate::granular::sphere::Sphere;
+use super::{ImportError, Imported, Line};
 
 /// The column orders that are read.
 const FORMATS: [&str; 2] = ["x_y_z_r", "x_y_z_r_clumpId"];
-
-/// A line of the file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct YadeSphere {
-    pub(crate) sphere: Sphere,
-    /// Number of the clump it is a member of, as in the file.
-    pub(crate) clump: Option<u32>,
-}
 
 /// Reads spheres, in the order of their lines.
 ///
 /// # Errors
 /// A line that is not four or five columns, a number that is not finite, a radius that is not
 /// positive, a clump that is not a whole number from -1 upwards, another format, no spheres.
-pub(crate) fn read_yade(text: &str) -> Result<Vec<YadeSphere>, ImportError> {
+pub(super) fn read(text: &str) -> Result<Vec<Imported>, ImportError> {
     let mut spheres = Vec::new();
     for (line, comment) in Line::all(text) {
         let format = comment.and_then(|comment| comment.strip_prefix("format"));
@@ -49,8 +40,10 @@ pub(crate) fn read_yade(text: &str) -> Result<Vec<YadeSphere>, ImportError> {
         };
         let centre = line.vector(&words, ["x", "y", "z"])?;
         let radius = line.positive(words[3], "r")?;
-        let sphere = Sphere::new(centre, radius);
-        spheres.push(YadeSphere { sphere, clump });
+        spheres.push(Imported {
+            clump,
+            ..Imported::at(centre, radius)
+        });
     }
     if spheres.is_empty() {
         return Err(ImportError::Missing("spheres"));
@@ -61,11 +54,10 @@ pub(crate) fn read_yade(text: &str) -> Result<Vec<YadeSphere>, ImportError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Vector3;
     use proptest::prelude::*;
 
     fn message(text: &str) -> String {
-        read_yade(text).expect_err("it is wrong").to_string()
+        read(text).expect_err("it is wrong").to_string()
     }
 
     #[test]
@@ -73,27 +65,20 @@ mod tests {
         // the first lines of a bed of 2000 spheres
         let text = "0.41254681378039254 0.37405524231340381 0.138809160307617 0.013150957749999999\n\
             0.047291334718804465 0.1311291444039254 0.3372939286731868 0.01363038485\n";
-        let spheres = read_yade(text).expect("it is right");
+        let spheres = read(text).expect("it is right");
         assert_eq!(spheres.len(), 2);
-        let centre = Vector3::new(0.047291334718804465, 0.1311291444039254, 0.3372939286731868);
-        let sphere = Sphere::new(centre, 0.01363038485);
-        assert_eq!(
-            spheres[1],
-            YadeSphere {
-                sphere,
-                clump: None
-            }
-        );
+        let centre = [0.047291334718804465, 0.1311291444039254, 0.3372939286731868];
+        assert_eq!(spheres[1], Imported::at(centre, 0.01363038485));
     }
 
     /// As `export.textClumps` of Yade 2023.02a writes a clump of two.
     #[test]
     fn an_exported_clump_is_read() {
         let text = "#format x_y_z_r_clumpId\n1\t2\t3\t0.5\t3\n1.5\t2\t3\t0.25\t3\n";
-        let spheres = read_yade(text).expect("it is right");
-        let member = |x, radius| YadeSphere {
-            sphere: Sphere::new(Vector3::new(x, 2.0, 3.0), radius),
+        let spheres = read(text).expect("it is right");
+        let member = |x, radius| Imported {
             clump: Some(3),
+            ..Imported::at([x, 2.0, 3.0], radius)
         };
         assert_eq!(spheres, [member(1.0, 0.5), member(1.5, 0.25)]);
     }
@@ -102,13 +87,10 @@ mod tests {
     fn comments_tabs_and_clumps_are_read() {
         let text =
             "#format x_y_z_r\n\n0\t1\t-2e-3\t0.5 # the first\r\n  1 1 1 .25 7\n1 1 2 .25 -1\n#";
-        let spheres = read_yade(text).expect("it is right");
+        let spheres = read(text).expect("it is right");
         let clumps: Vec<_> = spheres.iter().map(|sphere| sphere.clump).collect();
         assert_eq!(clumps, [None, Some(7), None]);
-        assert_eq!(
-            spheres[0].sphere,
-            Sphere::new(Vector3::new(0.0, 1.0, -2e-3), 0.5)
-        );
+        assert_eq!(spheres[0], Imported::at([0.0, 1.0, -2e-3], 0.5));
     }
 
     #[test]
@@ -152,7 +134,7 @@ mod tests {
     proptest! {
         #[test]
         fn any_text_is_read_or_refused(text in "[-+0-9.e# \\n\\tnaif_]{0,60}") {
-            let _ = read_yade(&text);
+            let _ = read(&text);
         }
     }
 }

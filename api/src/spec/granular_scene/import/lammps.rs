@@ -5,31 +5,7 @@
 //! counts, and `Velocities` with `id vx vy vz wx wy wz`. Source: LAMMPS documentation, read_data.
 use std::collections::HashMap;
 
-use nalgebra::Vector3;
-
-use super::{ImportError, Line};
-use crate::granular::sphere::Sphere;
-
-/// What a data file holds.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct LammpsData {
-    /// Corners of the box.
-    pub(crate) lower: Vector3<f64>,
-    pub(crate) upper: Vector3<f64>,
-    /// In the order of section Atoms.
-    pub(crate) particles: Vec<LammpsParticle>,
-}
-
-/// An atom; at rest unless the file has velocities.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LammpsParticle {
-    pub(crate) id: u64,
-    pub(crate) atom_type: u32,
-    pub(crate) sphere: Sphere,
-    pub(crate) density: f64,
-    pub(crate) velocity: Vector3<f64>,
-    pub(crate) angular_velocity: Vector3<f64>,
-}
+use super::{ImportError, Imported, Line};
 
 /// The part of the file a line belongs to.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -39,12 +15,13 @@ enum Section {
     Velocities,
 }
 
-/// Reads a data file.
+/// Reads a data file: its atoms in the order of section Atoms, at rest unless it has velocities.
+/// Bounds of the box are read, and left to the scene's planes.
 ///
 /// # Errors
 /// Another atom style, a section or header line that is not known, a wrong number of columns or
 /// atoms, repeated ids, numbers that are not finite, diameters and densities that are not positive.
-pub(crate) fn read_lammps(text: &str) -> Result<LammpsData, ImportError> {
+pub(super) fn read(text: &str) -> Result<Vec<Imported>, ImportError> {
     let mut reader = Reader::default();
     let mut section = Section::Header;
     // the first line is a title, whatever it says
@@ -71,10 +48,8 @@ pub(crate) fn read_lammps(text: &str) -> Result<LammpsData, ImportError> {
 #[derive(Default)]
 struct Reader {
     announced: Option<usize>,
-    /// Lower and upper bound along x, y, z.
-    bounds: [Option<[f64; 2]>; 3],
-    particles: Vec<LammpsParticle>,
-    /// Line and place among the particles of each atom.
+    atoms: Vec<Imported>,
+    /// Line and place among the atoms of each atom.
     places: HashMap<u64, (usize, usize)>,
     /// Line of each atom's velocity.
     velocities: Option<HashMap<u64, usize>>,
@@ -87,7 +62,7 @@ impl Reader {
                 None | Some("sphere") => Ok(Section::Atoms),
                 Some(style) => Err(line.wrong(style, "the atom style sphere")),
             },
-            "Velocities" if self.particles.is_empty() => {
+            "Velocities" if self.atoms.is_empty() => {
                 Err(line.wrong(line.text, "section Atoms before section Velocities"))
             }
             "Velocities" => {
@@ -103,12 +78,10 @@ impl Reader {
         match words[..] {
             [count, "atoms"] => self.announced = Some(line.parse(count, "a number of atoms")?),
             [_, "atom", "types"] => {}
-            [lower, upper, low, high] if let Some(axis) = axis_of(low, high) => {
-                let range = [line.number(lower, low)?, line.number(upper, high)?];
-                if range[0] >= range[1] {
+            [lower, upper, low, high] if BOUNDS.contains(&[low, high]) => {
+                if line.number(lower, low)? >= line.number(upper, high)? {
                     return Err(line.wrong(line.text, format!("{low} below {high}")));
                 }
-                self.bounds[axis] = Some(range);
             }
             // no bonds, no angles, no ellipsoids
             ["0", ..] if words.len() > 1 => {}
@@ -127,11 +100,11 @@ impl Reader {
             return Err(line.wrong(line.text, expected));
         }
         let id = line.parse(words[0], "an atom id")?;
-        let atom_type = line.parse(words[1], "an atom type")?;
+        line.parse::<u32>(words[1], "an atom type")?;
         let radius = 0.5 * line.positive(words[2], "diameter")?;
         let density = line.positive(words[3], "density")?;
         let centre = line.vector(&words[4..7], ["x", "y", "z"])?;
-        let place = (line.number, self.particles.len());
+        let place = (line.number, self.atoms.len());
         if let Some((first_line, _)) = self.places.insert(id, place) {
             return Err(ImportError::Repeated {
                 line: line.number,
@@ -139,13 +112,9 @@ impl Reader {
                 first_line,
             });
         }
-        self.particles.push(LammpsParticle {
-            id,
-            atom_type,
-            sphere: Sphere::new(centre, radius),
-            density,
-            velocity: Vector3::zeros(),
-            angular_velocity: Vector3::zeros(),
+        self.atoms.push(Imported {
+            density: Some(density),
+            ..Imported::at(centre, radius)
         });
         Ok(())
     }
@@ -167,19 +136,19 @@ impl Reader {
                 first_line,
             });
         }
-        let particle = &mut self.particles[place];
-        particle.velocity = line.vector(&words[1..4], ["vx", "vy", "vz"])?;
-        particle.angular_velocity = line.vector(&words[4..7], ["wx", "wy", "wz"])?;
+        let atom = &mut self.atoms[place];
+        atom.velocity = line.vector(&words[1..4], ["vx", "vy", "vz"])?;
+        atom.angular_velocity = line.vector(&words[4..7], ["wx", "wy", "wz"])?;
         Ok(())
     }
 
-    fn finish(self) -> Result<LammpsData, ImportError> {
+    fn finish(self) -> Result<Vec<Imported>, ImportError> {
         let announced = self
             .announced
             .ok_or(ImportError::Missing("number of atoms in its header"))?;
         let velocities = self.velocities.as_ref().map(HashMap::len);
         for (section, found) in [
-            ("Atoms", Some(self.particles.len())),
+            ("Atoms", Some(self.atoms.len())),
             ("Velocities", velocities),
         ] {
             if let Some(found) = found.filter(|found| *found != announced) {
@@ -190,25 +159,15 @@ impl Reader {
                 });
             }
         }
-        if self.particles.is_empty() {
+        if self.atoms.is_empty() {
             return Err(ImportError::Missing("atoms"));
         }
-        let [Some(x), Some(y), Some(z)] = self.bounds else {
-            return Err(ImportError::Missing("bounds of its box along x, y and z"));
-        };
-        Ok(LammpsData {
-            lower: Vector3::new(x[0], y[0], z[0]),
-            upper: Vector3::new(x[1], y[1], z[1]),
-            particles: self.particles,
-        })
+        Ok(self.atoms)
     }
 }
 
-/// The axis that a pair of header words bounds.
-fn axis_of(low: &str, high: &str) -> Option<usize> {
-    let names = [["xlo", "xhi"], ["ylo", "yhi"], ["zlo", "zhi"]];
-    names.iter().position(|name| *name == [low, high])
-}
+/// Pairs of header words that bound the box.
+const BOUNDS: [[&str; 2]; 3] = [["xlo", "xhi"], ["ylo", "yhi"], ["zlo", "zhi"]];
 
 #[cfg(test)]
 mod tests {
@@ -239,40 +198,27 @@ Velocities
 ";
 
     fn message(text: &str) -> String {
-        read_lammps(text).expect_err("it is wrong").to_string()
+        read(text).expect_err("it is wrong").to_string()
     }
 
     #[test]
     fn a_settled_bed_is_read() {
-        let bed = read_lammps(BED).expect("it is right");
-        assert_eq!(bed.lower, Vector3::new(0.0, 0.0, -0.01));
-        assert_eq!(bed.upper, Vector3::new(0.45, 0.45, 0.4458558228826704));
-        assert_eq!(bed.particles.len(), 2);
-        let centre = Vector3::new(0.047291334718804465, 0.1311291444039254, 0.3372939286731868);
-        let expected = LammpsParticle {
-            id: 2,
-            atom_type: 1,
-            sphere: Sphere::new(centre, 0.5 * 0.0272607697),
-            density: 2600.0,
-            velocity: Vector3::zeros(),
-            angular_velocity: Vector3::zeros(),
+        let bed = read(BED).expect("it is right");
+        assert_eq!(bed.len(), 2);
+        let centre = [0.047291334718804465, 0.1311291444039254, 0.3372939286731868];
+        let expected = Imported {
+            density: Some(2600.0),
+            ..Imported::at(centre, 0.5 * 0.0272607697)
         };
-        assert_eq!(bed.particles[1], expected);
+        assert_eq!(bed[1], expected);
     }
 
     #[test]
     fn velocities_find_their_atoms() {
-        let bed = read_lammps(&format!("{BED}{VELOCITIES}")).expect("it is right");
-        assert_eq!(bed.particles[0].velocity, Vector3::new(1.0, 2.0, 3.0));
-        assert_eq!(
-            bed.particles[0].angular_velocity,
-            Vector3::new(4.0, 5.0, 6.0)
-        );
-        assert_eq!(bed.particles[1].velocity, Vector3::new(0.0, 0.0, -1.5));
-        assert_eq!(
-            bed.particles[1].angular_velocity,
-            Vector3::new(0.0, 0.0, 0.25)
-        );
+        let bed = read(&format!("{BED}{VELOCITIES}")).expect("it is right");
+        let motion = |atom: &Imported| [atom.velocity, atom.angular_velocity];
+        assert_eq!(motion(&bed[0]), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        assert_eq!(motion(&bed[1]), [[0.0, 0.0, -1.5], [0.0, 0.0, 0.25]]);
     }
 
     #[test]
@@ -280,7 +226,7 @@ Velocities
         let text = BED
             .replace("1 atom types\n", "0 ellipsoids # none\r\n1 atom types\n")
             .replace("0.138809160307617", "0.138809160307617 0 0 -1");
-        assert_eq!(read_lammps(&text), read_lammps(BED));
+        assert_eq!(read(&text), read(BED));
     }
 
     #[test]
@@ -328,11 +274,6 @@ Velocities
                 "line 13: found \"2 1 0.0272607697 2600 0.047291334718804465 0.131129144403925\", expected id type diameter density x y z, and perhaps three image counts",
             ),
             (
-                "0 0.45 ylo yhi\n",
-                "",
-                "the file has no bounds of its box along x, y and z",
-            ),
-            (
                 "0 0.45 xlo xhi",
                 "1 0.45 xlo xhi",
                 "line 6: found \"1 0.45 xlo xhi\", expected xlo below xhi",
@@ -377,7 +318,7 @@ Velocities
     proptest! {
         #[test]
         fn any_text_is_read_or_refused(cut in 0..BED.len(), tail in "[-+0-9.e# \\nAtomsVel]{0,40}") {
-            let _ = read_lammps(&format!("{}{tail}", &BED[..cut]));
+            let _ = read(&format!("{}{tail}", &BED[..cut]));
         }
     }
 }

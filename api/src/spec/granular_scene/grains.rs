@@ -1,0 +1,104 @@
+//! Shapes that are filled with spheres.
+use std::f64::consts::PI;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Equal spheres on a lattice inside a shape, whose middle is the body's `position_m`.
+///
+/// A hexagonal lattice has a sphere in the middle of the shape, a simple cubic one the middle of a
+/// cell: touching members of 3.6 mm fill a ball of 48 mm 135 times.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Filled {
+    pub shape: Shape,
+    #[schemars(range(min = 1e-9, max = 1e6), extend("x-unit" = "m"))]
+    pub member_radius_m: f64,
+    #[serde(default)]
+    pub lattice: Lattice,
+    /// Distance of neighbouring members; left out, they just touch.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 1e6), extend("x-unit" = "m"))]
+    pub spacing_m: Option<f64>,
+}
+
+/// Outer shape of a grain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Shape {
+    Ellipsoid {
+        #[schemars(inner(range(min = 1e-9, max = 1e6)), extend("x-unit" = "m"))]
+        semi_axes_m: [f64; 3],
+    },
+    /// Axis along z.
+    Cylinder {
+        #[schemars(range(min = 1e-9, max = 1e6), extend("x-unit" = "m"))]
+        radius_m: f64,
+        #[schemars(range(min = 1e-9, max = 1e6), extend("x-unit" = "m"))]
+        height_m: f64,
+    },
+    /// Members touch all faces; rows come closer where they do not fit evenly.
+    Box {
+        #[schemars(inner(range(min = 1e-9, max = 1e6)), extend("x-unit" = "m"))]
+        sides_m: [f64; 3],
+    },
+    /// A closed surface of triangles.
+    Surface {
+        /// An STL file in its text form, the middle of its bounding box as origin.
+        #[schemars(length(min = 1, max = 100_000_000))]
+        stl: String,
+        /// Metres in the file's unit of length.
+        #[serde(default = "one")]
+        #[schemars(range(min = 1e-12, max = 1e12), extend("x-unit" = "1"))]
+        scale: f64,
+    },
+}
+
+/// How members sit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Lattice {
+    /// Close packing, 12 neighbours.
+    #[default]
+    Hexagonal,
+    /// In line, 6 neighbours.
+    SimpleCubic,
+}
+
+/// Members that a shape of unknown volume is taken to have in estimates.
+const MEMBERS_OF_A_SURFACE: u64 = 200;
+
+impl Filled {
+    /// Distance of neighbouring members [m].
+    pub fn spacing(&self) -> f64 {
+        self.spacing_m.unwrap_or(2.0 * self.member_radius_m)
+    }
+
+    /// About how many members it has.
+    pub(super) fn expected_members(&self) -> u64 {
+        let open = |length: f64| (length - self.member_radius_m).max(0.0);
+        // the volume that is open to centres
+        let volume = match &self.shape {
+            Shape::Ellipsoid { semi_axes_m } => {
+                4.0 / 3.0 * PI * semi_axes_m.iter().map(|axis| open(*axis)).product::<f64>()
+            }
+            Shape::Cylinder { radius_m, height_m } => {
+                PI * open(*radius_m).powi(2) * 2.0 * open(0.5 * height_m)
+            }
+            Shape::Box { sides_m } => {
+                let rows = sides_m.map(|side| (2.0 * open(0.5 * side) / self.spacing()).ceil());
+                return rows.iter().map(|rows| *rows as u64 + 1).product();
+            }
+            Shape::Surface { .. } => return MEMBERS_OF_A_SURFACE,
+        };
+        let density = match self.lattice {
+            Lattice::Hexagonal => std::f64::consts::SQRT_2,
+            Lattice::SimpleCubic => 1.0,
+        };
+        ((density * volume / self.spacing().powi(3)) as u64).max(1)
+    }
+}
+
+fn one() -> f64 {
+    1.0
+}
