@@ -158,10 +158,10 @@ fn check_planes(spec: &GranularScene, pointer: &str, generator: &Generate) -> Op
     let detail = format!("the region reaches behind plane {:?}", plane.name);
     Some(
         Violation::new(format!("{pointer}/region"), "behind_plane", detail).allowed(format!(
-            "a region {} {} m along {:?}",
+            "a region {} {} m along {}",
             if plane.facing > 0 { "above" } else { "below" },
             plane.position_m,
-            plane.axis
+            ["x", "y", "z"][plane.axis.index()]
         )),
     )
 }
