@@ -27,6 +27,7 @@ mod import;
 mod insert;
 mod laws;
 mod overlaps;
+mod rate;
 mod record;
 mod region;
 mod relax;

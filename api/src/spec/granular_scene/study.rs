@@ -1,11 +1,15 @@
 //! What an accuracy study varies in a granular scene.
-use super::{Accuracy, GranularScene, Knobs, Record, TimeStep};
+use super::{Accuracy, GranularScene, Knobs, Record, Stage, TimeStep};
 use crate::study::Knob;
 
 /// Time steps tried, as parts of the critical one; the last is the reference.
 const STEPS: [&str; 5] = ["0.8", "0.4", "0.2", "0.1", "0.05"];
 /// Factors on all moduli tried; the last, the materials as they are, is the reference.
 const SOFTENINGS: [&str; 4] = ["1e-3", "1e-2", "1e-1", "1"];
+/// Factors on all densities tried; the last, the materials as they are, is the reference.
+const DENSITIES: [&str; 4] = ["1e3", "1e2", "1e1", "1"];
+/// Factors on the speed of what is driven; the last, a tenth of what the scene says, is the reference.
+const RATES: [&str; 4] = ["10", "3", "1", "0.1"];
 /// Results that say how the bodies stand and what they carry.
 const COMPARED: [&str; 3] = ["contacts", "coordination_number", "elastic_energy"];
 
@@ -37,6 +41,22 @@ pub(super) fn knobs(spec: &GranularScene) -> Vec<Knob> {
             "1".to_owned(),
             &SOFTENINGS,
         ));
+        knobs.push(knob(
+            "density",
+            "a factor on the density of all materials while gravity is divided by it, so that \
+             weights stay (mass scaling), a number above 0",
+            "1".to_owned(),
+            &DENSITIES,
+        ));
+    }
+    if spec.stages.iter().any(Stage::is_driven) {
+        knobs.push(knob(
+            "loading_rate",
+            "a factor on the speed at which walls and bodies are driven over the same ways, a \
+             number above 0",
+            "1".to_owned(),
+            &RATES,
+        ));
     }
     knobs
 }
@@ -55,6 +75,15 @@ pub(super) fn turn(spec: &mut GranularScene, knob: &str, value: &str) -> Option<
                 material.youngs_modulus_pa *= number;
             }
         }
+        "density" if number > 0.0 && number.is_finite() => {
+            for material in spec.materials.values_mut() {
+                material.density_kg_per_m3 *= number;
+            }
+            for component in &mut spec.gravity_m_per_s2 {
+                *component /= number;
+            }
+        }
+        "loading_rate" if number > 0.0 && number.is_finite() => spec.hasten(number),
         _ => return None,
     }
     Some(())
@@ -76,6 +105,11 @@ pub(super) fn compares(result: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    #![allow(
+        clippy::float_cmp,
+        reason = "factors are powers of two, or done the same way"
+    )]
+    use super::Stage;
     use crate::{JobKind, JobSpec, Submission};
 
     fn example(body: &str) -> JobSpec {
@@ -95,8 +129,10 @@ mod tests {
                     let turned = turned.iter().find(|turned| turned.name == knob.name);
                     let present = &turned.expect("still there").present;
                     let same = present.parse::<f64>() == value.parse::<f64>();
-                    assert!(same || knob.name == "stiffness", "{}: {present}", knob.name);
-                    if knob.name != "stiffness" {
+                    // the others are factors on what the spec says
+                    let is_absolute = knob.name == "critical_step_fraction";
+                    assert!(same || !is_absolute, "{}: {present}", knob.name);
+                    if is_absolute {
                         spec.check().expect("a valid spec");
                     }
                 }
@@ -105,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_given_time_step_leaves_nothing_to_vary_and_words_are_no_numbers() {
+    fn words_are_no_numbers_and_nothing_is_set_by_them() {
         let automatic = example(JobKind::GranularScene.examples()[1].body);
         let mut spec = automatic.clone();
         assert!(spec.turn("stiffness", "soft").is_err());
@@ -113,6 +149,42 @@ mod tests {
         assert_eq!(spec, automatic);
         spec.turn("stiffness", "0.5").expect("a factor");
         assert_ne!(spec, automatic);
+        assert!(spec.turn("loading_rate", "0").is_err());
+    }
+
+    #[test]
+    fn a_hastened_scene_does_the_same_ways_and_mass_scaling_keeps_weights() {
+        let body = r#"{"kind": "granular_scene", "spec": {"version": 1,
+            "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e7}},
+            "planes": [{"name": "top", "axis": "z", "position_m": 1, "facing": -1, "material": "stone"}],
+            "stages": [{"run": {"time_s": 0.5}},
+                {"move_plane": {"name": "top", "velocity_m_per_s": -0.1, "time_s": 2}},
+                {"drive": {"walls": [{"name": "top", "sine": {"amplitude_m": [0, 0, 0.1],
+                    "frequency_hz": 2}}], "steps": 1000}}]}}"#;
+        let mut spec = example(body);
+        spec.turn("loading_rate", "4").expect("a factor");
+        spec.turn("density", "100").expect("a factor");
+        let JobSpec::GranularScene(scene) = spec else {
+            panic!("another kind")
+        };
+        assert_eq!(scene.materials["stone"].density_kg_per_m3, 260_000.0);
+        assert_eq!(scene.gravity_m_per_s2[2], -9.81 / 100.0);
+        let [
+            Stage::Run(run),
+            Stage::MovePlane(moved),
+            Stage::Drive(drive),
+        ] = &scene.stages[..]
+        else {
+            panic!("other stages")
+        };
+        assert_eq!(run.time_s, Some(0.5));
+        assert_eq!((moved.velocity_m_per_s, moved.time_s), (-0.4, Some(0.5)));
+        let sine = drive.walls[0].sine.expect("a sine");
+        assert_eq!((sine.frequency_hz, drive.steps), (8.0, Some(250)));
+    }
+
+    #[test]
+    fn a_given_time_step_and_nothing_driven_leave_nothing_to_vary() {
         let given = example(JobKind::GranularScene.examples()[0].body);
         assert!(given.knobs().is_empty());
     }
