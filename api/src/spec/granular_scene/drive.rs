@@ -16,6 +16,9 @@ pub struct Drive {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 1000))]
     pub bodies: Vec<BodyDrive>,
+    /// The bodies are meant to flow: how close the stage is to rest is not judged.
+    #[serde(default)]
+    pub flow: bool,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1_000_000_000_000_u64))]
     pub steps: Option<u64>,

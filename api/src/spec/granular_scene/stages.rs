@@ -171,6 +171,14 @@ impl Stage {
         }
     }
 
+    /// Whether it is meant to be so slow that bodies are close to rest all the time.
+    pub fn is_quasi_static(&self) -> bool {
+        match self {
+            Self::Drive(drive) => !drive.flow,
+            _ => self.is_driven(),
+        }
+    }
+
     /// Its name on the wire.
     pub fn name(&self) -> &'static str {
         match self {

@@ -6,7 +6,7 @@ use super::{
     Vector,
     contact::{Wrenches, law::Law, pairs::Halo, walls::Face},
     facets::{Pose, search::Search},
-    listing::{self, Memories},
+    listing::{self, memories::Memories},
     motion::{
         Drive,
         clump::{Clump, Members},

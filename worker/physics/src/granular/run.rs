@@ -1,11 +1,13 @@
 //! A run: steps, what is observed on the way, until the end of the last of its
 //! [`stages`](super::stages).
+mod limits;
+
 use std::{borrow::Cow, collections::BTreeMap, ops::Range};
 
-use loadframe_api::spec::granular_scene::{
-    Body, ContactLaw, GranularScene, LARGEST_WAY, Stage, TimeStep,
-};
+use loadframe_api::spec::granular_scene::{Body, GranularScene, Stage, TimeStep};
 use serde::{Deserialize, Serialize};
+
+use limits::{foreseen, unstable};
 
 use super::{
     contact::law::Law,
@@ -322,7 +324,7 @@ impl<'a, F: Law> Runner<'a, F> {
             return Ok(());
         }
         journal.worst.overlap_ratio = journal.worst.overlap_ratio.max(largest);
-        if stage.is_some_and(Stage::is_driven) {
+        if stage.is_some_and(Stage::is_quasi_static) {
             let scene = self.engine.cuboid([None; 2]);
             let scene = self.engine.measure(&scene, contacts);
             journal.driving.add(&scene, journal.last.unbalanced);
@@ -367,80 +369,6 @@ impl<'a, F: Law> Runner<'a, F> {
         Ok(())
     }
 
-    /// The part of the critical step that was asked for, and none that lets a body jump.
-    fn automatic_step(&self, critical: Option<Critical>) -> f64 {
-        let speed = self
-            .engine
-            .state
-            .speed_bound
-            .max(self.engine.largest_speed());
-        let critical = critical
-            .map_or(f64::INFINITY, |critical| critical.step)
-            .min(self.foreseen_at(speed));
-        let stable = self.automatic.unwrap_or(1.0) * critical;
-        // half the way that is allowed, so that a body may gain speed before the next look; a plane
-        // that comes along catches what it passed, facets do not
-        let speed = speed + self.engine.fastest_mesh();
-        let way = 0.5 * LARGEST_WAY * self.smallest_radius / speed;
-        let step = stable.min(way);
-        if step.is_finite() { step } else { FREE_STEP }
-    }
-
-    /// Critical step of contacts that may come before the next look [s], at this speed [m/s].
-    fn foreseen_at(&self, speed: f64) -> f64 {
-        if self.spec.laws.contact != ContactLaw::HertzMindlin {
-            return self.foreseen;
-        }
-        let wall = self.engine.fastest_plane().max(self.engine.fastest_mesh());
-        let shaking = match self.spec.stages.get(self.journal.stage) {
-            Some(Stage::Vibrate(vibrate)) => vibrate.acceleration_m_per_s2,
-            _ => 0.0,
-        };
-        let gained = (self.engine.model.gravity.norm() + shaking)
-            * STEPS_PER_LOOK as f64
-            * self.journal.time_step;
-        let speed = 2.0 * (speed + gained) + wall;
-        foreseen(self.spec, &self.bodies, &self.engine, speed)
-    }
-
-    /// Makes an automatic step small enough for bodies that came in.
-    pub(super) fn limit_step(&mut self) {
-        if self.automatic.is_some() {
-            let step = self.automatic_step(None);
-            self.journal.time_step = self.journal.time_step.min(step);
-        }
-    }
-
-    fn check_speed(&self) -> Result<(), SimulationError> {
-        let time_step = self.journal.time_step;
-        let allowed = LARGEST_WAY * self.smallest_radius;
-        if self.engine.state.speed_bound * time_step <= allowed || self.automatic.is_some() {
-            return Ok(());
-        }
-        match self.engine.first_jump(time_step, LARGEST_WAY) {
-            Some((body, speed, radius)) if !self.spec.allow_unstable => {
-                Err(SimulationError::TooFast {
-                    body,
-                    step: self.engine.state.step,
-                    speed_m_per_s: speed,
-                    largest_step_s: LARGEST_WAY * radius / speed,
-                })
-            }
-            _ => Ok(()),
-        }
-    }
-
-    fn check_finite(&self) -> Result<(), SimulationError> {
-        match self.engine.first_not_finite() {
-            Some((body, quantity)) => Err(SimulationError::BodyNotFinite {
-                body,
-                step: self.engine.state.step,
-                quantity,
-            }),
-            None => Ok(()),
-        }
-    }
-
     fn keep(&self, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
         // what is not finite would never come right again: the last good checkpoint stays
         self.check_finite()?;
@@ -451,28 +379,5 @@ impl<'a, F: Law> Runner<'a, F> {
         };
         recorder.checkpoint(&checkpoint::pack(&checkpoint)?)?;
         Ok(())
-    }
-}
-
-/// Smallest critical step of any one contact that may come at this speed [s].
-fn foreseen<F: Law>(spec: &GranularScene, bodies: &[Body], engine: &Engine<F>, speed: f64) -> f64 {
-    let of_spheres = spec.critical_step_of_one_contact(bodies, speed);
-    let of_clumps = engine.critical_step_of_clumps(speed);
-    of_spheres
-        .map(|critical| critical.step)
-        .into_iter()
-        .chain(of_clumps)
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// Step of a scene in which nothing can touch [s].
-const FREE_STEP: f64 = 1e-3;
-
-fn unstable(step: f64, critical: Critical) -> SimulationError {
-    SimulationError::Unstable {
-        given_s: step,
-        critical_s: critical.step,
-        body: critical.body as usize,
-        partner: critical.partner as usize,
     }
 }

@@ -1,5 +1,5 @@
 //! Candidates among facets.
-use super::{Memories, Past, Springs, side};
+use super::{Past, Springs, memories::Memories, side};
 use crate::granular::{
     contact::{
         facets::{FacetBlock, FacetList, Visitor},

@@ -1,7 +1,7 @@
 //! The tests of a job: repeats of a specimen, each in one or two directions.
 //!
 //! A job of one test goes straight to [`super::run`]; otherwise its tests are those of a
-//! [`Plan`](crate::plan::Plan), and their results are joined here.
+//! [`Plan`], and their results are joined here.
 use loadframe_api::{
     Report,
     spec::nonwoven_tensile::{Direction, NonwovenTensile},

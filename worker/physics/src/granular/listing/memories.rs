@@ -1,0 +1,189 @@
+//! What contacts remember while their lists are made anew, and the bonds that are made.
+use super::{
+    super::{
+        contact::{
+            law::{Bond, Law, Past},
+            stiffness::bond_strength,
+            touching_lanes,
+        },
+        particles::Particles,
+        patch::Patch,
+        scene::Model,
+    },
+    facets,
+};
+
+/// What contacts remember, by particle number of the spec, whatever the order in memory.
+#[derive(Debug)]
+pub(in crate::granular) struct Memories {
+    /// For each particle, the partners with higher numbers that it touched.
+    starts: Vec<u32>,
+    pairs: Vec<(u32, Past)>,
+    /// Particle, plane and past, sorted.
+    walls: Vec<((u32, u32), Past)>,
+    /// Particle, facet and past, sorted.
+    pub(super) facets: Vec<((u32, u32), Past)>,
+    /// Particles with this number and higher ones are new: bonds are made between them.
+    newcomers: u32,
+}
+
+impl Default for Memories {
+    fn default() -> Self {
+        Self {
+            starts: Vec::new(),
+            pairs: Vec::new(),
+            walls: Vec::new(),
+            facets: Vec::new(),
+            newcomers: u32::MAX,
+        }
+    }
+}
+
+/// Spheres this part of the smaller radius apart touch when bonds are made: places in a spec are
+/// rounded.
+const BOND_REACH: f64 = 1e-6;
+
+impl Memories {
+    /// Of the contacts that touched in the last step.
+    pub(in crate::granular) fn of<F: Law>(patches: &[Patch<F>], particles: &Particles) -> Self {
+        if !F::IS_ROUGH {
+            return Self::default();
+        }
+        let mut pairs: Vec<(u32, u32, Past)> = Vec::new();
+        let mut walls = Vec::new();
+        for patch in patches {
+            for (block, lane) in patch.inner.touching().chain(patch.outer.touching()) {
+                let [a, b] = [block.a, block.b].map(|side| particles.numbers[side[lane] as usize]);
+                let past = block.law.past(lane);
+                pairs.push(if a < b {
+                    (a, b, past)
+                } else {
+                    (b, a, past.seen_from_b())
+                });
+            }
+            for (plane, list) in (0..).zip(&patch.walls) {
+                for (block, touching) in list.blocks.iter().zip(&list.touching) {
+                    for lane in touching_lanes(*touching) {
+                        let number = particles.numbers[block.particles[lane] as usize];
+                        walls.push(((number, plane), block.law.past(lane)));
+                    }
+                }
+            }
+        }
+        walls.sort_by_key(|(key, _)| *key);
+        // numbers of particles that were taken out are missing
+        let numbers = particles
+            .numbers
+            .iter()
+            .max()
+            .map_or(0, |last| *last as usize + 1);
+        let mut starts = vec![0_u32; numbers + 1];
+        for (low, ..) in &pairs {
+            starts[*low as usize + 1] += 1;
+        }
+        for number in 0..numbers {
+            starts[number + 1] += starts[number];
+        }
+        let mut next = starts.clone();
+        let mut sorted = vec![(0, Past::default()); pairs.len()];
+        for (low, high, past) in pairs {
+            let place = &mut next[low as usize];
+            sorted[*place as usize] = (high, past);
+            *place += 1;
+        }
+        Self {
+            starts,
+            pairs: sorted,
+            walls,
+            facets: facets::pasts(patches, particles),
+            ..Self::default()
+        }
+    }
+
+    /// The same when particles of these numbers come in.
+    pub(in crate::granular) fn with_newcomers(self, first: u32) -> Self {
+        Self {
+            newcomers: first,
+            ..self
+        }
+    }
+
+    pub(in crate::granular) fn makes_bonds(&self) -> bool {
+        self.newcomers < u32::MAX
+    }
+
+    pub(in crate::granular) fn intact_bonds(&self) -> u64 {
+        let intact = self.pairs.iter().filter(|(_, past)| past.bond.is_intact);
+        intact.count() as u64
+    }
+
+    /// What the contact of particles `a` and `b` remembers, seen from a.
+    fn pair(&self, a: u32, b: u32) -> Option<Past> {
+        let (low, high) = (a.min(b), a.max(b));
+        let range =
+            *self.starts.get(low as usize)? as usize..*self.starts.get(low as usize + 1)? as usize;
+        let (_, past) = self.pairs[range]
+            .iter()
+            .find(|(partner, _)| *partner == high)?;
+        Some(if a == low { *past } else { past.seen_from_b() })
+    }
+
+    /// At the start of a scene.
+    pub(in crate::granular) fn none() -> Self {
+        Self {
+            newcomers: 0,
+            ..Self::default()
+        }
+    }
+
+    /// The past of two particles, or the bond that is made between them.
+    pub(super) fn pair_or_bond(
+        &self,
+        model: &Model,
+        particles: &Particles,
+        a: usize,
+        b: usize,
+    ) -> Option<Past> {
+        let numbers = [a, b].map(|particle| particles.numbers[particle]);
+        if numbers[0].min(numbers[1]) < self.newcomers {
+            return self.pair(numbers[0], numbers[1]);
+        }
+        // spheres of breakable grains are bonded within their grain only
+        let [own, other] = [a, b].map(|particle| particles.owners[particle] as usize);
+        if model.grains.get(own) != model.grains.get(other) {
+            return None;
+        }
+        let [a, b] = [a, b].map(|particle| {
+            let centre = particles.centres[particle];
+            (
+                model.surfaces[usize::from(particles.surfaces[particle])],
+                centre,
+            )
+        });
+        let strength = bond_strength((a.0, a.1.0[3]), (b.0, b.1.0[3]))?;
+        let overlap = a.1.0[3] + b.1.0[3] - (b.1.vector() - a.1.vector()).norm();
+        if overlap < -BOND_REACH * a.1.0[3].min(b.1.0[3]) {
+            return None;
+        }
+        let rest = if model.bonds_rest_as_made {
+            overlap
+        } else {
+            0.0
+        };
+        Some(Past {
+            bond: Bond {
+                is_intact: true,
+                strength,
+                rest,
+            },
+            ..Past::default()
+        })
+    }
+
+    pub(super) fn wall(&self, particle: u32, plane: u32) -> Option<Past> {
+        let place = self
+            .walls
+            .binary_search_by_key(&(particle, plane), |(key, _)| *key);
+        place.ok().map(|place| self.walls[place].1)
+    }
+}
