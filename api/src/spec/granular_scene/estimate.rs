@@ -1,5 +1,5 @@
 //! What a granular scene takes: particle steps over measured speed.
-use super::{GranularScene, TimeStep};
+use super::{Body, GranularScene, TimeStep};
 use crate::{Calibration, Estimate};
 
 /// Particle steps in the time of one evaluation of a bond of the calibrating fabric. A step of a
@@ -22,6 +22,10 @@ const MEMORY_MB: [f64; 2] = [14.0, 1.0e-3];
 const BODY_ROW_MB: f64 = 280e-6;
 const CONTACT_ROW_MB: f64 = 220e-6;
 const CURVE_ROW_MB: f64 = 150e-6;
+/// (1/m + arm²/I) m of a compact body.
+const FREEDOM: f64 = 3.5;
+/// Automatic step of a scene in which nothing can touch [s].
+const FREE_STEP_S: f64 = 1e-3;
 /// Contacts of a sphere in a dense bed.
 const CONTACTS_PER_PARTICLE: f64 = 2.5;
 /// Compressed bytes of a particle in a snapshot [MB].
@@ -36,8 +40,11 @@ impl GranularScene {
                 let samples = self.samples();
                 let speed = Self::first_speed(&samples);
                 let critical = self.critical_step_of_one_contact(&samples, speed);
-                let critical = critical.map_or(f64::INFINITY, |critical| critical.step);
-                self.accuracy.knobs().critical_step_fraction * critical
+                let of_spheres = critical.map(|critical| critical.step);
+                let steps = of_spheres.into_iter().chain(self.steps_of_clumps(&samples));
+                let fraction = self.accuracy.knobs().critical_step_fraction;
+                let step = fraction * steps.fold(f64::INFINITY, f64::min);
+                if step.is_finite() { step } else { FREE_STEP_S }
             }
         };
         let stages = self.stages.iter().map(|stage| {
@@ -50,6 +57,21 @@ impl GranularScene {
                 .unwrap_or(0.0)
         });
         stages.sum()
+    }
+
+    /// About the critical step of each clump's smallest member at a rigid wall [s]: 2/√(k f) with
+    /// k = 2 E r, mass as if members did not overlap, and f = 1/m + arm²/I as of a sphere.
+    fn steps_of_clumps<'a>(&'a self, bodies: &'a [Body]) -> impl Iterator<Item = f64> + 'a {
+        bodies.iter().filter_map(|body| {
+            let members = &body.clump.as_ref()?.members;
+            let material = self.materials.get(&body.material)?;
+            let cubes = members.iter().map(|member| member.radius_m.powi(3));
+            let volume = cubes.sum::<f64>() * 4.0 / 3.0 * std::f64::consts::PI;
+            let mass = material.density_kg_per_m3 * volume;
+            let radii = members.iter().map(|member| member.radius_m);
+            let stiffness = material.normal_stiffness(radii.fold(f64::INFINITY, f64::min));
+            Some(2.0 / (stiffness * FREEDOM / mass).sqrt())
+        })
     }
 }
 

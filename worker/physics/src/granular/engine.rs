@@ -381,6 +381,7 @@ impl<F: Law> Engine<F> {
         state.skin.start(&state.particles.centres);
         state.is_listed = true;
         state.lists += 1;
+        self.halos.iter_mut().for_each(Halo::clear);
         self.halos.resize_with(state.patches.len(), Halo::default);
     }
 }

@@ -23,7 +23,7 @@ use crate::granular::{
         once::{Near, last_heir},
     },
     lanes::{Array, LANES, Lanes, Vectors, bits},
-    rows::{Gathered, Row, scatter},
+    rows::Row,
 };
 
 /// Facets near one sphere; of padding the number is [`NONE`].
@@ -309,26 +309,7 @@ impl<F: Law> FacetBlock<F> {
             }
             let push = self.law.advance(simd, part, touch, slip, time_step);
             touching |= bits::<S>(push.acts, part);
-            let arm = radius - Lanes::splat(simd, 0.5) * overlap;
-            let force = Gathered {
-                vector: normal.scaled(push.normal) + push.shear,
-                fourth: none,
-            };
-            let moment = Gathered {
-                vector: normal.cross(push.shear).scaled(arm),
-                fourth: none,
-            };
-            let columns = [
-                force.masked(simd, push.acts),
-                moment.masked(simd, push.acts),
-            ];
-            scatter(
-                simd,
-                columns,
-                part,
-                #[inline(always)]
-                |lane, [force, moment]| act(lane, force, moment),
-            );
+            push.against_wall(simd, part, &touch, radius, &mut act);
         }
         touching
     }

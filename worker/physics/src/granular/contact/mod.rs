@@ -25,7 +25,7 @@ use pulp::Simd;
 
 use super::{
     lanes::{LANES, Lanes, Vectors},
-    rows::Row,
+    rows::{Gathered, Row, scatter},
 };
 
 /// Where the particles are and how they move: one row each.
@@ -95,6 +95,42 @@ impl<S: Simd> Slip<S> {
             spins: Vectors::zero(simd),
             last_normal: Vectors::zero(simd),
         }
+    }
+}
+
+impl<S: Simd> Push<S> {
+    /// Gives `act` what a part of a block of spheres at walls does, lane by lane: the force on the
+    /// wall and its moment about the centre of the sphere of this radius (G.2).
+    #[inline(always)]
+    fn against_wall(
+        &self,
+        simd: S,
+        part: usize,
+        touch: &Touch<S>,
+        radius: Lanes<S>,
+        act: &mut impl FnMut(usize, [f64; 4], [f64; 4]),
+    ) {
+        let none = Lanes::splat(simd, 0.0);
+        let arm = radius - Lanes::splat(simd, 0.5) * touch.overlap;
+        let force = Gathered {
+            vector: touch.normal.scaled(self.normal) + self.shear,
+            fourth: none,
+        };
+        let moment = Gathered {
+            vector: touch.normal.cross(self.shear).scaled(arm),
+            fourth: none,
+        };
+        let columns = [
+            force.masked(simd, self.acts),
+            moment.masked(simd, self.acts),
+        ];
+        scatter(
+            simd,
+            columns,
+            part,
+            #[inline(always)]
+            |lane, [force, moment]| act(lane, force, moment),
+        );
     }
 }
 

@@ -99,7 +99,7 @@ impl<F: Law> PairList<F> {
         halo: &mut Halo,
         time_step: f64,
     ) {
-        halo.clear::<F>(self.blocks.len());
+        halo.fit::<F>(self.blocks.len());
         let blocks = self.blocks.iter_mut().zip(&mut self.touching);
         for (index, (block, touching)) in blocks.enumerate() {
             let a = block.a;
@@ -112,11 +112,13 @@ impl<F: Law> PairList<F> {
                 |lane: usize, force: [f64; 4], torque: [f64; 4]| {
                     let a = a[lane] as usize - first;
                     wrenches.forces[a].subtract(force);
-                    halo.forces[index * LANES + lane] = Row(force);
+                    let place = index * LANES + lane;
+                    halo.forces[place] = Row(force);
                     if F::IS_ROUGH {
                         let [on_a, on_b] = moments(force, torque);
                         wrenches.torques[a].subtract(on_a);
-                        halo.torques[index * LANES + lane].subtract(on_b);
+                        halo.torques[place] = Row::default();
+                        halo.torques[place].subtract(on_b);
                     }
                 },
             );
@@ -125,11 +127,16 @@ impl<F: Law> PairList<F> {
 }
 
 impl Halo {
-    fn clear<F: Law>(&mut self, blocks: usize) {
+    /// Forgets what belonged to a list that is no more.
+    pub(in crate::granular) fn clear(&mut self) {
         self.forces.clear();
+        self.torques.clear();
+    }
+
+    /// Room for the first step of a list; afterwards every step leaves zero where nothing acts.
+    fn fit<F: Law>(&mut self, blocks: usize) {
         self.forces.resize(blocks * LANES, Row::default());
         if F::IS_ROUGH {
-            self.torques.clear();
             self.torques.resize(blocks * LANES, Row::default());
         }
     }
@@ -149,8 +156,8 @@ fn moments(force: [f64; 4], torque: [f64; 4]) -> [[f64; 4]; 2] {
 
 impl<F: Law> PairBlock<F> {
     /// Advances the contacts by a step. Gives `act` the force F on b with arm of a, and n × F with
-    /// the arm of b, for every lane of a part in which something touches; zero where nothing
-    /// does. Returns which lanes touch.
+    /// the arm of b, for every lane of a part in which something touches, or touched in the last
+    /// step; zero where nothing does. Returns which lanes touch.
     #[inline(always)]
     fn advance<S: Simd>(
         &mut self,
@@ -175,6 +182,10 @@ impl<F: Law> PairBlock<F> {
             if bits::<S>(may_act, 0) == 0 {
                 if touched != 0 {
                     self.law.forget(simd, part);
+                    let lanes = part * S::F64_LANES..(part + 1) * S::F64_LANES;
+                    for lane in lanes {
+                        act(lane, [0.0; 4], [0.0; 4]);
+                    }
                 }
                 continue;
             }

@@ -14,7 +14,7 @@ use super::{Kinematics, Slip, Touch, Wrenches, law::Law};
 use crate::granular::{
     lanes::{Array, LANES, Lanes, Vectors, bits},
     motion::wall::WallMotion,
-    rows::{Gathered, gather, scatter},
+    rows::gather,
 };
 
 /// A plane as contacts see it.
@@ -162,26 +162,7 @@ impl<F: Law> WallBlock<F> {
             }
             let push = self.law.advance(simd, part, touch, slip, time_step);
             touching |= bits::<S>(push.acts, part);
-            let arm = radius - Lanes::splat(simd, 0.5) * overlap;
-            let force = Gathered {
-                vector: normal.scaled(push.normal) + push.shear,
-                fourth: none,
-            };
-            let moment = Gathered {
-                vector: normal.cross(push.shear).scaled(arm),
-                fourth: none,
-            };
-            let columns = [
-                force.masked(simd, push.acts),
-                moment.masked(simd, push.acts),
-            ];
-            scatter(
-                simd,
-                columns,
-                part,
-                #[inline(always)]
-                |lane, [force, moment]| act(lane, force, moment),
-            );
+            push.against_wall(simd, part, &touch, radius, &mut act);
         }
         touching
     }
