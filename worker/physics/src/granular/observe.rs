@@ -61,6 +61,14 @@ impl<F: Law> Engine<F> {
     /// Contacts that touch, in the order of bodies; to be called between the phases.
     pub(super) fn contacts(&self) -> Vec<Contact> {
         let mut contacts = Vec::new();
+        self.gather_contacts(&mut contacts);
+        put_in_order(&mut contacts);
+        contacts
+    }
+
+    /// The same in the order of patches, into memory that is there already.
+    pub(super) fn gather_contacts(&self, contacts: &mut Vec<Contact>) {
+        contacts.clear();
         let particles = &self.state.particles;
         let bodies = self.model.masses.len() as u32;
         for patch in &self.state.patches {
@@ -110,9 +118,7 @@ impl<F: Law> Engine<F> {
                 }
             }
         }
-        self.facet_contacts(&mut contacts);
-        contacts.sort_by_key(|contact| (contact.bodies, contact.numbers));
-        contacts
+        self.facet_contacts(contacts);
     }
 
     /// Contacts with facets.
@@ -254,6 +260,11 @@ impl<F: Law> Engine<F> {
         }
         (count > 0.0).then(|| sum / count / mean)
     }
+}
+
+/// Sorts contacts by their bodies.
+pub(super) fn put_in_order(contacts: &mut [Contact]) {
+    contacts.sort_by_key(|contact| (contact.bodies, contact.numbers));
 }
 
 impl Contact {

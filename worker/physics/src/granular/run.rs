@@ -14,7 +14,7 @@ use super::{
     engine::{Engine, State},
     fragments,
     journal::Journal,
-    observe::{Contact, Energies, elastic_energy},
+    observe::{Contact, Energies, elastic_energy, put_in_order},
     report, snapshot,
     specimen::Specimen,
     tables,
@@ -67,6 +67,8 @@ pub(super) struct Runner<'a, F: Law> {
     foreseen: f64,
     smallest_radius: f64,
     fingerprint: Fingerprint,
+    /// Memory for those observed.
+    contacts: Vec<Contact>,
 }
 
 pub(super) fn run<F: Law>(
@@ -165,6 +167,7 @@ impl<'a, F: Law> Runner<'a, F> {
             foreseen,
             smallest_radius,
             fingerprint: Fingerprint::of(spec)?,
+            contacts: Vec::new(),
         })
     }
 
@@ -259,7 +262,11 @@ impl<'a, F: Law> Runner<'a, F> {
         let time_step = self.journal.time_step;
         if is_recorded || is_pictured || next.is_multiple_of(STEPS_PER_LOOK) {
             self.engine.push(time_step);
-            let contacts = self.engine.contacts();
+            let mut contacts = std::mem::take(&mut self.contacts);
+            self.engine.gather_contacts(&mut contacts);
+            if is_recorded || is_pictured {
+                put_in_order(&mut contacts);
+            }
             let before = self.engine.kinetic_energy();
             let gravitational = self.engine.gravitational_energy();
             self.engine.advance(time_step);
@@ -274,6 +281,9 @@ impl<'a, F: Law> Runner<'a, F> {
             self.look(&contacts, energies, critical)?;
             let is_last =
                 is_last || (self.journal.is_settled && (self.is_last_stage() || is_breakable));
+            if is_last && !(is_recorded || is_pictured) {
+                put_in_order(&mut contacts);
+            }
             if is_recorded || is_last {
                 self.record(recorder, &contacts, critical)?;
             }
@@ -281,6 +291,7 @@ impl<'a, F: Law> Runner<'a, F> {
             if is_pictured || is_closing {
                 self.picture(recorder, &contacts)?;
             }
+            self.contacts = contacts;
             if self.automatic.is_some() {
                 self.journal.time_step = self.automatic_step(critical);
             }
