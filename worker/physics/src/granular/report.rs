@@ -243,7 +243,7 @@ fn limit(spec: &GranularScene, bodies: usize, journal: &Journal) -> String {
             .to_owned()
     };
     format!(
-        "{first} That was {:e} s, set by body {} and its contact with {}; {saving}.",
+        "{first} That was {:.2e} s, set by body {} and its contact with {}; {saving}.",
         critical.step,
         critical.body,
         partner(spec, bodies, critical.partner)
