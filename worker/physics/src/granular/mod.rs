@@ -54,6 +54,7 @@ mod report;
 mod rows;
 mod run;
 mod scene;
+mod shares;
 mod snapshot;
 mod solid_share;
 mod specimen;

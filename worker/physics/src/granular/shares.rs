@@ -1,0 +1,56 @@
+//! Handing out the bodies of a scene to the patches that move them.
+use super::{
+    contact::law::Law,
+    motion::clump::Clump,
+    particles::Particles,
+    patch::{Bodies, Patch},
+};
+
+/// A patch's own bodies.
+pub(super) fn share<'a, F: Law>(
+    particles: &'a mut Particles,
+    clumps: &'a mut [Clump],
+    patch: &Patch<F>,
+) -> Bodies<'a> {
+    let range = patch.particles.clone();
+    let turning = if F::IS_ROUGH { range.clone() } else { 0..0 };
+    Bodies {
+        centres: &mut particles.centres[range.clone()],
+        velocities: &mut particles.velocities[range],
+        spins: &mut particles.spins[turning],
+        clumps: &mut clumps[patch.clumps.clone()],
+        owners: &particles.owners[patch.particles.clone()],
+    }
+}
+
+/// Hands every patch its own bodies.
+pub(super) fn shares<'a, F: Law>(
+    particles: &'a mut Particles,
+    clumps: &'a mut [Clump],
+    patches: &'a mut [Patch<F>],
+) -> Vec<(&'a mut Patch<F>, Bodies<'a>)> {
+    let mut centres = particles.centres.as_mut_slice();
+    let mut velocities = particles.velocities.as_mut_slice();
+    let mut spins = particles.spins.as_mut_slice();
+    let mut clumps = clumps;
+    let mut shares = Vec::with_capacity(patches.len());
+    for patch in patches {
+        let rows = patch.particles.len();
+        let bodies = Bodies {
+            centres: take(&mut centres, rows),
+            velocities: take(&mut velocities, rows),
+            spins: take(&mut spins, if F::IS_ROUGH { rows } else { 0 }),
+            clumps: take(&mut clumps, patch.clumps.len()),
+            owners: &particles.owners[patch.particles.clone()],
+        };
+        shares.push((patch, bodies));
+    }
+    shares
+}
+
+/// Splits off the first `count` items.
+fn take<'a, T>(items: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let (first, rest) = std::mem::take(items).split_at_mut(count);
+    *items = rest;
+    first
+}
