@@ -1,12 +1,7 @@
 //! Walls and bodies that are driven.
-use loadframe_physics::{Ending, Interrupt};
 use serde_json::{Value, json};
 
-use super::{
-    assert_close, body, job, run, run_on,
-    scene::{AtLook, Record, run_job},
-    sphere,
-};
+use super::{assert_close, body, determinism::assert_resumes, run, run_on, sphere};
 
 const RADIUS: f64 = 0.01;
 /// E r: two equal surfaces in series.
@@ -309,28 +304,5 @@ fn driven_scenes_have_the_same_bits_on_any_threads_and_in_pieces() {
         assert_eq!(report, expected, "{threads} threads");
         assert!(other.files == whole.files, "{threads} threads");
     }
-    let job = job(&spec);
-    let mut record = Record::default();
-    let mut checkpoint: Option<Vec<u8>> = None;
-    let mut pieces = 0;
-    let report = loop {
-        pieces += 1;
-        let interrupt = AtLook::new(Interrupt::Suspend, 9);
-        let ending = run_job(
-            &job,
-            &mut record,
-            &interrupt,
-            checkpoint.as_deref(),
-            1 + pieces % 2,
-        );
-        match ending.expect("the scene can be run") {
-            Ending::Finished(report) => break report,
-            Ending::Suspended => checkpoint = record.checkpoint.take(),
-            Ending::Cancelled => panic!("nobody cancelled"),
-        }
-    };
-    assert!(pieces > 3, "{pieces}");
-    assert_eq!(report, expected);
-    assert!(record.files == whole.files);
-    assert_eq!(record.points, whole.points);
+    assert_resumes(&spec, 9);
 }
