@@ -1,7 +1,7 @@
 //! Walls and bodies that are driven.
 use serde_json::{Value, json};
 
-use super::{assert_close, body, determinism::assert_resumes, run, run_on, sphere};
+use super::{assert_close, body, determinism::assert_resumes, run, run_on, scene::Record, sphere};
 
 const RADIUS: f64 = 0.01;
 /// E r: two equal surfaces in series.
