@@ -6,7 +6,6 @@ use loadframe_api::{
 
 use super::{
     Vector,
-    contact::law::Law,
     engine::Engine,
     motion::wall::{Load, WallMotion},
     patch::BodyLoad,
@@ -14,7 +13,7 @@ use super::{
     scene::DrivenBody,
 };
 
-impl<F: Law> Runner<'_, F> {
+impl Runner<'_> {
     /// Sets walls and bodies going that this stage drives, and lets those of others stand. A stage that
     /// was begun goes on at the speeds it had.
     pub(super) fn begin_drives(&mut self, stage: &Stage) {
@@ -160,7 +159,7 @@ fn are_among(axes: &[Axis]) -> [bool; 3] {
     [Axis::X, Axis::Y, Axis::Z].map(|axis| axes.contains(&axis))
 }
 
-impl<F: Law> Engine<F> {
+impl Engine {
     /// Number of a wall, planes before meshes.
     pub(super) fn wall(&self, name: &str) -> Option<usize> {
         let planes = self.model.planes.iter().map(|plane| &plane.name);

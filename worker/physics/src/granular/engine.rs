@@ -4,16 +4,16 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Vector,
-    contact::{Wrenches, law::Law, pairs::Halo, walls::Face},
+    contact::{Scenery, Wrenches, law::Chosen, lists::Lists, pairs::Halo, walls::Face},
     facets::{Pose, search::Search},
-    listing::{self, memories::Memories},
+    listing::{self, Listing, memories::Memories},
     motion::{
         Drive,
         clump::{Clump, Members},
     },
     neighbours::skin::Skin,
     particles::Particles,
-    patch::{BodyLoad, Patch, Push},
+    patch::{BodyLoad, Patch},
     scene::{Model, build},
     shares::{share, shares},
     specimen::Specimen,
@@ -26,14 +26,13 @@ const LISTS_PER_SORT: u64 = 8;
 
 /// What changes during a run, all of it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(bound = "")]
-pub(super) struct State<F: Law> {
+pub(super) struct State {
     pub(super) particles: Particles,
     pub(super) clumps: Vec<Clump>,
     pub(super) faces: Vec<Face>,
     /// Of each mesh.
     pub(super) poses: Vec<Pose>,
-    pub(super) patches: Vec<Patch<F>>,
+    pub(super) patches: Vec<Patch>,
     skin: Skin,
     /// Whether the lists hold for the next step.
     is_listed: bool,
@@ -61,11 +60,14 @@ pub(super) struct State<F: Law> {
 
 /// A scene in motion.
 #[derive(Debug)]
-pub(super) struct Engine<F: Law> {
+pub(super) struct Engine {
     pub(super) model: Model,
+    pub(super) law: Chosen,
     /// What acts on every body now [m/s²]: that of the model, and what shakes the scene.
     pub(super) gravity: Vector,
-    pub(super) state: State<F>,
+    pub(super) state: State,
+    /// Of each patch.
+    pub(super) contact_lists: Vec<Box<dyn Lists>>,
     /// Bodies that are not in the scene yet.
     pub(super) reserve: Reserve,
     halos: Vec<Halo>,
@@ -78,8 +80,13 @@ pub(super) struct Engine<F: Law> {
     team: Team,
 }
 
-impl<F: Law> Engine<F> {
-    pub(super) fn new(spec: &GranularScene, specimen: &Specimen<'_>, team: Team) -> Self {
+impl Engine {
+    pub(super) fn new(
+        spec: &GranularScene,
+        law: Chosen,
+        specimen: &Specimen<'_>,
+        team: Team,
+    ) -> Self {
         let (model, particles, clumps) = build(spec, specimen);
         let faces = model.planes.iter().map(|plane| plane.face).collect();
         let state = State {
@@ -93,7 +100,9 @@ impl<F: Law> Engine<F> {
         let mut engine = Self {
             gravity: model.gravity,
             model,
+            law,
             state,
+            contact_lists: Vec::new(),
             reserve: Reserve::default(),
             halos: Vec::new(),
             scratch: Wrenches::default(),
@@ -107,17 +116,16 @@ impl<F: Law> Engine<F> {
         engine
     }
 
-    /// Goes on from `state`.
-    pub(super) fn resume(&mut self, state: State<F>) {
+    /// Goes on from `state`, with the lists of its patches.
+    pub(super) fn resume(&mut self, state: State, contact_lists: Vec<Box<dyn Lists>>) {
         self.state = state;
+        self.contact_lists = contact_lists;
         self.halos = vec![Halo::default(); self.state.patches.len()];
     }
 
     /// Candidates in the lists.
     pub(super) fn candidates(&self) -> u64 {
-        let patches = self.state.patches.iter();
-        let counts =
-            patches.map(|patch| patch.inner.count + patch.outer.count + patch.facets.count);
+        let counts = self.contact_lists.iter().map(|lists| lists.candidates());
         counts.sum::<usize>() as u64
     }
 
@@ -149,17 +157,7 @@ impl<F: Law> Engine<F> {
 
     /// Memory of the lists of candidates [bytes].
     pub(super) fn contact_bytes(&self) -> u64 {
-        let patches = self.state.patches.iter();
-        let bytes = patches.map(|patch| {
-            let walls = patch
-                .walls
-                .iter()
-                .map(|list| size_of_val(list.blocks.as_slice()));
-            size_of_val(patch.inner.blocks.as_slice())
-                + size_of_val(patch.outer.blocks.as_slice())
-                + walls.sum::<usize>()
-                + size_of_val(patch.facets.blocks.as_slice())
-        });
+        let bytes = self.contact_lists.iter().map(|lists| lists.bytes());
         bytes.sum::<usize>() as u64
     }
 
@@ -182,19 +180,19 @@ impl<F: Law> Engine<F> {
         }
         let drive = self.drive(time_step);
         let state = &mut self.state;
+        let is_rough = self.model.is_rough;
         let mut speed_square = 0.0_f64;
-        for (number, patch) in state.patches.iter_mut().enumerate() {
+        let patches = state.patches.iter_mut().zip(&mut self.contact_lists);
+        for (number, (patch, lists)) in patches.enumerate() {
             std::mem::swap(&mut patch.wrenches, &mut self.scratch);
-            let push = Push {
-                patch: &mut *patch,
-                halo: &mut self.halos[number],
+            let scenery = Scenery {
                 kinematics: state.particles.kinematics(state.last_step),
                 faces: &state.faces,
                 facets: &self.model.facets,
                 poses: &state.poses,
                 time_step,
             };
-            push.run();
+            patch.push(lists.as_mut(), scenery, &mut self.halos[number], is_rough);
             let bodies = share(&mut state.particles, &mut state.clumps, patch);
             let speed = patch.advance(
                 bodies,
@@ -223,22 +221,19 @@ impl<F: Law> Engine<F> {
             self.list();
         }
         let state = &mut self.state;
-        let kinematics = state.particles.kinematics(state.last_step);
-        let (faces, facets, poses) = (&state.faces, &self.model.facets, &state.poses);
-        let work = state
-            .patches
-            .iter_mut()
-            .zip(&mut self.halos)
-            .map(|(patch, halo)| Push {
-                patch,
-                halo,
-                kinematics,
-                faces,
-                facets,
-                poses,
-                time_step,
-            });
-        self.team.map(work.collect(), Push::run);
+        let is_rough = self.model.is_rough;
+        let scenery = Scenery {
+            kinematics: state.particles.kinematics(state.last_step),
+            faces: &state.faces,
+            facets: &self.model.facets,
+            poses: &state.poses,
+            time_step,
+        };
+        let patches = state.patches.iter_mut().zip(&mut self.contact_lists);
+        let work = patches.zip(&mut self.halos).collect();
+        self.team.map(work, |((patch, lists), halo)| {
+            patch.push(lists.as_mut(), scenery, halo, is_rough);
+        });
     }
 
     /// Finds out what touches between two steps, when something was done to the scene.
@@ -329,7 +324,11 @@ impl<F: Law> Engine<F> {
 
     /// What the contacts of the last step remember.
     pub(super) fn memories(&self) -> Memories {
-        Memories::of(&self.state.patches, &self.state.particles)
+        if self.model.is_rough {
+            Memories::of(&self.contact_lists, &self.state.particles)
+        } else {
+            Memories::default()
+        }
     }
 
     /// The same after bodies came or went.
@@ -347,35 +346,39 @@ impl<F: Law> Engine<F> {
         }
         // bonded spheres are listed however far their bonds stretch
         let skin = state.skin.width + state.longest_stretch;
-        state.patches = listing::list(
-            &self.model,
-            &state.faces,
-            &state.particles,
-            &state.clumps,
-            skin,
+        let facets = &self.model.facets;
+        if !facets.facets.is_empty() {
+            let radii = state.particles.centres.iter().map(|centre| centre.0[3]);
+            (self.search).prepare(facets, radii.fold(0.0, f64::max) + skin);
+        }
+        let listing = Listing {
+            law: &self.law,
+            model: &self.model,
+            faces: &state.faces,
+            poses: &state.poses,
+            search: &self.search,
+            particles: &state.particles,
             memories,
-        );
-        listing::facets::fill(
-            &self.model,
-            &mut self.search,
-            &state.poses,
-            &state.particles,
-            &mut state.patches,
             skin,
-            memories,
-        );
+        };
+        (state.patches, self.contact_lists) = listing.list(&state.clumps, &self.team);
         if state.friction_factor < 1.0 {
-            state
-                .patches
+            let factor = state.friction_factor;
+            (self.contact_lists)
                 .iter_mut()
-                .for_each(|patch| patch.rub(state.friction_factor));
+                .for_each(|lists| lists.rub(factor));
         }
         if memories.makes_bonds() {
-            let bonds = state.patches.iter().flat_map(Patch::bonds);
             let mut held = 0;
-            for (strength, stiffness) in bonds {
-                state.longest_stretch = state.longest_stretch.max(strength / stiffness);
-                held += 1;
+            for lists in &self.contact_lists {
+                lists.see(&mut |touching| {
+                    let bond = touching.law.past(touching.lane).bond;
+                    if bond.is_intact {
+                        let stretch = bond.strength[0] / touching.constant;
+                        state.longest_stretch = state.longest_stretch.max(stretch);
+                        held += 1;
+                    }
+                });
             }
             state.bonds_made += held - memories.intact_bonds();
         }
@@ -388,7 +391,7 @@ impl<F: Law> Engine<F> {
 }
 
 /// Force of all bodies on a wall in the last step [N], and the power of its turning [W].
-fn forces<F: Law>(patches: &[Patch<F>], wall: usize) -> [f64; 4] {
+fn forces(patches: &[Patch], wall: usize) -> [f64; 4] {
     let mut sum = [0.0; 4];
     for patch in patches {
         for (sum, part) in sum.iter_mut().zip(patch.wall_forces[wall]) {

@@ -4,7 +4,7 @@
 //! For breakable grains the table `fragments.csv` counts fragments by the number of their members,
 //! in the classes of T fig. 4.25.
 use super::{
-    contact::law::Law,
+    contact::lists::Who,
     engine::Engine,
     journal::{Journal, Reading},
 };
@@ -39,7 +39,7 @@ pub(super) struct Fragments(Vec<u32>);
 
 impl Fragments {
     /// As the bonds of the last step hold.
-    pub(super) fn of<F: Law>(engine: &Engine<F>) -> Self {
+    pub(super) fn of(engine: &Engine) -> Self {
         let mut parents: Vec<u32> = (0..engine.model.masses.len() as u32).collect();
         for [a, b] in engine.bonded_bodies() {
             let (a, b) = (root(&mut parents, a), root(&mut parents, b));
@@ -68,14 +68,21 @@ fn root(parents: &mut [u32], mut body: u32) -> u32 {
     body
 }
 
-impl<F: Law> Engine<F> {
+impl Engine {
     /// Pairs of bodies that an intact bond holds together.
-    fn bonded_bodies(&self) -> impl Iterator<Item = [u32; 2]> {
-        let patches = self.state.patches.iter();
-        let held = patches.flat_map(|patch| patch.inner.touching().chain(patch.outer.touching()));
-        let intact = held.filter(|(block, lane)| block.law.past(*lane).bond.is_intact);
+    fn bonded_bodies(&self) -> Vec<[u32; 2]> {
         let owners = &self.state.particles.owners;
-        intact.map(|(block, lane)| [block.a, block.b].map(|side| owners[side[lane] as usize]))
+        let mut bonded = Vec::new();
+        for lists in &self.contact_lists {
+            lists.see(&mut |touching| {
+                if let Who::Pair(pair) = touching.who
+                    && touching.law.past(touching.lane).bond.is_intact
+                {
+                    bonded.push(pair.map(|particle| owners[particle as usize]));
+                }
+            });
+        }
+        bonded
     }
 
     /// Bonds that broke, as far as they are in the scene.
@@ -85,12 +92,12 @@ impl<F: Law> Engine<F> {
     }
 
     pub(super) fn intact_bonds(&self) -> u64 {
-        self.bonded_bodies().count() as u64
+        self.bonded_bodies().len() as u64
     }
 }
 
 /// Adds a row on the breakable grains of the scene, if it has any.
-pub(super) fn add_row<F: Law>(engine: &Engine<F>, journal: &mut Journal) {
+pub(super) fn add_row(engine: &Engine, journal: &mut Journal) {
     let grains = &engine.model.grains;
     if grains.is_empty() {
         return;

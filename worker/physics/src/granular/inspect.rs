@@ -1,7 +1,7 @@
 //! Bodies that a run must tell of: not finite, too fast, gone.
-use super::{Vector, contact::law::Law, engine::Engine, facets::Pose};
+use super::{Vector, engine::Engine, facets::Pose};
 
-impl<F: Law> Engine<F> {
+impl Engine {
     /// The first body whose state is not finite, and what of it.
     pub(super) fn first_not_finite(&self) -> Option<(usize, &'static str)> {
         let particles = &self.state.particles;

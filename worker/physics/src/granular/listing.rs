@@ -1,5 +1,4 @@
 //! Making the lists of candidates: order, patches, pairs, walls, facets; the past of contacts is kept.
-pub(super) mod facets;
 pub(super) mod memories;
 
 use std::ops::Range;
@@ -8,14 +7,8 @@ use memories::Memories;
 
 use super::{
     Vector,
-    contact::{
-        law::{Law, Normal, Past},
-        pairs::{PairBlock, PairList},
-        stiffness::{Side, Springs},
-        touching_lanes,
-        walls::{Face, WallBlock, WallList},
-    },
-    lanes::LANES,
+    contact::{law::Chosen, lists::Lists, stiffness::Side, walls::Face},
+    facets::{Pose, search::Search},
     motion::{clump::Clump, spheres::PartlyFixed},
     neighbours::{
         grid::{Candidates, candidates},
@@ -25,6 +18,7 @@ use super::{
     patch::{Incoming, Patch},
     scene::Model,
 };
+use crate::parallel::Team;
 
 /// Particles of a patch: enough work to share out (about 0.1 ms), few enough to stay in a core's
 /// own cache together with their contacts.
@@ -77,61 +71,172 @@ pub(super) fn sort(particles: &mut Particles, clumps: &mut Vec<Clump>) {
     *clumps = sorted;
 }
 
-/// Cuts the particles into patches and fills them with candidates closer than `skin` [m].
-pub(super) fn list<F: Law>(
-    model: &Model,
-    faces: &[Face],
-    particles: &Particles,
-    clumps: &[Clump],
-    skin: f64,
-    memories: &Memories,
-) -> Vec<Patch<F>> {
-    let may_touch = |a: usize, b: usize| {
-        let (a, b) = (particles.owners[a] as usize, particles.owners[b] as usize);
-        a != b && (model.is_movable[a] || model.is_movable[b])
-    };
-    let candidates = candidates(&particles.centres, skin, may_touch);
-    let mut patches: Vec<Patch<F>> = cut(particles.len(), clumps)
-        .into_iter()
-        .map(|(particles, clumps)| Patch {
-            particles,
-            clumps,
-            ..Patch::default()
-        })
-        .collect();
-    let mut patch_of = vec![0_u32; particles.len()];
-    for (number, patch) in (0..).zip(&patches) {
-        patch_of[patch.particles.clone()].fill(number);
+/// What lists of candidates are made from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Listing<'a> {
+    pub(super) law: &'a Chosen,
+    pub(super) model: &'a Model,
+    pub(super) faces: &'a [Face],
+    pub(super) poses: &'a [Pose],
+    /// Prepared for these particles and this skin, where there are facets.
+    pub(super) search: &'a Search,
+    pub(super) particles: &'a Particles,
+    pub(super) memories: &'a Memories,
+    /// Distance of surfaces below which bodies are listed [m].
+    pub(super) skin: f64,
+}
+
+/// A place in a patch's halo and the particle that it acts on.
+type Outgoing = [u32; 2];
+
+impl Listing<'_> {
+    /// Cuts the particles into patches and fills the lists of each.
+    pub(super) fn list(&self, clumps: &[Clump], team: &Team) -> (Vec<Patch>, Vec<Box<dyn Lists>>) {
+        let candidates = candidates(team, &self.particles.centres, self.skin, |a, b| {
+            self.may_touch(a, b)
+        });
+        let ranges = cut(self.particles.len(), clumps);
+        let filled = team.map(ranges, |(particles, clumps)| {
+            let mut lists = (self.law.lists)();
+            let outgoing = self.fill_pairs(particles.clone(), &candidates, lists.as_mut());
+            self.fill_walls(particles.clone(), lists.as_mut());
+            self.fill_facets(particles.clone(), lists.as_mut());
+            lists.finish(self.faces.len());
+            let patch = Patch {
+                partly_fixed: partly_fixed(self.particles, particles.clone()),
+                particles,
+                clumps,
+                ..Patch::default()
+            };
+            (patch, lists, outgoing)
+        });
+        let mut patches = Vec::with_capacity(filled.len());
+        let (mut contact_lists, mut outgoings) = (Vec::new(), Vec::new());
+        for (patch, lists, outgoing) in filled {
+            patches.push(patch);
+            contact_lists.push(lists);
+            outgoings.push(outgoing);
+        }
+        address(&mut patches, &outgoings);
+        (patches, contact_lists)
     }
-    let ends: Vec<usize> = patches.iter().map(|patch| patch.particles.end).collect();
-    let mut incoming: Vec<Vec<Incoming>> = vec![Vec::new(); patches.len()];
-    for (number, patch) in patches.iter_mut().enumerate() {
-        fill_pairs::<F>(model, particles, &candidates, memories, patch);
-        fill_walls(model, faces, particles, skin, memories, patch);
-        patch.partly_fixed = partly_fixed(particles, patch.particles.clone());
-        for (block, pairs) in patch.outer.blocks.iter().enumerate() {
-            for lane in 0..LANES {
-                if pairs.is_padding(lane) {
+
+    fn may_touch(&self, a: usize, b: usize) -> bool {
+        let [a, b] = [a, b].map(|particle| self.particles.owners[particle] as usize);
+        a != b && (self.model.is_movable[a] || self.model.is_movable[b])
+    }
+
+    /// Adds the pairs whose first particle is one of these.
+    fn fill_pairs(
+        &self,
+        range: Range<usize>,
+        candidates: &Candidates,
+        lists: &mut dyn Lists,
+    ) -> Vec<Outgoing> {
+        let mut outgoing = Vec::new();
+        // what touches now comes first, so that blocks of what does not are passed over by one look
+        for wants_touching in [true, false] {
+            for a in range.clone() {
+                for &b in candidates.of(a) {
+                    let other = b as usize;
+                    let past = (self.memories).pair_or_bond(self.model, self.particles, a, other);
+                    let is_bonded = past.is_some_and(|past| past.bond.is_intact);
+                    if (is_bonded || self.is_touching(a, other)) != wants_touching {
+                        continue;
+                    }
+                    let springs = (self.law.springs)(&self.side(a), &self.side(other));
+                    let pair = [a as u32, b];
+                    if range.contains(&other) {
+                        lists.add_inner(pair, &springs, past.as_ref());
+                    } else {
+                        let place = lists.add_outer(pair, &springs, past.as_ref());
+                        outgoing.push([place as u32, b]);
+                    }
+                }
+            }
+            lists.close_blocks();
+        }
+        outgoing
+    }
+
+    /// What a particle brings to a contact.
+    fn side(&self, particle: usize) -> Side {
+        let particles = self.particles;
+        Side {
+            surface: self.model.surfaces[usize::from(particles.surfaces[particle])],
+            radius: particles.centres[particle].0[3],
+            is_flat: false,
+            inverse_mass: self.model.inverse_mass(particles.owners[particle] as usize),
+        }
+    }
+
+    fn is_touching(&self, a: usize, b: usize) -> bool {
+        let [a, b] = [a, b].map(|particle| self.particles.centres[particle]);
+        (b.vector() - a.vector()).norm() <= a.0[3] + b.0[3]
+    }
+
+    fn fill_walls(&self, range: Range<usize>, lists: &mut dyn Lists) {
+        for ((number, plane), face) in self.model.planes.iter().enumerate().zip(self.faces) {
+            for particle in range.clone() {
+                let centre = &self.particles.centres[particle].0;
+                let radius = centre[3];
+                let owner = self.particles.owners[particle] as usize;
+                if face.height(centre) > radius + self.skin || !self.model.is_movable[owner] {
                     continue;
                 }
-                let b = pairs.b[lane] as usize;
-                let target = patch_of[b] as usize;
-                let first = if target == 0 { 0 } else { ends[target - 1] };
-                let entry = [(block * LANES + lane) as u32, (b - first) as u32];
-                match incoming[target].last_mut() {
-                    Some(last) if last.patch == number => last.entries.push(entry),
-                    _ => incoming[target].push(Incoming {
-                        patch: number,
-                        entries: vec![entry],
-                    }),
-                }
+                let own = self.side(particle);
+                let wall = own.wall(self.model.surfaces[plane.surface]);
+                let springs = (self.law.springs)(&own, &wall);
+                let past = (self.memories).wall(self.particles.numbers[particle], number as u32);
+                lists.add_plane(number, particle as u32, &springs, past.as_ref());
             }
         }
     }
-    for (patch, incoming) in patches.iter_mut().zip(incoming) {
-        patch.incoming = incoming;
+
+    fn fill_facets(&self, range: Range<usize>, lists: &mut dyn Lists) {
+        let facets = &self.model.facets;
+        if facets.facets.is_empty() {
+            return;
+        }
+        let (mut found, mut near) = (Vec::new(), Vec::new());
+        for particle in range {
+            if !self.model.is_movable[self.particles.owners[particle] as usize] {
+                continue;
+            }
+            let sphere = &self.particles.centres[particle];
+            (self.search).near(facets, self.poses, sphere, self.skin, &mut found);
+            let own = self.side(particle);
+            let number = self.particles.numbers[particle];
+            near.clear();
+            near.extend(found.iter().map(|facet| {
+                let mesh = &facets.meshes[facets.facets[*facet as usize].mesh as usize];
+                let mut wall = own.wall(self.model.surfaces[mesh.surface]);
+                wall.radius *= facets.radius_ratio;
+                let springs = (self.law.springs)(&own, &wall);
+                (*facet, springs, self.memories.facet(number, *facet))
+            }));
+            lists.add_facets(particle as u32, &near);
+        }
     }
-    patches
+}
+
+/// Tells every patch what to fetch from the halos of others.
+fn address(patches: &mut [Patch], outgoings: &[Vec<Outgoing>]) {
+    let firsts: Vec<usize> = patches.iter().map(|patch| patch.particles.start).collect();
+    for (number, outgoing) in outgoings.iter().enumerate() {
+        for [place, particle] in outgoing {
+            let target = firsts.partition_point(|first| *first <= *particle as usize) - 1;
+            let entry = [*place, *particle - firsts[target] as u32];
+            let incoming = &mut patches[target].incoming;
+            match incoming.last_mut() {
+                Some(last) if last.patch == number => last.entries.push(entry),
+                _ => incoming.push(Incoming {
+                    patch: number,
+                    entries: vec![entry],
+                }),
+            }
+        }
+    }
 }
 
 /// Spheres in `range` with some of their degrees of freedom fixed.
@@ -160,148 +265,4 @@ fn cut(particles: usize, clumps: &[Clump]) -> Vec<(Range<usize>, Range<usize>)> 
         (first, first_clump) = (end, clump);
     }
     patches
-}
-
-fn fill_pairs<F: Law>(
-    model: &Model,
-    particles: &Particles,
-    candidates: &Candidates,
-    memories: &Memories,
-    patch: &mut Patch<F>,
-) {
-    // what touches now comes first, so that blocks of what does not are passed over by one look
-    for wants_touching in [true, false] {
-        for a in patch.particles.clone() {
-            for &b in candidates.of(a) {
-                let past = memories.pair_or_bond(model, particles, a, b as usize);
-                let is_bonded = past.is_some_and(|past| past.bond.is_intact);
-                if (is_bonded || is_touching(particles, a, b as usize)) != wants_touching {
-                    continue;
-                }
-                let sides = [a, b as usize].map(|particle| side(model, particles, particle));
-                let springs = F::Normal::springs(&sides[0], &sides[1]);
-                let list = if patch.particles.contains(&(b as usize)) {
-                    &mut patch.inner
-                } else {
-                    &mut patch.outer
-                };
-                list.add([a as u32, b], springs, past);
-            }
-        }
-        patch.inner.close_block();
-        patch.outer.close_block();
-    }
-    patch.inner.finish();
-    patch.outer.finish();
-}
-
-/// What a particle brings to a contact.
-fn side(model: &Model, particles: &Particles, particle: usize) -> Side {
-    Side {
-        surface: model.surfaces[usize::from(particles.surfaces[particle])],
-        radius: particles.centres[particle].0[3],
-        is_flat: false,
-        inverse_mass: model.inverse_mass(particles.owners[particle] as usize),
-    }
-}
-
-fn is_touching(particles: &Particles, a: usize, b: usize) -> bool {
-    let [a, b] = [a, b].map(|particle| particles.centres[particle]);
-    (b.vector() - a.vector()).norm() <= a.0[3] + b.0[3]
-}
-
-fn fill_walls<F: Law>(
-    model: &Model,
-    faces: &[Face],
-    particles: &Particles,
-    skin: f64,
-    memories: &Memories,
-    patch: &mut Patch<F>,
-) {
-    patch.walls = Vec::with_capacity(faces.len());
-    for ((number, plane), face) in (0..).zip(&model.planes).zip(faces) {
-        let mut list = WallList::default();
-        for particle in patch.particles.clone() {
-            let centre = &particles.centres[particle].0;
-            let radius = centre[3];
-            let owner = particles.owners[particle] as usize;
-            if face.height(centre) > radius + skin || !model.is_movable[owner] {
-                continue;
-            }
-            let own = side(model, particles, particle);
-            let springs = F::Normal::springs(&own, &own.wall(model.surfaces[plane.surface]));
-            let past = memories.wall(particles.numbers[particle], number);
-            list.add(particle as u32, springs, past);
-        }
-        patch.walls.push(list);
-    }
-}
-
-impl<F: Law> PairBlock<F> {
-    /// Whether a lane only fills the block.
-    pub(super) fn is_padding(&self, lane: usize) -> bool {
-        self.a[lane] == self.b[lane]
-    }
-}
-
-impl<F: Law> PairList<F> {
-    /// Blocks and lanes that touched in the last step.
-    pub(super) fn touching(&self) -> impl Iterator<Item = (&PairBlock<F>, usize)> {
-        let blocks = self.blocks.iter().zip(&self.touching);
-        blocks
-            .flat_map(|(block, touching)| touching_lanes(*touching).map(move |lane| (block, lane)))
-    }
-
-    /// Adds a candidate. Its bit is set when it has a past, so that the past is forgotten in time.
-    fn add(&mut self, pair: [u32; 2], springs: Springs, past: Option<Past>) {
-        let lane = self.filled;
-        if lane == 0 {
-            let block = PairBlock {
-                a: [pair[0]; LANES],
-                b: [pair[0]; LANES],
-                ..PairBlock::default()
-            };
-            self.blocks.push(block);
-            self.touching.push(0);
-        }
-        self.count += 1;
-        self.filled = (lane + 1) % LANES;
-        if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
-            [block.a[lane], block.b[lane]] = pair;
-            block.stiffness[lane] = springs.normal;
-            block.law.start(lane, &springs, &past.unwrap_or_default());
-            *touching |= u8::from(past.is_some()) << lane;
-        }
-    }
-
-    /// The next candidate begins a block.
-    fn close_block(&mut self) {
-        self.filled = 0;
-    }
-
-    fn finish(&mut self) {
-        self.blocks.shrink_to_fit();
-        self.touching.shrink_to_fit();
-    }
-}
-
-impl<F: Law> WallList<F> {
-    fn add(&mut self, particle: u32, springs: Springs, past: Option<Past>) {
-        let lane = self.count % LANES;
-        if lane == 0 {
-            let block = WallBlock {
-                particles: [particle; LANES],
-                ..WallBlock::default()
-            };
-            self.blocks.push(block);
-            self.touching.push(0);
-        }
-        self.count += 1;
-        if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
-            block.particles[lane] = particle;
-            block.stiffness[lane] = springs.normal;
-            block.law.start(lane, &springs, &past.unwrap_or_default());
-            *touching |= u8::from(past.is_some()) << lane;
-        }
-    }
 }

@@ -19,7 +19,6 @@ use nalgebra::Matrix3;
 
 use super::{
     Vector,
-    contact::law::Law,
     engine::Engine,
     observe::Contact,
     solid_share::{Cuboid, sphere_volume_within},
@@ -102,7 +101,7 @@ impl Measure {
     }
 }
 
-impl<F: Law> Engine<F> {
+impl Engine {
     /// A box between two corners: where one is left out, that of the bodies within the planes.
     pub(super) fn cuboid(&self, corners: [Option<[f64; 3]>; 2]) -> Cuboid {
         let (mut low, mut high) = (

@@ -23,7 +23,8 @@
 //! patches: any number of threads gives the same bits. What changes is in `State` and `Journal`,
 //! which are the checkpoint.
 //!
-//! **Only what is used.** The law of contact is a type parameter, chosen once, here: a scene without
+//! **Only what is used.** The law of contact is a type parameter of the lists of contacts, chosen once,
+//! here; behind [`Lists`](contact::lists::Lists) nothing else knows of it. A scene without
 //! cohesion has no bonds, one without restitution no dashpots, a frictionless one has
 //! contacts without memory and particles without spin. Bodies without a degree of freedom have
 //! no contacts among themselves, scenes without clumps or planes have empty lists of them.
@@ -65,8 +66,8 @@ mod tables;
 mod time_step;
 
 use contact::law::{
-    Bonded, Coulomb, Followed, Frictionless, Hertz, HertzMindlin, Kept, Law, Linear, Logarithmic,
-    Viscous,
+    Bonded, Chosen, Coulomb, Followed, Frictionless, Hertz, HertzMindlin, Kept, Law, Linear,
+    Logarithmic, Viscous,
 };
 use loadframe_api::spec::granular_scene::{ContactLaw, GranularScene, Material};
 
@@ -84,24 +85,23 @@ pub(crate) fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
+    run::run(spec, law(spec), context, recorder)
+}
+
+/// The law of a scene.
+fn law(spec: &GranularScene) -> Chosen {
     if spec.materials.values().any(Material::is_cohesive) {
-        return run::run::<Bonded>(spec, context, recorder);
+        return Chosen::of::<Bonded>();
     }
     match spec.laws.contact {
         ContactLaw::Linear if normals_follow(spec) => {
-            run_with::<Frictionless<Linear>, Coulomb<Linear, Followed>>(spec, context, recorder)
+            law_for::<Frictionless<Linear>, Coulomb<Linear, Followed>>(spec)
         }
-        ContactLaw::Linear => {
-            run_with::<Frictionless<Linear>, Coulomb<Linear, Kept>>(spec, context, recorder)
-        }
+        ContactLaw::Linear => law_for::<Frictionless<Linear>, Coulomb<Linear, Kept>>(spec),
         ContactLaw::Logarithmic => {
-            run_with::<Frictionless<Logarithmic>, Coulomb<Logarithmic, Kept>>(
-                spec, context, recorder,
-            )
+            law_for::<Frictionless<Logarithmic>, Coulomb<Logarithmic, Kept>>(spec)
         }
-        ContactLaw::HertzMindlin => {
-            run_with::<Frictionless<Hertz>, HertzMindlin>(spec, context, recorder)
-        }
+        ContactLaw::HertzMindlin => law_for::<Frictionless<Hertz>, HertzMindlin>(spec),
     }
 }
 
@@ -112,19 +112,14 @@ fn normals_follow(spec: &GranularScene) -> bool {
     !spec.has_clumps() && spec.facets.is_empty() && spec.driven_bodies().is_empty()
 }
 
-/// Runs the scene under the law for smooth or that for rough materials, with a dashpot if there is
-/// one.
-fn run_with<Smooth: Law, Rough: Law>(
-    spec: &GranularScene,
-    context: RunContext<'_>,
-    recorder: &mut dyn Recorder,
-) -> Result<Ending, SimulationError> {
+/// The law for smooth or that for rough materials, with a dashpot if there is one.
+fn law_for<Smooth: Law, Rough: Law>(spec: &GranularScene) -> Chosen {
     let mut materials = spec.materials.values();
     let is_rough = materials.any(|material| material.friction_angle_rad > 0.0);
     match (is_rough, spec.is_viscous()) {
-        (false, false) => run::run::<Smooth>(spec, context, recorder),
-        (true, false) => run::run::<Rough>(spec, context, recorder),
-        (false, true) => run::run::<Viscous<Smooth>>(spec, context, recorder),
-        (true, true) => run::run::<Viscous<Rough>>(spec, context, recorder),
+        (false, false) => Chosen::of::<Smooth>(),
+        (true, false) => Chosen::of::<Rough>(),
+        (false, true) => Chosen::of::<Viscous<Smooth>>(),
+        (true, true) => Chosen::of::<Viscous<Rough>>(),
     }
 }

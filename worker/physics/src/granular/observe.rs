@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use super::{
     Vector,
     contact::{
-        law::{Held, Law, Normal, Spring},
-        touching_lanes,
+        law::Spring,
+        lists::{Touching, Who},
     },
     engine::Engine,
     journal::Reading,
@@ -57,7 +57,7 @@ pub(super) struct Energies {
     pub(super) gravitational: f64,
 }
 
-impl<F: Law> Engine<F> {
+impl Engine {
     /// Contacts that touch, in the order of bodies; to be called between the phases.
     pub(super) fn contacts(&self) -> Vec<Contact> {
         let mut contacts = Vec::new();
@@ -69,86 +69,93 @@ impl<F: Law> Engine<F> {
     /// The same in the order of patches, into memory that is there already.
     pub(super) fn gather_contacts(&self, contacts: &mut Vec<Contact>) {
         contacts.clear();
+        for lists in &self.contact_lists {
+            lists.see(&mut |touching| contacts.extend(self.contact(&touching)));
+        }
+        for lists in &self.contact_lists {
+            lists.see_facets(&mut |touching| contacts.extend(self.contact(&touching)));
+        }
+    }
+
+    /// A contact as it stands now; `None` for a facet that is not reached any more.
+    fn contact(&self, touching: &Touching<'_>) -> Option<Contact> {
         let particles = &self.state.particles;
+        let centre = |particle: u32| &particles.centres[particle as usize].0;
         let bodies = self.model.masses.len() as u32;
-        for patch in &self.state.patches {
-            for (block, lane) in patch.inner.touching().chain(patch.outer.touching()) {
-                let [a, b] = [block.a, block.b].map(|side| side[lane] as usize);
+        match touching.who {
+            Who::Pair(pair) => {
+                let [a, b] = pair.map(|particle| particle as usize);
                 let between = particles.centres[b].vector() - particles.centres[a].vector();
-                let radii = [a, b].map(|particle| particles.centres[particle].0[3]);
+                let [own, other] = pair.map(|particle| centre(particle)[3]);
                 let distance = between.norm();
-                let overlap = radii[0] + radii[1] - distance;
-                let normal = between / distance;
-                let spring = Spring {
-                    constant: block.stiffness[lane],
-                    overlap,
-                    reach: radii[0] + radii[1],
-                };
-                let held = block.law.held(lane, &spring);
+                let reach = own + other;
                 let contact = Contact {
                     bodies: [particles.owners[a], particles.owners[b]],
                     particles: (a, Some(b)),
                     numbers: [particles.numbers[a], particles.numbers[b]],
-                    radius: radii[0].min(radii[1]),
-                    ..Contact::new::<F>(&spring, &held, normal)
+                    radius: own.min(other),
+                    ..self.held(touching, reach - distance, reach, between / distance)
                 };
-                contacts.push(contact.in_order());
+                Some(contact.in_order())
             }
-            for (plane, (list, face)) in (0..).zip(patch.walls.iter().zip(&self.state.faces)) {
-                for (block, bits) in list.blocks.iter().zip(&list.touching) {
-                    for lane in touching_lanes(*bits) {
-                        let particle = block.particles[lane] as usize;
-                        let centre = &particles.centres[particle].0;
-                        let overlap = centre[3] - face.height(centre);
-                        let normal = Vector::from(face.normal());
-                        let spring = Spring {
-                            constant: block.stiffness[lane],
-                            overlap,
-                            reach: 2.0 * centre[3],
-                        };
-                        let held = block.law.held(lane, &spring);
-                        contacts.push(Contact {
-                            bodies: [particles.owners[particle], bodies + plane],
-                            particles: (particle, None),
-                            numbers: [particles.numbers[particle], plane],
-                            radius: centre[3],
-                            ..Contact::new::<F>(&spring, &held, normal)
-                        });
-                    }
-                }
+            Who::Plane([particle, plane]) => {
+                let face = &self.state.faces[plane as usize];
+                let centre = centre(particle);
+                let overlap = centre[3] - face.height(centre);
+                let normal = Vector::from(face.normal());
+                Some(Contact {
+                    bodies: [particles.owners[particle as usize], bodies + plane],
+                    particles: (particle as usize, None),
+                    numbers: [particles.numbers[particle as usize], plane],
+                    radius: centre[3],
+                    ..self.held(touching, overlap, 2.0 * centre[3], normal)
+                })
+            }
+            Who::Facet([particle, facet]) => {
+                let facets = &self.model.facets;
+                let sphere = &particles.centres[particle as usize];
+                let near = facets.reach(&self.state.poses, sphere, 0, facet)?;
+                let mesh = facets.facets[facet as usize].mesh;
+                let wall = bodies + self.state.faces.len() as u32 + mesh;
+                let (radius, normal) = (sphere.0[3], Vector::from(near.normal));
+                Some(Contact {
+                    bodies: [particles.owners[particle as usize], wall],
+                    particles: (particle as usize, None),
+                    numbers: [particles.numbers[particle as usize], facet],
+                    radius,
+                    ..self.held(touching, radius - near.distance, 2.0 * radius, normal)
+                })
             }
         }
-        self.facet_contacts(contacts);
     }
 
-    /// Contacts with facets.
-    fn facet_contacts(&self, contacts: &mut Vec<Contact>) {
-        let particles = &self.state.particles;
-        let first = (self.model.masses.len() + self.state.faces.len()) as u32;
-        let facets = &self.model.facets;
-        let patches = self.state.patches.iter();
-        for (particle, block, lane) in patches.flat_map(|patch| patch.facets.touching()) {
-            let sphere = &particles.centres[particle];
-            let facet = block.facets[lane];
-            let Some(near) = facets.reach(&self.state.poses, sphere, 0, facet) else {
-                continue;
-            };
-            let spring = Spring {
-                constant: block.stiffness[lane],
-                overlap: sphere.0[3] - near.distance,
-                reach: 2.0 * sphere.0[3],
-            };
-            let held = block.law.held(lane, &spring);
-            contacts.push(Contact {
-                bodies: [
-                    particles.owners[particle],
-                    first + facets.facets[facet as usize].mesh,
-                ],
-                particles: (particle, None),
-                numbers: [particles.numbers[particle], facet],
-                radius: sphere.0[3],
-                ..Contact::new::<F>(&spring, &held, Vector::from(near.normal))
-            });
+    /// What a law holds along a normal at this overlap [m]; whose contact it is remains to be said.
+    fn held(&self, touching: &Touching<'_>, overlap: f64, reach: f64, normal: Vector) -> Contact {
+        let spring = Spring {
+            constant: touching.constant,
+            overlap,
+            reach,
+        };
+        let held = touching.law.held(touching.lane, &spring);
+        let elastic = held.spring_force * normal;
+        let sprung = Spring {
+            overlap: held.compression,
+            ..spring
+        };
+        Contact {
+            bodies: [0; 2],
+            particles: (0, None),
+            numbers: [0; 2],
+            overlap,
+            radius: 0.0,
+            normal,
+            normal_force: held.force * normal,
+            shear_force: held.shear,
+            stiffness: held.stiffness,
+            dashpot: held.dashpot,
+            compression: held.compression,
+            spring_energy: (self.law.energy)(&sprung, elastic.norm_squared()),
+            is_bonded: held.is_bonded,
         }
     }
 
@@ -268,30 +275,6 @@ pub(super) fn put_in_order(contacts: &mut [Contact]) {
 }
 
 impl Contact {
-    /// What a law holds along a normal; whose contact it is remains to be said.
-    fn new<F: Law>(spring: &Spring, held: &Held, normal: Vector) -> Self {
-        let elastic = held.spring_force * normal;
-        let sprung = Spring {
-            overlap: held.compression,
-            ..*spring
-        };
-        Self {
-            bodies: [0; 2],
-            particles: (0, None),
-            numbers: [0; 2],
-            overlap: spring.overlap,
-            radius: 0.0,
-            normal,
-            normal_force: held.force * normal,
-            shear_force: held.shear,
-            stiffness: held.stiffness,
-            dashpot: held.dashpot,
-            compression: held.compression,
-            spring_energy: F::Normal::energy(&sprung, elastic.norm_squared()),
-            is_bonded: held.is_bonded,
-        }
-    }
-
     /// With the lower body first.
     fn in_order(self) -> Self {
         if self.bodies[0] < self.bodies[1] {

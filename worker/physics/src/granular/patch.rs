@@ -7,19 +7,15 @@
 //! threads there were.
 use std::ops::Range;
 
-use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 use super::{
     Vector,
     contact::{
-        Kinematics, Wrenches,
-        facets::{FacetList, Scenery},
-        law::Law,
-        pairs::{Halo, PairList},
-        walls::{Face, WallList},
+        Scenery, Wrenches,
+        lists::{Acting, Lists},
+        pairs::Halo,
     },
-    facets::{Facets, Pose},
     motion::{
         Drive,
         clump::{Clump, Members, Rotation},
@@ -28,20 +24,12 @@ use super::{
     rows::Row,
 };
 
-/// Neighbouring particles and the contacts whose first particle is one of them.
+/// Neighbouring particles; their contacts, those whose first particle is one of them, are in its
+/// [`Lists`].
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(bound = "")]
-pub(super) struct Patch<F: Law> {
+pub(super) struct Patch {
     pub(super) particles: Range<usize>,
     pub(super) clumps: Range<usize>,
-    /// Contacts within the patch.
-    pub(super) inner: PairList<F>,
-    /// Contacts with particles of later patches.
-    pub(super) outer: PairList<F>,
-    /// Contacts by plane.
-    pub(super) walls: Vec<WallList<F>>,
-    /// Contacts with the facets of all meshes.
-    pub(super) facets: FacetList<F>,
     /// Its spheres that are fixed in part.
     pub(super) partly_fixed: Vec<PartlyFixed>,
     /// What to fetch from the halos of earlier patches, patch by patch.
@@ -62,62 +50,6 @@ pub(super) struct Incoming {
     pub(super) entries: Vec<[u32; 2]>,
 }
 
-/// The first phase for one patch.
-pub(super) struct Push<'a, F: Law> {
-    pub(super) patch: &'a mut Patch<F>,
-    pub(super) halo: &'a mut Halo,
-    pub(super) kinematics: Kinematics<'a>,
-    pub(super) faces: &'a [Face],
-    pub(super) facets: &'a Facets,
-    pub(super) poses: &'a [Pose],
-    pub(super) time_step: f64,
-}
-
-impl<F: Law> Push<'_, F> {
-    /// Works through the contacts in the widest vectors of this machine.
-    pub(super) fn run(self) {
-        Arch::new().dispatch(self);
-    }
-}
-
-impl<F: Law> WithSimd for Push<'_, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            patch,
-            halo,
-            kinematics,
-            faces,
-            facets,
-            poses,
-            time_step,
-        } = self;
-        let first = patch.particles.start;
-        let wrenches = &mut patch.wrenches;
-        wrenches.clear(patch.particles.len(), F::IS_ROUGH);
-        (patch.inner).push_inner(simd, kinematics, first, wrenches, time_step);
-        (patch.outer).push_outer(simd, kinematics, first, wrenches, halo, time_step);
-        patch.wall_forces.clear();
-        for (list, face) in patch.walls.iter_mut().zip(faces) {
-            let force = list.push(simd, face, kinematics, first, wrenches, time_step);
-            patch.wall_forces.push(force);
-        }
-        patch
-            .wall_forces
-            .resize(faces.len() + poses.len(), [0.0; 4]);
-        let scenery = Scenery {
-            facets,
-            poses,
-            kinematics,
-            time_step,
-        };
-        let on_meshes = &mut patch.wall_forces[faces.len()..];
-        (patch.facets).push(simd, scenery, first, wrenches, on_meshes);
-    }
-}
-
 /// The bodies of one patch, for the second phase.
 pub(super) struct Bodies<'a> {
     pub(super) centres: &'a mut [Row],
@@ -136,23 +68,26 @@ pub(super) struct BodyLoad {
     pub(super) force: Vector,
 }
 
-impl<F: Law> Patch<F> {
-    /// Strength a_N [N] and spring k_N [N/m] of each intact bond.
-    pub(super) fn bonds(&self) -> impl Iterator<Item = (f64, f64)> {
-        let held = self.inner.touching().chain(self.outer.touching());
-        let bonds = held.map(|(block, lane)| (block.law.past(lane).bond, block.stiffness[lane]));
-        let intact = bonds.filter(|(bond, _)| bond.is_intact);
-        intact.map(|(bond, stiffness)| (bond.strength[0], stiffness))
-    }
-
-    /// Multiplies tan φ of all contacts.
-    pub(super) fn rub(&mut self, factor: f64) {
-        let pairs = self.inner.blocks.iter_mut().chain(&mut self.outer.blocks);
-        pairs.for_each(|block| block.law.rub(factor));
-        let walls = self.walls.iter_mut().flat_map(|list| &mut list.blocks);
-        walls.for_each(|block| block.law.rub(factor));
-        let facets = self.facets.blocks.iter_mut();
-        facets.for_each(|block| block.law.rub(factor));
+impl Patch {
+    /// The first phase.
+    pub(super) fn push(
+        &mut self,
+        lists: &mut dyn Lists,
+        scenery: Scenery<'_>,
+        halo: &mut Halo,
+        is_rough: bool,
+    ) {
+        self.wrenches.clear(self.particles.len(), is_rough);
+        self.wall_forces.clear();
+        let walls = scenery.faces.len() + scenery.poses.len();
+        self.wall_forces.resize(walls, [0.0; 4]);
+        let acting = Acting {
+            first: self.particles.start,
+            wrenches: &mut self.wrenches,
+            halo,
+            on_walls: &mut self.wall_forces,
+        };
+        lists.push(scenery, acting);
     }
 
     /// The second phase. Returns the square of an upper bound of the speeds.
@@ -178,7 +113,7 @@ impl<F: Law> Patch<F> {
         for sphere in &mut self.partly_fixed {
             sphere.note(bodies.centres, bodies.velocities, bodies.spins);
         }
-        if F::IS_ROUGH {
+        if !bodies.spins.is_empty() {
             let turning = Turning {
                 drive,
                 torques: &self.wrenches.torques,
@@ -226,8 +161,8 @@ impl<F: Law> Patch<F> {
             for [place, particle] in &incoming.entries {
                 let (place, particle) = (*place as usize, *particle as usize);
                 self.wrenches.forces[particle].add(halo.forces[place].0);
-                if F::IS_ROUGH {
-                    self.wrenches.torques[particle].add(halo.torques[place].0);
+                if let Some(torque) = halo.torques.get(place) {
+                    self.wrenches.torques[particle].add(torque.0);
                 }
             }
         }

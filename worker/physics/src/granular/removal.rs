@@ -6,7 +6,6 @@ use loadframe_api::spec::granular_scene::Cut;
 
 use super::{
     Vector,
-    contact::law::Law,
     engine::Engine,
     fragments::Fragments,
     observe::{Contact, elastic_energy},
@@ -24,7 +23,7 @@ struct Removal {
     energy: f64,
 }
 
-impl<F: Law> Engine<F> {
+impl Engine {
     /// Numbers of the bodies that are in the scene, with mass [kg] and centre of mass [m].
     pub(super) fn present_bodies(&self) -> impl Iterator<Item = (u32, f64, Vector)> {
         let particles = &self.state.particles;
@@ -94,7 +93,7 @@ impl<F: Law> Engine<F> {
     }
 }
 
-impl<F: Law> Runner<'_, F> {
+impl Runner<'_> {
     /// Takes bodies out and records what is left.
     pub(super) fn cut(
         &mut self,

@@ -4,7 +4,7 @@ use loadframe_api::{
     BodyProperties, QualityCheck, Quantity, Report, Warning, spec::granular_scene::GranularScene,
 };
 
-use super::{Vector, contact::law::Law, engine::Engine, journal::Journal};
+use super::{Vector, engine::Engine, journal::Journal};
 
 /// δ/r beyond which a linear contact of stiff grains is not what it stands for.
 const LARGEST_OVERLAP: f64 = 0.05;
@@ -19,11 +19,7 @@ const LARGEST_UNBALANCED: f64 = 0.1;
 /// Escaped bodies named in the warning.
 const LISTED: usize = 5;
 
-pub(super) fn report<F: Law>(
-    spec: &GranularScene,
-    engine: &Engine<F>,
-    journal: &Journal,
-) -> Report {
+pub(super) fn report(spec: &GranularScene, engine: &Engine, journal: &Journal) -> Report {
     let escaped = engine.escaped_bodies();
     let quality = quality(spec, engine, journal);
     Report {
@@ -50,11 +46,7 @@ pub(super) fn report<F: Law>(
     }
 }
 
-fn summary<F: Law>(
-    engine: &Engine<F>,
-    journal: &Journal,
-    escaped: usize,
-) -> IndexMap<String, Quantity> {
+fn summary(engine: &Engine, journal: &Journal, escaped: usize) -> IndexMap<String, Quantity> {
     let last = &journal.last;
     let mut masses: Vec<(u32, f64)> = engine
         .present_bodies()
@@ -165,9 +157,9 @@ fn summary<F: Law>(
     summary
 }
 
-fn quality<F: Law>(
+fn quality(
     spec: &GranularScene,
-    engine: &Engine<F>,
+    engine: &Engine,
     journal: &Journal,
 ) -> IndexMap<String, QualityCheck> {
     let mut quality = IndexMap::from([
@@ -329,7 +321,7 @@ fn warnings(
     warnings
 }
 
-fn bodies<F: Law>(engine: &Engine<F>) -> Vec<BodyProperties> {
+fn bodies(engine: &Engine) -> Vec<BodyProperties> {
     let state = &engine.state;
     let mut bodies = Vec::with_capacity(engine.model.masses.len());
     for (particle, owner) in state.particles.owners.iter().enumerate() {
@@ -356,9 +348,9 @@ fn bodies<F: Law>(engine: &Engine<F>) -> Vec<BodyProperties> {
     bodies
 }
 
-fn properties<F: Law>(
+fn properties(
     body: u32,
-    engine: &Engine<F>,
+    engine: &Engine,
     centre: Vector,
     inertia: nalgebra::Matrix3<f64>,
 ) -> BodyProperties {

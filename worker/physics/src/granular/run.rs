@@ -5,12 +5,12 @@ mod limits;
 use std::{borrow::Cow, collections::BTreeMap, ops::Range};
 
 use loadframe_api::spec::granular_scene::{Body, GranularScene, Stage, TimeStep};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer, ser::Error as _};
 
 use limits::{foreseen, unstable};
 
 use super::{
-    contact::law::Law,
+    contact::{law::Chosen, lists::Lists},
     engine::{Engine, State},
     fragments,
     journal::Journal,
@@ -22,7 +22,7 @@ use super::{
 };
 use crate::{
     Ending, Interrupt, Recorder, RunContext, SimulationError,
-    checkpoint::{self, Fingerprint},
+    checkpoint::{self, CheckpointError, Fingerprint},
     parallel::Team,
 };
 
@@ -35,26 +35,37 @@ const RUNAWAY: f64 = 0.5;
 
 /// A state and the spec it belongs to.
 #[derive(Serialize, Deserialize)]
-#[serde(bound = "")]
-struct Checkpoint<F: Law> {
+struct Checkpoint {
     spec: Fingerprint,
     journal: Journal,
-    state: State<F>,
+    state: State,
+    /// Those of each patch, packed.
+    contact_lists: Vec<Vec<u8>>,
 }
 
 /// The same, to be written without a copy.
 #[derive(Serialize)]
-#[serde(bound = "")]
-struct CheckpointOf<'a, F: Law> {
+struct CheckpointOf<'a> {
     spec: Fingerprint,
     journal: &'a Journal,
-    state: &'a State<F>,
+    state: &'a State,
+    contact_lists: Vec<Packed<'a>>,
+}
+
+/// Lists that are packed one patch after the other.
+struct Packed<'a>(&'a dyn Lists);
+
+impl Serialize for Packed<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let bytes = self.0.pack().map_err(S::Error::custom)?;
+        bytes.serialize(serializer)
+    }
 }
 
 /// What goes through the stages.
-pub(super) struct Runner<'a, F: Law> {
+pub(super) struct Runner<'a> {
     pub(super) spec: &'a GranularScene,
-    pub(super) engine: Engine<F>,
+    pub(super) engine: Engine,
     pub(super) journal: Journal,
     /// Bodies that wait for a stage, by its number.
     pub(super) reserved: BTreeMap<usize, Range<usize>>,
@@ -71,17 +82,21 @@ pub(super) struct Runner<'a, F: Law> {
     contacts: Vec<Contact>,
 }
 
-pub(super) fn run<F: Law>(
+pub(super) fn run(
     spec: &GranularScene,
+    law: Chosen,
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    let mut runner = Runner::<F>::new(spec, Team::new(context.threads)?)?;
+    let mut runner = Runner::new(spec, law, Team::new(context.threads)?)?;
     if let Some(bytes) = context.checkpoint {
-        let checkpoint: Checkpoint<F> = checkpoint::unpack(bytes)?;
+        let checkpoint: Checkpoint = checkpoint::unpack(bytes)?;
         runner.fingerprint.check(checkpoint.spec)?;
         runner.journal = checkpoint.journal;
-        runner.engine.resume(checkpoint.state);
+        let lists = checkpoint.contact_lists.iter();
+        let lists = lists.map(|bytes| (law.unpack)(bytes));
+        let lists = lists.collect::<Result<_, CheckpointError>>()?;
+        runner.engine.resume(checkpoint.state, lists);
     }
     let columns = tables::curve_columns(spec);
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
@@ -142,10 +157,10 @@ pub(super) fn run<F: Law>(
     )))
 }
 
-impl<'a, F: Law> Runner<'a, F> {
-    fn new(spec: &'a GranularScene, team: Team) -> Result<Self, SimulationError> {
+impl<'a> Runner<'a> {
+    fn new(spec: &'a GranularScene, law: Chosen, team: Team) -> Result<Self, SimulationError> {
         let specimen = Specimen::new(spec)?;
-        let engine = Engine::new(spec, &specimen, team);
+        let engine = Engine::new(spec, law, &specimen, team);
         let speed = GranularScene::first_speed(&specimen.bodies);
         let foreseen = foreseen(spec, &specimen.bodies, &engine, speed);
         let movable = specimen.bodies.iter().filter(|body| !body.is_held());
@@ -387,6 +402,9 @@ impl<'a, F: Law> Runner<'a, F> {
             spec: self.fingerprint,
             journal: &self.journal,
             state: &self.engine.state,
+            contact_lists: (self.engine.contact_lists.iter())
+                .map(|lists| Packed(lists.as_ref()))
+                .collect(),
         };
         recorder.checkpoint(&checkpoint::pack(&checkpoint)?)?;
         Ok(())

@@ -1,19 +1,23 @@
 //! Handing out the bodies of a scene to the patches that move them.
 use super::{
-    contact::law::Law,
     motion::clump::Clump,
     particles::Particles,
     patch::{Bodies, Patch},
 };
 
 /// A patch's own bodies.
-pub(super) fn share<'a, F: Law>(
+pub(super) fn share<'a>(
     particles: &'a mut Particles,
     clumps: &'a mut [Clump],
-    patch: &Patch<F>,
+    patch: &Patch,
 ) -> Bodies<'a> {
     let range = patch.particles.clone();
-    let turning = if F::IS_ROUGH { range.clone() } else { 0..0 };
+    // without friction there are no spins
+    let turning = if particles.spins.is_empty() {
+        0..0
+    } else {
+        range.clone()
+    };
     Bodies {
         centres: &mut particles.centres[range.clone()],
         velocities: &mut particles.velocities[range],
@@ -24,14 +28,15 @@ pub(super) fn share<'a, F: Law>(
 }
 
 /// Hands every patch its own bodies.
-pub(super) fn shares<'a, F: Law>(
+pub(super) fn shares<'a>(
     particles: &'a mut Particles,
     clumps: &'a mut [Clump],
-    patches: &'a mut [Patch<F>],
-) -> Vec<(&'a mut Patch<F>, Bodies<'a>)> {
+    patches: &'a mut [Patch],
+) -> Vec<(&'a mut Patch, Bodies<'a>)> {
     let mut centres = particles.centres.as_mut_slice();
     let mut velocities = particles.velocities.as_mut_slice();
     let mut spins = particles.spins.as_mut_slice();
+    let is_rough = !spins.is_empty();
     let mut clumps = clumps;
     let mut shares = Vec::with_capacity(patches.len());
     for patch in patches {
@@ -39,7 +44,7 @@ pub(super) fn shares<'a, F: Law>(
         let bodies = Bodies {
             centres: take(&mut centres, rows),
             velocities: take(&mut velocities, rows),
-            spins: take(&mut spins, if F::IS_ROUGH { rows } else { 0 }),
+            spins: take(&mut spins, if is_rough { rows } else { 0 }),
             clumps: take(&mut clumps, patch.clumps.len()),
             owners: &particles.owners[patch.particles.clone()],
         };

@@ -8,9 +8,7 @@ mod walls;
 
 use std::io;
 
-use super::{
-    contact::law::Law, engine::Engine, fragments::Fragments, journal::Journal, observe::Contact,
-};
+use super::{engine::Engine, fragments::Fragments, journal::Journal, observe::Contact};
 use crate::{
     Recorder,
     vtk::{Array, Lines, Points, Series},
@@ -29,8 +27,8 @@ fn contacts_name(step: u64) -> String {
 }
 
 /// Writes particles, contacts and walls as they are now.
-pub(super) fn take<F: Law>(
-    engine: &Engine<F>,
+pub(super) fn take(
+    engine: &Engine,
     contacts: &[Contact],
     recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
@@ -40,8 +38,8 @@ pub(super) fn take<F: Law>(
     walls::take(engine, &walls_name(step), recorder)
 }
 
-fn take_particles<F: Law>(
-    engine: &Engine<F>,
+fn take_particles(
+    engine: &Engine,
     contacts: &[Contact],
     name: &str,
     recorder: &mut dyn Recorder,
@@ -100,8 +98,8 @@ fn take_particles<F: Law>(
     recorder.file(name, &mut |out| picture.write(out))
 }
 
-fn take_contacts<F: Law>(
-    engine: &Engine<F>,
+fn take_contacts(
+    engine: &Engine,
     contacts: &[Contact],
     name: &str,
     recorder: &mut dyn Recorder,

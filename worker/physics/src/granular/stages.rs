@@ -1,10 +1,10 @@
 //! The stages of a run: when each is done, how far the run is.
 use loadframe_api::spec::granular_scene::Stage;
 
-use super::{Vector, contact::law::Law, run::Runner};
+use super::{Vector, run::Runner};
 use crate::Recorder;
 
-impl<F: Law> Runner<'_, F> {
+impl Runner<'_> {
     pub(super) fn is_stage_done(&self, stage: &Stage) -> bool {
         self.journal.is_settled || self.steps_left(stage) <= 0.0
     }

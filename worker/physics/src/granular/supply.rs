@@ -6,7 +6,6 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{
     Vector,
-    contact::law::Law,
     engine::Engine,
     generate::{Region, insert_some},
     motion::clump::Clump,
@@ -92,7 +91,7 @@ impl Reserve {
     }
 }
 
-impl<F: Law> Engine<F> {
+impl Engine {
     /// Puts in as many of these waiting grains as find room in the region, in their order. Returns
     /// how many, and the kinetic and gravitational energy they bring [J].
     fn put_in(
@@ -164,7 +163,7 @@ impl<F: Law> Engine<F> {
     }
 }
 
-impl<F: Law> Runner<'_, F> {
+impl Runner<'_> {
     /// The batch of this moment, when one is due.
     pub(super) fn supply(&mut self, stage: &Stage, recorder: &mut dyn Recorder) {
         let Stage::Insert(insert) = stage else {

@@ -4,8 +4,8 @@ use std::io::{self, Write};
 use loadframe_api::spec::granular_scene::{GranularScene, Material};
 
 use super::{
-    Vector, contact::law::Law, engine::Engine, fragments, journal::Journal, measure,
-    motion::clump::Clump, observe::Contact,
+    Vector, engine::Engine, fragments, journal::Journal, measure, motion::clump::Clump,
+    observe::Contact,
 };
 use crate::{Recorder, csv};
 
@@ -94,9 +94,9 @@ fn is_cohesive(spec: &GranularScene) -> bool {
 }
 
 /// A row of the curve. Unknown readings are left at 0.
-pub(super) fn curve_row<F: Law>(
+pub(super) fn curve_row(
     spec: &GranularScene,
-    engine: &Engine<F>,
+    engine: &Engine,
     journal: &Journal,
     contacts: &[Contact],
     step_ratio: f64,
@@ -158,7 +158,7 @@ fn force_on(body: u32, contacts: &[Contact]) -> Vector {
     force
 }
 
-impl<F: Law> Engine<F> {
+impl Engine {
     /// Adds the rows of these bodies of the spec to `table`.
     pub(super) fn body_rows(&self, bodies: &[u32], table: &mut Vec<f64>) {
         let state = &self.state;

@@ -17,14 +17,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    contact::{
-        law::{Law, Normal},
-        stiffness::Side,
-    },
-    engine::Engine,
-    motion::clump::Clump,
-    observe::Contact,
-    rows::Row,
+    contact::stiffness::Side, engine::Engine, motion::clump::Clump, observe::Contact, rows::Row,
 };
 
 /// The critical step and the contact that sets it.
@@ -49,7 +42,7 @@ struct Rows {
     stiffest: (f64, u32),
 }
 
-impl<F: Law> Engine<F> {
+impl Engine {
     /// The critical step of these contacts; `None` when none of them moves anything.
     pub(super) fn critical_step(&self, contacts: &[Contact]) -> Option<Critical> {
         let bodies = self.model.masses.len();
@@ -146,7 +139,7 @@ impl<F: Law> Engine<F> {
                     is_flat: false,
                     inverse_mass: 1.0 / clump.mass,
                 };
-                let stiffness = F::Normal::foreseen(&own, speed);
+                let stiffness = (self.law.foreseen)(&own, speed);
                 let freedom = own.inverse_mass + clump.turning(&particles.centres[member]);
                 surface.damped_step(2.0 / (stiffness * freedom).sqrt())
             })

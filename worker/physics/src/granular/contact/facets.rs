@@ -16,10 +16,14 @@ use loadframe_api::surface::{Point, along, dot};
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{Kinematics, Slip, Touch, Wrenches, law::Law};
+use super::{
+    Scenery, Slip, Touch, Wrenches,
+    law::{Law, Past},
+    stiffness::Springs,
+};
 use crate::granular::{
     facets::{
-        FacetRule, Facets, Pose,
+        FacetRule,
         once::{Near, last_heir},
     },
     lanes::{Array, LANES, Lanes, Vectors, bits},
@@ -63,15 +67,8 @@ pub(in crate::granular) struct FacetList<F: Law> {
     near: Vec<Near>,
 }
 
-/// All that a step needs to know of facets.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::granular) struct Scenery<'a> {
-    pub(in crate::granular) facets: &'a Facets,
-    pub(in crate::granular) poses: &'a [Pose],
-    pub(in crate::granular) kinematics: Kinematics<'a>,
-    /// Δt [s].
-    pub(in crate::granular) time_step: f64,
-}
+/// A facet near a sphere, what they are made of, and what they remember.
+pub(in crate::granular) type FacetCandidate = (u32, Springs, Option<Past>);
 
 /// The facets of a block that a sphere touches, as the law wants them.
 #[derive(Clone, Debug, Default)]
@@ -179,6 +176,33 @@ impl<F: Law> FacetList<F> {
         spheres.zip(blocks).flat_map(|(sphere, (block, touching))| {
             super::touching_lanes(*touching).map(move |lane| (sphere, block, lane))
         })
+    }
+}
+
+impl<F: Law> FacetList<F> {
+    /// Adds a sphere with its candidates, if it has any.
+    pub(super) fn add(&mut self, particle: u32, candidates: &[FacetCandidate]) {
+        let first = self.blocks.len();
+        for (slot, (facet, springs, past)) in candidates.iter().enumerate() {
+            let lane = slot % LANES;
+            if lane == 0 {
+                self.blocks.push(FacetBlock::default());
+                self.touching.push(0);
+            }
+            self.count += 1;
+            if let (Some(block), Some(touching)) =
+                (self.blocks.last_mut(), self.touching.last_mut())
+            {
+                block.facets[lane] = *facet;
+                block.stiffness[lane] = springs.normal;
+                block.law.start(lane, springs, &past.unwrap_or_default());
+                *touching |= u8::from(past.is_some()) << lane;
+            }
+        }
+        let blocks = (self.blocks.len() - first) as u32;
+        if blocks > 0 {
+            self.visitors.push(Visitor { particle, blocks });
+        }
     }
 }
 

@@ -7,7 +7,8 @@
 //!   F_N = k_N δ, never negative (G.1);
 //! - torque on either body (r − δ/2) n × (−F) (G.2).
 //!
-//! Contacts live in blocks of [`LANES`], worked through as vectors. [`pairs`] are contacts of two
+//! Contacts live in blocks of [`LANES`], worked through as vectors; the blocks of a patch make up its
+//! [`lists`], behind which laws are types and before which they are not. [`pairs`] are contacts of two
 //! spheres, [`walls`] of a sphere and a plane; [`stiffness`] knows what the two bodies bring to a
 //! contact, of which the law's normal spring makes its constants. A block holds *candidates*,
 //! some of which do not touch: they cost a look at the distance, and a candidate that stops
@@ -17,6 +18,7 @@
 //! `Law2_ScGeom_FrictPhys_CundallStrack`.
 pub(super) mod facets;
 pub(super) mod law;
+pub(super) mod lists;
 pub(super) mod pairs;
 pub(super) mod stiffness;
 pub(super) mod walls;
@@ -24,9 +26,11 @@ pub(super) mod walls;
 use pulp::Simd;
 
 use super::{
+    facets::{Facets, Pose},
     lanes::{LANES, Lanes, Vectors},
     rows::{Gathered, Row, scatter},
 };
+use walls::Face;
 
 /// Where the particles are and how they move: one row each.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +43,17 @@ pub(super) struct Kinematics<'a> {
     pub(super) spins: &'a [Row],
     /// Δt of the step that brought the centres to where they are [s].
     pub(super) last_step: f64,
+}
+
+/// All that the contacts of a step need to know of the scene.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scenery<'a> {
+    pub(super) kinematics: Kinematics<'a>,
+    pub(super) faces: &'a [Face],
+    pub(super) facets: &'a Facets,
+    pub(super) poses: &'a [Pose],
+    /// Δt [s].
+    pub(super) time_step: f64,
 }
 
 /// Forces [N] and torques [N m] on the particles of a patch. The fourth numbers mean nothing.

@@ -14,7 +14,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Kinematics, Slip, Touch, Wrenches,
-    law::{Law, direction},
+    law::{Law, Past, direction},
+    stiffness::Springs,
+    touching_lanes,
 };
 use crate::granular::{
     lanes::{Array, LANES, Lanes, Vectors, bits},
@@ -123,6 +125,50 @@ impl<F: Law> PairList<F> {
                 },
             );
         }
+    }
+}
+
+impl<F: Law> PairList<F> {
+    /// Blocks and lanes that touched in the last step.
+    pub(in crate::granular) fn touching(&self) -> impl Iterator<Item = (&PairBlock<F>, usize)> {
+        let blocks = self.blocks.iter().zip(&self.touching);
+        blocks
+            .flat_map(|(block, touching)| touching_lanes(*touching).map(move |lane| (block, lane)))
+    }
+
+    /// Adds a candidate and returns its place, block by block. Its bit is set when it has a past, so
+    /// that the past is forgotten in time.
+    pub(super) fn add(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>) -> usize {
+        let lane = self.filled;
+        if lane == 0 {
+            let block = PairBlock {
+                a: [pair[0]; LANES],
+                b: [pair[0]; LANES],
+                ..PairBlock::default()
+            };
+            self.blocks.push(block);
+            self.touching.push(0);
+        }
+        self.count += 1;
+        self.filled = (lane + 1) % LANES;
+        if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
+            [block.a[lane], block.b[lane]] = pair;
+            block.stiffness[lane] = springs.normal;
+            let remembered = past.copied().unwrap_or_default();
+            block.law.start(lane, springs, &remembered);
+            *touching |= u8::from(past.is_some()) << lane;
+        }
+        (self.blocks.len() - 1) * LANES + lane
+    }
+
+    /// The next candidate begins a block.
+    pub(super) fn close_block(&mut self) {
+        self.filled = 0;
+    }
+
+    pub(super) fn finish(&mut self) {
+        self.blocks.shrink_to_fit();
+        self.touching.shrink_to_fit();
     }
 }
 

@@ -10,7 +10,11 @@
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{Kinematics, Slip, Touch, Wrenches, law::Law};
+use super::{
+    Kinematics, Slip, Touch, Wrenches,
+    law::{Law, Past},
+    stiffness::Springs,
+};
 use crate::granular::{
     lanes::{Array, LANES, Lanes, Vectors, bits},
     motion::wall::WallMotion,
@@ -102,6 +106,29 @@ impl<F: Law> WallList<F> {
             );
         }
         on_plane
+    }
+}
+
+impl<F: Law> WallList<F> {
+    /// Adds a candidate, as a list of pairs does.
+    pub(super) fn add(&mut self, particle: u32, springs: &Springs, past: Option<&Past>) {
+        let lane = self.count % LANES;
+        if lane == 0 {
+            let block = WallBlock {
+                particles: [particle; LANES],
+                ..WallBlock::default()
+            };
+            self.blocks.push(block);
+            self.touching.push(0);
+        }
+        self.count += 1;
+        if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
+            block.particles[lane] = particle;
+            block.stiffness[lane] = springs.normal;
+            let remembered = past.copied().unwrap_or_default();
+            block.law.start(lane, springs, &remembered);
+            *touching |= u8::from(past.is_some()) << lane;
+        }
     }
 }
 

@@ -1,16 +1,12 @@
 //! What contacts remember while their lists are made anew, and the bonds that are made.
-use super::{
-    super::{
-        contact::{
-            law::{Bond, Law, Past},
-            stiffness::bond_strength,
-            touching_lanes,
-        },
-        particles::Particles,
-        patch::Patch,
-        scene::Model,
+use super::super::{
+    contact::{
+        law::{Bond, Past},
+        lists::{Lists, Touching, Who},
+        stiffness::bond_strength,
     },
-    facets,
+    particles::Particles,
+    scene::Model,
 };
 
 /// What contacts remember, by particle number of the spec, whatever the order in memory.
@@ -22,7 +18,7 @@ pub(in crate::granular) struct Memories {
     /// Particle, plane and past, sorted.
     walls: Vec<((u32, u32), Past)>,
     /// Particle, facet and past, sorted.
-    pub(super) facets: Vec<((u32, u32), Past)>,
+    facets: Vec<((u32, u32), Past)>,
     /// Particles with this number and higher ones are new: bonds are made between them.
     newcomers: u32,
 }
@@ -45,32 +41,31 @@ const BOND_REACH: f64 = 1e-6;
 
 impl Memories {
     /// Of the contacts that touched in the last step.
-    pub(in crate::granular) fn of<F: Law>(patches: &[Patch<F>], particles: &Particles) -> Self {
-        if !F::IS_ROUGH {
-            return Self::default();
-        }
+    pub(in crate::granular) fn of(contacts: &[Box<dyn Lists>], particles: &Particles) -> Self {
         let mut pairs: Vec<(u32, u32, Past)> = Vec::new();
-        let mut walls = Vec::new();
-        for patch in patches {
-            for (block, lane) in patch.inner.touching().chain(patch.outer.touching()) {
-                let [a, b] = [block.a, block.b].map(|side| particles.numbers[side[lane] as usize]);
-                let past = block.law.past(lane);
-                pairs.push(if a < b {
-                    (a, b, past)
-                } else {
-                    (b, a, past.seen_from_b())
-                });
-            }
-            for (plane, list) in (0..).zip(&patch.walls) {
-                for (block, touching) in list.blocks.iter().zip(&list.touching) {
-                    for lane in touching_lanes(*touching) {
-                        let number = particles.numbers[block.particles[lane] as usize];
-                        walls.push(((number, plane), block.law.past(lane)));
-                    }
+        let (mut walls, mut facets) = (Vec::new(), Vec::new());
+        let number = |particle: u32| particles.numbers[particle as usize];
+        let mut keep = |touching: Touching<'_>| {
+            let past = touching.law.past(touching.lane);
+            match touching.who {
+                Who::Pair(pair) => {
+                    let [a, b] = pair.map(number);
+                    pairs.push(if a < b {
+                        (a, b, past)
+                    } else {
+                        (b, a, past.seen_from_b())
+                    });
                 }
+                Who::Plane([particle, plane]) => walls.push(((number(particle), plane), past)),
+                Who::Facet([particle, facet]) => facets.push(((number(particle), facet), past)),
             }
+        };
+        for lists in contacts {
+            lists.see(&mut keep);
+            lists.see_facets(&mut keep);
         }
         walls.sort_by_key(|(key, _)| *key);
+        facets.sort_by_key(|(key, _)| *key);
         // numbers of particles that were taken out are missing
         let numbers = particles
             .numbers
@@ -95,7 +90,7 @@ impl Memories {
             starts,
             pairs: sorted,
             walls,
-            facets: facets::pasts(patches, particles),
+            facets,
             ..Self::default()
         }
     }
@@ -178,6 +173,13 @@ impl Memories {
             },
             ..Past::default()
         })
+    }
+
+    pub(super) fn facet(&self, particle: u32, facet: u32) -> Option<Past> {
+        let place = self
+            .facets
+            .binary_search_by_key(&(particle, facet), |(key, _)| *key);
+        place.ok().map(|place| self.facets[place].1)
     }
 
     pub(super) fn wall(&self, particle: u32, plane: u32) -> Option<Past> {

@@ -5,6 +5,7 @@
 //! around in its own level and in the coarser ones, where 27 cells always reach far enough: a
 //! scene of grains and dust costs no more per sphere than one of equal sizes.
 use super::super::rows::Row;
+use crate::parallel::Team;
 
 /// Finest level: radii below 2⁻¹⁵ of the largest share it.
 pub(in crate::granular) const FINEST: usize = 15;
@@ -13,6 +14,9 @@ const CELLS_PER_SPHERE: f64 = 4.0;
 /// The grid covers so many standard deviations to either side. What is farther away is counted to
 /// the outermost cells: still found, and strays do not blow up the grid.
 const COVERED: f64 = 4.0;
+
+/// Spheres that a thread searches for at once.
+const CHUNK: usize = 1024;
 
 /// Partners of each sphere with a higher number, ascending.
 #[derive(Clone, Debug, Default)]
@@ -40,9 +44,10 @@ impl Candidates {
 
 /// Every pair of spheres whose surfaces are closer than `skin` [m] and that `may_touch` allows.
 pub(in crate::granular) fn candidates(
+    team: &Team,
     spheres: &[Row],
     skin: f64,
-    may_touch: impl Fn(usize, usize) -> bool,
+    may_touch: impl Fn(usize, usize) -> bool + Sync,
 ) -> Candidates {
     let largest = spheres.iter().map(|sphere| sphere.0[3]).fold(0.0, f64::max);
     let level_of = |sphere: &Row| {
@@ -62,11 +67,14 @@ pub(in crate::granular) fn candidates(
         })
         .collect();
 
-    let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(4 * spheres.len());
-    for (own, level_members) in members.iter().enumerate() {
+    let members = members.iter().enumerate();
+    let work =
+        members.flat_map(|(own, members)| members.chunks(CHUNK).map(move |some| (own, some)));
+    let found = team.map(work.collect(), |(own, some)| {
+        let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(4 * some.len());
         for (coarser, level) in levels[..=own].iter().enumerate() {
             let Some(level) = level else { continue };
-            for &sphere in level_members {
+            for &sphere in some {
                 let row = spheres[sphere as usize];
                 level.around(&row, |others| {
                     for &other in others {
@@ -82,8 +90,9 @@ pub(in crate::granular) fn candidates(
                 });
             }
         }
-    }
-    collect(spheres.len(), &pairs)
+        pairs
+    });
+    collect(team, spheres.len(), &found)
 }
 
 #[inline]
@@ -94,24 +103,39 @@ fn is_near(a: &Row, b: &Row, skin: f64) -> bool {
 }
 
 /// Sorts pairs by first, then second sphere.
-fn collect(spheres: usize, pairs: &[[u32; 2]]) -> Candidates {
+fn collect(team: &Team, spheres: usize, found: &[Vec<[u32; 2]>]) -> Candidates {
     let mut starts = vec![0_u32; spheres + 1];
-    for pair in pairs {
+    for pair in found.iter().flatten() {
         starts[pair[0] as usize + 1] += 1;
     }
     for sphere in 0..spheres {
         starts[sphere + 1] += starts[sphere];
     }
     let mut next = starts.clone();
-    let mut partners = vec![0; pairs.len()];
-    for [first, second] in pairs {
+    let mut partners = vec![0; starts[spheres] as usize];
+    for [first, second] in found.iter().flatten() {
         let place = &mut next[*first as usize];
         partners[*place as usize] = *second;
         *place += 1;
     }
-    for sphere in 0..spheres {
-        partners[starts[sphere] as usize..starts[sphere + 1] as usize].sort_unstable();
-    }
+    let mut rest = partners.as_mut_slice();
+    let bounds = starts.windows(2).map(|ends| (ends[1] - ends[0]) as usize);
+    let counts: Vec<usize> = bounds.collect();
+    let work = counts.chunks(CHUNK).map(|counts| {
+        let (own, others) = std::mem::take(&mut rest).split_at_mut(counts.iter().sum());
+        rest = others;
+        (counts, own)
+    });
+    team.map(
+        work.collect(),
+        |(counts, mut own): (&[usize], &mut [u32])| {
+            for count in counts {
+                let (partners, others) = own.split_at_mut(*count);
+                partners.sort_unstable();
+                own = others;
+            }
+        },
+    );
     Candidates { starts, partners }
 }
 
@@ -215,7 +239,8 @@ mod tests {
             for (stray, sphere) in spheres.iter_mut().take(strays).enumerate() {
                 sphere.0[stray] *= 1e6;
             }
-            let found = candidates(&spheres, skin, |a, b| (a + b) % 7 != 0);
+            let team = Team::new(1).expect("a team of one needs no threads");
+            let found = candidates(&team, &spheres, skin, |a, b| (a + b) % 7 != 0);
             for a in 0..spheres.len() {
                 let expected: Vec<u32> = (a + 1..spheres.len())
                     .filter(|b| is_near(&spheres[a], &spheres[*b], skin) && (a + b) % 7 != 0)

@@ -4,10 +4,10 @@ use loadframe_api::spec::granular_scene::{Body, ContactLaw, GranularScene, LARGE
 use super::{Runner, STEPS_PER_LOOK};
 use crate::{
     SimulationError,
-    granular::{contact::law::Law, engine::Engine, time_step::Critical},
+    granular::{engine::Engine, time_step::Critical},
 };
 
-impl<F: Law> Runner<'_, F> {
+impl Runner<'_> {
     /// The part of the critical step that was asked for, and none that lets a body jump.
     pub(super) fn automatic_step(&self, critical: Option<Critical>) -> f64 {
         let speed = self
@@ -84,12 +84,7 @@ impl<F: Law> Runner<'_, F> {
 }
 
 /// Smallest critical step of any one contact that may come at this speed [s].
-pub(super) fn foreseen<F: Law>(
-    spec: &GranularScene,
-    bodies: &[Body],
-    engine: &Engine<F>,
-    speed: f64,
-) -> f64 {
+pub(super) fn foreseen(spec: &GranularScene, bodies: &[Body], engine: &Engine, speed: f64) -> f64 {
     let of_spheres = spec.critical_step_of_one_contact(bodies, speed);
     let of_clumps = engine.critical_step_of_clumps(speed);
     of_spheres

@@ -3,7 +3,7 @@ use std::io;
 
 use crate::{
     Recorder,
-    granular::{contact::law::Law, engine::Engine},
+    granular::engine::Engine,
     vtk::{Array, Polygons},
 };
 
@@ -26,11 +26,7 @@ impl Drawing {
 }
 
 /// Writes the walls as they are now; nothing in a scene without.
-pub(super) fn take<F: Law>(
-    engine: &Engine<F>,
-    name: &str,
-    recorder: &mut dyn Recorder,
-) -> io::Result<()> {
+pub(super) fn take(engine: &Engine, name: &str, recorder: &mut dyn Recorder) -> io::Result<()> {
     if engine.wall_count() == 0 {
         return Ok(());
     }
@@ -58,7 +54,7 @@ pub(super) fn take<F: Law>(
     recorder.file(name, &mut |out| polygons.write(out))
 }
 
-fn draw<F: Law>(engine: &Engine<F>) -> Drawing {
+fn draw(engine: &Engine) -> Drawing {
     let mut drawing = Drawing::default();
     let (low, high) = engine.box_of_walls();
     // a plane alone has no box across it

@@ -15,7 +15,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Bond, Held, Kept, Law, Linear, Past, Push, Slip, Spring, Touch,
+    Bond, Held, Kept, Lanewise, Law, Linear, Past, Push, Slip, Spring, Touch,
     coulomb::{Coulomb, cut},
 };
 use crate::granular::{
@@ -95,7 +95,9 @@ impl Law for Bonded {
         self.coulomb.forget(simd, part);
         Lanes::splat(simd, 0.0).store(&mut self.rest, part);
     }
+}
 
+impl Lanewise for Bonded {
     fn past(&self, lane: usize) -> Past {
         Past {
             bond: Bond {

@@ -14,7 +14,9 @@ use std::marker::PhantomData;
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{Held, Law, Normal, Normals, Past, Push, Slip, Spring, Touch, tangent::Tangent};
+use super::{
+    Held, Lanewise, Law, Normal, Normals, Past, Push, Slip, Spring, Touch, tangent::Tangent,
+};
 use crate::granular::{
     Vector,
     contact::stiffness::Springs,
@@ -123,7 +125,9 @@ impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
     fn forget<S: Simd>(&mut self, simd: S, part: usize) {
         Vectors::zero(simd).store(&mut self.shear, part);
     }
+}
 
+impl<N: Normal, M: Normals> Lanewise for Coulomb<N, M> {
     fn past(&self, lane: usize) -> Past {
         Past {
             normal: self.normals.at(lane),

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{Held, Law, Normal, Past, Push, Slip, Spring, Touch};
+use super::{Held, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch};
 use crate::granular::{Vector, contact::stiffness::Springs, lanes::Vectors};
 
 /// No friction.
@@ -35,7 +35,9 @@ impl<N: Normal> Law for Frictionless<N> {
 
     #[inline(always)]
     fn forget<S: Simd>(&mut self, _simd: S, _part: usize) {}
+}
 
+impl<N: Normal> Lanewise for Frictionless<N> {
     fn past(&self, _lane: usize) -> Past {
         Past::default()
     }

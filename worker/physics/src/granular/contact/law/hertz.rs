@@ -17,7 +17,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Held, Kept, Law, Past, Push, Slip, Touch,
+    Held, Kept, Lanewise, Law, Past, Push, Slip, Touch,
     coulomb::{Coulomb, cut},
     normal::{Normal, Spring},
 };
@@ -126,7 +126,9 @@ impl Law for HertzMindlin {
         self.coulomb.forget(simd, part);
         Lanes::splat(simd, 0.0).store(&mut self.root, part);
     }
+}
 
+impl Lanewise for HertzMindlin {
     fn past(&self, lane: usize) -> Past {
         Past {
             root: self.root[lane],

@@ -20,8 +20,12 @@ use std::fmt::Debug;
 use pulp::Simd;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use super::{Push, Slip, Touch, stiffness::Springs};
-use crate::granular::Vector;
+use super::{
+    Push, Slip, Touch,
+    lists::{Lists, PatchLists},
+    stiffness::{Side, Springs},
+};
+use crate::{checkpoint::CheckpointError, granular::Vector};
 
 pub(in crate::granular) use bonded::Bonded;
 pub(in crate::granular) use coulomb::Coulomb;
@@ -74,9 +78,26 @@ pub(in crate::granular) struct Bond {
     pub(in crate::granular) rest: f64,
 }
 
+/// The law of a block one contact at a time: what lists and observers need of it between steps.
+pub(in crate::granular) trait Lanewise {
+    fn past(&self, lane: usize) -> Past;
+
+    /// Sets a lane: what the contact is made of, and what it remembers.
+    fn start(&mut self, lane: usize, springs: &Springs, past: &Past);
+
+    /// Sets what the contact in a lane remembers, and leaves what it is made of.
+    fn remember(&mut self, lane: usize, past: &Past);
+
+    /// Multiplies tan φ of all lanes.
+    fn rub(&mut self, factor: f64);
+
+    /// What the contact in a lane does at this overlap.
+    fn held(&self, lane: usize, spring: &Spring) -> Held;
+}
+
 /// A law for the contacts of a block.
 pub(in crate::granular) trait Law:
-    Clone + Debug + Default + Send + Sync + Serialize + DeserializeOwned + 'static
+    Lanewise + Clone + Debug + Default + Send + Sync + Serialize + DeserializeOwned + 'static
 {
     /// The spring along the normal.
     type Normal: Normal;
@@ -108,20 +129,36 @@ pub(in crate::granular) trait Law:
 
     /// Nothing acts in this part of the block.
     fn forget<S: Simd>(&mut self, simd: S, part: usize);
+}
 
-    fn past(&self, lane: usize) -> Past;
+/// Lists that were read from a checkpoint, or why they cannot be.
+pub(in crate::granular) type Unpacked = Result<Box<dyn Lists>, CheckpointError>;
 
-    /// Sets a lane: what the contact is made of, and what it remembers.
-    fn start(&mut self, lane: usize, springs: &Springs, past: &Past);
+/// A law as all see it that do not work through its blocks.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::granular) struct Chosen {
+    /// Constants of the springs between two bodies.
+    pub(in crate::granular) springs: fn(&Side, &Side) -> Springs,
+    /// ∫ F_N dδ [J], given the square of F_N.
+    pub(in crate::granular) energy: fn(&Spring, f64) -> f64,
+    /// Stiffness [N/m] of a contact that a body may come to, at a speed [m/s].
+    pub(in crate::granular) foreseen: fn(&Side, f64) -> f64,
+    /// The lists of a patch without contacts.
+    pub(in crate::granular) lists: fn() -> Box<dyn Lists>,
+    /// Reads what [`Lists::pack`] wrote.
+    pub(in crate::granular) unpack: fn(&[u8]) -> Unpacked,
+}
 
-    /// Sets what the contact in a lane remembers, and leaves what it is made of.
-    fn remember(&mut self, lane: usize, past: &Past);
-
-    /// Multiplies tan φ of all lanes.
-    fn rub(&mut self, factor: f64);
-
-    /// What the contact in a lane does at this overlap.
-    fn held(&self, lane: usize, spring: &Spring) -> Held;
+impl Chosen {
+    pub(in crate::granular) fn of<F: Law>() -> Self {
+        Self {
+            springs: F::Normal::springs,
+            energy: F::Normal::energy,
+            foreseen: F::Normal::foreseen,
+            lists: || Box::new(PatchLists::<F>::default()),
+            unpack: |bytes| Ok(Box::new(PatchLists::<F>::unpack(bytes)?)),
+        }
+    }
 }
 
 impl Held {

@@ -16,7 +16,7 @@
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{Held, Law, Normal, Past, Push, Slip, Spring, Touch};
+use super::{Held, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch};
 use crate::granular::{
     contact::stiffness::Springs,
     lanes::{Array, Lanes},
@@ -69,7 +69,9 @@ impl<F: Law> Law for Viscous<F> {
     fn forget<S: Simd>(&mut self, simd: S, part: usize) {
         self.law.forget(simd, part);
     }
+}
 
+impl<F: Law> Lanewise for Viscous<F> {
     fn past(&self, lane: usize) -> Past {
         self.law.past(lane)
     }

@@ -1,0 +1,266 @@
+//! The contacts of a patch, whatever their law.
+//!
+//! [`Lists`] is all that the engine knows of them: a few calls a step. What is generic over the law
+//! is behind it, so that the rest of the engine is compiled once and not for every law.
+use std::fmt::Debug;
+
+use pulp::{Arch, Simd, WithSimd};
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Scenery, Wrenches,
+    facets::{FacetCandidate, FacetList},
+    law::{Lanewise, Law, Past},
+    pairs::{Halo, PairList},
+    stiffness::Springs,
+    touching_lanes,
+    walls::WallList,
+};
+use crate::checkpoint::{self, CheckpointError};
+
+/// What the contacts of a patch act on.
+#[derive(Debug)]
+pub(in crate::granular) struct Acting<'a> {
+    /// First particle of the patch.
+    pub(in crate::granular) first: usize,
+    /// On its particles.
+    pub(in crate::granular) wrenches: &'a mut Wrenches,
+    /// On particles of later patches.
+    pub(in crate::granular) halo: &'a mut Halo,
+    /// On each wall, planes before meshes [N]; the fourth number is the power of a mesh's turning [W].
+    pub(in crate::granular) on_walls: &'a mut [[f64; 4]],
+}
+
+/// Who touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::granular) enum Who {
+    /// Two particles.
+    Pair([u32; 2]),
+    /// A particle and a plane.
+    Plane([u32; 2]),
+    /// A particle and a facet.
+    Facet([u32; 2]),
+}
+
+/// A contact that touched in the last step.
+#[derive(Clone, Copy)]
+pub(in crate::granular) struct Touching<'a> {
+    pub(in crate::granular) who: Who,
+    /// Constant of the normal spring: k_N [N/m] of a linear one.
+    pub(in crate::granular) constant: f64,
+    /// Its law, and its lane there.
+    pub(in crate::granular) law: &'a dyn Lanewise,
+    pub(in crate::granular) lane: usize,
+}
+
+/// Who looks at contacts.
+pub(in crate::granular) type Observer<'a> = dyn FnMut(Touching<'_>) + 'a;
+
+/// Candidates for contact of a patch's particles, and what they remember.
+pub(in crate::granular) trait Lists: Debug + Send + Sync {
+    /// Works through the contacts in the widest vectors of this machine.
+    fn push(&mut self, scenery: Scenery<'_>, acting: Acting<'_>);
+
+    /// Adds a pair within the patch.
+    fn add_inner(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>);
+
+    /// Adds a pair with a particle of a later patch; returns its place in the halo.
+    fn add_outer(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>) -> usize;
+
+    /// The next pair begins a block.
+    fn close_blocks(&mut self);
+
+    /// Adds a particle at a plane.
+    fn add_plane(&mut self, plane: usize, particle: u32, springs: &Springs, past: Option<&Past>);
+
+    /// Adds the facets near a particle.
+    fn add_facets(&mut self, particle: u32, candidates: &[FacetCandidate]);
+
+    /// All is listed, at this many planes.
+    fn finish(&mut self, planes: usize);
+
+    /// Shows what touched in the last step, but for facets.
+    fn see(&self, observer: &mut Observer<'_>);
+
+    /// Shows the facets that were touched.
+    fn see_facets(&self, observer: &mut Observer<'_>);
+
+    /// Multiplies tan φ of all contacts.
+    fn rub(&mut self, factor: f64);
+
+    /// Candidates, those at planes not counted.
+    fn candidates(&self) -> usize;
+
+    /// Memory of the lists [bytes].
+    fn bytes(&self) -> usize;
+
+    /// For a checkpoint.
+    ///
+    /// # Errors
+    /// When they do not serialize.
+    fn pack(&self) -> Result<Vec<u8>, CheckpointError>;
+}
+
+/// The lists of a patch under one law.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub(super) struct PatchLists<F: Law> {
+    /// Contacts within the patch.
+    inner: PairList<F>,
+    /// Contacts with particles of later patches.
+    outer: PairList<F>,
+    /// Contacts by plane.
+    walls: Vec<WallList<F>>,
+    /// Contacts with the facets of all meshes.
+    facets: FacetList<F>,
+}
+
+impl<F: Law> PatchLists<F> {
+    /// Reads what [`Lists::pack`] wrote.
+    ///
+    /// # Errors
+    /// When the bytes are those of something else.
+    pub(super) fn unpack(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        postcard::from_bytes(bytes).map_err(checkpoint::form)
+    }
+}
+
+impl<F: Law> Lists for PatchLists<F> {
+    fn push(&mut self, scenery: Scenery<'_>, acting: Acting<'_>) {
+        Arch::new().dispatch(Push {
+            lists: self,
+            scenery,
+            acting,
+        });
+    }
+
+    fn add_inner(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>) {
+        self.inner.add(pair, springs, past);
+    }
+
+    fn add_outer(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>) -> usize {
+        self.outer.add(pair, springs, past)
+    }
+
+    fn close_blocks(&mut self) {
+        self.inner.close_block();
+        self.outer.close_block();
+    }
+
+    fn add_plane(&mut self, plane: usize, particle: u32, springs: &Springs, past: Option<&Past>) {
+        if self.walls.len() <= plane {
+            self.walls.resize_with(plane + 1, WallList::default);
+        }
+        self.walls[plane].add(particle, springs, past);
+    }
+
+    fn add_facets(&mut self, particle: u32, candidates: &[FacetCandidate]) {
+        self.facets.add(particle, candidates);
+    }
+
+    fn finish(&mut self, planes: usize) {
+        self.inner.finish();
+        self.outer.finish();
+        self.walls.resize_with(planes, WallList::default);
+    }
+
+    fn see(&self, observer: &mut Observer<'_>) {
+        for (block, lane) in self.inner.touching().chain(self.outer.touching()) {
+            observer(Touching {
+                who: Who::Pair([block.a[lane], block.b[lane]]),
+                constant: block.stiffness[lane],
+                law: &block.law,
+                lane,
+            });
+        }
+        for (plane, list) in (0..).zip(&self.walls) {
+            for (block, bits) in list.blocks.iter().zip(&list.touching) {
+                for lane in touching_lanes(*bits) {
+                    observer(Touching {
+                        who: Who::Plane([block.particles[lane], plane]),
+                        constant: block.stiffness[lane],
+                        law: &block.law,
+                        lane,
+                    });
+                }
+            }
+        }
+    }
+
+    fn see_facets(&self, observer: &mut Observer<'_>) {
+        for (particle, block, lane) in self.facets.touching() {
+            observer(Touching {
+                who: Who::Facet([particle as u32, block.facets[lane]]),
+                constant: block.stiffness[lane],
+                law: &block.law,
+                lane,
+            });
+        }
+    }
+
+    fn rub(&mut self, factor: f64) {
+        let pairs = self.inner.blocks.iter_mut().chain(&mut self.outer.blocks);
+        pairs.for_each(|block| block.law.rub(factor));
+        let walls = self.walls.iter_mut().flat_map(|list| &mut list.blocks);
+        walls.for_each(|block| block.law.rub(factor));
+        let facets = self.facets.blocks.iter_mut();
+        facets.for_each(|block| block.law.rub(factor));
+    }
+
+    fn candidates(&self) -> usize {
+        self.inner.count + self.outer.count + self.facets.count
+    }
+
+    fn bytes(&self) -> usize {
+        let walls = self.walls.iter();
+        size_of_val(self.inner.blocks.as_slice())
+            + size_of_val(self.outer.blocks.as_slice())
+            + walls
+                .map(|list| size_of_val(list.blocks.as_slice()))
+                .sum::<usize>()
+            + size_of_val(self.facets.blocks.as_slice())
+    }
+
+    fn pack(&self) -> Result<Vec<u8>, CheckpointError> {
+        postcard::to_stdvec(self).map_err(checkpoint::form)
+    }
+}
+
+/// The first phase of a step for one patch.
+struct Push<'a, F: Law> {
+    lists: &'a mut PatchLists<F>,
+    scenery: Scenery<'a>,
+    acting: Acting<'a>,
+}
+
+impl<F: Law> WithSimd for Push<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            lists,
+            scenery,
+            acting,
+        } = self;
+        let Scenery {
+            kinematics,
+            time_step,
+            ..
+        } = scenery;
+        let Acting {
+            first,
+            wrenches,
+            halo,
+            on_walls,
+        } = acting;
+        (lists.inner).push_inner(simd, kinematics, first, wrenches, time_step);
+        (lists.outer).push_outer(simd, kinematics, first, wrenches, halo, time_step);
+        let (on_planes, on_meshes) = on_walls.split_at_mut(scenery.faces.len());
+        let planes = lists.walls.iter_mut().zip(scenery.faces).zip(on_planes);
+        for ((list, face), on_plane) in planes {
+            *on_plane = list.push(simd, face, kinematics, first, wrenches, time_step);
+        }
+        (lists.facets).push(simd, scenery, first, wrenches, on_meshes);
+    }
+}
