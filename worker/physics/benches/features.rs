@@ -1,8 +1,9 @@
 //! What each feature of a granular scene costs: time per particle step, bytes per particle and
 //! contact.
 //!
-//! `cargo bench --bench features` settles a bed of 2000 spheres and one of clumps, then runs each
-//! feature on it for `STEPS` steps. Prints the rows of a Markdown table.
+//! `cargo bench --bench features` settles a bed of 2000 spheres and some of other bodies, then runs each
+//! feature on it for `STEPS` steps; `ONLY=clumps` takes the rows with that word alone. Prints the rows of
+//! a Markdown table.
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 mod beds;
 
@@ -16,8 +17,21 @@ const CLUMPS_SETTLE: u64 = 20_000;
 /// Clumps along each edge of their raster.
 const CLUMPS: usize = 6;
 
+/// Steps in which spheres of a millimetre come to rest.
+const SMALL_SETTLE: u64 = 60_000;
+/// Steps in which a cylinder is filled.
+const CYLINDER_SETTLE: u64 = 60_000;
+
+/// Whether rows of this name are wanted.
+fn is_wanted(name: &str) -> bool {
+    std::env::var("ONLY").map_or(true, |word| name.contains(&word))
+}
+
 /// A scene's stages so that the last pieces are timed; prints its row.
-fn measure(name: &str, mut spec: Value, warm: u64, particles: usize) {
+fn measure(name: &str, mut spec: Value, warm: u64) {
+    if !is_wanted(name) {
+        return;
+    }
     let piece = setting("STEPS", 4500.0) as u64 / PIECES;
     let steps = warm.div_ceil(piece) * piece + PIECES * piece;
     spec["stages"] = json!([{"run": {"steps": steps}}]);
@@ -28,20 +42,21 @@ fn measure(name: &str, mut spec: Value, warm: u64, particles: usize) {
     let every = spec["record"]["every_steps"].as_u64().unwrap_or(piece);
     spec["record"]["every_steps"] = json!(every);
     let (clock, report) = run(&spec, 1);
-    let rates = clock.rates(1, particles);
     let work = |name: &str| report.work[name] as f64;
+    let particles = work("particle_steps") / work("steps");
+    let rates = clock.rates(1, particles as usize);
     let candidates = work("candidate_steps") / work("steps");
     println!(
         "| {name} | {:.1} | {:.0} | {:.0} | {:.1} |",
         1e9 / rates[rates.len() / 2],
-        work("particle_bytes") / particles as f64,
+        work("particle_bytes") / particles,
         work("contact_bytes") / candidates,
-        candidates / particles as f64,
+        candidates / particles,
     );
 }
 
 /// Clumps of eight spheres at the corners of a cube that fall on each other.
-fn clumps() -> (Value, usize) {
+fn clumps() -> Value {
     let (radius, spacing) = (0.0085, 0.042);
     let width = spacing * CLUMPS as f64 + 0.01;
     let mut spec = bed(&[], width, width, 0.5);
@@ -69,9 +84,49 @@ fn clumps() -> (Value, usize) {
                    "angular_velocity_rad_per_s": [(number % 7) as f64, (number % 5) as f64, 1]})
         })
         .collect();
-    let count = 8 * bodies.len();
     spec["bodies"] = json!(bodies);
-    (spec, count)
+    spec
+}
+
+/// Spheres of a millimetre, `large` ones twenty times as large among them, dropped into a box.
+fn sizes(large: usize, width: f64, height: f64) -> Value {
+    let mut spec = bed(&[], width, width, 0.5);
+    let region = json!({"box": {"lower_m": [0, 0, 0], "upper_m": [width, width, height]}});
+    let spheres = |count: usize, radius: f64| json!({"material": "stone", "region": region, "count": count, "sizes": {"radius_m": radius}});
+    spec["generate"] = json!([spheres(6000, 1e-3)]);
+    if large > 0 {
+        spec["generate"] = json!([spheres(large, 0.02), spheres(6000, 1e-3)]);
+    }
+    spec["time_step_s"] = json!(2e-6);
+    spec
+}
+
+/// Spheres of this mean radius [m], dropped into an upright cylinder of 24 flat sides.
+fn cylinder(count: usize, radius: f64) -> Value {
+    const SIDES: usize = 24;
+    let (across, height) = (0.15, 0.5);
+    let mut spec = bed(&[], 1.0, 1.0, 0.5);
+    spec["planes"] = json!([spec["planes"][0]]);
+    let corner = |side: usize, z: f64| {
+        let angle = std::f64::consts::TAU * side as f64 / SIDES as f64;
+        json!([across * angle.cos(), across * angle.sin(), z])
+    };
+    let triangles: Vec<Value> = (0..SIDES)
+        .flat_map(|side| {
+            let [low, next] = [side, side + 1].map(|side| corner(side, 0.0));
+            let [high, opposite] = [side, side + 1].map(|side| corner(side, height));
+            [json!([low, next, opposite]), json!([low, opposite, high])]
+        })
+        .collect();
+    spec["facets"] = json!([{"name": "cylinder", "material": "stone", "triangles_m": triangles}]);
+    let inside = 0.98 * across * (std::f64::consts::PI / SIDES as f64).cos();
+    spec["generate"] = json!([{
+        "material": "stone", "count": count,
+        "region": {"cylinder": {"base_m": [0, 0, 0], "radius_m": inside, "height_m": height}},
+        "sizes": {"uniform": {"smallest_radius_m": 0.6 * radius, "largest_radius_m": 1.4 * radius}},
+    }]);
+    spec["time_step_s"] = json!(1e-5);
+    spec
 }
 
 fn main() {
@@ -79,7 +134,12 @@ fn main() {
         "| feature | ns per particle step | bytes per particle | bytes per candidate | candidates per particle |"
     );
     println!("|---|---|---|---|---|");
-    let (spheres, width) = settled();
+    let rows = "frictionless friction restitution logarithmic Hertz bonds region";
+    let (spheres, width) = if is_wanted(rows) {
+        settled()
+    } else {
+        Default::default()
+    };
     let with = |change: &dyn Fn(&mut Value)| {
         let mut spec = bed(&spheres, width, width, 0.5);
         change(&mut spec);
@@ -88,8 +148,7 @@ fn main() {
     let smooth = |spec: &mut Value| spec["materials"]["stone"]["friction_angle_rad"] = json!(0);
     let restitution = |spec: &mut Value| spec["materials"]["stone"]["restitution"] = json!(0.5);
     let law = |spec: &mut Value, law: &str| spec["laws"]["contact"] = json!(law);
-    let row =
-        |name: &str, change: &dyn Fn(&mut Value)| measure(name, with(change), WARM, spheres.len());
+    let row = |name: &str, change: &dyn Fn(&mut Value)| measure(name, with(change), WARM);
     row("frictionless", &smooth);
     row("frictionless, restitution", &|spec| {
         smooth(spec);
@@ -118,6 +177,11 @@ fn main() {
     row("the same, with a region", &|spec| {
         spec["record"] = json!({"bodies": [], "every_steps": 100, "regions": [{"name": "all"}]});
     });
-    let (spec, count) = clumps();
-    measure("friction, clumps of eight", spec, CLUMPS_SETTLE, count);
+    measure("clumps of eight", clumps(), CLUMPS_SETTLE);
+    measure("equal sizes", sizes(0, 0.04, 0.06), SMALL_SETTLE);
+    measure("sizes 1:20", sizes(3, 0.08, 0.06), SMALL_SETTLE);
+    for (count, radius) in [(500, 0.016), (5000, 0.0075)] {
+        let name = format!("{count} in a cylinder of facets");
+        measure(&name, cylinder(count, radius), CYLINDER_SETTLE);
+    }
 }

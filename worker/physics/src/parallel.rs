@@ -40,6 +40,26 @@ impl Team {
         self.pool.is_none()
     }
 
+    /// Does `work` with the team at hand, so that each of its passes need not call them together.
+    pub(crate) fn gather<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        match &self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+
+    /// Does two things at once.
+    pub(crate) fn both<A: Send, B: Send>(
+        &self,
+        first: impl FnOnce() -> A + Send,
+        second: impl FnOnce() -> B + Send,
+    ) -> (A, B) {
+        match &self.pool {
+            Some(pool) => pool.join(first, second),
+            None => (first(), second()),
+        }
+    }
+
     /// Does `work` on every item; the answers are in the order of the items.
     pub(crate) fn map<T: Send, R: Send>(
         &self,

@@ -1,4 +1,6 @@
 //! The state of a scene and its step.
+use std::sync::Arc;
+
 use loadframe_api::spec::granular_scene::GranularScene;
 use serde::{Deserialize, Serialize};
 
@@ -77,7 +79,7 @@ pub(super) struct Engine {
     /// Forces on bodies in this step beside weights and contacts.
     pub(super) loads: Vec<BodyLoad>,
     pub(super) search: Search,
-    team: Team,
+    pub(super) team: Arc<Team>,
 }
 
 impl Engine {
@@ -108,7 +110,7 @@ impl Engine {
             scratch: Wrenches::default(),
             loads: Vec::new(),
             search: Search::default(),
-            team,
+            team: Arc::new(team),
         };
         let state = &mut engine.state;
         engine.reserve = Reserve::split_off(specimen, &mut state.particles, &mut state.clumps);
@@ -166,8 +168,11 @@ impl Engine {
         if self.team.is_alone() {
             self.step_alone(time_step);
         } else {
-            self.push(time_step);
-            self.advance(time_step);
+            let team = Arc::clone(&self.team);
+            team.gather(|| {
+                self.push(time_step);
+                self.advance(time_step);
+            });
         }
     }
 

@@ -12,6 +12,7 @@ use super::{
     },
     engine::Engine,
     journal::Reading,
+    time_step::Critical,
 };
 
 /// A touching contact.
@@ -57,6 +58,16 @@ pub(super) struct Energies {
     pub(super) gravitational: f64,
 }
 
+/// What is read off a scene after a step.
+#[derive(Clone, Debug)]
+pub(super) struct Look {
+    pub(super) critical: Option<Critical>,
+    pub(super) energies: Energies,
+    pub(super) reading: Reading,
+    /// Largest compression over the smaller radius.
+    pub(super) overlap_ratio: f64,
+}
+
 impl Engine {
     /// Contacts that touch, in the order of bodies; to be called between the phases.
     pub(super) fn contacts(&self) -> Vec<Contact> {
@@ -69,11 +80,16 @@ impl Engine {
     /// The same in the order of patches, into memory that is there already.
     pub(super) fn gather_contacts(&self, contacts: &mut Vec<Contact>) {
         contacts.clear();
-        for lists in &self.contact_lists {
-            lists.see(&mut |touching| contacts.extend(self.contact(&touching)));
-        }
-        for lists in &self.contact_lists {
-            lists.see_facets(&mut |touching| contacts.extend(self.contact(&touching)));
+        let seen = self.team.map(self.contact_lists.iter().collect(), |lists| {
+            let (mut bodies, mut facets) = (Vec::new(), Vec::new());
+            lists.see(&mut |touching| bodies.extend(self.contact(&touching)));
+            lists.see_facets(&mut |touching| facets.extend(self.contact(&touching)));
+            [bodies, facets]
+        });
+        for kind in [0, 1] {
+            for seen in &seen {
+                contacts.extend_from_slice(&seen[kind]);
+            }
         }
     }
 
@@ -202,6 +218,33 @@ impl Engine {
             }
         }
         energy
+    }
+
+    /// What is read off bodies and contacts after a step
+    /// that began with the kinetic and gravitational energies `before` [J].
+    pub(super) fn look(&self, contacts: &[Contact], before: [f64; 2]) -> Look {
+        let (critical, (energies, reading, overlap_ratio)) = self.team.both(
+            || self.critical_step(contacts),
+            || {
+                let energies = Energies {
+                    kinetic: 0.5 * (before[0] + self.kinetic_energy()),
+                    elastic: elastic_energy(contacts),
+                    gravitational: before[1],
+                };
+                // of a bond, the change of its overlap
+                let overlaps = contacts
+                    .iter()
+                    .map(|contact| contact.compression.abs() / contact.radius);
+                let reading = self.reading(contacts, &energies);
+                (energies, reading, overlaps.fold(0.0, f64::max))
+            },
+        );
+        Look {
+            critical,
+            energies,
+            reading,
+            overlap_ratio,
+        }
     }
 
     /// What is read off the bodies and their `contacts` for a row of the curve.

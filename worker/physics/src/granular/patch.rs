@@ -113,21 +113,27 @@ impl Patch {
         for sphere in &mut self.partly_fixed {
             sphere.note(bodies.centres, bodies.velocities, bodies.spins);
         }
-        if !bodies.spins.is_empty() {
-            let turning = Turning {
+        let mut squares = [0.0_f64; 3];
+        for range in self.single_spheres(bodies.clumps) {
+            if !bodies.spins.is_empty() {
+                let turning = Turning {
+                    drive,
+                    torques: &self.wrenches.torques[range.clone()],
+                    spins: &mut bodies.spins[range.clone()],
+                };
+                turning.advance();
+            }
+            let spheres = Spheres {
                 drive,
-                torques: &self.wrenches.torques,
-                spins: &mut *bodies.spins,
+                forces: &self.wrenches.forces[range.clone()],
+                velocities: &mut bodies.velocities[range.clone()],
+                centres: &mut bodies.centres[range],
             };
-            turning.advance();
+            for (most, square) in squares.iter_mut().zip(spheres.advance()) {
+                *most = most.max(square);
+            }
         }
-        let spheres = Spheres {
-            drive,
-            forces: &self.wrenches.forces,
-            velocities: &mut *bodies.velocities,
-            centres: &mut *bodies.centres,
-        };
-        let mut speed_square: f64 = spheres.advance().iter().sum();
+        let mut speed_square: f64 = squares.iter().sum();
         for sphere in &self.partly_fixed {
             let step = drive.time_step;
             sphere.hold(step, bodies.centres, bodies.velocities, bodies.spins);
@@ -141,6 +147,20 @@ impl Patch {
             speed_square = speed_square.max(clump.place(members, first));
         }
         speed_square
+    }
+
+    /// Ranges of the particles that are no members of these clumps, counted from the patch's first.
+    fn single_spheres(&self, clumps: &[Clump]) -> impl Iterator<Item = Range<usize>> {
+        let first = self.particles.start;
+        let mut next = first;
+        let end = self.particles.end..self.particles.end;
+        let members = clumps.iter().map(Clump::members).chain([end]);
+        let gaps = members.map(move |members| {
+            let gap = next - first..members.start - first;
+            next = members.end;
+            gap
+        });
+        gaps.filter(|gap| !gap.is_empty())
     }
 
     /// Adds the loads on bodies that are spheres; few bodies have one.

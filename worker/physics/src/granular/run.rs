@@ -14,7 +14,7 @@ use super::{
     engine::{Engine, State},
     fragments,
     journal::Journal,
-    observe::{Contact, Energies, elastic_energy, put_in_order},
+    observe::{Contact, Energies, Look, elastic_energy, put_in_order},
     report, snapshot,
     specimen::Specimen,
     tables,
@@ -282,18 +282,14 @@ impl<'a> Runner<'a> {
             if is_recorded || is_pictured {
                 put_in_order(&mut contacts);
             }
-            let before = self.engine.kinetic_energy();
-            let gravitational = self.engine.gravitational_energy();
+            let engine = &self.engine;
+            let before =
+                (engine.team).both(|| engine.kinetic_energy(), || engine.gravitational_energy());
             self.engine.advance(time_step);
             self.journal.stage_steps += 1;
-            let kinetic = 0.5 * (before + self.engine.kinetic_energy());
-            let energies = Energies {
-                kinetic,
-                elastic: elastic_energy(&contacts),
-                gravitational,
-            };
-            let critical = self.engine.critical_step(&contacts);
-            self.look(&contacts, energies, critical)?;
+            let look = self.engine.look(&contacts, before.into());
+            let critical = look.critical;
+            self.judge(&contacts, look)?;
             let is_last =
                 is_last || (self.journal.is_settled && (self.is_last_stage() || is_breakable));
             if is_last && !(is_recorded || is_pictured) {
@@ -323,21 +319,12 @@ impl<'a> Runner<'a> {
     }
 
     /// Keeps what an observation says about the quality of the run.
-    fn look(
-        &mut self,
-        contacts: &[Contact],
-        energies: Energies,
-        critical: Option<Critical>,
-    ) -> Result<(), SimulationError> {
+    fn judge(&mut self, contacts: &[Contact], look: Look) -> Result<(), SimulationError> {
         self.check_finite()?;
         let journal = &mut self.journal;
-        // of a bond, the change of its overlap
-        let overlaps = contacts
-            .iter()
-            .map(|contact| contact.compression.abs() / contact.radius);
-        let largest = overlaps.fold(0.0, f64::max);
-        journal.worst.see_step(journal.time_step, critical);
-        journal.last = self.engine.reading(contacts, &energies);
+        let largest = look.overlap_ratio;
+        journal.worst.see_step(journal.time_step, look.critical);
+        journal.last = look.reading;
         if let Some(Stage::Settle(settle)) = self.spec.stages.get(journal.stage) {
             let ratio = journal.last.unbalanced;
             journal.is_settled = ratio.is_some_and(|ratio| ratio <= settle.unbalanced_force_ratio);
@@ -363,7 +350,9 @@ impl<'a> Runner<'a> {
             journal.balance.pause();
             return Ok(());
         }
-        journal.balance.add(&energies, self.engine.state.wall_work);
+        journal
+            .balance
+            .add(&look.energies, self.engine.state.wall_work);
         let created = journal.balance.created_ratio();
         if created > RUNAWAY && !self.spec.allow_unstable {
             return Err(SimulationError::EnergyGrowth {

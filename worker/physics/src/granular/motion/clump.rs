@@ -138,24 +138,33 @@ impl Clump {
 
     fn turn_by_splitting(&mut self, step: f64, torque: Vector) {
         self.angular_momentum += step * torque;
+        let inverse = self.inertia.map(f64::recip);
         let mut local = self
             .orientation
             .inverse_transform_vector(&self.angular_momentum);
+        let mut turned = self.orientation.into_inner();
         for (axis, part) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
-            let half_angle = 0.5 * part * step * local[axis] / self.inertia[axis];
-            let mut turn = Quaternion::new(1.0, 0.0, 0.0, 0.0);
-            turn.coords[axis] = half_angle;
-            let turn = UnitQuaternion::new_normalize(turn);
-            local = turn.inverse_transform_vector(&local);
-            self.orientation *= turn;
+            let half_angle = 0.5 * part * step * local[axis] * inverse[axis];
+            let square = half_angle * half_angle;
+            let scale = 1.0 / (1.0 + square);
+            let (cosine, sine) = ((1.0 - square) * scale, 2.0 * half_angle * scale);
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            [local[next], local[last]] = [
+                cosine * local[next] + sine * local[last],
+                cosine * local[last] - sine * local[next],
+            ];
+            // times 1 + h about the axis; the length is put right at the end
+            let [w, own] = [turned.w, turned.coords[axis]];
+            let [first, second] = [turned.coords[next], turned.coords[last]];
+            turned.coords[axis] = own + half_angle * w;
+            turned.coords[next] = first + half_angle * second;
+            turned.coords[last] = second - half_angle * first;
+            turned.coords[3] = w - half_angle * own;
         }
-        self.orientation = UnitQuaternion::new_normalize(self.orientation.into_inner());
-        let local = self
-            .orientation
-            .inverse_transform_vector(&self.angular_momentum);
+        self.orientation = UnitQuaternion::new_normalize(turned);
         self.spin = self
             .orientation
-            .transform_vector(&local.component_div(&self.inertia));
+            .transform_vector(&local.component_mul(&inverse));
     }
 
     /// With some or all rotations fixed: Euler's equation for the free components of ω alone, the
@@ -200,8 +209,9 @@ impl Clump {
     /// Puts the members where the clump has them. Returns the square of their largest speed.
     pub(in crate::granular) fn place(&self, members: &mut Members<'_>, first: usize) -> f64 {
         let mut largest = 0.0_f64;
+        let axes = self.orientation.to_rotation_matrix();
         for (member, offset) in self.members().zip(&self.offsets) {
-            let arm = self.orientation.transform_vector(offset);
+            let arm = axes * offset;
             let velocity = self.velocity + self.spin.cross(&arm);
             let member = member - first;
             members.centres[member].set(self.centre + arm);
