@@ -179,7 +179,7 @@ fn main() {
     });
     measure("clumps of eight", clumps(), CLUMPS_SETTLE);
     measure("equal sizes", sizes(0, 0.04, 0.06), SMALL_SETTLE);
-    measure("sizes 1:20", sizes(3, 0.08, 0.06), SMALL_SETTLE);
+    measure("sizes 1:20", sizes(3, 0.08, 0.12), SMALL_SETTLE);
     for (count, radius) in [(500, 0.016), (5000, 0.0075)] {
         let name = format!("{count} in a cylinder of facets");
         measure(&name, cylinder(count, radius), CYLINDER_SETTLE);

@@ -46,8 +46,6 @@ const FLAT: f64 = 1e-12;
 pub(super) struct Measure {
     /// V of the box [m³].
     volume: f64,
-    /// Solid volume in it [m³].
-    solid: f64,
     /// σ [Pa], compression positive.
     stress: Matrix3<f64>,
     /// Contacts per movable body in it.
@@ -78,11 +76,11 @@ impl Measure {
         (pressure > 0.0).then(|| self.shear_rate * self.inertia / pressure.sqrt())
     }
 
-    /// The numbers of [`COLUMNS`]; unknown ones are left at 0.
-    pub(super) fn row(&self) -> [f64; 10] {
+    /// The numbers of [`COLUMNS`], given the solid volume in the box [m³]; unknown ones are left at 0.
+    pub(super) fn row(&self, solid: f64) -> [f64; 10] {
         let stress = &self.stress;
         let porosity = if self.volume > 0.0 {
-            1.0 - self.solid / self.volume
+            1.0 - solid / self.volume
         } else {
             0.0
         };
@@ -147,7 +145,6 @@ impl Engine {
         let density = sum(|point| point.mass) / sum(|point| point.volume);
         Measure {
             volume,
-            solid: self.solid(cuboid),
             stress: self.love_weber(cuboid, contacts, &points) / volume,
             coordination: self.coordination(&points, is_within, contacts),
             shear_rate: shear_rate(&within),
@@ -200,7 +197,7 @@ impl Engine {
     }
 
     /// Solid volume in a box [m³].
-    fn solid(&self, cuboid: &Cuboid) -> f64 {
+    pub(super) fn solid(&self, cuboid: &Cuboid) -> f64 {
         let particles = &self.state.particles;
         let share = |particle: usize| {
             let centre = &particles.centres[particle];

@@ -16,10 +16,12 @@ use super::{
         lists::{Acting, Lists},
         pairs::Halo,
     },
+    lanes::LANES,
     motion::{
         Drive,
         clump::{Clump, Members, Rotation},
         spheres::{PartlyFixed, Spheres, Turning},
+        splitting::Turns,
     },
     rows::Row,
 };
@@ -103,12 +105,23 @@ impl Patch {
         let first = self.particles.start;
         self.load_spheres(&bodies, loads);
         // before the members move: their arms are those of the forces
-        for clump in &mut *bodies.clumps {
-            let [mut force, torque] = clump.wrench(&self.wrenches, bodies.centres, first);
-            for load in loads.iter().filter(|load| load.body == clump.body) {
-                force += load.force;
+        for clumps in bodies.clumps.chunks_mut(LANES) {
+            let mut turns = Turns::new(drive.time_step);
+            let mut is_turning = [false; LANES];
+            for (lane, clump) in clumps.iter_mut().enumerate() {
+                let [mut force, torque] = clump.wrench(&self.wrenches, bodies.centres, first);
+                for load in loads.iter().filter(|load| load.body == clump.body) {
+                    force += load.force;
+                }
+                is_turning[lane] = clump.advance(drive, rotation, force, torque);
+                turns.set(lane, clump);
             }
-            clump.advance(drive, rotation, force, torque);
+            turns.run();
+            for (lane, clump) in clumps.iter_mut().enumerate() {
+                if is_turning[lane] {
+                    turns.give(lane, clump);
+                }
+            }
         }
         for sphere in &mut self.partly_fixed {
             sphere.note(bodies.centres, bodies.velocities, bodies.spins);

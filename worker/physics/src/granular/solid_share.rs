@@ -1,8 +1,9 @@
 //! The part of a sphere that lies in a box.
 //!
-//! Spheres within the box count whole. One that its faces cut is sliced across z: the area of a
-//! circle in a rectangle is a closed form, and the slices z = r sin θ are summed by the midpoint
-//! rule, whose weights r cos θ vanish at both ends.
+//! Spheres within the box count whole. Of one that faces cut without an edge of the box in it, caps of
+//! height h are missing, π h² (3r − h)/3 each; this is exact. One with an edge in it is sliced across z:
+//! the area of a circle in a rectangle is a closed form, and the slices z = r sin θ are summed by the
+//! midpoint rule, whose weights r cos θ vanish at both ends.
 use super::{Vector, sphere};
 
 /// A box with faces across the axes.
@@ -12,7 +13,7 @@ pub(super) struct Cuboid {
     pub(super) high: Vector,
 }
 
-/// Slices of a sphere that is cut: an error of about 10⁻⁵ of its volume.
+/// Slices of a sphere with an edge in it: an error of about 10⁻⁵ of its volume.
 const SLICES: usize = 96;
 
 impl Cuboid {
@@ -55,6 +56,9 @@ pub(super) fn sphere_volume_within(cuboid: &Cuboid, centre: &Vector, radius: f64
     if (0..3).any(|axis| low[axis] >= 1.0 || high[axis] <= -1.0 || low[axis] >= high[axis]) {
         return 0.0;
     }
+    if let Some(missing) = missing_caps(&low, &high) {
+        return sphere::volume(radius) - missing * radius.powi(3);
+    }
     // slices of the unit sphere between the faces across z
     let (from, to) = (low.z.max(-1.0).asin(), high.z.min(1.0).asin());
     let width = (to - from) / SLICES as f64;
@@ -65,6 +69,26 @@ pub(super) fn sphere_volume_within(cuboid: &Cuboid, centre: &Vector, radius: f64
         circle * circle * unit_circle_in(ends) * circle * width
     });
     slices.sum::<f64>() * radius.powi(3)
+}
+
+/// Volume of the caps that the faces cut off the unit sphere; `None` where caps overlap.
+fn missing_caps(low: &Vector, high: &Vector) -> Option<f64> {
+    let mut volume = 0.0;
+    // distance of the centre from the faces that cut, largest caps first
+    let mut distances = [[low.x, high.x], [low.y, high.y], [low.z, high.z]].map(|[low, high]| {
+        let faces = [-low, high].map(|distance| distance.min(1.0));
+        for distance in faces {
+            let height = 1.0 - distance;
+            volume += std::f64::consts::PI * height * height * (2.0 + distance) / 3.0;
+        }
+        faces[0].min(faces[1])
+    });
+    distances.sort_by(f64::total_cmp);
+    // a cap of more than half reaches into every other; two of one axis never meet
+    let [nearest, second, _] = distances;
+    let is_alone = second >= 1.0;
+    let are_apart = nearest >= 0.0 && nearest * nearest + second * second >= 1.0;
+    (is_alone || are_apart).then_some(volume)
 }
 
 /// Area of the unit circle within the rectangle [x₀, x₁] × [y₀, y₁].
@@ -90,6 +114,8 @@ fn quadrant(x: f64, y: f64) -> f64 {
 mod tests {
     use super::*;
 
+    /// Caps are exact.
+    const ROUND_OFF: f64 = 1e-15;
     /// Slices of the midpoint rule where the boundary of the area has corners.
     const SLICED: f64 = 2e-5;
 
@@ -129,6 +155,40 @@ mod tests {
                     "{low:?}: {found} {expected}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn caps_without_an_edge_between_them_are_exact() {
+        let far = 5.0;
+        let cap = |height: f64| height * height * (3.0 - height) / 4.0;
+        for (low, high, expected) in [
+            ([-far, 0.4, -far], [far; 3], cap(0.6)),
+            (
+                [-far, -0.4, -far],
+                [far, 0.9, far],
+                1.0 - cap(0.6) - cap(0.1),
+            ),
+            // two faces whose edge just misses the sphere
+            (
+                [-0.8, -far, -far],
+                [far, 0.6, far],
+                1.0 - cap(0.2) - cap(0.4),
+            ),
+            (
+                [-0.9, -0.8, -0.7],
+                [0.9, 0.75, 0.95],
+                1.0 - [0.1, 0.2, 0.3, 0.1, 0.25, 0.05]
+                    .map(cap)
+                    .iter()
+                    .sum::<f64>(),
+            ),
+        ] {
+            let found = share(low, high);
+            assert!(
+                (found - expected).abs() < ROUND_OFF,
+                "{low:?}: {found} {expected}"
+            );
         }
     }
 

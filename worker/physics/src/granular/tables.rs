@@ -136,7 +136,8 @@ pub(super) fn curve_row(
     ]);
     for region in &spec.record.regions {
         let cuboid = engine.cuboid([region.low_m, region.high_m]);
-        row.extend(engine.measure(&cuboid, contacts).row());
+        let solid = engine.solid(&cuboid);
+        row.extend(engine.measure(&cuboid, contacts).row(solid));
     }
     if is_cohesive(spec) {
         row.push(engine.broken_bonds(reading) as f64);

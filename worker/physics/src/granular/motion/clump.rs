@@ -6,11 +6,8 @@
 //! Two ways to turn the orientation by a step with L held:
 //! - *Fincham* (convention `yade`): the leapfrog of [Fincham1992], with the orientation at the half
 //!   step predicted first. Keeps L; the energy of a free body drifts slowly.
-//! - *Splitting* (convention `loadframe`): the energy L²/2I is split into its three principal parts,
-//!   each of which is a plain rotation about its axis; they are done in the order x y z y x with
-//!   half, half, whole, half, half steps ([Dullweber1997]). Symplectic and reversible: energy
-//!   oscillates within a bound and does not drift, and L is kept to round-off. Rotations by angle
-//!   θ are done as 2 atan(θ/2), which needs no sine and keeps the order.
+//! - *Splitting* (convention `loadframe`): [`splitting`](super::splitting) keeps L to round-off, and
+//!   energy does not drift.
 //!
 //! Torques are damped by T_w ← T_w (1 − λ sgn(T_w ω_w)).
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
@@ -94,14 +91,15 @@ impl Clump {
         [force, torque]
     }
 
-    /// A step under force [N] and torque [N m].
+    /// A step under force [N] and torque [N m]. Returns whether the clump has still to be turned, by
+    /// [`splitting`](super::splitting), side by side with others.
     pub(in crate::granular) fn advance(
         &mut self,
         drive: &Drive,
         rotation: Rotation,
         force: Vector,
         torque: Vector,
-    ) {
+    ) -> bool {
         let step = drive.time_step;
         for axis in 0..3 {
             if !self.fixed[axis] {
@@ -113,13 +111,15 @@ impl Clump {
 
         let damped =
             Vector::from_fn(|axis, _| drive.against(torque[axis], torque[axis] * self.spin[axis]));
-        match self.fixed[3..] {
-            [false, false, false] => match rotation {
-                Rotation::Fincham => self.turn_by_fincham(step, damped),
-                Rotation::Splitting => self.turn_by_splitting(step, damped),
-            },
+        match (&self.fixed[3..], rotation) {
+            ([false, false, false], Rotation::Splitting) => {
+                self.angular_momentum += step * damped;
+                return true;
+            }
+            ([false, false, false], Rotation::Fincham) => self.turn_by_fincham(step, damped),
             _ => self.turn_about_free_axes(step, torque, drive),
         }
+        false
     }
 
     fn turn_by_fincham(&mut self, step: f64, torque: Vector) {
@@ -134,37 +134,6 @@ impl Clump {
         let turned = self.orientation.into_inner() + rate(&half, later) * step;
         self.orientation = UnitQuaternion::new_normalize(turned);
         self.spin = self.orientation.transform_vector(&later);
-    }
-
-    fn turn_by_splitting(&mut self, step: f64, torque: Vector) {
-        self.angular_momentum += step * torque;
-        let inverse = self.inertia.map(f64::recip);
-        let mut local = self
-            .orientation
-            .inverse_transform_vector(&self.angular_momentum);
-        let mut turned = self.orientation.into_inner();
-        for (axis, part) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
-            let half_angle = 0.5 * part * step * local[axis] * inverse[axis];
-            let square = half_angle * half_angle;
-            let scale = 1.0 / (1.0 + square);
-            let (cosine, sine) = ((1.0 - square) * scale, 2.0 * half_angle * scale);
-            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-            [local[next], local[last]] = [
-                cosine * local[next] + sine * local[last],
-                cosine * local[last] - sine * local[next],
-            ];
-            // times 1 + h about the axis; the length is put right at the end
-            let [w, own] = [turned.w, turned.coords[axis]];
-            let [first, second] = [turned.coords[next], turned.coords[last]];
-            turned.coords[axis] = own + half_angle * w;
-            turned.coords[next] = first + half_angle * second;
-            turned.coords[last] = second - half_angle * first;
-            turned.coords[3] = w - half_angle * own;
-        }
-        self.orientation = UnitQuaternion::new_normalize(turned);
-        self.spin = self
-            .orientation
-            .transform_vector(&local.component_mul(&inverse));
     }
 
     /// With some or all rotations fixed: Euler's equation for the free components of ω alone, the

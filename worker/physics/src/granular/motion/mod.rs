@@ -5,11 +5,13 @@
 //!
 //! for every component w, and for spins with torque and inertia in the place of force and mass.
 //! The bracket of (G.8) is Cundall's local damping with the velocity in the middle of the step.
-//! [`spheres`] moves particles that are bodies of their own, [`clump`] rigid clumps, [`wall`] walls.
+//! [`spheres`] moves particles that are bodies of their own, [`clump`] rigid clumps, which
+//! [`splitting`] turns, [`wall`] walls.
 //!
 //! Source: T 3.27-3.31 and 3.35; Yade's `NewtonIntegrator`.
 pub(super) mod clump;
 pub(super) mod spheres;
+pub(super) mod splitting;
 pub(super) mod wall;
 
 use super::Vector;
