@@ -172,6 +172,14 @@ impl Limits {
 }
 
 impl SubmissionError {
+    /// Everything that is wrong.
+    pub fn violations(self) -> Vec<Violation> {
+        match self {
+            Self::Syntax(violation) => vec![*violation],
+            Self::Invalid(violations) => violations,
+        }
+    }
+
     /// The answer a client gets.
     pub fn into_problem(self) -> Problem {
         match self {

@@ -6,10 +6,11 @@ use serde::de::DeserializeOwned;
 
 use crate::envelope::{parse, typed};
 use crate::schema::Checker;
+use crate::study::ParameterStudy;
 use crate::worker::{ClaimRequest, CompleteRequest, FailRequest, ProgressReport, ReleaseRequest};
 use crate::{JobChanges, SubmissionError};
 
-/// The body of a request.
+/// The body of a request, or a file that is no submission.
 pub trait Message: DeserializeOwned + JsonSchema {
     /// Reads and checks a message.
     ///
@@ -41,7 +42,8 @@ messages!(
     ProgressReport,
     CompleteRequest,
     FailRequest,
-    ReleaseRequest
+    ReleaseRequest,
+    ParameterStudy
 );
 
 #[cfg(test)]

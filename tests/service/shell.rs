@@ -136,6 +136,47 @@ fn a_study_tells_what_exactness_costs_and_refuses_knobs_there_are_not() {
 }
 
 #[test]
+fn a_study_of_parameters_shows_what_they_do_and_refuses_cases_that_cannot_be_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let studies = concat!(env!("CARGO_MANIFEST_DIR"), "/../api/studies");
+    let out = folder.path().join("study");
+    let study = |file: &std::path::Path, more: &[&str]| {
+        let mut command = loadframe();
+        command.args(["study", "parameters"]).arg(file).args(more);
+        command.arg("--out").arg(&out).output().unwrap()
+    };
+    let bad = folder.path().join("bad.json");
+    let cases = r#"{"title": "Steps", "example": "nonwoven_tensile_quick",
+        "vary": {"/test/strain_step": [0.02, 7]}}"#;
+    std::fs::write(&bad, cases).unwrap();
+    let refused = study(&bad, &[]);
+    assert_eq!(code(&refused), 2, "{}", text(&refused));
+    for said in ["line 2", "case \"strain_step = 7\"", "given 7", "allowed: "] {
+        let told = text(&refused);
+        assert!(told.contains(said), "{said} in {told}");
+    }
+    assert!(!out.exists());
+
+    let strengths = std::path::Path::new(studies).join("nonwoven_strength_scatter.json");
+    let told = study(&strengths, &["--seeds", "3"]);
+    assert_eq!(code(&told), 0, "{}", text(&told));
+    let finding = "Max force falls from case to case: 0.05 (";
+    assert!(text(&told).contains(finding), "{}", text(&told));
+    for name in ["csv", "json", "md", "svg"] {
+        assert!(out.join(format!("parameters.{name}")).is_file(), "{name}");
+    }
+
+    // in the same folder: tests of other studies are left alone
+    let friction = std::path::Path::new(studies).join("granular_friction.json");
+    let told = study(&friction, &["--json", "--threads", "2"]);
+    assert_eq!(code(&told), 0, "{}", text(&told));
+    let told: Value = serde_json::from_slice(&told.stdout).unwrap();
+    let finding = &told["findings"]["coordination_number"];
+    assert_eq!(finding["trend"], "falls", "{finding}");
+    assert!(finding["ends"]["p"].as_f64().unwrap() < 1e-3, "{finding}");
+}
+
+#[test]
 fn a_lab_brings_its_own_workers() {
     let server = Server::start();
     let mut command = loadframe();

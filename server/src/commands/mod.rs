@@ -65,7 +65,7 @@ enum Command {
     Worker(worker::Arguments),
     /// Run a job here, without a server
     Run(run::Arguments),
-    /// Find out what exactness costs
+    /// Find out what exactness costs, or what parameters do
     #[command(subcommand)]
     Study(study::Study),
     /// Check a spec, and estimate what it takes

@@ -2,14 +2,20 @@
 use std::io::{self, Write};
 
 /// Writes the row of column names.
-pub(crate) fn header(out: &mut dyn Write, names: &[&str]) -> io::Result<()> {
+///
+/// # Errors
+/// When `out` does not take it.
+pub fn header(out: &mut dyn Write, names: &[&str]) -> io::Result<()> {
     writeln!(out, "{}", names.join(","))
 }
 
 /// Writes a row of numbers in the shortest form that reads back as the same number. Large and
 /// small magnitudes take an exponent, so that no cell grows beyond about 24 characters. What is not
 /// known, NaN, leaves its cell empty.
-pub(crate) fn row(out: &mut dyn Write, values: &[f64]) -> io::Result<()> {
+///
+/// # Errors
+/// When `out` does not take it.
+pub fn row(out: &mut dyn Write, values: &[f64]) -> io::Result<()> {
     for (column, value) in values.iter().enumerate() {
         let separator = if column == 0 { "" } else { "," };
         let magnitude = value.abs();
@@ -22,6 +28,16 @@ pub(crate) fn row(out: &mut dyn Write, values: &[f64]) -> io::Result<()> {
         }
     }
     writeln!(out)
+}
+
+/// The name of a result with its unit, as a column: `max_force` and N give `max_force_n`.
+pub fn column(name: &str, unit: &str) -> String {
+    let suffix = unit.to_lowercase().replace('/', "_per_").replace(' ', "_");
+    let (quantity, _) = name.split_once("_along_").unwrap_or((name, ""));
+    if unit == "1" || quantity.ends_with(&format!("_{suffix}")) {
+        return name.to_owned();
+    }
+    format!("{name}_{suffix}")
 }
 
 #[cfg(test)]
@@ -43,6 +59,16 @@ mod tests {
     #[test]
     fn what_is_not_known_is_left_empty() {
         assert_eq!(text(&[1.0, f64::NAN, 2.0]), "1,,2\n");
+    }
+
+    #[test]
+    fn columns_carry_their_unit_once() {
+        assert_eq!(column("max_force", "N"), "max_force_n");
+        assert_eq!(column("strength", "N/m"), "strength_n_per_m");
+        assert_eq!(column("strength_pa", "Pa"), "strength_pa");
+        assert_eq!(column("poisson_ratio", "1"), "poisson_ratio");
+        assert_eq!(column("strength_pa_along_x", "Pa"), "strength_pa_along_x");
+        assert_eq!(column("max_force_along_x", "N"), "max_force_along_x_n");
     }
 
     proptest! {

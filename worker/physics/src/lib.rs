@@ -7,7 +7,7 @@
 mod calibrate;
 mod calibration;
 mod checkpoint;
-mod csv;
+pub mod csv;
 mod curve;
 mod error;
 mod granular;
@@ -28,7 +28,7 @@ pub use calibration::calibration_spec;
 pub use checkpoint::CheckpointError;
 pub use error::SimulationError;
 pub use recorder::{Interrupt, InterruptSource, Recorder, Uninterrupted};
-pub use statistics::Sample;
+pub use statistics::{Sample, Welch};
 
 /// How a simulation ended.
 #[derive(Debug)]

@@ -38,6 +38,46 @@ impl Sample {
     }
 }
 
+/// Whether two populations have different means, by their samples.
+///
+/// t = (x̄₂ − x̄₁)/√(s₁²/n₁ + s₂²/n₂), held against Student's distribution with
+/// ν = (v₁ + v₂)²/(v₁²/(n₁ − 1) + v₂²/(n₂ − 1)) degrees of freedom, vᵢ = sᵢ²/nᵢ: the populations are
+/// normal, their variances need not be equal, and the samples are independent. Source: [Welch1947].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Welch {
+    /// x̄₂ − x̄₁, in the unit of the values.
+    pub difference: f64,
+    /// Probability [-] of a difference this large, to either side, between samples of populations
+    /// of the same mean.
+    pub p: f64,
+}
+
+impl Welch {
+    /// The test of two samples; `None` unless both have two values.
+    pub fn test(first: &Sample, second: &Sample) -> Option<Self> {
+        let difference = second.mean - first.mean;
+        let part = |sample: &Sample| {
+            let count = f64::from(sample.count);
+            Some((sample.deviation?.powi(2) / count, count - 1.0))
+        };
+        let ((first, first_freedom), (second, second_freedom)) = (part(first)?, part(second)?);
+        let variance = first + second;
+        // samples without scatter have the same mean or have not
+        if variance == 0.0 {
+            let p = if difference == 0.0 { 1.0 } else { 0.0 };
+            return Some(Self { difference, p });
+        }
+        let (first, second) = (first / variance, second / variance);
+        let freedom = 1.0 / (first * first / first_freedom + second * second / second_freedom);
+        let distribution = StudentsT::new(0.0, 1.0, freedom).ok()?;
+        let t = difference.abs() / variance.sqrt();
+        Some(Self {
+            difference,
+            p: 2.0 * distribution.sf(t),
+        })
+    }
+}
+
 /// The t that a variable of Student's distribution stays within, on both sides, with
 /// [`CONFIDENCE`].
 fn student_t(degrees_of_freedom: u32) -> Option<f64> {
@@ -97,6 +137,44 @@ mod tests {
         let [low, high] = sample.interval.expect("three values scatter");
         let half = 4.302_653 * (7.0_f64 / 3.0).sqrt();
         assert!((low - (3.0 - half)).abs() < 1e-5 && (high - (3.0 + half)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn equal_variances_and_counts_give_students_own_test() {
+        // mean 2 and 5, variance 1 each, n = 3: t = 3/√(2/3), ν = 4, whose tail is closed:
+        // p = 1 − x (3 − x²)/2 with x = t/√(t² + ν)
+        let [first, second] = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]].map(|values| Sample::of(&values));
+        let (first, second) = (first.expect("values"), second.expect("values"));
+        let t = 3.0 / (2.0_f64 / 3.0).sqrt();
+        let x = t / (t * t + 4.0).sqrt();
+        let p = 1.0 - x * (3.0 - x * x) / 2.0;
+        let test = Welch::test(&first, &second).expect("two samples");
+        assert_eq!(test.difference, 3.0);
+        // what the incomplete beta function is good for
+        assert!((test.p - p).abs() < 1e-12, "{} {p}", test.p);
+        let back = Welch::test(&second, &first).expect("two samples");
+        assert_eq!((back.difference, back.p), (-3.0, test.p));
+    }
+
+    #[test]
+    fn unequal_variances_lower_the_degrees_of_freedom() {
+        // v₁ = 0: ν = n₂ − 1 = 2, whose tail is closed: p = 1 − t/√(t² + 2)
+        let first = Sample::of(&[1.0, 1.0, 1.0, 1.0]).expect("values");
+        let second = Sample::of(&[1.0, 2.0, 6.0]).expect("values");
+        let t = 2.0 / (7.0_f64 / 3.0).sqrt();
+        let test = Welch::test(&first, &second).expect("two samples");
+        assert!((test.p - (1.0 - t / (t * t + 2.0).sqrt())).abs() < 1e-12);
+    }
+
+    #[test]
+    fn samples_without_scatter_are_equal_or_not_and_single_values_are_not_tested() {
+        let p = |first: &[f64], second: &[f64]| {
+            let [first, second] = [first, second].map(|values| Sample::of(values).expect("values"));
+            Welch::test(&first, &second).map(|test| test.p)
+        };
+        assert_eq!(p(&[3.0, 3.0], &[3.0, 3.0, 3.0]), Some(1.0));
+        assert_eq!(p(&[3.0, 3.0], &[4.0, 4.0]), Some(0.0));
+        assert_eq!(p(&[3.0], &[4.0, 5.0]), None);
     }
 
     #[test]

@@ -14,6 +14,7 @@ mod recording;
 mod result_files;
 mod saved_run;
 
+pub(crate) use cost::Spent;
 pub use directory::{DirectoryEnd, DirectoryError, DirectoryOptions, News, run_to_directory};
 pub(crate) use eta::TimeToGo;
 pub use execute::{Ended, Plan, RunError, execute};

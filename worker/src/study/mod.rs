@@ -1,26 +1,23 @@
-//! What exactness costs: a spec at many settings, each against a finer one.
+//! Studies: many tests of one job, for what they say together.
 //!
-//! [`Design`] says what is run: each knob of the kind by itself, over its values, the other knobs
-//! as the spec has them. [`run`] carries it out side by side, the same seeds at every setting, so
-//! that differences between settings are not hidden by the scatter between specimens, and keeps
-//! finished tests in the folder for when it is interrupted. [`Study`] holds errors and times, and
-//! [`write()`] turns it into `accuracy.csv`, `accuracy.json` and `accuracy.svg`, [`words()`]
-//! into tables for a terminal.
+//! - [`accuracy`]: what exactness costs. Each knob of the kind by itself, against its finest value.
+//! - [`parameters`]: what a file's cases do to the results.
 //!
-//! Kinds take part by naming their knobs ([`loadframe_api::study::Knob`]); nothing here knows them.
-mod analysis;
-mod design;
-mod files;
-mod plot;
+//! Either is a [`Design`]: [`Settings`], equal ones once, each to be tested with the same seeds, and
+//! what is to be made of the finished tests. [`run`] carries it out side by side and keeps finished
+//! and unfinished tests in the folder for when it is interrupted; the [`Findings`] that come back
+//! write tables, plot and words. Nothing here knows the kinds.
+pub mod accuracy;
+pub mod parameters;
+
+mod bar;
 mod run;
 mod runs_file;
-mod words;
+mod settings;
+mod svg;
+mod text;
+mod unfinished;
 
-pub use analysis::{Error, KnobStudy, RepeatsRow, Row, Scatter, Study};
-pub use design::{Design, DesignError, Request};
-pub use files::{CSV_FILE, JSON_FILE, SVG_FILE, write};
-pub use run::{StudyEnd, StudyError, StudyOptions, run};
-pub use words::words;
-
-#[cfg(test)]
-mod tests;
+pub use run::{Design, Findings, StudyEnd, StudyError, StudyOptions, run};
+pub use runs_file::Finished;
+pub use settings::Settings;

@@ -4,35 +4,70 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use loadframe_api::{Calibration, JobSpec, Report};
+use loadframe_api::{Calibration, JobSpec};
 use loadframe_physics::{Ending, Recorder, RunContext, SimulationError, simulate};
+use serde::Serialize;
 
-use super::analysis::Study;
-use super::design::Design;
+use super::bar::Bar;
 use super::runs_file::{Finished, RunsFile};
+use super::settings::Settings;
+use super::unfinished::Unfinished;
+use crate::StopSwitch;
 use crate::machine::thread_processor_time_s;
-use crate::run::{Progress, TimeToGo};
-use crate::{ENGINE_COMMIT, StopSwitch};
+use crate::run::Progress;
 
 /// Messages under way before a test waits.
 const MESSAGES: usize = 64;
+/// Time between states kept of a test that runs.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
+
+/// What a study tests, and what it makes of that.
+pub trait Design {
+    type Findings: Findings;
+
+    fn settings(&self) -> &Settings;
+
+    /// A setting in words, for messages.
+    fn words(&self, setting: usize) -> String;
+
+    /// `finished`: the tests of each setting in the order of the seeds.
+    fn findings(&self, finished: &[Vec<Finished>]) -> Self::Findings;
+}
+
+/// The result of a study.
+pub trait Findings: Serialize {
+    /// Names of the files that [`Self::write`] leaves.
+    const FILES: &[&str];
+
+    /// Writes its files into `folder`.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    fn write(&self, folder: &Path) -> io::Result<()>;
+
+    /// Tables and sentences for a terminal.
+    fn words(&self) -> String;
+
+    /// Processor time of all tests [s].
+    fn total_cpu_s(&self) -> f64;
+}
 
 /// How a study is carried out.
 #[derive(Clone, Copy, Debug)]
 pub struct StudyOptions<'a> {
     /// Tests side by side.
     pub threads: usize,
-    /// Where finished tests are kept.
+    /// Where tests are kept.
     pub folder: &'a Path,
     pub switch: &'a StopSwitch,
 }
 
 /// How a study ended.
 #[derive(Debug)]
-pub enum StudyEnd {
-    Finished(Box<Study>),
+pub enum StudyEnd<F> {
+    Finished(F),
     /// Stopped early; the same call goes on.
     Suspended,
 }
@@ -61,11 +96,10 @@ pub enum StudyError {
 /// A test to be done.
 struct Task {
     setting: usize,
+    /// Its number among the seeds.
     seed: usize,
     spec: JobSpec,
     sha256: String,
-    /// Expected share of the work.
-    weight: f64,
 }
 
 enum Message {
@@ -83,45 +117,51 @@ enum Message {
 ///
 /// # Errors
 /// [`StudyError`] when a test has no result or the folder cannot be used.
-pub fn run(
-    design: &Design,
+pub fn run<D: Design>(
+    design: &D,
     options: StudyOptions<'_>,
     tell: &mut dyn FnMut(Progress),
-) -> Result<StudyEnd, StudyError> {
+) -> Result<StudyEnd<D::Findings>, StudyError> {
     let unusable = |source| StudyError::Folder {
         folder: options.folder.display().to_string(),
         source,
     };
+    let settings = design.settings();
     let (mut file, known) = RunsFile::open(options.folder).map_err(unusable)?;
     let mut finished: Vec<Vec<Option<Finished>>> =
-        vec![vec![None; design.seeds.len()]; design.settings.len()];
+        vec![vec![None; settings.seeds().len()]; settings.len()];
     let mut tasks = Vec::new();
-    for task in tasks_of(design) {
+    for task in tasks_of(settings) {
         match known.get(&task.sha256) {
             Some(test) => finished[task.setting][task.seed] = Some(test.clone()),
             None => tasks.push(task),
         }
     }
-    let mut bar = Bar::new(design.tests(), &tasks);
+    let calibration = Calibration::default();
+    let weights = tasks
+        .iter()
+        .map(|task| task.spec.estimate(&calibration).wall_s);
+    let mut bar = Bar::new(settings.tests(), weights.collect());
     let next = AtomicUsize::new(0);
     let mut failure = None;
     thread::scope(|scope| {
         let (sender, receiver) = sync_channel(MESSAGES);
         for _ in 0..options.threads.clamp(1, tasks.len().max(1)) {
             let (sender, tasks, next) = (sender.clone(), &tasks, &next);
-            let work = move || work(tasks, next, options.switch, &sender);
+            let work = move || work(tasks, next, options, &sender);
             let spawned = thread::Builder::new().spawn_scoped(scope, work);
             spawned.map_err(StudyError::Machine)?;
         }
         drop(sender);
         for message in receiver {
             match message {
-                Message::Progress { task, fraction } => bar.fractions[task] = fraction,
+                Message::Progress { task, fraction } => bar.advance(task, fraction),
                 Message::Ended { task, result } => {
                     let Task { setting, seed, .. } = tasks[task];
                     match *result {
                         Ok(Some(test)) => {
                             file.add(&test).map_err(unusable)?;
+                            Unfinished::new(options.folder, &tasks[task].sha256).remove();
                             finished[setting][seed] = Some(test);
                             bar.finish(task);
                         }
@@ -131,7 +171,7 @@ pub fn run(
                             next.store(tasks.len(), Ordering::Relaxed);
                             failure.get_or_insert(StudyError::Simulation {
                                 setting: design.words(setting),
-                                seed: design.seeds[seed],
+                                seed: settings.seeds()[seed],
                                 source,
                             });
                         }
@@ -149,82 +189,100 @@ pub fn run(
         .into_iter()
         .map(|tests| tests.into_iter().collect());
     Ok(match complete.collect::<Option<Vec<Vec<Finished>>>>() {
-        Some(finished) => StudyEnd::Finished(Box::new(Study::of(design, &finished))),
+        Some(finished) => StudyEnd::Finished(design.findings(&finished)),
         None => StudyEnd::Suspended,
     })
 }
 
 /// All tests, seed by seed: a study that is stopped early has whole seeds.
-fn tasks_of(design: &Design) -> impl Iterator<Item = Task> {
-    let calibration = Calibration::default();
-    design
-        .seeds
-        .iter()
-        .enumerate()
-        .flat_map(move |(index, seed)| {
-            design
-                .settings
-                .values()
-                .enumerate()
-                .map(move |(setting, spec)| {
-                    let spec = spec.single(*seed);
-                    Task {
-                        setting,
-                        seed: index,
-                        sha256: spec.sha256(),
-                        weight: spec.estimate(&calibration).wall_s,
-                        spec,
-                    }
-                })
+fn tasks_of(settings: &Settings) -> impl Iterator<Item = Task> {
+    let seeds = settings.seeds().iter().enumerate();
+    seeds.flat_map(move |(index, seed)| {
+        (0..settings.len()).map(move |setting| {
+            let spec = settings.test(setting, *seed);
+            Task {
+                setting,
+                seed: index,
+                sha256: spec.sha256(),
+                spec,
+            }
         })
+    })
 }
 
 /// Does one test after the other until there are none left.
-fn work(tasks: &[Task], next: &AtomicUsize, switch: &StopSwitch, messages: &SyncSender<Message>) {
+fn work(
+    tasks: &[Task],
+    next: &AtomicUsize,
+    options: StudyOptions<'_>,
+    messages: &SyncSender<Message>,
+) {
     while let Some((task, Task { spec, sha256, .. })) = {
         let index = next.fetch_add(1, Ordering::Relaxed);
         tasks.get(index).map(|task| (index, task))
     } {
-        if switch.cause().is_some() {
+        if options.switch.cause().is_some() {
             return;
         }
-        let context = RunContext {
-            threads: 1,
-            interrupt: switch,
-            checkpoint: None,
-        };
-        let mut relay = Relay { task, messages };
-        let started_s = thread_processor_time_s();
-        let ending = simulate(spec, context, &mut relay);
-        let cpu_s = thread_processor_time_s() - started_s;
-        let result = Box::new(ending.map(|ending| match ending {
-            Ending::Finished(report) => Some(finished(spec, sha256, cpu_s, report)),
-            Ending::Cancelled | Ending::Suspended => None,
-        }));
+        let unfinished = Unfinished::new(options.folder, sha256);
+        let mut result = test(spec, sha256, task, options.switch, &unfinished, messages);
+        if let Err(SimulationError::Checkpoint(_)) = result {
+            // what is lost is time, not the test
+            unfinished.remove();
+            result = test(spec, sha256, task, options.switch, &unfinished, messages);
+        }
+        let result = Box::new(result);
         if messages.send(Message::Ended { task, result }).is_err() {
             return;
         }
     }
 }
 
-fn finished(spec: &JobSpec, sha256: &str, cpu_s: f64, report: Report) -> Finished {
-    let results = report.summary.into_iter();
-    let results = results.filter(|(name, _)| spec.compares(name));
-    Finished {
-        spec_sha256: sha256.to_owned(),
-        engine_commit: ENGINE_COMMIT.to_owned(),
-        cpu_s,
-        is_good: report.quality.values().all(|check| check.ok),
-        results: results
-            .map(|(name, quantity)| (name, (quantity.value, quantity.unit)))
-            .collect(),
-    }
+/// Does a test, going on from what is there of it; `None` when it was stopped.
+fn test(
+    spec: &JobSpec,
+    sha256: &str,
+    task: usize,
+    switch: &StopSwitch,
+    unfinished: &Unfinished,
+    messages: &SyncSender<Message>,
+) -> Result<Option<Finished>, SimulationError> {
+    let saved = unfinished.read();
+    let context = RunContext {
+        threads: 1,
+        interrupt: switch,
+        checkpoint: saved.state(),
+    };
+    let mut relay = Relay {
+        task,
+        messages,
+        unfinished,
+        cpu_before_s: saved.spent().cpu_s - thread_processor_time_s(),
+        kept: Instant::now(),
+    };
+    let ending = simulate(spec, context, &mut relay)?;
+    Ok(match ending {
+        Ending::Finished(report) => Some(Finished::new(sha256, relay.cpu_s(), report)),
+        Ending::Cancelled | Ending::Suspended => None,
+    })
 }
 
-/// A recorder that only tells how far a test is.
+/// A recorder that tells how far a test is and keeps its state, and nothing else.
 struct Relay<'a> {
     task: usize,
     messages: &'a SyncSender<Message>,
+    unfinished: &'a Unfinished,
+    /// Processor time of the test before this run less that of the thread at its start [s].
+    cpu_before_s: f64,
+    /// When the state was last kept.
+    kept: Instant,
+}
+
+impl Relay<'_> {
+    /// Processor time of the test so far [s].
+    fn cpu_s(&self) -> f64 {
+        self.cpu_before_s + thread_processor_time_s()
+    }
 }
 
 impl Recorder for Relay<'_> {
@@ -253,50 +311,11 @@ impl Recorder for Relay<'_> {
     fn log(&mut self, _: &str) {}
 
     fn checkpoint_due(&self) -> bool {
-        false
+        self.kept.elapsed() >= CHECKPOINT_EVERY
     }
 
-    fn checkpoint(&mut self, _: &[u8]) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-/// How far the study is.
-struct Bar<'a> {
-    tests: usize,
-    tasks: &'a [Task],
-    fractions: Vec<f64>,
-    finished: usize,
-    begun: Instant,
-    to_go: TimeToGo,
-}
-
-impl<'a> Bar<'a> {
-    fn new(tests: usize, tasks: &'a [Task]) -> Self {
-        Self {
-            tests,
-            tasks,
-            fractions: vec![0.0; tasks.len()],
-            finished: tests - tasks.len(),
-            begun: Instant::now(),
-            to_go: TimeToGo::default(),
-        }
-    }
-
-    fn finish(&mut self, task: usize) {
-        self.fractions[task] = 1.0;
-        self.finished += 1;
-    }
-
-    fn progress(&mut self) -> Progress {
-        let all: f64 = self.tasks.iter().map(|task| task.weight).sum();
-        let done = self.tasks.iter().zip(&self.fractions);
-        let done: f64 = done.map(|(task, fraction)| task.weight * fraction).sum();
-        let fraction = if all > 0.0 { done / all } else { 1.0 };
-        Progress {
-            fraction,
-            phase: format!("{} of {} tests finished", self.finished, self.tests),
-            eta_s: self.to_go.update(self.begun.elapsed(), fraction),
-        }
+    fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.kept = Instant::now();
+        self.unfinished.keep(self.cpu_s(), bytes)
     }
 }

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use indexmap::IndexMap;
+use loadframe_api::Report;
 use serde::{Deserialize, Serialize};
 
 use crate::ENGINE_COMMIT;
@@ -13,15 +14,57 @@ const RUNS_FILE: &str = "runs.jsonl";
 
 /// A finished test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Finished {
+pub struct Finished {
     pub(super) spec_sha256: String,
     pub(super) engine_commit: String,
     /// Processor time [s].
     pub(super) cpu_s: f64,
     /// Whether all measures of quality were within their bounds.
     pub(super) is_good: bool,
-    /// Compared results with their units; `null` where the test did not get that far.
+    /// Codes of the warnings, each once.
+    pub(super) warnings: Vec<String>,
+    /// All results with their units; `null` where the test did not get that far.
     pub(super) results: IndexMap<String, (Option<f64>, String)>,
+}
+
+impl Finished {
+    pub(super) fn new(spec_sha256: &str, cpu_s: f64, report: Report) -> Self {
+        let mut warnings = Vec::new();
+        for warning in report.warnings {
+            if !warnings.contains(&warning.code) {
+                warnings.push(warning.code);
+            }
+        }
+        let results = report.summary.into_iter();
+        Self {
+            spec_sha256: spec_sha256.to_owned(),
+            engine_commit: ENGINE_COMMIT.to_owned(),
+            cpu_s,
+            is_good: report.quality.values().all(|check| check.ok),
+            warnings,
+            results: results
+                .map(|(name, quantity)| (name, (quantity.value, quantity.unit)))
+                .collect(),
+        }
+    }
+
+    /// A result, where the test got that far.
+    pub(super) fn value(&self, name: &str) -> Option<f64> {
+        self.results.get(name).and_then(|(value, _)| *value)
+    }
+}
+
+/// The unit of a result, as the first of `tests` that has it tells.
+pub(super) fn unit(tests: &[Finished], name: &str) -> String {
+    let mut units = tests.iter().filter_map(|test| test.results.get(name));
+    units
+        .next()
+        .map_or_else(String::new, |(_, unit)| unit.clone())
+}
+
+/// Processor time of a test [s], the mean over `tests`.
+pub(super) fn mean_time(tests: &[Finished]) -> f64 {
+    tests.iter().map(|test| test.cpu_s).sum::<f64>() / tests.len() as f64
 }
 
 /// The file, open for more.

@@ -64,10 +64,7 @@ impl InnerJob {
 }
 
 fn read(kind: JobKind, text: &str) -> Result<JobSpec, Vec<Violation>> {
-    JobSpec::from_text(kind, text).map_err(|error| match error {
-        SubmissionError::Syntax(violation) => vec![*violation],
-        SubmissionError::Invalid(violations) => violations,
-    })
+    JobSpec::from_text(kind, text).map_err(SubmissionError::violations)
 }
 
 /// A checked inner job, all defaults written out, with places for parameters.

@@ -1,5 +1,7 @@
-//! `loadframe study`: many runs of one spec, for what they say together.
+//! `loadframe study`: many runs of one job, for what they say together.
 mod accuracy;
+mod carry_out;
+mod parameters;
 
 use clap::Subcommand;
 
@@ -9,10 +11,13 @@ use super::failure::Failure;
 pub(crate) enum Study {
     /// Run a spec at many settings: the error of each against the finest, and its price
     Accuracy(accuracy::Arguments),
+    /// Run the cases of a study file: means, intervals and what differs between them
+    Parameters(parameters::Arguments),
 }
 
 pub(crate) async fn perform(study: Study) -> Result<(), Failure> {
     match study {
         Study::Accuracy(arguments) => accuracy::perform(arguments).await,
+        Study::Parameters(arguments) => parameters::perform(arguments).await,
     }
 }

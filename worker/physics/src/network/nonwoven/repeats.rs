@@ -31,7 +31,7 @@ pub(super) fn write(
             return Ok(());
         };
         let results = first.summary.iter();
-        let results = results.map(|(name, quantity)| column(name, &quantity.unit));
+        let results = results.map(|(name, quantity)| csv::column(name, &quantity.unit));
         let names: Vec<String> = ["repeat".to_owned(), "seed".to_owned()]
             .into_iter()
             .chain(results)
@@ -80,29 +80,4 @@ fn warnings(spec: &NonwovenTensile, reports: &[Report]) -> Vec<Warning> {
         });
     }
     warnings
-}
-
-/// The name of a result with its unit, as a column: `max_force` and N give `max_force_n`.
-fn column(name: &str, unit: &str) -> String {
-    let suffix = unit.to_lowercase().replace('/', "_per_").replace(' ', "_");
-    let (quantity, _) = name.split_once("_along_").unwrap_or((name, ""));
-    if unit == "1" || quantity.ends_with(&format!("_{suffix}")) {
-        return name.to_owned();
-    }
-    format!("{name}_{suffix}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn columns_carry_their_unit_once() {
-        assert_eq!(column("max_force", "N"), "max_force_n");
-        assert_eq!(column("strength", "N/m"), "strength_n_per_m");
-        assert_eq!(column("strength_pa", "Pa"), "strength_pa");
-        assert_eq!(column("poisson_ratio", "1"), "poisson_ratio");
-        assert_eq!(column("strength_pa_along_x", "Pa"), "strength_pa_along_x");
-        assert_eq!(column("max_force_along_x", "N"), "max_force_along_x_n");
-    }
 }

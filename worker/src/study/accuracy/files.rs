@@ -5,20 +5,26 @@ use std::path::Path;
 
 use super::analysis::Study;
 use super::plot::plot;
+use super::words::words;
+use crate::study::Findings;
 
-pub const CSV_FILE: &str = "accuracy.csv";
-pub const JSON_FILE: &str = "accuracy.json";
-pub const SVG_FILE: &str = "accuracy.svg";
+impl Findings for Study {
+    const FILES: &[&str] = &["accuracy.csv", "accuracy.json", "accuracy.svg"];
 
-/// Writes all three into `folder`.
-///
-/// # Errors
-/// When a file cannot be written.
-pub fn write(study: &Study, folder: &Path) -> io::Result<()> {
-    let json = serde_json::to_string_pretty(study)?;
-    std::fs::write(folder.join(JSON_FILE), json)?;
-    std::fs::write(folder.join(CSV_FILE), csv(study))?;
-    std::fs::write(folder.join(SVG_FILE), plot(study))
+    fn write(&self, folder: &Path) -> io::Result<()> {
+        let json = serde_json::to_string_pretty(self)?;
+        let contents = [csv(self), json, plot(self)];
+        let mut files = Self::FILES.iter().zip(contents);
+        files.try_for_each(|(name, content)| std::fs::write(folder.join(name), content))
+    }
+
+    fn words(&self) -> String {
+        words(self)
+    }
+
+    fn total_cpu_s(&self) -> f64 {
+        self.total_cpu_s
+    }
 }
 
 /// A row for each result at each setting; empty cells are unknown. Errors and scatter are relative.

@@ -5,6 +5,7 @@ use loadframe_api::{JobKind, JobSpec, Submission};
 use serde_json::{Value, json};
 
 use super::*;
+use crate::study::{Design as _, Findings, StudyEnd, StudyOptions, run};
 use crate::{StopCause, StopSwitch};
 
 /// The quick example with fewer points: done in hundredths of a second.
@@ -25,7 +26,7 @@ fn request(knob: &str, values: &[&str]) -> Request {
     }
 }
 
-fn run_in(folder: &Path, design: &Design, threads: usize) -> StudyEnd {
+fn run_in(folder: &Path, design: &Design, threads: usize) -> StudyEnd<Study> {
     let options = StudyOptions {
         threads,
         folder,
@@ -34,9 +35,9 @@ fn run_in(folder: &Path, design: &Design, threads: usize) -> StudyEnd {
     run(design, options, &mut |_| {}).expect("every test has a result")
 }
 
-fn finished(end: StudyEnd) -> Study {
+fn finished(end: StudyEnd<Study>) -> Study {
     match end {
-        StudyEnd::Finished(study) => *study,
+        StudyEnd::Finished(study) => study,
         StudyEnd::Suspended => panic!("nobody stopped it"),
     }
 }
@@ -177,10 +178,10 @@ fn a_stopped_study_goes_on_with_what_it_has() {
         text.lines().map(str::to_owned).collect::<Vec<String>>()
     };
     let before = lines();
-    assert!(!before.is_empty() && before.len() < design.tests());
+    assert!(!before.is_empty() && before.len() < design.settings().tests());
     let study = finished(run_in(folder.path(), &design, 2));
     assert_eq!(lines()[..before.len()], before);
-    assert_eq!(lines().len(), design.tests());
+    assert_eq!(lines().len(), design.settings().tests());
     let fresh = tempfile::tempdir().expect("a folder");
     assert_eq!(
         timeless(study),
@@ -198,9 +199,9 @@ fn the_files_have_every_row_and_the_words_name_what_to_do() {
     ];
     let design = Design::new(&small(), &requests, 3).expect("a design");
     let study = finished(run_in(folder.path(), &design, 2));
-    write(&study, folder.path()).expect("a folder to write to");
+    study.write(folder.path()).expect("a folder to write to");
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a file");
-    let csv = read(CSV_FILE);
+    let csv = read("accuracy.csv");
     let settings: usize = study.knobs.iter().map(|knob| knob.rows.len()).sum();
     assert_eq!(
         csv.lines().count(),
@@ -208,15 +209,15 @@ fn the_files_have_every_row_and_the_words_name_what_to_do() {
     );
     let columns = csv.lines().map(|line| line.split(',').count());
     assert!(columns.into_iter().all(|columns| columns == 13), "{csv}");
-    let json: Value = serde_json::from_str(&read(JSON_FILE)).expect("JSON");
+    let json: Value = serde_json::from_str(&read("accuracy.json")).expect("JSON");
     assert_eq!(json["seeds"], json!([1, 2, 3]));
     assert_eq!(json["knobs"][1]["rows"][1]["is_reference"], json!(true));
-    let svg = read(SVG_FILE);
+    let svg = read("accuracy.svg");
     assert_eq!(svg.matches("class=\"frame\"").count(), 5);
     // a mark for each setting in each panel, with the present one ringed for each knob
     assert_eq!(svg.matches("<g><title>").count(), 5 * settings);
     assert_eq!(svg.matches("class=\"present\"").count(), 5 * 3);
-    let words = words(&study);
+    let words = study.words();
     for said in [
         "force_accuracy",
         "weakest_first",

@@ -2,14 +2,13 @@
 use std::fmt::Write;
 
 use super::analysis::{KnobStudy, Row, Study};
+use crate::study::text::{digits, percent, plain, table};
 
-/// Letters in a line of a column's head.
-const HEAD: usize = 11;
 /// An error is small beside a scatter of three times its size: it adds a twentieth to it.
 const SMALL: f64 = 1.0 / 3.0;
 
 /// Tables of all knobs, each with what follows from it.
-pub fn words(study: &Study) -> String {
+pub(super) fn words(study: &Study) -> String {
     let mut text = String::new();
     for knob in &study.knobs {
         let statistic = if knob.keeps_specimen {
@@ -22,7 +21,7 @@ pub fn words(study: &Study) -> String {
             .rows
             .iter()
             .map(|row| row_of(row, study, knob.keeps_specimen));
-        text += &table(study, rows.collect());
+        text += &table(&heads(study), rows.collect());
         let _ = writeln!(text, "  {}\n", advice(knob, study));
     }
     let _ = writeln!(
@@ -41,8 +40,15 @@ pub fn words(study: &Study) -> String {
         );
         cells
     });
-    text += &table(study, rows.collect());
+    text += &table(&heads(study), rows.collect());
     text
+}
+
+/// Names of the columns: the first has the mark of the spec's own setting.
+fn heads(study: &Study) -> Vec<String> {
+    let own = ["", "value", "cpu s", "times"].map(str::to_owned);
+    let results = study.scatter.keys().map(|name| plain(name));
+    own.into_iter().chain(results).collect()
 }
 
 /// Mark, value, seconds, times.
@@ -164,104 +170,5 @@ fn cheapest(knob: &KnobStudy, study: &Study) -> String {
             digits(row.time)
         ),
         _ => String::new(),
-    }
-}
-
-fn plain(name: &str) -> String {
-    name.replace('_', " ")
-}
-
-/// Rows under the names of the results, columns aligned to the right.
-fn table(study: &Study, rows: Vec<Vec<String>>) -> String {
-    let mut heads = ["", "value", "cpu s", "times"]
-        .map(|head| vec![head.to_owned()])
-        .to_vec();
-    heads.extend(study.scatter.keys().map(|name| wrapped(&plain(name))));
-    let lines = heads.iter().map(Vec::len).max().unwrap_or(0);
-    let head = |line: usize| {
-        let column = |head: &Vec<String>| {
-            let above = lines - head.len();
-            line.checked_sub(above)
-                .map_or(String::new(), |line| head[line].clone())
-        };
-        heads.iter().map(column).collect::<Vec<String>>()
-    };
-    let all: Vec<Vec<String>> = (0..lines).map(head).chain(rows).collect();
-    let columns = all.iter().map(Vec::len).max().unwrap_or(0);
-    let length = |cell: &String| cell.chars().count();
-    let width = |column: usize| {
-        all.iter()
-            .filter_map(|row| row.get(column))
-            .map(length)
-            .max()
-    };
-    let widths: Vec<usize> = (0..columns)
-        .map(|column| width(column).unwrap_or(0))
-        .collect();
-    let mut text = String::new();
-    for row in &all {
-        let cells = row
-            .iter()
-            .zip(&widths)
-            .map(|(cell, width)| format!("{cell:>width$}"));
-        let line = cells.collect::<Vec<String>>().join("  ");
-        let _ = writeln!(text, "  {}", line.trim_end());
-    }
-    text
-}
-
-/// Words in lines of about [`HEAD`] letters.
-fn wrapped(text: &str) -> Vec<String> {
-    let mut lines = Vec::<String>::new();
-    for word in text.split(' ') {
-        match lines.last_mut() {
-            Some(line) if line.len() + word.len() < HEAD => *line = format!("{line} {word}"),
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
-}
-
-/// Two significant digits in %, and nothing below a millionth of one.
-fn percent(error: f64) -> String {
-    let value = 100.0 * error.abs();
-    match value {
-        v if v < 1e-6 => "0 %".to_owned(),
-        v if v < 1e-3 => format!("{v:.0e} %"),
-        v => format!("{} %", digits(v)),
-    }
-}
-
-/// Two significant digits at least.
-pub(super) fn digits(value: f64) -> String {
-    match value {
-        v if v <= 0.0 => "0".to_owned(),
-        v if v >= 10.0 => format!("{v:.0}"),
-        v => {
-            let decimals = 1 - v.log10().floor() as i32;
-            format!("{v:.*}", decimals.clamp(0, 6) as usize)
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_keep_two_digits() {
-        let shown = [0.0, 0.0312, 0.995, 7.65, 34.2, 1234.0].map(digits);
-        assert_eq!(shown, ["0", "0.031", "0.99", "7.7", "34", "1234"]);
-        let shown = [0.0, 3e-7, 0.000_31, -0.0178, 0.26].map(percent);
-        assert_eq!(shown, ["0 %", "3e-5 %", "0.031 %", "1.8 %", "26 %"]);
-    }
-
-    #[test]
-    fn heads_are_cut_between_words() {
-        assert_eq!(
-            wrapped("modulus at 10 percent"),
-            ["modulus at", "10 percent"]
-        );
-        assert_eq!(wrapped("strength"), ["strength"]);
     }
 }

@@ -1,42 +1,22 @@
 //! `accuracy.svg`: a panel for each result, error over processor time, both on log axes.
 //!
-//! Written by hand: colours that follow the reader's light or dark scheme are a style sheet inside
-//! the picture, which plotting crates do not write. A line for each knob, with its own colour and
-//! mark; a ring marks the spec's own setting, a dashed line the scatter between specimens; what is
-//! exact, the reference above all, lies on the bottom edge.
+//! A line for each knob, with its own colour and mark; a ring marks the spec's own setting, a dashed
+//! line the scatter between specimens; what is exact, the reference above all, lies on the bottom
+//! edge.
 use std::fmt::Write;
 
 use super::analysis::{KnobStudy, Study};
-use super::words::digits;
+use crate::study::svg::{
+    COLOURS, MARGIN, PANEL, end, escaped, frame, level, mark, middle, picture, text,
+};
+use crate::study::text::{digits, sentence};
 
-const WIDTH: f64 = 960.0;
-const COLUMNS: usize = 2;
-const PANEL: [f64; 2] = [400.0, 230.0];
-const MARGIN: [f64; 2] = [64.0, 60.0];
-const GAP: [f64; 2] = [64.0, 74.0];
 /// Room for the legend at the bottom.
 const LEGEND: f64 = 64.0;
 /// Errors below this [%] are drawn as zero.
 const SMALLEST: f64 = 1e-5;
-/// Radius of a mark.
-const MARK: f64 = 4.5;
 /// Radius of the ring around the spec's own setting.
 const RING: f64 = 9.0;
-/// Colours in the style sheet.
-const COLOURS: usize = 6;
-
-const STYLE: &str = "
-svg { --ink: #1d2630; --muted: #5b6672; --line: #d5dbe1; --paper: #ffffff;
-  --c0: #0b63c5; --c1: #c2410c; --c2: #15803d; --c3: #8b2fc9; --c4: #a16207; --c5: #0e7490;
-  background: var(--paper); font: 13px system-ui, sans-serif; }
-@media (prefers-color-scheme: dark) { svg { --ink: #e6eaee; --muted: #9aa6b2; --line: #38424d; --paper: #12171c;
-  --c0: #6db3ff; --c1: #ff9a66; --c2: #5fd38a; --c3: #cf9bff; --c4: #e5bd4f; --c5: #56cfe1; } }
-text { fill: var(--ink); } .muted { fill: var(--muted); font-size: 11px; } .title { font-weight: 600; }
-.grid { stroke: var(--line); } .frame { fill: none; stroke: var(--muted); }
-.scatter { stroke: var(--ink); stroke-dasharray: 6 4; } .path { fill: none; stroke-width: 1.6; }
-.present { fill: none; stroke: var(--ink); stroke-width: 1.6; } .open { fill-opacity: 0.35; }
-";
-
 /// A log axis from one power of ten to another.
 #[derive(Clone, Copy)]
 struct Axis {
@@ -81,33 +61,19 @@ impl Axis {
 
 /// The picture.
 pub(super) fn plot(study: &Study) -> String {
-    let rows = study.scatter.len().div_ceil(COLUMNS).max(1);
-    let height = MARGIN[1] + rows as f64 * (PANEL[1] + GAP[1]) + LEGEND;
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height}\" \
-         width=\"{WIDTH}\" height=\"{height}\" role=\"img\">\n<title>What exactness costs</title>\n\
-         <style>{STYLE}</style>\n"
+    let heading = format!(
+        "Error against processor time of one test, {} seeds",
+        study.seeds.len()
     );
-    text(
-        &mut svg,
-        MARGIN[0],
-        26.0,
-        "title",
-        &format!(
-            "Error against processor time of one test, {} seeds",
-            study.seeds.len()
-        ),
-    );
-    for (index, name) in study.scatter.keys().enumerate() {
-        let corner = [
-            MARGIN[0] + (index % COLUMNS) as f64 * (PANEL[0] + GAP[0]),
-            MARGIN[1] + (index / COLUMNS) as f64 * (PANEL[1] + GAP[1]),
-        ];
-        panel(&mut svg, study, name, corner);
-    }
-    legend(&mut svg, study, height - LEGEND + 12.0);
-    svg.push_str("</svg>\n");
-    svg
+    let names: Vec<&String> = study.scatter.keys().collect();
+    picture(
+        "What exactness costs",
+        &heading,
+        names.len(),
+        LEGEND,
+        |svg, index, corner| panel(svg, study, names[index], corner),
+        |svg, top| legend(svg, study, top + 12.0),
+    )
 }
 
 fn panel(svg: &mut String, study: &Study, name: &str, [left, top]: [f64; 2]) {
@@ -128,18 +94,14 @@ fn panel(svg: &mut String, study: &Study, name: &str, [left, top]: [f64; 2]) {
         middle(svg, at, bottom + 16.0, &decimal(power, " s"));
     }
     for power in y.from..=y.to {
-        let at = y.place(10_f64.powi(power));
-        let right = left + width;
-        let _ = writeln!(
+        level(
             svg,
-            "<line class=\"grid\" x1=\"{left}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>"
+            left,
+            y.place(10_f64.powi(power)),
+            &decimal(power, " %"),
         );
-        end(svg, left - 6.0, at + 4.0, &decimal(power, " %"));
     }
-    let _ = writeln!(
-        svg,
-        "<rect class=\"frame\" x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\"/>"
-    );
+    frame(svg, [left, top]);
     middle(
         svg,
         left + 0.5 * width,
@@ -229,25 +191,6 @@ fn line(
     );
 }
 
-/// The mark of the knob number `index`: shapes tell knobs apart without colours.
-fn mark(index: usize, [x, y]: [f64; 2], class: &str) -> String {
-    let r = MARK;
-    let points = |points: &[[f64; 2]]| {
-        let points = points
-            .iter()
-            .map(|[dx, dy]| format!("{:.1},{:.1}", x + dx * r, y + dy * r));
-        let points: Vec<String> = points.collect();
-        format!("<polygon{class} points=\"{}\"/>", points.join(" "))
-    };
-    match index % 5 {
-        0 => format!("<circle{class} cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{r}\"/>"),
-        1 => points(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]),
-        2 => points(&[[0.0, -1.3], [1.2, 0.9], [-1.2, 0.9]]),
-        3 => points(&[[0.0, -1.4], [1.4, 0.0], [0.0, 1.4], [-1.4, 0.0]]),
-        _ => points(&[[0.0, 1.3], [1.2, -0.9], [-1.2, -0.9]]),
-    }
-}
-
 fn legend(svg: &mut String, study: &Study, top: f64) {
     let mut left = MARGIN[0];
     for (index, knob) in study.knobs.iter().enumerate() {
@@ -277,41 +220,4 @@ fn decimal(power: i32, unit: &str) -> String {
         _ => format!("1e{power}"),
     };
     number + unit
-}
-
-fn sentence(name: &str) -> String {
-    let words = name.replace('_', " ");
-    let mut letters = words.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
-}
-
-fn text(svg: &mut String, x: f64, y: f64, class: &str, words: &str) {
-    let _ = writeln!(
-        svg,
-        "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>",
-        escaped(words)
-    );
-}
-
-fn middle(svg: &mut String, x: f64, y: f64, words: &str) {
-    let _ = writeln!(
-        svg,
-        "<text class=\"muted\" text-anchor=\"middle\" x=\"{x:.1}\" y=\"{y:.1}\">{words}</text>"
-    );
-}
-
-fn end(svg: &mut String, x: f64, y: f64, words: &str) {
-    let _ = writeln!(
-        svg,
-        "<text class=\"muted\" text-anchor=\"end\" x=\"{x:.1}\" y=\"{y:.1}\">{words}</text>"
-    );
-}
-
-/// Text as XML takes it.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }

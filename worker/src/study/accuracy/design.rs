@@ -1,7 +1,9 @@
 //! Which settings a study runs.
-use indexmap::IndexMap;
 use loadframe_api::study::{Knob, TurnError};
 use loadframe_api::{JobSpec, Violation};
+
+use super::analysis::Study;
+use crate::study::{self, Finished, Settings};
 
 /// A knob to vary, over these values or, where there are none, over its own grid.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,12 +15,10 @@ pub struct Request {
 /// The settings of a study; equal ones are there once.
 #[derive(Clone, Debug)]
 pub struct Design {
-    /// The spec at each setting, by its SHA-256 with the study's first seed.
-    pub(super) settings: IndexMap<String, JobSpec>,
+    settings: Settings,
     pub(super) lines: Vec<Line>,
     /// The setting that is the spec's own.
     pub(super) present: usize,
-    pub(super) seeds: Vec<u64>,
 }
 
 /// One knob over its values.
@@ -62,19 +62,17 @@ impl Design {
     /// # Errors
     /// [`DesignError`] for an unknown knob, or a value that is none or out of range.
     pub fn new(spec: &JobSpec, requests: &[Request], seeds: u32) -> Result<Self, DesignError> {
-        let seeds = (0..u64::from(seeds.max(1))).map(|index| spec.seed().saturating_add(index));
-        let seeds: Vec<u64> = seeds.collect();
-        let base = spec.single(seeds[0]);
+        let settings = Settings::new(spec, seeds, JobSpec::single);
         // the last seed must be one a spec may have
-        let last = spec.single(seeds[seeds.len() - 1]);
-        checked(&last, || "the last seed".to_owned())?;
+        let last = settings.seeds().last().map(|seed| spec.single(*seed));
+        checked(last.as_ref().unwrap_or(spec), || "the last seed".to_owned())?;
+        let base = spec.single(spec.seed());
         let mut design = Self {
-            settings: IndexMap::new(),
+            settings,
             lines: Vec::new(),
             present: 0,
-            seeds,
         };
-        design.present = design.add(base.clone());
+        design.present = design.settings.add(&base);
         let knobs = base.knobs();
         for knob in chosen(&base, &knobs, requests)? {
             let line = design.line(&base, knob)?;
@@ -86,15 +84,6 @@ impl Design {
         Ok(design)
     }
 
-    /// Tests it takes.
-    pub fn tests(&self) -> usize {
-        self.settings.len() * self.seeds.len()
-    }
-
-    fn add(&mut self, spec: JobSpec) -> usize {
-        self.settings.insert_full(spec.sha256(), spec).0
-    }
-
     fn line(&mut self, base: &JobSpec, mut knob: Knob) -> Result<Line, DesignError> {
         let mut finest = base.clone();
         for (name, value) in &knob.reference {
@@ -102,7 +91,7 @@ impl Design {
         }
         let reference = Point {
             label: label(&knob),
-            setting: self.add(checked(&finest, || label(&knob))?),
+            setting: self.settings.add(checked(&finest, || label(&knob))?),
         };
         let present = knob.present.clone();
         knob.grid.push(present);
@@ -110,7 +99,8 @@ impl Design {
         for value in &knob.grid {
             let mut spec = base.clone();
             spec.turn(knob.name, value)?;
-            let setting = self.add(checked(&spec, || format!("{}={value}", knob.name))?);
+            let setting = checked(&spec, || format!("{}={value}", knob.name))?;
+            let setting = self.settings.add(setting);
             let is_new = points.iter().all(|point| point.setting != setting);
             if is_new && setting != reference.setting {
                 let label = value.clone();
@@ -198,9 +188,9 @@ fn label(knob: &Knob) -> String {
     }
 }
 
-fn checked(spec: &JobSpec, setting: impl FnOnce() -> String) -> Result<JobSpec, DesignError> {
+fn checked(spec: &JobSpec, setting: impl FnOnce() -> String) -> Result<&JobSpec, DesignError> {
     match spec.check() {
-        Ok(()) => Ok(spec.clone()),
+        Ok(()) => Ok(spec),
         Err(violations) => Err(DesignError::Invalid {
             setting: setting(),
             violations,
@@ -208,13 +198,22 @@ fn checked(spec: &JobSpec, setting: impl FnOnce() -> String) -> Result<JobSpec, 
     }
 }
 
-impl Design {
-    /// A setting in words, for messages.
-    pub(super) fn words(&self, setting: usize) -> String {
+impl study::Design for Design {
+    type Findings = Study;
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn words(&self, setting: usize) -> String {
         let named = self.lines.iter().find_map(|line| {
             let point = line.points.iter().find(|point| point.setting == setting)?;
             Some(format!("{}={}", line.knob.name, point.label))
         });
         named.unwrap_or_else(|| "the spec's own setting".to_owned())
+    }
+
+    fn findings(&self, finished: &[Vec<Finished>]) -> Study {
+        Study::of(self, finished)
     }
 }

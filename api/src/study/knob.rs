@@ -1,7 +1,7 @@
 //! What a study of accuracy may vary in a spec, kind by kind.
 //!
-//! A kind names its [`Knob`]s beside its spec ([`crate::kinds::Spec::knobs`]) and says how each is
-//! set; what is done with them is the same for all kinds.
+//! A kind names its [`Knob`]s and says how each is set; what is done with them is the same for all
+//! kinds.
 
 /// A setting that trades time for exactness, or asks whether it matters.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -5,7 +5,9 @@ use loadframe_physics::Sample;
 use serde::Serialize;
 
 use super::design::{Design, Line};
-use super::runs_file::Finished;
+use crate::study::Design as _;
+use crate::study::Finished;
+use crate::study::runs_file::{mean_time, unit};
 use crate::{ENGINE_COMMIT, ENGINE_VERSION};
 
 /// Numbers of repeats whose mean is told.
@@ -103,9 +105,9 @@ impl Study {
     /// `finished`: the tests at each setting of the design, in the order of its seeds.
     pub(super) fn of(design: &Design, finished: &[Vec<Finished>]) -> Self {
         let present = &finished[design.present];
-        let names: Vec<&String> = present
-            .first()
-            .map_or_else(Vec::new, |test| test.results.keys().collect());
+        let (sha256, spec) = design.settings().get(design.present);
+        let results = present.iter().take(1).flat_map(|test| test.results.keys());
+        let names: Vec<&String> = results.filter(|name| spec.compares(name)).collect();
         let cpu_s = mean_time(present);
         let scatter: IndexMap<String, Scatter> = names
             .iter()
@@ -124,15 +126,12 @@ impl Study {
                 })
                 .collect(),
         });
-        let base = design.settings.get_index(design.present);
-        let (sha256, spec) =
-            base.unwrap_or_else(|| unreachable!("a design holds the spec's own setting"));
         Self {
             kind: spec.kind(),
-            spec_sha256: sha256.clone(),
+            spec_sha256: sha256.to_owned(),
             engine_version: ENGINE_VERSION.to_owned(),
             engine_commit: ENGINE_COMMIT.to_owned(),
-            seeds: design.seeds.clone(),
+            seeds: design.settings().seeds().to_vec(),
             cpu_s,
             total_cpu_s: finished.iter().flatten().map(|test| test.cpu_s).sum(),
             knobs: design
@@ -144,10 +143,6 @@ impl Study {
             scatter,
         }
     }
-}
-
-fn mean_time(tests: &[Finished]) -> f64 {
-    tests.iter().map(|test| test.cpu_s).sum::<f64>() / tests.len() as f64
 }
 
 fn knob(
@@ -191,21 +186,14 @@ fn knob(
 
 /// A result by seed.
 fn values(tests: &[Finished], name: &str) -> Vec<Option<f64>> {
-    let found = tests.iter().map(|test| test.results.get(name));
-    found
-        .map(|found| found.and_then(|(value, _)| *value))
-        .collect()
+    tests.iter().map(|test| test.value(name)).collect()
 }
 
 fn scatter(tests: &[Finished], name: &str) -> Scatter {
     let known: Vec<f64> = values(tests, name).into_iter().flatten().collect();
     let sample = Sample::of(&known);
-    let units = tests.iter().filter_map(|test| test.results.get(name));
     Scatter {
-        unit: units
-            .map(|(_, unit)| unit.clone())
-            .next()
-            .unwrap_or_default(),
+        unit: unit(tests, name),
         mean: sample.map(|sample| sample.mean),
         relative_deviation: sample
             .and_then(|s| Some(s.deviation? / s.mean.abs()))

@@ -1,0 +1,68 @@
+//! What all studies have in common: options, progress, files, words.
+use std::path::PathBuf;
+
+use clap::Args;
+use loadframe_worker::available_threads;
+use loadframe_worker::study::{Design, Findings, StudyEnd, StudyOptions, run};
+
+use crate::commands::failure::{Code, Failure};
+use crate::commands::progress::ProgressDisplay;
+use crate::commands::signals::stop_switch;
+use crate::commands::terminal::{say, say_json, span};
+
+#[derive(Debug, Args)]
+pub(super) struct Options {
+    /// Folder for tables and plot; an interrupted study goes on there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Tests side by side; all cores if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    threads: Option<u16>,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs a study, writes its files and says what it found.
+pub(super) async fn carry_out<D>(design: D, title: &str, options: Options) -> Result<(), Failure>
+where
+    D: Design + Send + 'static,
+    D::Findings: Send,
+{
+    let switch = stop_switch();
+    let (title, out) = (title.to_owned(), options.out.clone());
+    let threads = options.threads.map_or_else(available_threads, usize::from);
+    let study = tokio::task::spawn_blocking(move || {
+        let mut display = ProgressDisplay::start(&title);
+        let options = StudyOptions {
+            threads,
+            folder: &out,
+            switch: &switch,
+        };
+        let end = run(&design, options, &mut |progress| display.show(&progress));
+        display.end();
+        end
+    });
+    let folder = options.out.display();
+    let end = study.await.map_err(|error| Failure::of(&error))?;
+    let StudyEnd::Finished(study) = end.map_err(|error| Failure::of(&error))? else {
+        let message = format!("stopped; {folder} holds what is done, and the same command goes on");
+        return Err(Failure::new(Code::Interrupted, message));
+    };
+    study
+        .write(&options.out)
+        .map_err(|error| Failure::of(&error))?;
+    if options.json {
+        return say_json(&study);
+    }
+    say(&study.words());
+    let files = match D::Findings::FILES {
+        [others @ .., last] => format!("{} and {last}", others.join(", ")),
+        [] => String::new(),
+    };
+    let cost = span(study.total_cpu_s());
+    say(&format!(
+        "{cost} of processor time. {files} are in {folder}"
+    ));
+    Ok(())
+}
