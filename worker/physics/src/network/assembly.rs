@@ -1,7 +1,10 @@
 //! A network packed for the solvers: which bonds act, and the kernels' view of them.
 //!
 //! Nodes have [`places`](super::places) and bonds slots in [`blocks`](super::blocks); both stay the
-//! same when bonds break, because a bond that is broken or carries no load just does nothing.
+//! same when bonds break, because a bond that is broken or carries no load just does nothing. A
+//! [`part`] of an assembly is an assembly as well.
+mod part;
+
 use std::{ops::Range, sync::OnceLock};
 
 use super::{
@@ -75,12 +78,7 @@ impl Assembly {
             bonds,
             ends,
         } = Blocks::new(&ends);
-        let mut slots = vec![NONE; network.bonds.len()];
-        for (slot, bond) in bonds.iter().enumerate() {
-            if *bond != NONE {
-                slots[*bond as usize] = slot as u32;
-            }
-        }
+        let slots = slots_of(&bonds, network.bonds.len());
         let given = &network.bonds;
         let of_bond = |bond: &u32| (*bond != NONE).then_some(*bond as usize);
         let rest_lengths = bonds.iter().map(|bond| match of_bond(bond) {
@@ -147,6 +145,40 @@ impl Assembly {
         }
     }
 
+    /// Lets a bond act no more.
+    pub(crate) fn release(&mut self, bond: usize) {
+        let acts = &mut self.acts[self.slots[bond] as usize];
+        self.acting -= usize::from(std::mem::take(acts));
+    }
+
+    /// Whether the ends of a bond hang together through free nodes near them. False may also mean
+    /// that they do so by a longer way.
+    pub(crate) fn is_bridged(&self, bond: usize) -> bool {
+        /// Nodes looked at: those a few bonds away.
+        const NEAR: usize = 64;
+        let [first, second] = self.ends[self.slot(bond)];
+        if ![first, second]
+            .iter()
+            .all(|end| self.free().contains(&(*end as usize)))
+        {
+            return false;
+        }
+        let mut met = vec![first];
+        let mut next = 0;
+        while next < met.len() && met.len() < NEAR {
+            for neighbour in self.free_neighbours(met[next] as usize) {
+                if neighbour == second {
+                    return true;
+                }
+                if !met.contains(&neighbour) {
+                    met.push(neighbour);
+                }
+            }
+            next += 1;
+        }
+        false
+    }
+
     /// Whether nothing connects the jaws.
     pub(crate) fn is_empty(&self) -> bool {
         self.acting == 0
@@ -202,6 +234,20 @@ impl Assembly {
             let is_bond = |slot: usize| self.bonds[slot] != NONE;
             Incidence::new(self.places(), &self.ends, is_bond)
         })
+    }
+
+    /// The free places at the other ends of the acting bonds of a free place, one for each bond.
+    pub(crate) fn free_neighbours(&self, place: usize) -> impl Iterator<Item = u32> {
+        let acting = self.incidence().of(place).iter();
+        acting
+            .filter(|slot| self.acts(**slot as usize))
+            .map(move |slot| self.other_end(*slot, place as u32))
+            .filter(|other| self.free().contains(&(*other as usize)))
+    }
+
+    fn other_end(&self, slot: u32, place: u32) -> u32 {
+        let [first, second] = self.ends[slot as usize];
+        if first == place { second } else { first }
     }
 
     /// The cells over the nodes, made when first asked for; `None` when there would be too few.
@@ -324,4 +370,15 @@ impl Assembly {
             energy: rest_length * law.energy(strain),
         }
     }
+}
+
+/// The slot of each of so many bonds, given the bond in each slot.
+fn slots_of(bonds: &[u32], count: usize) -> Vec<u32> {
+    let mut slots = vec![NONE; count];
+    for (slot, bond) in bonds.iter().enumerate() {
+        if *bond != NONE {
+            slots[*bond as usize] = slot as u32;
+        }
+    }
+    slots
 }

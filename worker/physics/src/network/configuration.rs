@@ -222,6 +222,13 @@ impl<T: Real> Configuration<T> {
         }
     }
 
+    /// Adds the free nodes whose resultant exceeds `force` [N] to `nodes`, ascending.
+    pub(crate) fn list_beyond(&self, assembly: &Assembly, force: f64, nodes: &mut Vec<u32>) {
+        let is_beyond = |node: &usize| self.resultants.at(*node).norm_squared() > force * force;
+        let beyond = assembly.free().filter(is_beyond);
+        nodes.extend(beyond.map(|node| node as u32));
+    }
+
     /// Whether every resultant beyond the limit, the one of node `worst` above all, is within the
     /// rounding error of its bonds.
     fn is_within_round_off(&self, assembly: &Assembly, force_limit: f64, worst: usize) -> bool {

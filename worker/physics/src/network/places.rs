@@ -16,7 +16,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 pub(crate) struct Places {
     /// Number in the network of the node at each place, or [`NONE`].
     pub(crate) nodes: Vec<u32>,
-    /// Place of each node.
+    /// Place of each node of the network; empty for a part of it.
     pub(crate) of: Vec<u32>,
     /// From the first to the last free node.
     pub(crate) free: Range<usize>,
@@ -36,9 +36,25 @@ impl Places {
         places.take_held(network, Hold::Bottom);
         places.take_free(network);
         places.take_held(network, Hold::Top);
-        let whole = (places.nodes.len() + LANES).next_multiple_of(LANES);
-        places.nodes.resize(whole, NONE);
+        places.fill_up();
         places
+    }
+
+    /// The places of these `nodes`, the first of them `free`.
+    pub(crate) fn part(nodes: Vec<u32>, free: usize) -> Self {
+        let mut places = Self {
+            nodes,
+            of: Vec::new(),
+            free: 0..free,
+            rows: Vec::new(),
+        };
+        places.fill_up();
+        places
+    }
+
+    fn fill_up(&mut self) {
+        let whole = (self.nodes.len() + LANES).next_multiple_of(LANES);
+        self.nodes.resize(whole, NONE);
     }
 
     fn take(&mut self, node: u32) {

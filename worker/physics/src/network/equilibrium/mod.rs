@@ -5,7 +5,8 @@
 //!
 //! - [`newton_cg`] descends the energy of the whole network (default), its steps found by
 //!   [`conjugate_gradients`] with [`block_jacobi`] for short waves and [`multigrid`] for long ones,
-//!   by way of easier problems where it takes long ([`continuation`]);
+//!   the worst [`neighbourhoods`] first, by way of easier problems where it takes long
+//!   ([`continuation`]);
 //! - [`sequential`] moves node after node into its own balance, the thesis' relaxation;
 //! - [`parallel`] computes all moves before it makes any, the thesis' variant.
 //!
@@ -16,6 +17,7 @@ mod conjugate_gradients;
 mod continuation;
 mod line_search;
 pub(crate) mod multigrid;
+mod neighbourhoods;
 mod newton_cg;
 mod node_step;
 mod parallel;

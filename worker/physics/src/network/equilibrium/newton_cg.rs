@@ -7,13 +7,15 @@
 //! ([NocedalWright2006] chapter 7 truncates there instead; on networks after the force maximum this
 //! gives steps too short to be of use). Steps are capped, and kept only when the
 //! energy falls. Steps are found in single precision, and in double where single leads no further;
-//! energy and forces, which decide, are always double.
+//! energy and forces, which decide, are always double. Before each step the few nodes that are far
+//! worse than the others are balanced by themselves ([`super::neighbourhoods`]).
 use super::{
     Search, Settled,
     block_jacobi::BlockJacobi,
     conjugate_gradients::{Equations, Scratch, Solved, Stop, Waves, newton_step, precondition},
     continuation::descend_by_stages,
     line_search::Line,
+    neighbourhoods::Neighbourhoods,
     work::Meter,
 };
 use crate::{
@@ -29,7 +31,7 @@ use crate::{
 
 /// Residual of a Newton step relative to the force it balances, when still far from equilibrium.
 /// Closer to it the step is solved more exactly, see [`relative_residual`].
-const LOOSEST_RESIDUAL: f64 = 0.2;
+const LOOSEST_RESIDUAL: f64 = 0.3;
 /// The last step need not be solved beyond this part of the force limit.
 const SHARE_OF_LIMIT: f64 = 0.1;
 /// Farthest a node goes at once along a direction that curves downwards, in step caps: a buckle
@@ -74,6 +76,8 @@ struct Iteration<'a, 'b> {
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
     memory: Option<Memory<f32>>,
+    /// The start of the next equilibrium, if it is known already.
+    start: Option<Configuration>,
     spare: Vec<Configuration>,
 }
 
@@ -83,14 +87,22 @@ impl Workspace {
         self.spare.push(settled.configuration);
     }
 
-    /// The energy at `displacements` of every node of the network [N mm].
-    pub(crate) fn energy(&mut self, assembly: &Assembly, displacements: &[Vector]) -> f64 {
-        let configuration = self.configuration(assembly, displacements);
-        let energy = configuration.energy;
-        self.spare.push(configuration);
-        energy
+    /// Whether the first of two guesses of the displacements of every node of the network has less
+    /// energy than the second. The next equilibrium must be searched from the one that has less.
+    pub(crate) fn choose(&mut self, assembly: &Assembly, guesses: [&[Vector]; 2]) -> bool {
+        let [first, second] = guesses.map(|guess| self.configuration(assembly, guess));
+        let is_first = first.energy < second.energy;
+        let (chosen, other) = if is_first {
+            (first, second)
+        } else {
+            (second, first)
+        };
+        self.start = Some(chosen);
+        self.spare.push(other);
+        is_first
     }
 
+    /// The network at `displacements`.
     fn configuration(&mut self, assembly: &Assembly, displacements: &[Vector]) -> Configuration {
         let Some(mut configuration) = self.spare.pop() else {
             let displacements = Field::of(&assembly.pick(displacements), assembly.dimensions());
@@ -112,10 +124,19 @@ pub(super) struct Memory<T> {
     direction: Field<f64>,
     nodes: BlockJacobi<T>,
     scratch: Scratch<T>,
+    /// `None` for a neighbourhood itself.
+    neighbourhoods: Option<Neighbourhoods>,
 }
 
 impl<T: Real> Memory<T> {
     fn new(assembly: &Assembly) -> Self {
+        Self {
+            neighbourhoods: Some(Neighbourhoods::default()),
+            ..Self::of_part(assembly)
+        }
+    }
+
+    pub(super) fn of_part(assembly: &Assembly) -> Self {
         let zeros = Field::zeros(assembly.places(), assembly.dimensions());
         Self {
             force: zeros.clone(),
@@ -123,6 +144,7 @@ impl<T: Real> Memory<T> {
             direction: Field::zeros(assembly.places(), assembly.dimensions()),
             nodes: BlockJacobi::zeros(assembly),
             scratch: Scratch::new(assembly),
+            neighbourhoods: None,
         }
     }
 }
@@ -135,8 +157,8 @@ pub(super) fn solve(
     workspace: &mut Workspace,
     meter: &mut Meter<'_>,
 ) -> Result<Settled, Interrupt> {
-    meter.spend(assembly.bonds())?;
-    let mut here = workspace.configuration(assembly, displacements);
+    let start = workspace.start.take();
+    let mut here = start.unwrap_or_else(|| workspace.configuration(assembly, displacements));
     // every step sets all of it
     let mut there = workspace.spare.pop().unwrap_or_else(|| here.clone());
     let memory = workspace.memory.take();
@@ -160,8 +182,10 @@ pub(super) fn descend(
     single: &mut Memory<f32>,
     meter: &mut Meter<'_>,
 ) -> Result<Residual, Interrupt> {
-    let mut previous_norm = f64::INFINITY;
+    // nothing is known of how residuals fall: the first step is a loose one
+    let mut previous_norm = 0.0;
     let mut iterations = 0;
+    let mut is_fresh = false;
     let mut precision = Precision::Single;
     let mut waves = Waves::new(assembly);
     loop {
@@ -169,6 +193,14 @@ pub(super) fn descend(
         if residual.verdict != Verdict::Unbalanced || iterations == search.iteration_limit {
             return Ok(residual);
         }
+        // after the parts the whole has its turn
+        if let Some(parts) = single.neighbourhoods.as_mut().filter(|_| !is_fresh) {
+            is_fresh = parts.relax(search, assembly, here, &residual, meter)?;
+            if is_fresh {
+                continue;
+            }
+        }
+        is_fresh = false;
         iterations += 1;
         meter.work.newton_iterations += 1;
         let mut iteration = Iteration {
