@@ -79,6 +79,17 @@ fn a_net_without_compression_is_balanced_to_the_last_digit() {
 }
 
 #[test]
+fn a_net_with_hardly_any_compression_is_balanced() {
+    let mut spec = polyester(15, 17, 3);
+    // of the order of the force limit: neither nothing nor enough to brace the net
+    spec.bond.compression_stiffness_n = 1e-5;
+    spec.test.max_strain = 0.02;
+    spec.accuracy = solver(Solver::NewtonCg, 1e3);
+    let (report, _) = run(&spec);
+    assert!(report.quality["unconverged_steps"].ok);
+}
+
+#[test]
 fn relaxations_are_balanced_or_say_that_they_are_not() {
     let is_quick = |name: &str| ["huge steps", "flat", "one layer of short bonds"].contains(&name);
     for method in [Solver::Sequential, Solver::Parallel] {

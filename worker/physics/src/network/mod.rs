@@ -115,11 +115,19 @@ impl Laws {
         }
     }
 
-    /// The largest e [N].
-    pub(crate) fn largest_modulus(&self) -> f64 {
+    /// All of them changed in one way.
+    pub(crate) fn map(&self, mut change: impl FnMut(BondLaw) -> BondLaw) -> Self {
         match self {
-            Self::Same(law) => law.modulus,
-            Self::Each(laws) => laws.iter().fold(0.0, |most, law| law.modulus.max(most)),
+            Self::Same(law) => Self::Same(change(*law)),
+            Self::Each(laws) => Self::Each(laws.iter().map(|law| change(*law)).collect()),
+        }
+    }
+
+    /// The largest of a parameter among them.
+    pub(crate) fn most(&self, parameter: impl Fn(&BondLaw) -> f64) -> f64 {
+        match self {
+            Self::Same(law) => parameter(law),
+            Self::Each(laws) => laws.iter().map(parameter).fold(0.0, f64::max),
         }
     }
 }
