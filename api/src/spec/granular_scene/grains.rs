@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 /// Equal spheres on a lattice inside a shape, whose middle is the body's `position_m`.
 ///
 /// A hexagonal lattice has a sphere in the middle of the shape, a simple cubic one the middle of a
-/// cell: touching members of 3.6 mm fill a ball of 48 mm 135 times.
+/// cell: touching members of 3.6 mm fill a ball of 48 mm 135 times. In a surface of triangles either has
+/// a sphere in the middle of the bounding box.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Filled {

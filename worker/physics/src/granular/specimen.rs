@@ -14,6 +14,7 @@ use rand::seq::SliceRandom as _;
 use super::{
     Vector,
     clump_geometry::mass_properties,
+    facets::{Facets, Pose, search::Search},
     generate::{
         Amount, Region, Sizes, bounding_radius, insert, place_regularly, random_rotation, resolved,
     },
@@ -51,10 +52,11 @@ impl<'a> Specimen<'a> {
                 }
             }
         }
+        let mut walls = Walls::new(spec);
         for (index, generator) in spec.generate.iter().enumerate() {
             let pointer = format!("/generate/{index}");
             let made = Maker::new(spec, generator, index)
-                .and_then(|maker| maker.placed(&bodies))
+                .and_then(|maker| maker.placed(&bodies, &mut walls))
                 .map_err(|error| wrong(pointer, error))?;
             bodies.to_mut().extend(made);
         }
@@ -95,6 +97,29 @@ impl<'a> Specimen<'a> {
 
 fn wrong(pointer: String, error: impl std::fmt::Display) -> SimulationError {
     SimulationError::Unbuildable(format!("{pointer}: {error}"))
+}
+
+/// Facets as they stand at the start.
+struct Walls {
+    facets: Facets,
+    poses: Vec<Pose>,
+    search: Search,
+}
+
+impl Walls {
+    fn new(spec: &GranularScene) -> Self {
+        let facets = Facets::new(spec);
+        Self {
+            poses: vec![Pose::default(); facets.meshes.len()],
+            facets,
+            search: Search::default(),
+        }
+    }
+
+    /// Whether nothing of them reaches into a sphere, which is no larger than those prepared for.
+    fn are_clear(&self, sphere: &Sphere) -> bool {
+        self.search.is_clear(&self.facets, &self.poses, sphere)
+    }
 }
 
 /// A generator at work.
@@ -157,8 +182,8 @@ impl<'a> Maker<'a> {
         })
     }
 
-    /// Bodies in the region, clear of `others`.
-    fn placed(&self, others: &[Body]) -> Result<Vec<Body>, String> {
+    /// Bodies in the region, clear of `others` and of facets.
+    fn placed(&self, others: &[Body], walls: &mut Walls) -> Result<Vec<Body>, String> {
         let random = &mut Streams::new(self.seed, Purpose::GrainPlaces).of(self.stream);
         let rooms: Vec<f64> = self
             .radii
@@ -166,21 +191,29 @@ impl<'a> Maker<'a> {
             .map(|radius| self.reach * radius)
             .collect();
         let obstacles = obstacles(others, &self.region);
+        let largest = rooms.iter().copied().fold(0.0, f64::max);
+        walls.search.prepare(&walls.facets, largest);
         let lattice = match self.generator.arrangement {
             Arrangement::Random => {
-                let centres = insert(&self.region, &rooms, &obstacles, random);
+                let centres = insert(
+                    &self.region,
+                    &rooms,
+                    &obstacles,
+                    |place| walls.are_clear(place),
+                    random,
+                );
                 return Ok(self.bodies(&centres.map_err(|error| error.to_string())?));
             }
             Arrangement::Grid => LatticeArrangement::SimpleCubic,
             Arrangement::Hexagonal => LatticeArrangement::Hexagonal,
         };
-        let largest = rooms.iter().copied().fold(0.0, f64::max);
         let mut centres =
             place_regularly(&self.region, lattice, 2.0 * largest, largest, 0.0, random);
         centres.retain(|centre| {
             obstacles
                 .iter()
                 .all(|obstacle| (obstacle.centre - centre).norm() >= obstacle.radius + largest)
+                && walls.are_clear(&Sphere::new(*centre, largest))
         });
         if centres.len() < rooms.len() {
             return Err(format!(

@@ -117,15 +117,7 @@ impl Engine {
         let (faces, poses) = (&self.state.faces, &self.state.poses);
         let is_clear_of_walls = |place: &Sphere| {
             let [x, y, z]: [f64; 3] = place.centre.into();
-            let mut near = Vec::new();
-            search.near(
-                facets,
-                poses,
-                &Row::new(place.centre, place.radius),
-                0.0,
-                &mut near,
-            );
-            near.is_empty()
+            search.is_clear(facets, poses, place)
                 && faces
                     .iter()
                     .all(|face| face.height(&[x, y, z, 0.0]) >= place.radius)

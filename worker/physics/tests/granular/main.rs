@@ -3,6 +3,7 @@
 mod scene;
 
 mod appendix_a;
+mod beside_facets;
 mod bonds;
 mod breakage;
 mod collisions;

@@ -9,6 +9,7 @@ use super::{Facets, Mesh, Pose};
 use crate::granular::{
     neighbours::grid::{FINEST, Level},
     rows::Row,
+    sphere::Sphere,
 };
 
 /// Reach that the grids are made for, over the one needed now: skins widen and narrow.
@@ -105,5 +106,18 @@ impl Search {
             }
         }
         found.sort_unstable();
+    }
+
+    /// Whether a sphere reaches no facet.
+    pub(in crate::granular) fn is_clear(
+        &self,
+        facets: &Facets,
+        poses: &[Pose],
+        sphere: &Sphere,
+    ) -> bool {
+        let mut near = Vec::new();
+        let sphere = Row::new(sphere.centre, sphere.radius);
+        self.near(facets, poses, &sphere, 0.0, &mut near);
+        near.is_empty()
     }
 }

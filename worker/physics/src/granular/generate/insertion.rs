@@ -36,7 +36,7 @@ pub(crate) enum InsertionError {
 }
 
 /// Centres [m] of spheres of the given radii [m], in their order, none overlapping another or one
-/// of `obstacles` and all inside the region.
+/// of `obstacles` and all inside the region. `is_allowed` may refuse places for other reasons.
 ///
 /// Costs for 20 000 equal spheres 5 ms at a solid fraction of 0.1, 0.2 s at 0.3; a fifth of that for
 /// radii r (0.6..1.4).
@@ -47,6 +47,7 @@ pub(crate) fn insert(
     region: &Region,
     radii: &[f64],
     obstacles: &[Sphere],
+    is_allowed: impl Fn(&Sphere) -> bool,
     random: &mut impl Rng,
 ) -> Result<Vec<Vector3<f64>>, InsertionError> {
     let mut order: Vec<usize> = (0..radii.len()).collect();
@@ -68,7 +69,8 @@ pub(crate) fn insert(
             return Err(InsertionError::TooLarge { radius, size });
         };
         let mut tries = (0..TRIES).map(|_| Sphere::new(room.draw(random), radius));
-        let Some(free) = tries.find(|candidate| occupied.is_free(candidate)) else {
+        let is_free = |place: &Sphere| occupied.is_free(place) && is_allowed(place);
+        let Some(free) = tries.find(is_free) else {
             let fraction = |indices: &[usize]| {
                 let volumes = indices
                     .iter()
@@ -300,7 +302,7 @@ mod tests {
                 Sphere::new(Vector3::new(3.0, -2.0, -4.0), 5.0),
             ];
             let radii: Vec<f64> = (0..count).map(|_| random.random_range(0.02..0.02 + small)).collect();
-            let centres = insert(&region, &radii, &obstacles, &mut random).expect("it fits");
+            let centres = insert(&region, &radii, &obstacles, |_| true, &mut random).expect("it fits");
             let spheres = centres.iter().zip(&radii).map(|(centre, radius)| Sphere::new(*centre, *radius));
             let mut spheres: Vec<Sphere> = spheres.collect();
             spheres.extend(obstacles);
@@ -311,7 +313,7 @@ mod tests {
     #[test]
     fn the_same_generator_gives_the_same_places() {
         let radii = equal(&cube(1.0), 0.05, 0.25);
-        let places = |seed| insert(&cube(1.0), &radii, &[], &mut generator(seed));
+        let places = |seed| insert(&cube(1.0), &radii, &[], |_| true, &mut generator(seed));
         assert_eq!(places(5), places(5));
         assert_ne!(places(5), places(6));
     }
@@ -319,7 +321,8 @@ mod tests {
     #[test]
     fn a_full_region_says_how_far_it_got() {
         let radii = equal(&cube(1.0), 0.05, 0.5);
-        let error = insert(&cube(1.0), &radii, &[], &mut generator(1)).expect_err("too many");
+        let error =
+            insert(&cube(1.0), &radii, &[], |_| true, &mut generator(1)).expect_err("too many");
         let InsertionError::Full {
             placed,
             count,
@@ -344,7 +347,8 @@ mod tests {
 
     #[test]
     fn a_sphere_larger_than_the_region_is_refused() {
-        let error = insert(&cube(1.0), &[0.1, 0.6], &[], &mut generator(1)).expect_err("too large");
+        let error = insert(&cube(1.0), &[0.1, 0.6], &[], |_| true, &mut generator(1))
+            .expect_err("too large");
         assert_eq!(
             error.to_string(),
             "a sphere of radius 0.6 m does not fit into the region, whose bounding box is 1 x 1 x 1 m"
@@ -358,7 +362,7 @@ mod tests {
         let region = cube(1.0);
         let mut radii = equal(&region, 0.1, 0.1);
         radii.extend(vec![0.001; 2000]);
-        let centres = insert(&region, &radii, &[], &mut generator(1)).expect("it fits");
+        let centres = insert(&region, &radii, &[], |_| true, &mut generator(1)).expect("it fits");
         let spheres = centres
             .iter()
             .zip(&radii)
