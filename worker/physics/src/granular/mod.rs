@@ -29,8 +29,8 @@
 //! contacts without memory and particles without spin. Bodies without a degree of freedom have
 //! no contacts among themselves, scenes without clumps or planes have empty lists of them.
 //!
-//! **To add.** A law is a file with an `impl Law`. A shape of wall is a list beside
-//! `WallList`, a stage a variant of the spec's `Stage` and its arm in [`run`].
+//! **To add.** A law is a file with an `impl Law` and an `impl Lanewise`, and a line here. A shape of wall
+//! is a list beside `WallList`, a stage a variant of the spec's `Stage` and its arm in [`run`].
 mod clump_geometry;
 mod contact;
 mod drives;
