@@ -174,6 +174,18 @@ job_kinds! {
         "Spheres and clumps between planes and surfaces of triangles, in contact with friction, moved step by step through the stages you give.",
         ["granular_scene", "granular_scene_clump_drop", "granular_scene_breaking_clump",
             "granular_scene_hopper", "granular_scene_angle_of_repose"];
+    BallastOedometer("ballast_oedometer"): spec::ballast::BallastOedometer,
+        "Ballast oedometer",
+        "Ballast is poured into a cylinder, compacted, and pressed by a plate: stiffness, void ratio, modulus.",
+        ["ballast_oedometer"];
+    BallastBox("ballast_box"): spec::ballast::BallastBox,
+        "Ballast box test",
+        "A sleeper on ballast in a box is loaded again and again: settlement by cycle.",
+        ["ballast_box"];
+    BallastRailbed("ballast_railbed"): spec::ballast::BallastRailbed,
+        "Rail bed",
+        "Half a cross-section of a track with its sleeper, shoulder and soft ground under the load of a wheel.",
+        ["ballast_railbed"];
     Calibrate("calibrate"): spec::calibrate::Calibrate,
         "Calibration",
         "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",

@@ -1,5 +1,6 @@
 //! What users write: one module a kind. Structs with units in their field names, their defaults,
 //! their limits (as JSON Schema, the one source), the cross-checks and the cost.
+pub mod ballast;
 pub mod calibrate;
 pub mod granular_scene;
 pub mod nonwoven_tensile;

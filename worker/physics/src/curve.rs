@@ -17,6 +17,17 @@ pub(crate) fn area(points: &[(f64, f64)]) -> f64 {
     points.windows(2).map(trapezoid).sum()
 }
 
+/// Slope of the straight line that fits the points best, by least squares of the ordinate; `None`
+/// where the points have no spread.
+pub(crate) fn slope(points: &[(f64, f64)]) -> Option<f64> {
+    let count = points.len() as f64;
+    let mean = |part: fn(&(f64, f64)) -> f64| points.iter().map(part).sum::<f64>() / count;
+    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+    let products = points.iter().map(|point| (point.0 - x) * (point.1 - y));
+    let squares: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+    (squares > 0.0).then(|| products.sum::<f64>() / squares)
+}
+
 /// Index of the first point with the largest ordinate.
 pub(crate) fn peak(points: &[(f64, f64)]) -> Option<usize> {
     let indices = 0..points.len();
@@ -49,6 +60,14 @@ mod tests {
         assert_eq!(interpolate(&CURVE, -0.1), None);
         assert_eq!(interpolate(&[], 0.0), None);
         assert_eq!(peak(&[]), None);
+    }
+
+    #[test]
+    fn a_fit_of_a_line_is_that_line() {
+        let line = [0.0, 1.0, 3.0].map(|x| (x, 2.0 - 4.0 * x));
+        assert!(slope(&line).is_some_and(|slope| (slope + 4.0).abs() < 1e-14));
+        assert_eq!(slope(&line[..1]), None);
+        assert_eq!(slope(&[]), None);
     }
 
     #[test]

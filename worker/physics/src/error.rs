@@ -47,6 +47,12 @@ pub enum SimulationError {
         speed_m_per_s: f64,
         largest_step_s: f64,
     },
+    /// A plane is too soft for what presses on it.
+    #[error(
+        "body {body} was pushed through plane {plane:?} in step {step}: the load is more than the \
+         plane can carry; choose a smaller load or a higher Young's modulus"
+    )]
+    PushedThrough { body: u32, plane: String, step: u64 },
     /// The integration makes energy.
     #[error(
         "energy grows by itself, {created_j:e} J until step {step} at {step_ratio} of the critical \

@@ -75,6 +75,9 @@ pub fn simulate(
     match spec {
         JobSpec::NonwovenTensile(spec) => network::nonwoven::plan::run(spec, context, recorder),
         JobSpec::GranularScene(spec) => granular::run(spec, context, recorder),
+        JobSpec::BallastOedometer(spec) => granular::ballast::run(spec, context, recorder),
+        JobSpec::BallastBox(spec) => granular::ballast::run(spec, context, recorder),
+        JobSpec::BallastRailbed(spec) => granular::ballast::run(spec, context, recorder),
         JobSpec::Calibrate(spec) => calibrate::run(spec, context, recorder),
     }
 }

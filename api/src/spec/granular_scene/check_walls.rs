@@ -1,7 +1,7 @@
 //! What the JSON Schema cannot say of walls and of what drives them.
 use std::collections::BTreeSet;
 
-use super::{Body, Drive, FacetMesh, GranularScene};
+use super::{Body, Drive, FacetMesh, GranularScene, Place};
 use crate::{Violation, surface::unit_normal};
 
 /// At most this many triangles of a wall are listed.
@@ -133,28 +133,10 @@ pub(super) fn check_drive(
             violations.extend(check_swing(&format!("{pointer}/force"), swings));
         }
     }
-    // numbers are known up to the first breakable body whose members are still to be found
-    let known = |body: &&Body| body.breakable.is_none() || !body.is_filled();
-    let known = spec.bodies.iter().take_while(known);
-    let count: usize = known.map(Body::numbers).sum();
     let mut bodies = BTreeSet::new();
     for (index, body) in drive.bodies.iter().enumerate() {
         let pointer = format!("{pointer}/bodies/{index}");
-        if body.body as usize >= count {
-            let allowed = match count {
-                0 => "the scene has no bodies".to_owned(),
-                _ => format!("0 … {}", count - 1),
-            };
-            violations.push(
-                Violation::new(
-                    format!("{pointer}/body"),
-                    "no_such_body",
-                    "there is no body of this number",
-                )
-                .value(body.body)
-                .allowed(allowed),
-            );
-        }
+        violations.extend(check_body(spec, format!("{pointer}/body"), body.body));
         if !bodies.insert(body.body) {
             violations.push(driven_twice(format!("{pointer}/body"), "body").value(body.body));
         }
@@ -169,6 +151,49 @@ pub(super) fn check_drive(
             violations.extend(check_swing(&format!("{pointer}/force"), swings));
         }
     }
+}
+
+/// A stage that sets something down.
+pub(super) fn check_place(
+    spec: &GranularScene,
+    place: &Place,
+    pointer: &str,
+    violations: &mut Vec<Violation>,
+) {
+    if place.wall.is_some() == place.body.is_some() {
+        violations.push(
+            Violation::new(pointer, "not_one_of", "a wall or a body is set down")
+                .allowed("exactly one of: wall, body"),
+        );
+    }
+    if let Some(wall) = &place.wall {
+        violations.extend(check_name(spec, format!("{pointer}/wall"), wall));
+    }
+    if let Some(body) = place.body {
+        violations.extend(check_body(spec, format!("{pointer}/body"), body));
+        if place.mass_kg.is_some() {
+            let pointer = format!("{pointer}/mass_kg");
+            let violation = Violation::new(pointer, "not_together", "a body has its own mass");
+            violations.push(violation.value(place.mass_kg).allowed("none with body"));
+        }
+    }
+}
+
+/// That there is a body of this number.
+fn check_body(spec: &GranularScene, pointer: String, number: u32) -> Option<Violation> {
+    // numbers are known up to the first breakable body whose members are still to be found
+    let known = |body: &&Body| body.breakable.is_none() || !body.is_filled();
+    let known = spec.bodies.iter().take_while(known);
+    let count: usize = known.map(Body::numbers).sum();
+    (number as usize >= count).then(|| {
+        let allowed = match count {
+            0 => "the scene has no bodies".to_owned(),
+            _ => format!("0 … {}", count - 1),
+        };
+        Violation::new(pointer, "no_such_body", "there is no body of this number")
+            .value(number)
+            .allowed(allowed)
+    })
 }
 
 fn driven_twice(pointer: String, what: &str) -> Violation {

@@ -167,7 +167,7 @@ fn check_stages(spec: &GranularScene, violations: &mut Vec<Violation>) {
     for (index, stage) in spec.stages.iter().enumerate() {
         let pointer = format!("/stages/{index}/{}", stage.name());
         let duration = stage.duration();
-        let takes_time = !matches!(stage, Stage::Cut(_));
+        let takes_time = !stage.is_instant();
         if takes_time && duration.steps.is_some() == duration.time_s.is_some() {
             violations.push(
                 Violation::new(&pointer, "not_one_duration", "a stage needs one duration")
@@ -185,6 +185,7 @@ fn check_stages(spec: &GranularScene, violations: &mut Vec<Violation>) {
                 violations.extend(check_walls::check_swing(&pointer, swings));
             }
             Stage::Drive(drive) => check_walls::check_drive(spec, drive, &pointer, violations),
+            Stage::Place(place) => check_walls::check_place(spec, place, &pointer, violations),
             _ => {}
         }
     }
@@ -219,8 +220,22 @@ fn check_recorded_bodies(spec: &GranularScene, count: usize, violations: &mut Ve
     }));
 }
 
-/// Bonds know linear springs alone.
+/// Bonds know linear springs alone, and what changes with the modulus is known of those that are
+/// proportional to it.
 fn check_laws(spec: &GranularScene, violations: &mut Vec<Violation>) {
+    if spec.laws.contact == ContactLaw::HertzMindlin {
+        let stages = spec.stages.iter().enumerate();
+        let stiffen = stages.filter(|(_, stage)| matches!(stage, Stage::Stiffen(_)));
+        violations.extend(stiffen.map(|(index, _)| {
+            let pointer = format!("/stages/{index}/stiffen");
+            Violation::new(
+                pointer,
+                "not_together",
+                "the modulus of Hertz's contacts stays",
+            )
+            .allowed("\"linear\" or \"logarithmic\" contacts")
+        }));
+    }
     if !spec.materials.values().any(Material::is_cohesive) {
         return;
     }

@@ -204,10 +204,11 @@ impl GranularScene {
         walls
     }
 
-    /// Bodies that some stage drives.
+    /// Bodies that some stage drives or sets down.
     pub fn driven_bodies(&self) -> Vec<u32> {
         let bodies = self.drives().flat_map(|drive| &drive.bodies);
-        let mut bodies: Vec<u32> = bodies.map(|drive| drive.body).collect();
+        let bodies = bodies.map(|drive| drive.body);
+        let mut bodies: Vec<u32> = bodies.chain(self.placed_bodies()).collect();
         bodies.sort_unstable();
         bodies.dedup();
         bodies

@@ -1,5 +1,5 @@
 //! What a granular scene takes: particle steps over measured speed.
-use super::{Body, GranularScene, TimeStep};
+use super::{Body, Grain, GranularScene, Stage, TimeStep};
 use crate::{Calibration, Estimate};
 
 /// Particle steps in the time of one evaluation of a bond of the calibrating fabric. A step of a
@@ -34,43 +34,56 @@ const SNAPSHOT_MB_PER_PARTICLE: f64 = 120e-6;
 impl GranularScene {
     /// Steps that all stages take together, as far as they are known beforehand.
     pub fn steps(&self) -> f64 {
-        let step = match self.time_step_s {
-            TimeStep::Given(step) => step,
-            TimeStep::Automatic(_) => {
-                let samples = self.samples();
-                let speed = Self::first_speed(&samples);
-                let critical = self.critical_step_of_one_contact(&samples, speed);
-                let of_spheres = critical.map(|critical| critical.step);
-                let steps = of_spheres.into_iter().chain(self.steps_of_clumps(&samples));
-                let fraction = self.accuracy.knobs().critical_step_fraction;
-                let step = fraction * steps.fold(f64::INFINITY, f64::min);
-                if step.is_finite() { step } else { FREE_STEP_S }
-            }
-        };
-        let stages = self.stages.iter().map(|stage| {
+        let mut step = self.expected_step();
+        let mut steps = 0.0;
+        for stage in &self.stages {
             let duration = stage.duration();
             let by_time = duration.time_s.map(|time| (time / step).ceil().max(1.0));
-            duration
-                .steps
-                .map(|steps| steps as f64)
-                .or(by_time)
-                .unwrap_or(0.0)
-        });
-        stages.sum()
+            let given = duration.steps.map(|steps| steps as f64);
+            steps += given.or(by_time).unwrap_or(0.0);
+            if let (Stage::Stiffen(stiffen), TimeStep::Automatic(_)) = (stage, self.time_step_s) {
+                // Δt ∝ 1/√k
+                step /= stiffen.factor.sqrt();
+            }
+        }
+        steps
+    }
+
+    /// About the time step that the scene begins with [s].
+    pub fn expected_step(&self) -> f64 {
+        if let TimeStep::Given(step) = self.time_step_s {
+            return step;
+        }
+        let samples = self.samples();
+        let speed = Self::first_speed(&samples);
+        let critical = self.critical_step_of_one_contact(&samples, speed);
+        let of_spheres = critical.map(|critical| critical.step);
+        let steps = of_spheres.into_iter().chain(self.steps_of_clumps(&samples));
+        let fraction = self.accuracy.knobs().critical_step_fraction;
+        let step = fraction * steps.fold(f64::INFINITY, f64::min);
+        if step.is_finite() { step } else { FREE_STEP_S }
     }
 
     /// About the critical step of each clump's smallest member at a rigid wall [s]: 2/√(k f) with
-    /// k = 2 E r, mass as if members did not overlap, and f = 1/m + arm²/I as of a sphere.
+    /// k = 2 E r, mass as if members did not overlap, and f = 1/m + arm²/I as of a sphere. Of those
+    /// that will be made, the smallest.
     fn steps_of_clumps<'a>(&'a self, bodies: &'a [Body]) -> impl Iterator<Item = f64> + 'a {
-        bodies.iter().filter_map(|body| {
-            let members = &body.clump.as_ref()?.members;
-            let material = self.materials.get(&body.material)?;
-            let cubes = members.iter().map(|member| member.radius_m.powi(3));
-            let volume = cubes.sum::<f64>() * 4.0 / 3.0 * std::f64::consts::PI;
-            let mass = material.density_kg_per_m3 * volume;
-            let radii = members.iter().map(|member| member.radius_m);
-            let stiffness = material.normal_stiffness(radii.fold(f64::INFINITY, f64::min));
-            Some(2.0 / (stiffness * FREEDOM / mass).sqrt())
+        let given = bodies.iter().filter_map(|body| {
+            let clump = body.clump.as_ref()?;
+            Some((clump, &body.material, 1.0))
+        });
+        let made = self.generators().filter_map(|(_, generator)| {
+            let Grain::Clump(template) = &generator.grain else {
+                return None;
+            };
+            Some((template, &generator.material, generator.smallest_scale()))
+        });
+        given.chain(made).filter_map(|(clump, material, scale)| {
+            let material = self.materials.get(material)?;
+            let mass = material.density_kg_per_m3 * clump.expected_volume();
+            let stiffness = material.normal_stiffness(clump.radii()[0]);
+            // k ∝ r, m ∝ r³
+            Some(scale * 2.0 / (stiffness * FREEDOM / mass).sqrt())
         })
     }
 }

@@ -144,6 +144,17 @@ fn yes() -> bool {
 }
 
 impl Volume {
+    /// The same from its lowest place on, this high [m]; a sphere stays as it is.
+    #[must_use]
+    pub fn with_height(mut self, height: f64) -> Self {
+        match &mut self {
+            Self::Box { lower_m, upper_m } => upper_m[2] = lower_m[2] + height,
+            Self::Cylinder { height_m, .. } => *height_m = height,
+            Self::Sphere { .. } => {}
+        }
+        self
+    }
+
     /// Volume [m³].
     pub fn volume(&self) -> f64 {
         match self {
@@ -206,7 +217,7 @@ impl Sizes {
     }
 
     /// Mean volume of a grain [m³].
-    fn mean_volume(&self) -> f64 {
+    pub fn mean_volume(&self) -> f64 {
         let [smallest, largest] = self.range();
         match self {
             Self::Uniform { .. } if largest > smallest => {
@@ -243,6 +254,26 @@ impl Grain {
 }
 
 impl Generate {
+    /// Spheres of a material, not yet any, nor anywhere.
+    pub fn of(material: &str) -> Self {
+        Self {
+            name: None,
+            grain: Grain::Sphere,
+            sizes: None,
+            material: material.to_owned(),
+            region: Volume::Sphere {
+                centre_m: [0.0; 3],
+                radius_m: 1.0,
+            },
+            count: None,
+            mass_kg: None,
+            porosity: None,
+            arrangement: Arrangement::Random,
+            turned: true,
+            velocity_m_per_s: [0.0; 3],
+        }
+    }
+
     /// Mean solid volume of a grain [m³]; overlaps of a template count twice here.
     fn mean_volume(&self) -> f64 {
         match (&self.sizes, self.grain.template()) {
@@ -275,6 +306,19 @@ impl Generate {
         self.expected_grains(density) as u64 * members
     }
 
+    /// Smallest and largest grain over its template.
+    fn scales(&self, template: &Clump) -> [f64; 2] {
+        let own = (template.expected_volume() / ball(1.0)).cbrt();
+        let sizes = self.sizes.as_ref();
+        sizes.map_or([1.0; 2], |sizes| sizes.range().map(|radius| radius / own))
+    }
+
+    /// Smallest grain over its template; 1 for spheres.
+    pub(super) fn smallest_scale(&self) -> f64 {
+        let template = self.grain.template();
+        template.map_or(1.0, |template| self.scales(template)[0])
+    }
+
     /// The smallest and the largest sphere that can be a body of its own, for questions of
     /// stability; none for rigid clumps.
     pub(super) fn extremes(&self) -> Vec<Body> {
@@ -283,10 +327,7 @@ impl Generate {
             Grain::Clump(_) => None,
             Grain::Breakable(template) => {
                 let [smallest, largest] = template.radii();
-                let scales = self.sizes.as_ref().map_or([1.0; 2], |sizes| {
-                    let own = (template.expected_volume() / ball(1.0)).cbrt();
-                    sizes.range().map(|radius| radius / own)
-                });
+                let scales = self.scales(template);
                 Some([smallest * scales[0], largest * scales[1]])
             }
         };
@@ -310,7 +351,7 @@ impl Clump {
     }
 
     /// Volume of the members [m³], overlaps counted twice.
-    fn expected_volume(&self) -> f64 {
+    pub fn expected_volume(&self) -> f64 {
         let filled = self.filled.as_ref().map_or(0.0, |filled| {
             filled.expected_members() as f64 * ball(filled.member_radius_m)
         });
@@ -323,7 +364,7 @@ impl Clump {
     }
 
     /// Smallest and largest radius of a member [m].
-    fn radii(&self) -> [f64; 2] {
+    pub(super) fn radii(&self) -> [f64; 2] {
         let filled = self.filled.iter().map(|filled| filled.member_radius_m);
         let radii = filled.chain(self.members.iter().map(|member| member.radius_m));
         radii.fold([f64::INFINITY, 0.0], |[low, high], radius| {

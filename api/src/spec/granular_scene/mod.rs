@@ -27,12 +27,14 @@ mod import;
 mod insert;
 mod laws;
 mod overlaps;
+mod place;
 mod rate;
 mod record;
 mod region;
 mod relax;
 mod stability;
 mod stages;
+mod stiffen;
 mod study;
 mod supply_checks;
 mod vibrate;
@@ -56,11 +58,13 @@ pub use laws::{
     Accuracy, AutomaticTimeStep, BondRestLength, ContactLaw, Convention, Knobs, Laws, Material,
     Preset, TimeStep,
 };
+pub use place::Place;
 pub use record::Record;
 pub use region::Region;
 pub use relax::Relax;
 pub use stability::{CriticalStep, series_stiffness, step_with_dashpot};
 pub use stages::{LoadPlane, MovePlane, Run, Settle, Stage};
+pub use stiffen::Stiffen;
 pub use vibrate::Vibrate;
 
 /// A scene of bodies in contact.
@@ -106,6 +110,10 @@ pub struct GranularScene {
     /// Lets a given time step be larger than the stable one.
     #[serde(default)]
     pub allow_unstable: bool,
+    /// Ends the run with an error when a body's centre gets behind a plane: the plane is too soft for
+    /// what presses on it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub stop_when_pushed_through: bool,
     #[serde(default)]
     pub accuracy: Accuracy,
     /// What is done, in this order.

@@ -17,6 +17,9 @@ pub struct Record {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(length(max = 10_000_000))]
     pub bodies: Option<Vec<u32>>,
+    /// A row of `curve.csv` at the end of every stage too.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub stage_ends: bool,
     /// Planes whose force and displacement go to `curve.csv`.
     #[schemars(length(max = 1000))]
     pub planes: Vec<String>,
@@ -44,6 +47,7 @@ impl Default for Record {
         Self {
             every_steps: 100,
             bodies: None,
+            stage_ends: false,
             planes: Vec::new(),
             walls: Vec::new(),
             regions: Vec::new(),

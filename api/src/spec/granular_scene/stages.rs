@@ -3,7 +3,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Cut, Insert, Relax, Vibrate,
+    Cut, Insert, Place, Relax, Stiffen, Vibrate,
     drive::{Drive, swing},
 };
 
@@ -29,6 +29,10 @@ pub enum Stage {
     Insert(Box<Insert>),
     /// Takes bodies out.
     Cut(Cut),
+    /// Sets a wall down where it touches the bodies.
+    Place(Place),
+    /// Makes every material stiffer or softer while the bodies move.
+    Stiffen(Stiffen),
 }
 
 /// A plane under a force, for `steps` or for `time_s`, exactly one of the two. It starts at rest and
@@ -151,7 +155,11 @@ impl Stage {
                 steps: stage.steps,
                 time_s: stage.time_s,
             },
-            Self::Cut(_) => Run {
+            Self::Stiffen(stage) => Run {
+                steps: Some(stage.steps),
+                time_s: None,
+            },
+            Self::Cut(_) | Self::Place(_) => Run {
                 steps: None,
                 time_s: None,
             },
@@ -167,8 +175,15 @@ impl Stage {
             | Self::Relax(_)
             | Self::Vibrate(_)
             | Self::Insert(_)
-            | Self::Cut(_) => false,
+            | Self::Cut(_)
+            | Self::Place(_)
+            | Self::Stiffen(_) => false,
         }
+    }
+
+    /// Whether it is done between two steps.
+    pub fn is_instant(&self) -> bool {
+        matches!(self, Self::Cut(_) | Self::Place(_))
     }
 
     /// Whether it is meant to be so slow that bodies are close to rest all the time.
@@ -191,6 +206,8 @@ impl Stage {
             Self::Vibrate(_) => "vibrate",
             Self::Insert(_) => "insert",
             Self::Cut(_) => "cut",
+            Self::Place(_) => "place",
+            Self::Stiffen(_) => "stiffen",
         }
     }
 }

@@ -29,6 +29,7 @@ impl Runner<'_> {
             pose.turn([0.0; 3], [0.0; 3]);
         }
         self.engine.loads.clear();
+        self.rest_walls();
         self.hold_bodies(stage);
         match stage {
             Stage::MovePlane(MovePlane {
@@ -89,7 +90,8 @@ impl Runner<'_> {
             Stage::Drive(drive) => &drive.bodies,
             _ => &[],
         };
-        for driven in self.engine.model.driven.clone() {
+        for mut driven in self.engine.model.driven.clone() {
+            self.free_placed(&mut driven);
             let drive = drives.iter().find(|drive| drive.body == driven.body);
             let velocity = drive.and_then(|drive| drive.velocity.as_ref());
             let held = velocity.map_or([false; 3], |held| are_among(&held.along));
@@ -172,7 +174,7 @@ impl Engine {
         self.state.faces.len() + self.state.poses.len()
     }
 
-    fn wall_motion(&mut self, wall: usize) -> &mut WallMotion {
+    pub(super) fn wall_motion(&mut self, wall: usize) -> &mut WallMotion {
         let planes = self.state.faces.len();
         match self.state.faces.get_mut(wall) {
             Some(face) => &mut face.motion,

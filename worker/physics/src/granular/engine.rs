@@ -58,6 +58,8 @@ pub(super) struct State {
     pub(super) speed_bound: f64,
     /// What tan φ is multiplied with.
     friction_factor: f64,
+    /// What every modulus is multiplied with.
+    pub(super) stiffness_factor: f64,
 }
 
 /// A scene in motion.
@@ -97,6 +99,7 @@ impl Engine {
             faces,
             poses: vec![Pose::default(); model.facets.meshes.len()],
             friction_factor: 1.0,
+            stiffness_factor: 1.0,
             ..State::default()
         };
         let mut engine = Self {
@@ -120,6 +123,7 @@ impl Engine {
 
     /// Goes on from `state`, with the lists of its patches.
     pub(super) fn resume(&mut self, state: State, contact_lists: Vec<Box<dyn Lists>>) {
+        self.model.stiffen(state.stiffness_factor);
         self.state = state;
         self.contact_lists = contact_lists;
         self.halos = vec![Halo::default(); self.state.patches.len()];

@@ -73,6 +73,18 @@ impl Engine {
         (low, high)
     }
 
+    /// A movable body whose centre is behind a plane, and the plane.
+    pub(super) fn first_behind_plane(&self) -> Option<(u32, usize)> {
+        let particles = &self.state.particles;
+        let spheres = particles.centres.iter().zip(&particles.owners);
+        let faces = || self.state.faces.iter().enumerate();
+        let mut behind = spheres.filter_map(|(centre, body)| {
+            let (plane, _) = faces().find(|(_, face)| face.height(&centre.0) < 0.0)?;
+            self.model.is_movable[*body as usize].then_some((*body, plane))
+        });
+        behind.next()
+    }
+
     /// Movable bodies behind a plane, or farther from the box of the scene than its diagonal.
     pub(super) fn escaped_bodies(&self) -> Vec<u32> {
         let particles = &self.state.particles;

@@ -15,7 +15,8 @@
 //! between the phases ([`observe`], [`measure`], [`time_step`], [`inspect`], [`fragments`]) and keeps
 //! it in the [`journal`], from which [`tables`], [`snapshot`] and [`report`] make files and results.
 //! Between steps a stage may put bodies in ([`supply`]) or take them out ([`removal`]): arrays and
-//! lists are made anew, bodies keep their numbers.
+//! lists are made anew, bodies keep their numbers. It may set walls down ([`placing`]) and change
+//! the moduli ([`stiffening`]).
 //!
 //! **Numbers.** Contacts are worked through in vectors of 8, 4 or 1 ([`lanes`], [`rows`]), each
 //! lane a contact, with nothing fused: every machine gives the same bits. Forces on a particle are
@@ -30,7 +31,9 @@
 //! no contacts among themselves, scenes without clumps or planes have empty lists of them.
 //!
 //! **To add.** A law is a file with an `impl Law` and an `impl Lanewise`, and a line here. A shape of wall
-//! is a list beside `WallList`, a stage a variant of the spec's `Stage` and its arm in [`run`].
+//! is a list beside `WallList`, a stage a variant of the spec's `Stage` and its arm in [`run`]. A test
+//! in its own terms is a script of stages and a reader of their curve, as in [`ballast`].
+pub(crate) mod ballast;
 mod clump_geometry;
 mod contact;
 mod drives;
@@ -50,6 +53,7 @@ mod neighbours;
 mod observe;
 mod particles;
 mod patch;
+mod placing;
 mod removal;
 mod report;
 mod rows;
@@ -61,6 +65,7 @@ mod solid_share;
 mod specimen;
 mod sphere;
 mod stages;
+mod stiffening;
 mod supply;
 mod tables;
 mod time_step;

@@ -12,6 +12,7 @@ use super::{
     },
     engine::Engine,
     journal::Reading,
+    motion::clump::Clump,
     time_step::Critical,
 };
 
@@ -290,7 +291,9 @@ impl Engine {
                 }
                 if self.model.sphere_inertias[place] > 0.0 {
                     let weight = self.model.masses[place] * self.gravity;
-                    sum += (force.vector() + weight).norm();
+                    let fixed = self.state.particles.fixed[particle];
+                    let is_fixed = |axis: usize| fixed >> axis & 1 == 1;
+                    sum += free_part(force.vector() + weight, is_fixed).norm();
                     count += 1.0;
                 } else {
                     *resultants.entry(body).or_default() += force.vector();
@@ -303,13 +306,26 @@ impl Engine {
                 *force += load.force;
             }
         }
-        for (body, force) in &resultants {
-            let weight = self.model.masses[*body as usize] * self.gravity;
-            sum += (force + weight).norm();
-            count += 1.0;
+        let mut clumps: Vec<&Clump> = self.state.clumps.iter().collect();
+        // summed in the order of numbers
+        clumps.sort_unstable_by_key(|clump| clump.body);
+        for clump in clumps {
+            if let Some(force) = resultants.get(&clump.body) {
+                let weight = self.model.masses[clump.body as usize] * self.gravity;
+                sum += free_part(force + weight, |axis| clump.fixed[axis]).norm();
+                count += 1.0;
+            }
         }
         (count > 0.0).then(|| sum / count / mean)
     }
+}
+
+/// What of a force moves a body.
+fn free_part(mut force: Vector, is_fixed: impl Fn(usize) -> bool) -> Vector {
+    for axis in (0..3).filter(|axis| is_fixed(*axis)) {
+        force[axis] = 0.0;
+    }
+    force
 }
 
 /// Sorts contacts by their bodies.

@@ -2,6 +2,8 @@
 //!
 //! What is left keeps its numbers and the memory of its contacts. The energy of what goes, that of
 //! its contacts included, goes out of the balance with it.
+use std::collections::BTreeSet;
+
 use loadframe_api::spec::granular_scene::Cut;
 
 use super::{
@@ -36,6 +38,19 @@ impl Engine {
         spheres.chain(clumps.map(|clump| (clump.body, clump.mass, clump.centre)))
     }
 
+    /// Bodies that do not move along an axis now.
+    fn held_along(&self, axis: usize) -> BTreeSet<u32> {
+        let particles = &self.state.particles;
+        let spheres = particles.owners.iter().zip(&particles.fixed);
+        let spheres = spheres.filter(|(owner, fixed)| {
+            let is_sphere = self.model.sphere_inertias[**owner as usize] > 0.0;
+            is_sphere && **fixed >> axis & 1 == 1
+        });
+        let clumps = self.state.clumps.iter().filter(|clump| clump.fixed[axis]);
+        let clumps = clumps.map(|clump| clump.body);
+        spheres.map(|(owner, _)| *owner).chain(clumps).collect()
+    }
+
     /// For each number, whether the cut takes the body: by the centre of mass of what bonds hold
     /// together.
     fn taken(&self, cut: &Cut) -> Vec<bool> {
@@ -49,9 +64,11 @@ impl Engine {
             moments[fragment] += mass * centre;
         }
         let mut taken = vec![false; count];
+        let held = self.held_along(cut.axis.index());
         for (body, ..) in self.present_bodies() {
             let fragment = fragments.of_body(body) as usize;
-            taken[body as usize] = cut.takes(&(moments[fragment] / masses[fragment]).into());
+            taken[body as usize] =
+                !held.contains(&body) && cut.takes(&(moments[fragment] / masses[fragment]).into());
         }
         taken
     }

@@ -114,6 +114,9 @@ pub(super) fn run(
         if let Stage::Cut(cut) = stage {
             runner.cut(cut, recorder)?;
         }
+        if let Stage::Place(place) = stage {
+            runner.place(place, recorder)?;
+        }
         while !runner.is_stage_done(stage) {
             work += runner.engine.state.particles.len() as u64 + 100;
             if work > WORK_PER_INTERRUPT_LOOK {
@@ -133,6 +136,7 @@ pub(super) fn run(
             }
             runner.drive(stage);
             runner.shake(stage);
+            runner.stiffen(stage);
             runner.supply(stage, recorder);
             runner.step(recorder)?;
         }
@@ -141,6 +145,7 @@ pub(super) fn run(
             runner.journal.unsettled_stages.push(runner.journal.stage);
         }
         runner.end_supply(stage);
+        runner.end_stiffening(stage);
         runner.journal.is_settled = false;
         runner.journal.stage += 1;
         runner.journal.stage_steps = 0;
@@ -267,9 +272,9 @@ impl<'a> Runner<'a> {
         let next = self.engine.state.step + 1;
         let every = self.spec.record.every_steps;
         let is_last = self.is_last_step();
-        let is_breakable = !self.engine.model.grains.is_empty();
+        let records_ends = !self.engine.model.grains.is_empty() || self.spec.record.stage_ends;
         let is_recorded =
-            next.is_multiple_of(every) || is_last || (is_breakable && self.ends_stage());
+            next.is_multiple_of(every) || is_last || (records_ends && self.ends_stage());
         let is_pictured = match self.spec.record.snapshot_every_steps {
             0 => false,
             every => next.is_multiple_of(every) || is_last,
@@ -291,7 +296,7 @@ impl<'a> Runner<'a> {
             let critical = look.critical;
             self.judge(&contacts, look)?;
             let is_last =
-                is_last || (self.journal.is_settled && (self.is_last_stage() || is_breakable));
+                is_last || (self.journal.is_settled && (self.is_last_stage() || records_ends));
             if is_last && !(is_recorded || is_pictured) {
                 put_in_order(&mut contacts);
             }
@@ -336,6 +341,15 @@ impl<'a> Runner<'a> {
             journal.balance.pause();
             return Ok(());
         }
+        if self.spec.stop_when_pushed_through
+            && let Some((body, plane)) = self.engine.first_behind_plane()
+        {
+            return Err(SimulationError::PushedThrough {
+                body,
+                plane: self.engine.model.planes[plane].name.clone(),
+                step: self.engine.state.step,
+            });
+        }
         journal.worst.overlap_ratio = journal.worst.overlap_ratio.max(largest);
         if stage.is_some_and(Stage::is_quasi_static) {
             let scene = self.engine.cuboid([None; 2]);
@@ -345,8 +359,8 @@ impl<'a> Runner<'a> {
         if self.engine.model.has_driven_bodies {
             return Ok(());
         }
-        if let Some(Stage::Vibrate(_)) = stage {
-            // shaking gives energy that is not measured
+        if let Some(Stage::Vibrate(_) | Stage::Stiffen(_)) = stage {
+            // shaking and stiffening give energy that is not measured
             journal.balance.pause();
             return Ok(());
         }

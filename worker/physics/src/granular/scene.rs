@@ -25,6 +25,8 @@ use super::{
 pub(super) struct Model {
     /// By number of material, in the order of names.
     pub(super) surfaces: Vec<Surface>,
+    /// The same as the spec has them.
+    first_surfaces: Vec<Surface>,
     /// Whether anything has friction or cohesion.
     pub(super) is_rough: bool,
     /// Whether contacts have dashpots.
@@ -97,8 +99,10 @@ impl Model {
         });
         let rough =
             |material: &Material| material.friction_angle_rad > 0.0 || material.is_cohesive();
+        let surfaces: Vec<Surface> = spec.materials.values().map(Surface::new).collect();
         Self {
-            surfaces: spec.materials.values().map(Surface::new).collect(),
+            surfaces: surfaces.clone(),
+            first_surfaces: surfaces,
             is_rough: spec.materials.values().any(rough),
             is_viscous: spec.is_viscous(),
             bonds_rest_as_made: spec.laws.bond_rest_length == BondRestLength::Initial,
@@ -121,6 +125,12 @@ impl Model {
             spins: Vec::new(),
             grains: Vec::new(),
         }
+    }
+
+    /// Makes every modulus `factor` times that of the spec.
+    pub(super) fn stiffen(&mut self, factor: f64) {
+        let surfaces = self.first_surfaces.iter();
+        self.surfaces = surfaces.map(|surface| surface.stiffened(factor)).collect();
     }
 
     /// Of a body at a dashpot [1/kg]: 0 for one that cannot move, and where there are none.

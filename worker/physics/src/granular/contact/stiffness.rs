@@ -56,6 +56,14 @@ impl Surface {
         }
     }
 
+    /// The same with `factor` times the modulus.
+    pub(in crate::granular) fn stiffened(&self, factor: f64) -> Self {
+        Self {
+            youngs_modulus: factor * self.youngs_modulus,
+            ..*self
+        }
+    }
+
     /// k_N of two spheres of this material with radius r [m].
     pub(in crate::granular) fn half_stiffness(&self, radius: f64) -> f64 {
         self.youngs_modulus * radius

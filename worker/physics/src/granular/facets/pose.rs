@@ -1,5 +1,5 @@
 //! Where a mesh is and how it moves.
-use loadframe_api::surface::{Point, along, cross, length, minus};
+use loadframe_api::surface::{Point, along, bounds, cross, length, minus};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
@@ -73,6 +73,26 @@ impl Pose {
         let (middle, radius) = mesh.ball;
         let arm = length(&minus(&self.to_global(&middle), &self.pivot)) + radius;
         straight + length(&self.spin) * arm
+    }
+
+    /// Corners of the upright box around the mesh where it is [m].
+    pub(in crate::granular) fn bounds(&self, mesh: &Mesh) -> [Point; 2] {
+        let [lower, upper] = mesh.bounds;
+        let corners = (0..8).map(|corner| {
+            let local = std::array::from_fn(|axis| match corner >> axis & 1 {
+                0 => lower[axis],
+                _ => upper[axis],
+            });
+            self.to_global(&local)
+        });
+        let corners: Vec<Point> = corners.collect();
+        bounds(&corners)
+    }
+
+    /// Moves along an axis [m] at once.
+    pub(in crate::granular) fn shift(&mut self, axis: usize, way: f64) {
+        self.origin[axis] += way;
+        self.motion.displacement[axis] += way;
     }
 
     /// Moves on by a step [s].

@@ -27,10 +27,15 @@ impl Runner<'_> {
         if step.is_finite() { step } else { FREE_STEP }
     }
 
+    /// Whether the step follows the stiffness of the contacts.
+    pub(in crate::granular) fn has_automatic_step(&self) -> bool {
+        self.automatic.is_some()
+    }
+
     /// Critical step of contacts that may come before the next look [s], at this speed [m/s].
     pub(super) fn foreseen_at(&self, speed: f64) -> f64 {
         if self.spec.laws.contact != ContactLaw::HertzMindlin {
-            return self.foreseen;
+            return self.foreseen / self.engine.state.stiffness_factor.sqrt();
         }
         let wall = self.engine.fastest_plane().max(self.engine.fastest_mesh());
         let shaking = match self.spec.stages.get(self.journal.stage) {

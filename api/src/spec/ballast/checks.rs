@@ -1,0 +1,94 @@
+//! What the JSON Schema cannot say of a test.
+use super::{super::granular_scene::Clump, Apparatus, Ballast};
+use crate::{Violation, kinds::Spec as _};
+
+/// The largest grain over the narrowest width that it is poured into, at most: wider ones jam.
+const LARGEST_GRAIN: f64 = 0.65;
+
+pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
+    spec.apparatus.check(violations);
+    check_load(spec, violations);
+    check_clump(spec, violations);
+    if !violations.is_empty() {
+        return;
+    }
+    check_sizes(spec, violations);
+    let mut of_scene = Vec::new();
+    spec.script().scene.check(&mut of_scene);
+    violations.extend(of_scene.into_iter().map(|mut violation| {
+        violation.pointer = pointer_in_test(&violation.pointer);
+        violation
+    }));
+}
+
+fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
+    let test = &spec.test;
+    if test.peak_force_n <= test.smallest_force_n {
+        let detail = "the load does not swing";
+        violations.push(
+            Violation::new("/test/peak_force_n", "out_of_order", detail)
+                .value(test.peak_force_n)
+                .allowed(format!("> {}", test.smallest_force_n))
+                .unit("N"),
+        );
+    }
+}
+
+fn check_clump<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
+    let is_one = |clump: &Clump| clump.filled.is_none() && clump.members.len() == 1;
+    if spec.grains.shape.template().is_some_and(is_one) {
+        let detail = "a clump of one is a sphere";
+        violations.push(
+            Violation::new("/grains/shape", "clump_of_one", detail)
+                .value(1)
+                .allowed("at least 2 members, or \"sphere\""),
+        );
+    }
+}
+
+fn check_sizes<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
+    let [low, high] = spec.apparatus.footprint();
+    let widths = [high[0] - low[0], high[1] - low[1]];
+    let narrowest = widths
+        .into_iter()
+        .fold(spec.apparatus.bed_height(), f64::min);
+    let largest = spec.grains.largest_diameter();
+    let allowed = LARGEST_GRAIN * narrowest;
+    if largest > allowed {
+        let detail = format!(
+            "the largest grain, {largest:.4} m, does not fit: the bed is {narrowest:.4} m wide or \
+             high where it is loaded"
+        );
+        let field = if spec.grains.sizes.is_some() {
+            "/grains/sizes"
+        } else {
+            "/grains/shape"
+        };
+        violations.push(
+            Violation::new(field, "does_not_fit", detail)
+                .value(largest)
+                .allowed(format!("≤ {allowed:.4}"))
+                .unit("m"),
+        );
+    }
+}
+
+/// Where in a test the cause is of what a scene complains about.
+fn pointer_in_test(pointer: &str) -> String {
+    let known = [
+        ("/generate/0/grain/", "/grains/shape/"),
+        ("/generate/0/grain", "/grains/shape"),
+        ("/generate/0/sizes", "/grains/sizes"),
+        ("/generate/0/material", "/materials/aggregate"),
+        ("/generate/0", "/grains"),
+    ];
+    for (scene, test) in known {
+        if let Some(rest) = pointer.strip_prefix(scene) {
+            return format!("{test}{rest}");
+        }
+    }
+    if pointer.starts_with("/materials/") || pointer.starts_with("/laws/") {
+        return pointer.to_owned();
+    }
+    "/apparatus".to_owned()
+}

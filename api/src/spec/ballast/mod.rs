@@ -1,0 +1,146 @@
+//! Specs of tests of railway ballast: the oedometer, the box test, the rail bed.
+//!
+//! The three have one form, [`Ballast`]: grains, materials, an apparatus with its dimensions, how the
+//! bed is prepared, what is done to it. Apparatus differ in what they bring: [`Oedometer`],
+//! [`BoxTest`], [`Railbed`]. A spec becomes a [`GranularScene`](super::granular_scene::GranularScene) with stages
+//! ([`Ballast::script`]), so that everything a scene can do is done by the same engine; the
+//! [`Script`] says which stage is what, and where the readings of the test are.
+//!
+//! SI units, angles in radians; z is up. Dimensions, materials and loads that are left out are those
+//! of the source, [Dubina2014] tables 4.1, 5.1 and 6.1, after the experiments of [Lim2004].
+mod accuracy;
+mod apparatus;
+mod box_test;
+mod checks;
+mod estimate;
+mod grains;
+mod loading;
+mod materials;
+mod oedometer;
+mod output;
+mod preparation;
+mod railbed;
+mod script;
+mod shapes;
+mod study;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use super::granular_scene::ContactLaw;
+use crate::{Calibration, Estimate, Violation, study::Knob};
+
+pub use accuracy::{Accuracy, Knobs, Preset};
+pub use apparatus::Apparatus;
+pub use box_test::{BoxTest, Sleeper};
+pub use grains::Grains;
+pub use loading::Loading;
+pub use materials::Materials;
+pub use oedometer::Oedometer;
+pub use output::Output;
+pub use preparation::{Compaction, Preparation};
+pub use railbed::Railbed;
+pub use script::{BED, Layer, Phase, Script, Slice};
+
+/// The oedometer: a cylinder, pressed by a plate.
+pub type BallastOedometer = Ballast<Oedometer>;
+/// The box test: a box on rubber, pressed by a sleeper.
+pub type BallastBox = Ballast<BoxTest>;
+/// The rail bed: half a cross-section of a track, pressed by its sleeper.
+pub type BallastRailbed = Ballast<Railbed>;
+
+/// A test of railway ballast. z is up, SI units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    deny_unknown_fields,
+    bound(deserialize = "A: Apparatus + DeserializeOwned")
+)]
+#[schemars(bound = "A: Apparatus + JsonSchema")]
+pub struct Ballast<A> {
+    /// Version of this spec's format.
+    #[schemars(range(min = 1, max = 1))]
+    pub version: u32,
+    /// Seed of every random stream: sizes, places and rotations of grains.
+    #[serde(default = "one")]
+    #[schemars(range(max = 9_007_199_254_740_991_u64))]
+    pub seed: u64,
+    #[serde(default)]
+    pub grains: Grains,
+    pub materials: Materials,
+    #[serde(default)]
+    pub apparatus: A,
+    #[serde(default)]
+    pub preparation: Preparation,
+    #[serde(default = "A::loading")]
+    pub test: Loading,
+    #[serde(default)]
+    pub laws: Laws,
+    #[serde(default)]
+    pub accuracy: Accuracy,
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// The laws of contact and damping.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Laws {
+    /// `linear`, or `logarithmic` for pressures at which grains would pass through each other.
+    pub contact: ContactLaw,
+    /// λ_D of Cundall's local damping.
+    #[schemars(range(min = 0.0, max = 0.99), extend("x-unit" = "1"))]
+    pub local_damping: f64,
+}
+
+impl Default for Laws {
+    fn default() -> Self {
+        Self {
+            contact: ContactLaw::Linear,
+            local_damping: 0.3,
+        }
+    }
+}
+
+impl<A> crate::kinds::Spec for Ballast<A>
+where
+    A: Apparatus + Serialize + DeserializeOwned + JsonSchema,
+{
+    fn check(&self, violations: &mut Vec<Violation>) {
+        checks::check(self, violations);
+    }
+
+    fn normalise(&mut self) {
+        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+        self.materials = self.resolved_materials();
+        self.grains.sizes = self.grains.sizes();
+    }
+
+    fn estimate(&self, calibration: &Calibration) -> Estimate {
+        estimate::estimate(self, calibration)
+    }
+
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    fn knobs(&self) -> Vec<Knob> {
+        study::knobs(self)
+    }
+
+    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
+        study::turn(self, knob, value)
+    }
+
+    fn single(&mut self, seed: u64) {
+        self.seed = seed;
+        self.output.snapshots = 0;
+    }
+
+    fn compares(result: &str) -> bool {
+        study::compares(result)
+    }
+}
+
+fn one() -> u64 {
+    1
+}

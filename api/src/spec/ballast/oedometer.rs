@@ -1,0 +1,102 @@
+//! The oedometer.
+use std::f64::consts::PI;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    super::granular_scene::{Axis, Volume},
+    Apparatus, Layer, Loading, Materials, Script,
+    materials::STEEL,
+    shapes::{cylinder, face_radius},
+};
+use crate::Violation;
+
+/// A steel cylinder on a steel base, open for a plate that presses the bed from above.
+///
+/// The cylinder is a prism of flat facets, as large in cross-section as the cylinder, with an
+/// extension while it is filled.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Oedometer {
+    #[schemars(range(min = 1e-3, max = 100.0), extend("x-unit" = "m"))]
+    pub diameter_m: f64,
+    #[schemars(range(min = 1e-3, max = 100.0), extend("x-unit" = "m"))]
+    pub height_m: f64,
+    /// Flat sides of the cylinder.
+    #[schemars(range(min = 3, max = 1000))]
+    pub facets: u32,
+    /// Mass of the plate that follows the load; the load is all that presses.
+    #[schemars(range(min = 1e-3, max = 1e6), extend("x-unit" = "kg"))]
+    pub plate_mass_kg: f64,
+}
+
+impl Default for Oedometer {
+    /// [Lim2004]; the plate is 20 mm of steel.
+    fn default() -> Self {
+        Self {
+            diameter_m: 0.3,
+            height_m: 0.15,
+            facets: 24,
+            plate_mass_kg: 11.0,
+        }
+    }
+}
+
+impl Oedometer {
+    fn radius(&self) -> f64 {
+        0.5 * self.diameter_m
+    }
+}
+
+impl Apparatus for Oedometer {
+    const STEEL_FRICTION: f64 = 0.0;
+    const IS_OEDOMETER: bool = true;
+
+    fn loading() -> Loading {
+        Loading {
+            smallest_force_n: 250.0,
+            peak_force_n: 150e3,
+            cycles: 1,
+            period_s: None,
+        }
+    }
+
+    fn set_up(&self, script: &mut Script) {
+        let layer = Layer {
+            footprint: Volume::Cylinder {
+                base_m: [0.0; 3],
+                radius_m: face_radius(self.radius(), self.facets),
+                height_m: self.height_m,
+            },
+            volume: self.loaded_area() * self.height_m,
+            top: self.height_m,
+        };
+        let column = script.column(&layer);
+        script.plane("base", Axis::Z, [0.0, 1.0], STEEL);
+        script.plane("plate", Axis::Z, [column, -1.0], STEEL);
+        let sides = cylinder(self.radius(), column, self.facets);
+        script.facets("cylinder", STEEL, sides);
+        script.loads("plate", column);
+        script.layer(&layer);
+    }
+
+    fn footprint(&self) -> [[f64; 2]; 2] {
+        // corners of the prism stand out of the cylinder
+        [[-self.diameter_m; 2], [self.diameter_m; 2]]
+    }
+
+    fn loaded_area(&self) -> f64 {
+        PI * self.radius().powi(2)
+    }
+
+    fn bed_height(&self) -> f64 {
+        self.height_m
+    }
+
+    fn loading_mass(&self, _materials: &Materials) -> f64 {
+        self.plate_mass_kg
+    }
+
+    fn check(&self, _violations: &mut Vec<Violation>) {}
+}

@@ -1,0 +1,60 @@
+//! How a bed is made before it is loaded.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Layer by layer: grains are poured in, settle, are compacted, settle again, and what stands above
+/// the layer's height is taken out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Preparation {
+    /// Volume of grains poured over what a layer holds at a porosity of 0.4.
+    #[schemars(range(min = 1.0, max = 3.0), extend("x-unit" = "1"))]
+    pub overfill: f64,
+    /// Mean resultant force on a grain over the mean contact force, below which a bed has settled.
+    #[schemars(range(min = 1e-6, max = 0.5), extend("x-unit" = "1"))]
+    pub unbalanced_force_ratio: f64,
+    /// A bed that has not settled by then goes on as it is, with a warning.
+    #[schemars(range(min = 1e-3, max = 1e3), extend("x-unit" = "s"))]
+    pub longest_settling_s: f64,
+    /// `null` leaves a bed as it was poured.
+    pub compaction: Option<Compaction>,
+}
+
+/// Shaking along x and y in turn, while grains slide more easily.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Compaction {
+    #[schemars(range(min = 0.0, max = 1e4), extend("x-unit" = "m/s2"))]
+    pub acceleration_m_per_s2: f64,
+    #[schemars(range(min = 0.1, max = 1e4), extend("x-unit" = "Hz"))]
+    pub frequency_hz: f64,
+    #[schemars(range(min = 1e-3, max = 1e3), extend("x-unit" = "s"))]
+    pub time_s: f64,
+    /// What tan φ is multiplied with meanwhile.
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "1"))]
+    pub friction_factor: f64,
+}
+
+impl Default for Preparation {
+    fn default() -> Self {
+        Self {
+            overfill: 1.2,
+            unbalanced_force_ratio: 0.03,
+            longest_settling_s: 2.0,
+            compaction: Some(Compaction::default()),
+        }
+    }
+}
+
+/// The source says what it does and that friction falls by an order of magnitude, not how hard and
+/// how long it shakes; a vibrating table shakes at some g and some ten hertz.
+impl Default for Compaction {
+    fn default() -> Self {
+        Self {
+            acceleration_m_per_s2: 9.81,
+            frequency_hz: 20.0,
+            time_s: 0.4,
+            friction_factor: 0.1,
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! What an accuracy study varies in a test of ballast.
+use super::{Accuracy, Apparatus, Ballast, Knobs};
+use crate::study::Knob;
+
+/// A knob: name, what it is, values tried from coarse to fine, the last of which is the reference.
+struct Line {
+    name: &'static str,
+    description: &'static str,
+    values: [&'static str; 5],
+    keeps_specimen: bool,
+}
+
+const LINES: [Line; 4] = [
+    Line {
+        name: "critical_step_fraction",
+        description: "the time step over the critical one, a number from 1e-6 to 0.9",
+        values: ["0.8", "0.6", "0.4", "0.2", "0.1"],
+        keeps_specimen: true,
+    },
+    Line {
+        name: "stiffness",
+        description: "a factor on the moduli of all materials during the test, from 1e-9 to 1",
+        values: ["1e-3", "1e-2", "3e-2", "1e-1", "1"],
+        keeps_specimen: false,
+    },
+    Line {
+        name: "preparation_modulus_pa",
+        description: "the aggregate's modulus while the bed is prepared, at most, from 1e3 to 1e15",
+        values: ["1e7", "1e8", "1e9", "1e10", "1e15"],
+        keeps_specimen: false,
+    },
+    Line {
+        name: "inertial_number",
+        description: "the inertial number that sets the period of a cycle, from 1e-6 to 1",
+        values: ["1e-2", "3e-3", "1e-3", "3e-4", "1e-4"],
+        keeps_specimen: true,
+    },
+];
+
+/// Results that do not grow with the specimen or with what is given.
+const COMPARED: [&str; 8] = [
+    "unloading_stiffness",
+    "peak_displacement",
+    "residual_displacement",
+    "last_cycle_displacement",
+    "oedometric_modulus",
+    "porosity",
+    "initial_porosity",
+    "coordination_number",
+];
+
+fn value<'a>(knobs: &'a mut Knobs, name: &str) -> Option<&'a mut f64> {
+    match name {
+        "critical_step_fraction" => Some(&mut knobs.critical_step_fraction),
+        "stiffness" => Some(&mut knobs.stiffness),
+        "preparation_modulus_pa" => Some(&mut knobs.preparation_modulus_pa),
+        "inertial_number" => Some(&mut knobs.inertial_number),
+        _ => None,
+    }
+}
+
+pub(super) fn knobs<A: Apparatus>(spec: &Ballast<A>) -> Vec<Knob> {
+    let mut present = spec.accuracy.knobs();
+    let lines = LINES.iter().filter(|line| {
+        // a period that is given does not follow any number
+        line.name != "inertial_number" || spec.test.period_s.is_none()
+    });
+    let knob = |line: &Line| {
+        let [grid @ .., finest] = line.values;
+        Knob {
+            name: line.name,
+            description: line.description,
+            present: value(&mut present, line.name)
+                .map_or(String::new(), |value| value.to_string()),
+            grid: grid.map(str::to_owned).to_vec(),
+            reference: vec![(line.name, finest.to_owned())],
+            keeps_specimen: line.keeps_specimen,
+        }
+    };
+    lines.map(knob).collect()
+}
+
+pub(super) fn turn<A: Apparatus>(spec: &mut Ballast<A>, knob: &str, text: &str) -> Option<()> {
+    let number: f64 = text.parse().ok()?;
+    let mut knobs = spec.accuracy.knobs();
+    *value(&mut knobs, knob)? = number;
+    spec.accuracy = Accuracy::Knobs(knobs);
+    Some(())
+}
+
+pub(super) fn compares(result: &str) -> bool {
+    COMPARED.contains(&result)
+}

@@ -1,0 +1,139 @@
+//! Results of a test of ballast.
+use indexmap::IndexMap;
+use loadframe_api::{Quantity, Report};
+
+use super::{cycles::Cycle, oedometer::Oedometer, tester::Tester};
+
+/// The scene's report with the results of the test before its own.
+pub(super) fn report(
+    tester: &Tester<'_>,
+    scene: Report,
+    cycles: &[Cycle],
+    oedometer: Option<&Oedometer>,
+) -> Report {
+    let mut summary = IndexMap::new();
+    let mut add = |name: &str, value: f64, unit: &str, description: &str| {
+        summary.insert(name.to_owned(), Quantity::new(value, unit, description));
+    };
+    let (first, last) = (cycles.first(), cycles.last());
+    let of = |cycle: Option<&Cycle>, value: fn(&Cycle) -> f64| cycle.map_or(f64::NAN, value);
+    add(
+        "unloading_stiffness",
+        of(first, |cycle| cycle.unloading_stiffness.unwrap_or(f64::NAN)),
+        "N/m",
+        "Slope of the unloading branch of the first cycle, between 90 and 50 % of its peak force.",
+    );
+    add(
+        "peak_displacement",
+        1e3 * of(first, |cycle| cycle.peak),
+        "mm",
+        "Way of plate or sleeper at its deepest in the first cycle.",
+    );
+    add(
+        "residual_displacement",
+        1e3 * of(first, |cycle| cycle.end),
+        "mm",
+        "Way that is left after the first cycle.",
+    );
+    if cycles.len() > 1 {
+        add("cycles", cycles.len() as f64, "1", "Cycles of loading.");
+        add(
+            "last_cycle_displacement",
+            1e3 * of(last, |cycle| cycle.peak - cycle.start),
+            "mm",
+            "Way down within the last cycle.",
+        );
+        add(
+            "settlement",
+            1e3 * of(last, |cycle| cycle.end),
+            "mm",
+            "Way that is left after the last cycle.",
+        );
+        add(
+            "last_unloading_stiffness",
+            of(last, |cycle| cycle.unloading_stiffness.unwrap_or(f64::NAN)),
+            "N/m",
+            "The same slope in the last cycle.",
+        );
+    }
+    add(
+        "peak_force",
+        of(first, |cycle| cycle.peak_force),
+        "N",
+        "Largest force of the bed on plate or sleeper in the first cycle, without its weight.",
+    );
+    if let Some(oedometer) = oedometer {
+        add(
+            "initial_height",
+            1e3 * oedometer.height,
+            "mm",
+            "Height of the bed before the cycles.",
+        );
+        add(
+            "initial_void_ratio",
+            oedometer.void_ratio,
+            "1",
+            "Void ratio before the cycles.",
+        );
+        let porosity = oedometer.void_ratio / (1.0 + oedometer.void_ratio);
+        add(
+            "initial_porosity",
+            porosity,
+            "1",
+            "Porosity before the cycles.",
+        );
+        let mut loading = oedometer.steps.iter().rev();
+        let modulus = loading.find(|step| step.is_loading);
+        add(
+            "oedometric_modulus",
+            modulus.map_or(f64::NAN, |step| step.modulus),
+            "Pa",
+            "Of the last step of loading, from half the peak stress to the peak.",
+        );
+        let height = tester.rows.last().map_or(f64::NAN, |row| row.height);
+        let ratio = super::oedometer::void_ratio(tester, height);
+        add(
+            "porosity",
+            ratio / (1.0 + ratio),
+            "1",
+            "Porosity at the end.",
+        );
+    } else {
+        let porosity =
+            |row: Option<&super::tester::Row>| row.map_or(f64::NAN, |row| tester.bed_porosity(row));
+        add(
+            "initial_porosity",
+            porosity(tester.last_before_loading()),
+            "1",
+            "Porosity under the sleeper before the cycles.",
+        );
+        // the part of the bed that the sleeper has taken holds no grains
+        let row = tester.rows.last();
+        let sunk = of(last, |cycle| cycle.end) / tester.bed_height();
+        let solid = 1.0 - porosity(row);
+        add(
+            "porosity",
+            1.0 - solid / (1.0 - sunk),
+            "1",
+            "Porosity under the sleeper at the end.",
+        );
+    }
+    for (name, quantity) in scene.summary {
+        summary.entry(name).or_insert(quantity);
+    }
+    Report {
+        stop_reason: "cycles_done".to_owned(),
+        summary,
+        // told by the tables
+        bodies: Vec::new(),
+        ..scene
+    }
+}
+
+impl Tester<'_> {
+    /// Height of the slices together [m].
+    fn bed_height(&self) -> f64 {
+        let slices = self.script.slices.iter().rev().nth(1);
+        slices.map_or(f64::NAN, |slice| slice.heights[1])
+    }
+}

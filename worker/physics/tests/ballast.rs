@@ -1,0 +1,270 @@
+//! Tests of ballast: scenes read in the terms of their test.
+mod scene;
+
+use loadframe_api::{JobSpec, Report, Submission, SubmissionError, Violation};
+use loadframe_physics::{Ending, Interrupt, SimulationError, Uninterrupted};
+use scene::{AtLook, Record, assert_same, finished, run_job};
+use serde_json::{Value, json};
+
+/// An oedometer of some fifty spheres, in about a second.
+fn small_oedometer() -> Value {
+    json!({"kind": "ballast_oedometer", "spec": {
+        "version": 1,
+        "grains": {"sizes": {"uniform": {"smallest_radius_m": 0.018, "largest_radius_m": 0.022}}},
+        "materials": {"aggregate": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e9,
+            "stiffness_ratio": 0.3, "friction_angle_rad": 0.5}},
+        "apparatus": {"diameter_m": 0.2, "height_m": 0.1, "facets": 12},
+        "preparation": {"compaction": {"time_s": 0.1}},
+        "test": {"smallest_force_n": 100, "peak_force_n": 20e3, "cycles": 2},
+        "accuracy": {"critical_step_fraction": 0.4, "preparation_modulus_pa": 1e8,
+            "inertial_number": 2e-3},
+        "output": {"rows_per_cycle": 100}
+    }})
+}
+
+fn submission(job: &Value) -> Result<JobSpec, Vec<Violation>> {
+    match Submission::from_slice(job.to_string().as_bytes()) {
+        Ok(submission) => Ok(submission.spec),
+        Err(SubmissionError::Invalid(violations)) => Err(violations),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn try_run(job: &Value, threads: usize) -> Result<(Report, Record), SimulationError> {
+    let spec = submission(job).unwrap_or_else(|violations| panic!("{violations:#?}"));
+    let mut record = Record::default();
+    let ending = run_job(&spec, &mut record, &Uninterrupted, None, threads)?;
+    Ok((finished(ending), record))
+}
+
+fn run(job: &Value) -> (Report, Record) {
+    try_run(job, 1).expect("a test that can be done")
+}
+
+fn value(report: &Report, name: &str) -> f64 {
+    let quantity = report
+        .summary
+        .get(name)
+        .unwrap_or_else(|| panic!("no {name}"));
+    quantity.value.unwrap_or(f64::NAN)
+}
+
+#[test]
+fn an_oedometer_carries_its_load_and_stiffens() {
+    let (report, record) = run(&small_oedometer());
+    assert_eq!(report.stop_reason, "cycles_done");
+    let force = record.column("force_kn");
+    let largest = force.iter().copied().fold(0.0, f64::max);
+    assert!((largest / 20.0 - 1.0).abs() < 0.02, "{largest}");
+    let [peak, residual] =
+        ["peak_displacement", "residual_displacement"].map(|name| value(&report, name));
+    assert!(
+        0.0 < residual && residual < peak && peak < 50.0,
+        "{residual} {peak}"
+    );
+    // grains that were pressed together do not press each other apart again
+    let porosities = ["initial_porosity", "porosity"].map(|name| value(&report, name));
+    assert!(porosities[1] < porosities[0], "{porosities:?}");
+    let settlements = record.table("cycles.csv");
+    assert_eq!(settlements.len(), 2);
+    let [first, second] = [0, 1].map(|cycle| settlements[cycle][4]);
+    assert!(first > 3.0 * second.abs(), "{first} {second}");
+    // the stiffness of the unloading branch is between that of the whole way and ten times it
+    let [unloading, loading] = [6, 7].map(|column| settlements[0][column]);
+    assert!(
+        loading < unloading && unloading < 50.0 * loading,
+        "{loading} {unloading}"
+    );
+    let moduli = record.table("oedometric_modulus.csv");
+    assert!(moduli.len() >= 8, "{moduli:?}");
+}
+
+#[test]
+fn void_ratio_and_strain_are_those_of_the_plate() {
+    let (report, record) = run(&small_oedometer());
+    let displacement = record.column("displacement_mm");
+    let path = record.table("oedometer.csv");
+    assert_eq!(path.len(), displacement.len());
+    let height = value(&report, "initial_height");
+    let initial = value(&report, "initial_void_ratio");
+    for (row, way) in path.iter().zip(&displacement) {
+        let [strain, ratio] = [row[2], row[3]];
+        assert!((strain - way / height).abs() < 1e-12);
+        // grains do not change: (1 + e)/(1 + e₀) = h/h₀
+        let expected = (1.0 + initial) * (1.0 - strain) - 1.0;
+        assert!((ratio - expected).abs() < 1e-9, "{ratio} {expected}");
+    }
+    // and it agrees with the grains' own mass
+    let volume = value(&report, "total_mass") / 2600.0;
+    let area = std::f64::consts::PI * 0.01;
+    let ratio = area * 1e-3 * height / volume - 1.0;
+    assert!(
+        (ratio - initial).abs() < 1e-3 * initial,
+        "{ratio} {initial}"
+    );
+}
+
+#[test]
+fn the_same_bytes_on_any_number_of_threads_and_in_pieces() {
+    let job = small_oedometer();
+    let expected = run(&job);
+    for threads in [2, 3] {
+        assert_same(
+            &expected,
+            &try_run(&job, threads).expect("a test that can be done"),
+        );
+    }
+    let spec = submission(&job).expect("a valid job");
+    let mut record = Record::default();
+    let mut checkpoint: Option<Vec<u8>> = None;
+    let report = loop {
+        let interrupt = AtLook::new(Interrupt::Suspend, 7);
+        let ending = run_job(&spec, &mut record, &interrupt, checkpoint.as_deref(), 1);
+        match ending.expect("a test that can be done") {
+            Ending::Finished(report) => break report,
+            Ending::Suspended => checkpoint = record.checkpoint.take(),
+            Ending::Cancelled => panic!("nobody cancelled"),
+        }
+        assert!(checkpoint.is_some());
+    };
+    assert_same(&expected, &(report, record));
+}
+
+#[test]
+fn the_scene_of_a_test_is_one_that_anybody_can_run() {
+    let (report, record) = run(&small_oedometer());
+    let scene: Value = serde_json::from_slice(&record.files["scene.json"]).expect("JSON");
+    let (same, _) = run(&scene);
+    let [own, others] = [&report, &same].map(|report| &report.summary);
+    assert_eq!(own["steps"], others["steps"]);
+    assert_eq!(own["elastic_energy"], others["elastic_energy"]);
+}
+
+#[test]
+fn a_stiffer_bed_carries_the_same_weight() {
+    let (_, record) = run(&small_oedometer());
+    let text = std::str::from_utf8(&record.files["preparation.csv"]).expect("text");
+    let row = |phase: &str| {
+        let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        let found = rows.iter().position(|row| row[1] == phase);
+        let found = found.unwrap_or_else(|| panic!("no {phase} in {text}"));
+        [found - 1, found + 1].map(|row| rows[row][3].parse::<f64>().expect("a porosity"))
+    };
+    // overlaps shrink, and that is all that moves: no grain was thrown
+    let [before, after] = row("stiffen");
+    assert!((before - after).abs() < 0.002, "{before} {after}");
+}
+
+#[test]
+fn a_sleeper_rests_on_its_bed_and_settles_less_in_every_cycle() {
+    let job = json!({"kind": "ballast_box", "spec": {
+        "version": 1,
+        "grains": {"sizes": {"radius_m": 0.03}},
+        "materials": {"aggregate": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 2.8e8,
+            "stiffness_ratio": 0.3, "friction_angle_rad": 0.5}},
+        "test": {"smallest_force_n": 500, "peak_force_n": 10e3, "cycles": 3},
+        "preparation": {"compaction": {"time_s": 0.1}},
+        "accuracy": {"critical_step_fraction": 0.4, "inertial_number": 2e-3},
+        "output": {"rows_per_cycle": 100}
+    }});
+    let (report, record) = run(&job);
+    let cycles = record.table("cycles.csv");
+    let [first, last] = [0, 2].map(|cycle| cycles[cycle][2] - cycles[cycle][1]);
+    assert!(first > 0.0 && last < first, "{cycles:?}");
+    let settlement = value(&report, "settlement");
+    assert!(settlement > 0.0, "{settlement}");
+    // its weight is not part of the load
+    let force = record.column("force_kn");
+    assert!((force[force.len() - 1] - 0.5).abs() < 0.1, "{force:?}");
+}
+
+#[test]
+fn a_load_that_the_base_cannot_carry_ends_with_that_sentence() {
+    let mut job = small_oedometer();
+    job["spec"]["materials"]["aggregate"]["youngs_modulus_pa"] = json!(1e6);
+    job["spec"]["test"]["peak_force_n"] = json!(1e7);
+    let error = try_run(&job, 1)
+        .expect_err("grains go through the base")
+        .to_string();
+    assert!(error.contains("more than the plane can carry"), "{error}");
+}
+
+#[test]
+fn breakable_grains_tell_their_fragments_at_four_moments() {
+    let mut job = small_oedometer();
+    job["spec"]["grains"] = json!({"shape": {"breakable": {"filled": {"shape": {"ellipsoid":
+        {"semi_axes_m": [0.024, 0.024, 0.024]}}, "member_radius_m": 0.0085,
+        "lattice": "simple_cubic"}}}});
+    let aggregate = &mut job["spec"]["materials"]["aggregate"];
+    aggregate["normal_cohesion_pa"] = json!(5e6);
+    aggregate["shear_cohesion_pa"] = json!(5e6);
+    let (report, record) = run(&job);
+    let text = std::str::from_utf8(&record.files["fragment_moments.csv"]).expect("text");
+    let moments: Vec<&str> = text
+        .lines()
+        .skip(1)
+        .filter_map(|line| line.split(',').next())
+        .collect();
+    assert_eq!(moments, ["poured", "before_loading", "peak", "end"]);
+    assert!(value(&report, "broken_bonds") > 0.0);
+}
+
+#[test]
+fn what_cannot_be_tested_is_refused_by_field() {
+    let refused = |change: fn(&mut Value), pointer: &str, code: &str| {
+        let mut job = small_oedometer();
+        change(&mut job["spec"]);
+        let violations = submission(&job).expect_err(pointer);
+        assert!(
+            violations
+                .iter()
+                .any(|violation| violation.pointer == format!("/spec{pointer}")
+                    && violation.code == code),
+            "{violations:#?}"
+        );
+    };
+    refused(
+        |spec| spec["test"]["cycles"] = json!(0),
+        "/test/cycles",
+        "out_of_range",
+    );
+    refused(
+        |spec| spec["test"]["peak_force_n"] = json!(50),
+        "/test/peak_force_n",
+        "out_of_order",
+    );
+    refused(
+        |spec| spec["grains"]["sizes"] = json!({"radius_m": 0.06}),
+        "/grains/sizes",
+        "does_not_fit",
+    );
+    refused(
+        |spec| {
+            spec["grains"] = json!({"shape": {"clump": {"members": [{"offset_m": [0, 0, 0], "radius_m": 0.02}]}}});
+        },
+        "/grains/shape",
+        "clump_of_one",
+    );
+    refused(
+        |spec| spec["materials"]["aggregate"]["friction_angle_rad"] = json!(2),
+        "/materials/aggregate/friction_angle_rad",
+        "out_of_range",
+    );
+    refused(
+        |spec| spec["materials"]["aggregate"]["youngs_modulus_pa"] = json!(-1),
+        "/materials/aggregate/youngs_modulus_pa",
+        "out_of_range",
+    );
+    refused(
+        |spec| {
+            spec["grains"] = json!({"shape": {"breakable": {"filled": {"shape": {"ellipsoid":
+            {"semi_axes_m": [0.024, 0.024, 0.024]}}, "member_radius_m": 0.0085}}}});
+        },
+        "/materials/aggregate",
+        "not_cohesive",
+    );
+    let mut job = json!({"kind": "ballast_box", "spec": small_oedometer()["spec"]});
+    job["spec"]["apparatus"] = json!({"sleeper": {"length_m": 0.8}});
+    let violations = submission(&job).expect_err("a sleeper larger than its box");
+    assert_eq!(violations[0].pointer, "/spec/apparatus/sleeper/length_m");
+}
