@@ -36,6 +36,17 @@ export function curvePoint(step: number): number[] {
   return [strain, force, force * (1 + 0.004 * Math.sin(step)), Math.round(broken), 0.4 + 0.3 * Math.sin(step), step % 4, force * 30, -0.4 * strain];
 }
 
+export const BALLAST_COLUMNS = ["time_s", "force_kn", "displacement_mm", "cycle", "unloading", "inertial_number"];
+
+/** Four cycles, each settling half as much as the one before. */
+export function ballastPoint(step: number): number[] {
+  const [cycle, place] = [Math.floor(step / 40), (step % 40) / 40];
+  const load = Math.sin(Math.PI * place) ** 2;
+  const begin = 16 * (1 - 0.5 ** cycle);
+  const residual = 16 * 0.5 ** (cycle + 1) * (place < 0.5 ? load : 1);
+  return [0.01 * step, 40 * load, begin + residual + 4 * Math.sqrt(load), cycle + 1, place > 0.5 ? 1 : 0, 1e-4 * (1 - load)];
+}
+
 export function makeJob(number: number, changes: Partial<Job>): Job {
   const id = `01990000-0000-7000-8000-${String(number).padStart(12, "0")}`;
   const self = `/v1/jobs/${id}`;
@@ -68,6 +79,7 @@ export function startJobs(): Job[] {
     makeJob(6, { outcome: "failed", reason: "No equilibrium at nominal strain 0.62: residual 3.1 times its limit after 1000 iterations.", reason_code: "simulation_error", progress: 0.2, tags: [] }),
     makeJob(7, { outcome: "cancelled", reason: "Cancelled by a person.", reason_code: "cancelled_by_user", progress: 0.6 }),
     makeJob(8, { outcome: "quarantined", reason: "Its worker died three times while running it.", reason_code: "too_many_losses", attempt: 3 }),
+    makeJob(70, { kind: "ballast_box", name: "box test, four cycles", tags: ["ballast"] }),
     ...Array.from({ length: 60 }, (_, index) => makeJob(9 + index, { name: index === 0 ? "" : `width series ${index}` })),
   ];
 }

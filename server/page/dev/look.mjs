@@ -7,11 +7,13 @@ const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? 
 const first = await (await fetch(`${address}/v1/jobs?limit=100`)).json();
 const oneOf = (test) => first.items.find(test)?.id;
 const done = oneOf((job) => job.outcome === "succeeded");
+const ballast = oneOf((job) => job.outcome === "succeeded" && job.kind.startsWith("ballast"));
 const running = oneOf((job) => job.status === "running");
 
 const views = [
   ["list", "/"],
   ...(done ? [["done", `/jobs/${done}`]] : []),
+  ...(ballast ? [["ballast", `/jobs/${ballast}`]] : []),
   ...(running ? [["running", `/jobs/${running}`]] : []),
   ["submit", "/submit"],
 ];

@@ -2,7 +2,7 @@
 import type { IncomingMessage, ServerResponse } from "node:http";
 import type { Plugin } from "vite";
 import type { Job } from "../src/api/types";
-import { COLUMNS, curvePoint, KIND, makeJob, makeOutcome, SPEC, startJobs, STEPS } from "./canned";
+import { BALLAST_COLUMNS, ballastPoint, COLUMNS, curvePoint, KIND, makeJob, makeOutcome, SPEC, startJobs, STEPS } from "./canned";
 
 const SCHEMA = {
   type: "object", description: "A virtual tensile test of a nonwoven fabric.", required: ["version", "fabric"],
@@ -62,7 +62,8 @@ export function mock(): Plugin {
     if (what === "curve") {
       const since = Number(url.searchParams.get("since") ?? 0);
       const count = job.progress === 1 ? STEPS : Math.round(job.progress * STEPS);
-      return { columns: COLUMNS, attempt: 1, points: Array.from({ length: Math.max(0, count - since) }, (_, i) => curvePoint(since + i)), next: count, complete: job.status === "finished" };
+      const [columns, point] = job.kind === "ballast_box" ? [BALLAST_COLUMNS, ballastPoint] : [COLUMNS, curvePoint];
+      return { columns, attempt: 1, points: Array.from({ length: Math.max(0, count - since) }, (_, i) => point(since + i)), next: count, complete: job.status === "finished" };
     }
     if (what === "files") return { items: job.outcome === "succeeded" ? FILES : [] };
     if (what === "log") return { items: [{ at: job.created_at, attempt: 1, message: "7572 nodes, 26683 bonds, 2 threads" }, { at: job.created_at, attempt: 1, message: "step 1: 6 iterations" }] };

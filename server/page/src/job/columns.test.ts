@@ -1,21 +1,36 @@
 import { expect, test } from "vitest";
-import { describeColumn, firstDrawn, mainLine } from "./columns";
+import { describeColumns, drawnOver, mainLine, usualHorizontal } from "./columns";
 
-function mainOf(names: string[]): string | undefined {
-  const drawn = names.slice(firstDrawn(names));
-  return drawn[mainLine(drawn.map(describeColumn))];
+const TENSILE = ["nominal_strain", "force_n", "force_bottom_jaw_n", "broken_bonds"];
+const SCENE = ["step", "time_s", "stage", "plate_displacement_m", "plate_force_n", "kinetic_energy_j"];
+const BALLAST = ["time_s", "force_kn", "displacement_mm", "cycle", "unloading", "inertial_number", "broken_bonds"];
+
+/** What is drawn over a column: the main line, and all that is shown. */
+function drawn(columns: string[], horizontal = usualHorizontal(columns)): { over?: string; main?: string; shown: string[] } {
+  const names = drawnOver(horizontal, columns);
+  expect(names.toSorted()).toEqual(columns.toSorted());
+  const described = describeColumns(names);
+  const shown = names.filter((_, index) => index > 0 && described[index]?.isShown);
+  return { over: names[0], main: names[mainLine(described)], shown };
 }
 
 test("a tensile curve is about the force over strain", () => {
-  const names = ["nominal_strain", "force_n", "force_bottom_jaw_n", "broken_bonds"];
-  expect(firstDrawn(names)).toBe(0);
-  expect(mainOf(names)).toBe("force_n");
+  expect(drawn(TENSILE)).toEqual({ over: "nominal_strain", main: "force_n", shown: TENSILE.slice(1) });
 });
 
 test("a scene is drawn over time, and about the force on the first plane", () => {
-  const names = ["step", "time_s", "stage", "plate_displacement_m", "plate_force_n", "kinetic_energy_j"];
-  expect(names[firstDrawn(names)]).toBe("time_s");
-  expect(mainOf(names)).toBe("plate_force_n");
-  const shown = names.slice(1).filter((name, index) => index > 0 && describeColumn(name, index).isShown);
-  expect(shown).toEqual(["plate_force_n", "kinetic_energy_j"]);
+  expect(drawn(SCENE)).toEqual({ over: "time_s", main: "plate_force_n", shown: ["plate_force_n", "kinetic_energy_j"] });
+});
+
+test("a ballast test is drawn as force over displacement", () => {
+  expect(drawn(BALLAST)).toEqual({ over: "displacement_mm", main: "force_kn", shown: ["force_kn", "broken_bonds"] });
+  expect(drawn(BALLAST, "time_s").main).toBe("force_kn");
+});
+
+test("over the force, the first thing measured is the line", () => {
+  expect(drawn(BALLAST, "force_kn")).toMatchObject({ main: "displacement_mm", shown: ["displacement_mm", "broken_bonds"] });
+});
+
+test("a curve of unknown columns is about the second one", () => {
+  expect(drawn(["depth", "salt", "heat"])).toEqual({ over: "depth", main: "salt", shown: ["salt"] });
 });

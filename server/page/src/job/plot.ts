@@ -1,7 +1,9 @@
 // The plot of a curve: axes by unit, the main force strong, the rest thin, the maximum marked.
 import uPlot from "uplot";
-import { formatNumber, NARROW } from "../format/numbers";
-import { axisLabel, indexOfMaximum, mainLine, type Column } from "./columns";
+import type { Branch } from "./branches";
+import { axisLabel, type Column } from "./columns";
+import { drawBranches, nearestPoint } from "./loops";
+import { drawMarks } from "./marks";
 
 export interface PlotInput {
   columns: Column[];
@@ -9,7 +11,19 @@ export interface PlotInput {
   width: number;
   /** Gives a palette name's colour in the present light. */
   colour: (name: string) => string;
+  /** How the curve runs now; it may turn back only as it grows. */
+  course: () => Course;
+  /** Told the point at the cursor, as a number in the plot's own ascending order. */
   onCursor: (index: number | null) => void;
+  /** The point that the keyboard stands on, if it does. */
+  pinned: () => number | null;
+}
+
+export interface Course {
+  /** Values in the order of time, one list for each column. */
+  values: number[][];
+  turnsBack: boolean;
+  branches: Branch[];
 }
 
 /** Dashes tell lines apart without colour; seven colours and four dashes repeat only together. */
@@ -18,7 +32,6 @@ const COLOURS = 7;
 /** Below this width [px] the axes give up some of theirs. */
 const NARROW_PLOT = 520;
 const FONT = "12px system-ui, sans-serif";
-const MARK_FONT = "600 12px system-ui, sans-serif";
 
 export function plotHeight(width: number): number {
   return Math.round(Math.min(430, Math.max(300, width * 0.48)));
@@ -27,6 +40,13 @@ export function plotHeight(width: number): number {
 export function plotOptions(input: PlotInput): uPlot.Options {
   const { columns, width, colour, shown } = input;
   const [horizontal, ...vertical] = columns;
+  const linear = uPlot.paths.linear?.();
+  // uPlot's own lines go right only; those that turn back are drawn when it is done with them.
+  const paths: uPlot.Series.PathBuilder = (plot, line, first, last) =>
+    input.course().turnsBack ? null : (linear?.(plot, line, first, last) ?? null);
+  // A point is found by both its values where several stand above each other.
+  const pointAt = (plot: uPlot, closest: number): number =>
+    input.pinned() ?? (input.course().turnsBack ? nearestPoint(plot) : closest);
   const scales = scaleNames(vertical);
   // There is room for two axes: those of the first lines that are shown.
   const withAxis = scaleNames(vertical.filter((_, index) => shown[index + 1])).slice(0, 2);
@@ -35,7 +55,7 @@ export function plotOptions(input: PlotInput): uPlot.Options {
     height: plotHeight(width),
     padding: [14, 8, 0, 0],
     legend: { show: false },
-    cursor: { drag: { x: true, y: false }, points: { size: 7 }, y: false },
+    cursor: { drag: { x: true, y: false }, points: { size: 7 }, y: false, dataIdx: (plot, _, closest) => pointAt(plot, closest) },
     scales: { x: { time: false }, ...Object.fromEntries(scales.map((name) => [name, { range: fromZero }])) },
     axes: [
       { ...axis("x", horizontal ? axisLabel(horizontal) : "", colour, true), size: 34, space: 42 },
@@ -55,11 +75,13 @@ export function plotOptions(input: PlotInput): uPlot.Options {
         width: column.isMinor ? 1.1 : 2.2,
         dash: seriesDash(index),
         points: { show: false },
+        paths,
       })),
     ],
     hooks: {
-      setCursor: [(plot) => input.onCursor(plot.cursor.idx ?? null)],
-      draw: [(plot) => markMaximum(plot, columns, colour)],
+      setCursor: [(plot) => input.onCursor(plot.cursor.idx == null ? null : (plot.cursor.idxs?.[0] ?? null))],
+      drawSeries: [(plot, line) => input.course().turnsBack && drawBranches(plot, line, input.course())],
+      draw: [(plot) => drawMarks(plot, columns, input.course(), colour)],
     },
   };
 }
@@ -109,39 +131,3 @@ const fromZero: uPlot.Range.Function = (_, low, high) => {
   const room = (Math.max(high, 0) - Math.min(low, 0)) * 0.1;
   return [low < 0 ? low - room : 0, high > 0 ? high + room : 0];
 };
-
-function markMaximum(plot: uPlot, columns: Column[], colour: PlotInput["colour"]): void {
-  const main = mainLine(columns);
-  const column = columns[main];
-  const series = plot.series[main];
-  const values = plot.data[main] as number[] | undefined;
-  if (!column || !series?.show || !values) return;
-  const best = indexOfMaximum(values);
-  const x = plot.data[0][best];
-  const y = values[best];
-  if (x === undefined || y === undefined || y <= 0) return;
-  const left = plot.valToPos(x, "x", true);
-  const top = plot.valToPos(y, series.scale ?? "y", true);
-  if (left < plot.bbox.left || left > plot.bbox.left + plot.bbox.width) return;
-  const ratio = devicePixelRatio;
-  const context = plot.ctx;
-  context.save();
-  context.fillStyle = colour("--surface");
-  context.strokeStyle = colour(seriesColour(main - 1));
-  context.lineWidth = 2 * ratio;
-  // The line drawn last leaves its dashes behind.
-  context.setLineDash([]);
-  context.beginPath();
-  context.arc(left, top, 4.5 * ratio, 0, 2 * Math.PI);
-  context.fill();
-  context.stroke();
-  context.font = MARK_FONT.replace("12px", `${12 * ratio}px`);
-  context.fillStyle = colour("--ink");
-  // Inside the plot, on the side with more room.
-  const isRight = left > plot.bbox.left + plot.bbox.width / 2;
-  context.textAlign = isRight ? "right" : "left";
-  context.textBaseline = "bottom";
-  const text = `max ${formatNumber(y)}${NARROW}${column.unit}`;
-  context.fillText(text, left + (isRight ? -1 : 1) * 9 * ratio, top - 3 * ratio);
-  context.restore();
-}
