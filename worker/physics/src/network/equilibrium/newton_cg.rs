@@ -42,6 +42,10 @@ const FARTHEST_AWAY: f64 = 0.05;
 const ITERATIONS_PER_NODE: usize = 3;
 const LEAST_ITERATIONS: usize = 100;
 
+/// Parts are balanced again without a step of the whole when that made the largest resultant fall
+/// to this part of itself.
+const PARTS_AGAIN: f64 = 0.5;
+
 /// Arithmetic of the Newton step. The energy and its slope are always double: a step in single
 /// precision points nearly the same way at half the memory traffic.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -185,7 +189,8 @@ pub(super) fn descend(
     // nothing is known of how residuals fall: the first step is a loose one
     let mut previous_norm = 0.0;
     let mut iterations = 0;
-    let mut is_fresh = false;
+    // residual below which parts are worth balancing, again if they just were
+    let mut worth_parts = f64::INFINITY;
     let mut precision = Precision::Single;
     let mut waves = Waves::new(assembly);
     loop {
@@ -193,14 +198,14 @@ pub(super) fn descend(
         if residual.verdict != Verdict::Unbalanced || iterations == search.iteration_limit {
             return Ok(residual);
         }
-        // after the parts the whole has its turn
-        if let Some(parts) = single.neighbourhoods.as_mut().filter(|_| !is_fresh) {
-            is_fresh = parts.relax(search, assembly, here, &residual, meter)?;
-            if is_fresh {
-                continue;
-            }
+        if residual.largest < worth_parts
+            && let Some(parts) = single.neighbourhoods.as_mut()
+            && parts.relax(search, assembly, here, &residual, meter)?
+        {
+            worth_parts = PARTS_AGAIN * residual.largest;
+            continue;
         }
-        is_fresh = false;
+        worth_parts = f64::INFINITY;
         iterations += 1;
         meter.work.newton_iterations += 1;
         let mut iteration = Iteration {
