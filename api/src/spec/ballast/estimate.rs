@@ -5,20 +5,19 @@ use super::{
 };
 use crate::{Calibration, Estimate, kinds::Spec as _};
 
-/// Time in which a poured layer comes to rest, after its fall from this height [s]: the fall, and
-/// rebounds and rolling that die away.
-const ROLLING_S: f64 = 0.25;
+/// Time in which a layer comes to rest when it has fallen or was shaken [s]: as measured.
+const ROLLING_S: f64 = 0.2;
+/// The same after the moduli grew, in steps.
+const ROLLING_STEPS: u64 = 5_000;
 
 pub(super) fn estimate<A: Apparatus>(spec: &Ballast<A>, calibration: &Calibration) -> Estimate {
     let script = spec.script();
     let mut scene = script.scene;
     let longest = spec.preparation.longest_settling_s;
     for stage in &mut scene.stages {
-        if let Stage::Settle(Settle {
-            time_s: Some(time), ..
-        }) = stage
-        {
-            *time = ROLLING_S.min(longest);
+        if let Stage::Settle(Settle { time_s, steps, .. }) = stage {
+            *time_s = time_s.map(|_| ROLLING_S.min(longest));
+            *steps = steps.map(|steps| steps.min(ROLLING_STEPS));
         }
     }
     scene.estimate(calibration)

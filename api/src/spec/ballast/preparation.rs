@@ -38,7 +38,7 @@ pub struct Compaction {
 impl Default for Preparation {
     fn default() -> Self {
         Self {
-            overfill: 1.2,
+            overfill: 1.1,
             unbalanced_force_ratio: 0.03,
             longest_settling_s: 2.0,
             compaction: Some(Compaction::default()),

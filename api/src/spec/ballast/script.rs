@@ -82,6 +82,8 @@ pub struct Script {
 const SOLID_FRACTION: f64 = 0.6;
 /// Material of a sleeper of spheres, which has the mass it should.
 const SLEEPER: &str = "sleeper";
+/// Unbalanced force ratio of a bed that is shaken next.
+const BEFORE_SHAKING: f64 = 0.1;
 /// g [m/s²].
 const GRAVITY: f64 = 9.81;
 /// Time between batches of a later layer [s].
@@ -398,7 +400,12 @@ impl Script {
             time_s: Some(self.fall(self.column(layer))),
         };
         self.add(Phase::Pour, Stage::Run(fall));
-        self.add(Phase::Settle, Stage::Settle(self.settle));
+        let mut settle = self.settle;
+        if self.compaction.is_some() {
+            // what is shaken next need only have stopped falling
+            settle.unbalanced_force_ratio = settle.unbalanced_force_ratio.max(BEFORE_SHAKING);
+        }
+        self.add(Phase::Settle, Stage::Settle(settle));
         if let Some(compaction) = &self.compaction {
             let vibrate = Vibrate {
                 acceleration_m_per_s2: compaction.acceleration_m_per_s2,

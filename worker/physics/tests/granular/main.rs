@@ -18,6 +18,7 @@ mod impacts;
 mod laws;
 mod observables;
 mod peers;
+mod placing;
 mod refusals;
 mod rotation;
 mod specimens;
