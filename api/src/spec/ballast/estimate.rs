@@ -6,7 +6,7 @@ use super::{
 use crate::{Calibration, Estimate, kinds::Spec as _};
 
 /// Time in which a layer comes to rest when it has fallen or was shaken [s]: as measured.
-const ROLLING_S: f64 = 0.2;
+const ROLLING_S: f64 = 0.4;
 /// The same after the moduli grew, in steps.
 const ROLLING_STEPS: u64 = 5_000;
 

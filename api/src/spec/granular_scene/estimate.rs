@@ -28,6 +28,8 @@ const FREEDOM: f64 = 3.5;
 const FREE_STEP_S: f64 = 1e-3;
 /// Contacts of a sphere in a dense bed.
 const CONTACTS_PER_PARTICLE: f64 = 2.5;
+/// Time of a snapshot's three files, and for each particle [s].
+const SNAPSHOT_S: [f64; 2] = [0.01, 5e-6];
 /// Compressed bytes of a particle in a snapshot [MB].
 const SNAPSHOT_MB_PER_PARTICLE: f64 = 120e-6;
 
@@ -111,7 +113,9 @@ pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estim
         every => steps / every as f64 + 2.0,
     };
     Estimate {
-        wall_s: START_S + steps * (SHORTEST_STEP_S + walls + particles / speed),
+        wall_s: START_S
+            + steps * (SHORTEST_STEP_S + walls + particles / speed)
+            + snapshots * (SNAPSHOT_S[0] + particles * SNAPSHOT_S[1]),
         memory_mb: MEMORY_MB[0] + particles * MEMORY_MB[1] + facets as f64 * FACET_MB + tables,
         disk_mb: tables + snapshots * particles * SNAPSHOT_MB_PER_PARTICLE,
         calibrated: false,
