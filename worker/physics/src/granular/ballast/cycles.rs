@@ -74,7 +74,8 @@ fn cycle(points: &[(f64, f64, f64)]) -> Cycle {
         peak,
         end: path[path.len() - 1].0,
         peak_force,
-        unloading_stiffness: curve::slope(&unloading),
+        // a bed that creeps on while it is unloaded has no such branch
+        unloading_stiffness: curve::slope(&unloading).filter(|slope| *slope > 0.0),
         loading_stiffness: (peak > start).then(|| (peak_force - path[0].1) / (peak - start)),
         dissipated: curve::area(&path),
     }

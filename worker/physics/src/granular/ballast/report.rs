@@ -21,7 +21,7 @@ pub(super) fn report(
         "unloading_stiffness",
         of(first, |cycle| cycle.unloading_stiffness.unwrap_or(f64::NAN)),
         "N/m",
-        "Slope of the unloading branch of the first cycle, between 90 and 50 % of its peak force.",
+        "Slope of the unloading branch of the first cycle, between 90 and 50 % of its peak force; unknown where the bed creeps on.",
     );
     add(
         "peak_displacement",
