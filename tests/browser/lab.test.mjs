@@ -157,6 +157,45 @@ test("a running job shows its progress and its growing curve, and can be cancell
     await part(page, "retry").waitFor();
   }));
 
+test("a load that comes back is drawn as a loop, over any column that one chooses", () =>
+  visit("/submit", async (page) => {
+    const example = await (await page.request.get("/v1/kinds/ballast_oedometer/examples")).json();
+    const answer = await page.request.post("/v1/jobs", { data: example.items[0].job });
+    const { id } = await answer.json();
+    await page.goto(`/jobs/${id}`);
+    await state(page, "succeeded").waitFor();
+    const branches = () => part(page, "curve").getAttribute("data-branches").then(Number);
+    await page.waitForFunction(() => Number(document.querySelector("[data-testid=curve]")?.dataset.branches) >= 2);
+    assert.equal(await part(page, "curve-over").inputValue(), "displacement_mm");
+    assert.match(await part(page, "curve").innerText(), /Dashed: unloading/);
+
+    // the readout follows the test, not the axis: point by point, there and back
+    const slider = part(page, "curve").getByRole("slider");
+    const { columns, points } = await (await page.request.get(`/v1/jobs/${id}/curve?max_points=2000`)).json();
+    const unloading = points.findIndex((point) => point[columns.indexOf("unloading")] === 1);
+    for (const row of [0, unloading, points.length - 1]) {
+      await slider.fill(String(row));
+      assert.equal(await slider.inputValue(), String(row));
+      assert.match(await slider.getAttribute("aria-valuetext"), new RegExp(`Unloading ${points[row][columns.indexOf("unloading")]}`));
+    }
+    await picture(page, "ballast");
+    await isAccessible(page, "a ballast test");
+
+    await part(page, "curve-over").selectOption("time_s");
+    await page.waitForURL(/over=time_s/);
+    assert.equal(await branches(), 0);
+    await page.reload();
+    await page.waitForFunction(() => Number(document.querySelector("[data-testid=curve]")?.dataset.points) > 0);
+    assert.equal(await part(page, "curve-over").inputValue(), "time_s");
+    // the usual choice is not worth an address of its own
+    await part(page, "curve-over").selectOption("displacement_mm");
+    await page.waitForURL((url) => url.search === "");
+    assert.ok((await branches()) >= 2);
+    await page.setViewportSize(PHONE);
+    await fitsThePhone(page, "a ballast test");
+    await picture(page, "phone-ballast");
+  }));
+
 test("a bad spec shows each violation at its line, and mending it clears them", () =>
   visit("/submit", async (page) => {
     const bad = job();
