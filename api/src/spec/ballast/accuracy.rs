@@ -2,7 +2,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A preset's name or its knobs. Their measured error and cost are in the README.
+/// A preset's name or its knobs. `loadframe study accuracy` measures what each knob costs and how far
+/// off it is on your own spec.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Accuracy {
