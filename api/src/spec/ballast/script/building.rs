@@ -1,0 +1,236 @@
+//! What an apparatus adds to a script: walls, layers of grains, the wall that loads.
+use super::{
+    super::super::granular_scene::{
+        Axis, Body, Clump, Cut, DegreeOfFreedom, FacetMesh, Generate, Grain, Insert, Place, Plane,
+        Run, Settle, Stage, Stiffen, Vibrate,
+    },
+    super::{
+        materials::AGGREGATE,
+        shapes::{cuboid, shell},
+    },
+    BED, GRAVITY, Layer, Phase, Script, Slice,
+};
+
+/// Solid fraction of a bed that amounts are reckoned with.
+const SOLID_FRACTION: f64 = 0.6;
+/// Time between batches of a later layer [s].
+const BATCH_S: f64 = 0.15;
+/// Batches it may take at most.
+const BATCHES: f64 = 20.0;
+/// Steps of a change of stiffness by a factor of two.
+const STEPS_PER_DOUBLING: f64 = 200.0;
+/// Steps that a bed may take to rest after that.
+const STEPS_TO_REST: u64 = 20_000;
+/// Unbalanced force ratio of a bed that is shaken next.
+const BEFORE_SHAKING: f64 = 0.1;
+/// Material of a sleeper of spheres, which has the mass it should.
+const SLEEPER: &str = "sleeper";
+
+impl Script {
+    pub(in crate::spec::ballast) fn add(&mut self, phase: Phase, stage: Stage) {
+        self.phases.push(phase);
+        self.scene.stages.push(stage);
+    }
+
+    /// Adds a plane with the bed on its side `facing`.
+    pub(in crate::spec::ballast) fn plane(
+        &mut self,
+        name: &str,
+        axis: Axis,
+        at: [f64; 2],
+        material: &str,
+    ) {
+        let [position_m, facing] = at;
+        self.scene.planes.push(Plane {
+            name: name.to_owned(),
+            axis,
+            position_m,
+            facing: if facing < 0.0 { -1 } else { 1 },
+            material: material.to_owned(),
+        });
+    }
+
+    /// Adds a wall of triangles.
+    pub(in crate::spec::ballast) fn facets(
+        &mut self,
+        name: &str,
+        material: &str,
+        triangles: Vec<crate::surface::Triangle>,
+    ) {
+        self.scene.facets.push(FacetMesh {
+            name: name.to_owned(),
+            material: material.to_owned(),
+            triangles_m: Some(triangles),
+            stl: None,
+            scale: 1.0,
+            position_m: [0.0; 3],
+        });
+    }
+
+    /// The wall that loads, whose lower face is at this height [m] at the start.
+    pub(in crate::spec::ballast) fn loads(&mut self, wall: &str, height: f64) {
+        wall.clone_into(&mut self.wall);
+        self.wall_height = height;
+    }
+
+    /// Adds a sleeper between two corners [m], the wall that loads: a box of facets, or of spheres of a
+    /// radius [m] whose mass together is given [kg].
+    pub(in crate::spec::ballast) fn sleeper(
+        &mut self,
+        [lower, upper]: [[f64; 3]; 2],
+        material: &str,
+        mass_kg: f64,
+        member_radius: Option<f64>,
+    ) {
+        let Some(radius) = member_radius else {
+            self.facets("sleeper", material, cuboid(lower, upper));
+            self.loads("sleeper", lower[2]);
+            return;
+        };
+        let members = shell(lower, upper, radius);
+        let volume = members.len() as f64 * 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+        let mut own = self.scene.materials[material].clone();
+        own.density_kg_per_m3 = mass_kg / volume;
+        self.scene.materials.insert(SLEEPER.to_owned(), own);
+        use DegreeOfFreedom as D;
+        self.scene.bodies.push(Body {
+            clump: Some(Clump {
+                members,
+                filled: None,
+            }),
+            // z is let go when it is set down
+            fixed: vec![D::X, D::Y, D::Z, D::Rx, D::Ry],
+            ..Body::at(lower, SLEEPER)
+        });
+        self.body = Some(0);
+        self.loads("body_0", lower[2]);
+    }
+
+    /// Height of the column in which a layer is poured [m].
+    pub(in crate::spec::ballast) fn column(&self, layer: &Layer) -> f64 {
+        let [lower, upper] = layer.footprint.bounds();
+        let area = layer.footprint.volume() / (upper[2] - lower[2]);
+        let solid = SOLID_FRACTION * self.overfill * layer.volume;
+        // a grain needs its own height too
+        solid / (self.placed_fraction * area) + self.largest_diameter
+    }
+
+    /// Time in which grains fall from this height [m], slowed by local damping [s].
+    fn fall(&self, height: f64) -> f64 {
+        let damping = self.scene.laws.local_damping.unwrap_or_default();
+        (2.0 * height / (GRAVITY * (1.0 - damping))).sqrt()
+    }
+
+    /// Diameter of the largest ball around a grain [m].
+    pub(in crate::spec::ballast) fn largest_diameter(&self) -> f64 {
+        self.largest_diameter
+    }
+
+    /// Pours a layer, lets it settle, compacts and cuts it.
+    pub(in crate::spec::ballast) fn layer(&mut self, layer: &Layer) {
+        let density = self.scene.materials[AGGREGATE].density_kg_per_m3;
+        let solid = SOLID_FRACTION * self.overfill * layer.volume;
+        let pour = Generate {
+            region: layer.footprint.with_height(self.column(layer)),
+            mass_kg: Some(density * solid),
+            ..self.template.clone()
+        };
+        if self.scene.stages.is_empty() {
+            self.scene.generate.push(pour);
+        } else {
+            let insert = Insert {
+                bodies: pour,
+                every_s: BATCH_S,
+                batch: None,
+                steps: None,
+                time_s: Some(BATCHES * BATCH_S),
+            };
+            self.add(Phase::Pour, Stage::Insert(Box::new(insert)));
+        }
+        // while most grains fall, forces do not tell whether they are at rest
+        let fall = Run {
+            steps: None,
+            time_s: Some(self.fall(self.column(layer))),
+        };
+        self.add(Phase::Pour, Stage::Run(fall));
+        let mut settle = self.settle;
+        if self.compaction.is_some() {
+            // what is shaken next need only have stopped falling
+            settle.unbalanced_force_ratio = settle.unbalanced_force_ratio.max(BEFORE_SHAKING);
+        }
+        self.add(Phase::Settle, Stage::Settle(settle));
+        if let Some(compaction) = &self.compaction {
+            let vibrate = Vibrate {
+                acceleration_m_per_s2: compaction.acceleration_m_per_s2,
+                frequency_hz: compaction.frequency_hz,
+                axes: vec![Axis::X, Axis::Y],
+                periods_per_axis: 1,
+                friction_factor: compaction.friction_factor,
+                steps: None,
+                time_s: Some(compaction.time_s),
+            };
+            self.add(Phase::Compact, Stage::Vibrate(vibrate));
+            self.add(Phase::Settle, Stage::Settle(self.settle));
+        }
+        let cut = Cut {
+            axis: Axis::Z,
+            above_m: Some(layer.top),
+            below_m: None,
+        };
+        self.add(Phase::Cut, Stage::Cut(cut));
+        self.add(Phase::Settle, Stage::Settle(self.settle));
+    }
+
+    /// Sets the loading wall down; with a mass [kg] it rests there with its weight.
+    pub(in crate::spec::ballast) fn place(&mut self, mass_kg: Option<f64>) {
+        let place = Place {
+            wall: self.body.is_none().then(|| self.wall.clone()),
+            body: self.body,
+            axis: Axis::Z,
+            side: -1,
+            mass_kg: mass_kg.filter(|_| self.body.is_none()),
+        };
+        self.add(Phase::Place, Stage::Place(place));
+    }
+
+    /// Makes all materials stiffer, and lets the bed rest.
+    pub(super) fn stiffen(&mut self, factor: f64) {
+        if factor <= 1.0 {
+            return;
+        }
+        let steps = (factor.log2() * STEPS_PER_DOUBLING).ceil().max(1.0) as u64;
+        self.add(Phase::Stiffen, Stage::Stiffen(Stiffen { factor, steps }));
+        let settle = Settle {
+            steps: Some(STEPS_TO_REST),
+            time_s: None,
+            ..self.settle
+        };
+        self.add(Phase::Settle, Stage::Settle(settle));
+    }
+
+    /// Slices of the bed under the wall between two heights [m], and the bed.
+    pub(in crate::spec::ballast) fn slice(&mut self, count: u32, top: f64) {
+        let slice = |name: String, heights: [f64; 2]| Slice {
+            name,
+            heights,
+            volume: self.loaded_area * (heights[1] - heights[0]),
+        };
+        let height = |index: u32| top * f64::from(index) / f64::from(count);
+        let mut slices: Vec<Slice> = (0..count)
+            .map(|index| {
+                slice(
+                    format!("slice_{}", index + 1),
+                    [height(index), height(index + 1)],
+                )
+            })
+            .collect();
+        // what stands out of the cut belongs to the bed
+        slices.push(slice(BED.to_owned(), [0.0, top + self.largest_diameter]));
+        self.slices = slices;
+    }
+
+    /// Whether grains break.
+    pub fn is_breakable(&self) -> bool {
+        matches!(self.template.grain, Grain::Breakable(_))
+    }
+}
