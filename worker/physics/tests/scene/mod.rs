@@ -162,13 +162,17 @@ impl Record {
         self.points.iter().map(|point| point[column]).collect()
     }
 
-    /// The rows of a table, without its header.
+    /// The rows of a table, without its header; what is not known is no number.
     pub(crate) fn table(&self, name: &str) -> Vec<Vec<f64>> {
         let text = std::str::from_utf8(&self.files[name]).expect("tables are text");
         let rows = text.lines().skip(1);
         rows.map(|row| {
             let cells = row.split(',');
-            cells.map(|cell| cell.parse().expect("a number")).collect()
+            let number = |cell: &str| match cell {
+                "" => f64::NAN,
+                cell => cell.parse().expect("a number"),
+            };
+            cells.map(number).collect()
         })
         .collect()
     }
