@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     super::granular_scene::{Axis, Volume},
     Apparatus, Layer, Loading, Materials, Script,
+    checks::check_shell,
     materials::{RUBBER, STEEL},
 };
 use crate::Violation;
@@ -170,6 +171,11 @@ impl Apparatus for BoxTest {
             self.height_below_m,
             self.height_m,
             low,
+        ));
+        violations.extend(check_shell(
+            "/apparatus/sleeper/member_radius_m",
+            [sleeper.length_m, sleeper.width_m, sleeper.height_m],
+            sleeper.member_radius_m,
         ));
     }
 }

@@ -1,9 +1,37 @@
 //! What the JSON Schema cannot say of a test.
-use super::{super::granular_scene::Clump, Apparatus, Ballast};
+use super::{super::granular_scene::Clump, Apparatus, Ballast, shapes::shell_members};
 use crate::{Violation, kinds::Spec as _};
 
 /// The largest grain over the narrowest width that it is poured into, at most: wider ones jam.
 const LARGEST_GRAIN: f64 = 0.65;
+
+/// The spheres of a shell that stands for a sleeper, at most.
+const MOST_SHELL_MEMBERS: usize = 100_000;
+
+/// Finds a sleeper with these sides [m] that would be of too many spheres; the pointer is that of their
+/// radius [m].
+pub(super) fn check_shell(
+    pointer: &str,
+    sides: [f64; 3],
+    radius: Option<f64>,
+) -> Option<Violation> {
+    let radius = radius?;
+    let members = shell_members(sides, radius);
+    (members > MOST_SHELL_MEMBERS).then(|| {
+        let detail = format!("the sleeper would be of {members} spheres");
+        let faces = 2.0
+            * (0..3)
+                .map(|axis| sides[axis] * sides[(axis + 1) % 3])
+                .sum::<f64>();
+        let enough = 0.5 * (faces / MOST_SHELL_MEMBERS as f64).sqrt();
+        Violation::new(pointer, "too_large", detail)
+            .value(radius)
+            .allowed(format!(
+                "at most {MOST_SHELL_MEMBERS} spheres: from about {enough:.2e} on"
+            ))
+            .unit("m")
+    })
+}
 
 pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
     spec.apparatus.check(violations);

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     super::granular_scene::{Axis, Material, Volume},
     Apparatus, Layer, Loading, Materials, Script,
+    checks::check_shell,
     materials::{AGGREGATE, CONCRETE, RUBBER},
     shapes::rectangle,
 };
@@ -186,6 +187,15 @@ impl Apparatus for Railbed {
                     .unit("m"),
             );
         }
+        violations.extend(check_shell(
+            "/apparatus/sleeper_member_radius_m",
+            [
+                self.half_sleeper_length_m,
+                self.sleeper_width_m,
+                self.sleeper_height_m,
+            ],
+            self.sleeper_member_radius_m,
+        ));
     }
 }
 

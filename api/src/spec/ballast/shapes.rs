@@ -61,12 +61,24 @@ pub(super) fn cylinder(radius: f64, height: f64, facets: u32) -> Vec<Triangle> {
     sides.collect()
 }
 
+/// Spheres of a radius in a row along each side of a shell.
+fn rows(sides: [f64; 3], radius: f64) -> [usize; 3] {
+    // a hair more than fits: sides that are whole numbers of diameters are rounded
+    sides.map(|side| ((0.5 * side / radius + 1e-9).floor() as usize).max(1))
+}
+
+/// Number of spheres in a [`shell`] of these sides.
+pub(super) fn shell_members(sides: [f64; 3], radius: f64) -> usize {
+    let rows = rows(sides, radius);
+    let product = |rows: [usize; 3]| rows.into_iter().fold(1, usize::saturating_mul);
+    product(rows) - product(rows.map(|row| row.saturating_sub(2)))
+}
+
 /// Equal spheres that do not overlap along the faces of an upright box, touching them from inside;
 /// offsets are from its lower corner.
 pub(super) fn shell(lower: Point, upper: Point, radius: f64) -> Vec<Member> {
     let sides: [f64; 3] = std::array::from_fn(|axis| upper[axis] - lower[axis]);
-    // a hair more than fits: sides that are whole numbers of diameters are rounded
-    let counts = sides.map(|side| ((0.5 * side / radius + 1e-9).floor() as usize).max(1));
+    let counts = rows(sides, radius);
     let place = |index: [usize; 3]| {
         std::array::from_fn(|axis| {
             let gaps = (counts[axis] - 1).max(1) as f64;
@@ -108,6 +120,10 @@ mod tests {
     fn a_shell_of_spheres_touches_all_faces_and_not_itself() {
         let members = shell([0.0; 3], [0.25, 0.3, 0.15], 0.005);
         assert_eq!(members.len(), 25 * 30 * 15 - 23 * 28 * 13);
+        for sides in [[0.25, 0.3, 0.15], [0.01, 0.3, 0.15], [0.001, 0.001, 1.0]] {
+            let told = shell_members(sides, 0.005);
+            assert_eq!(told, shell([0.0; 3], sides, 0.005).len(), "{sides:?}");
+        }
         for axis in 0..3 {
             let ends = members.iter().map(|member| member.offset_m[axis]);
             let largest = ends.fold(0.0, f64::max);
