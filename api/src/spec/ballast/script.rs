@@ -35,7 +35,7 @@ pub struct Layer {
 }
 
 /// A part of the bed in which porosity is measured.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Slice {
     /// Name of the scene's region.
     pub name: String,
@@ -67,6 +67,8 @@ pub struct Script {
     /// Force of the wall's weight, beside the load [N].
     pub weight: f64,
     pub slices: Vec<Slice>,
+    /// The slices together, and what stands out above them.
+    pub bed: Slice,
     template: Generate,
     placed_fraction: f64,
     largest_diameter: f64,
@@ -171,6 +173,7 @@ impl<A: Apparatus> Ballast<A> {
             cycles: self.test.cycles,
             weight: 0.0,
             slices: Vec::new(),
+            bed: Slice::default(),
             template: Generate {
                 grain: self.grains.shape.clone(),
                 sizes: self.grains.sizes(),
@@ -247,7 +250,7 @@ impl<A: Apparatus> Ballast<A> {
         let rows = self.output.rows_per_cycle;
         let every = (script.period / (f64::from(rows) * step)).floor().max(1.0) as u64;
         let snapshots = self.output.snapshots;
-        let regions = script.slices.iter();
+        let regions = script.slices.iter().chain([&script.bed]);
         script.scene.record = Record {
             every_steps: every,
             bodies: Some(Vec::new()),

@@ -216,17 +216,15 @@ impl Script {
             volume: self.loaded_area * (heights[1] - heights[0]),
         };
         let height = |index: u32| top * f64::from(index) / f64::from(count);
-        let mut slices: Vec<Slice> = (0..count)
-            .map(|index| {
-                slice(
-                    format!("slice_{}", index + 1),
-                    [height(index), height(index + 1)],
-                )
-            })
-            .collect();
+        let slices = (0..count).map(|index| {
+            slice(
+                format!("slice_{}", index + 1),
+                [height(index), height(index + 1)],
+            )
+        });
+        self.slices = slices.collect();
         // what stands out of the cut belongs to the bed
-        slices.push(slice(BED.to_owned(), [0.0, top + self.largest_diameter]));
-        self.slices = slices;
+        self.bed = slice(BED.to_owned(), [0.0, top + self.largest_diameter]);
     }
 
     /// Whether grains break.

@@ -45,8 +45,7 @@ impl Tester<'_> {
     /// V_s of the bed where the cycles begin [m³].
     pub(super) fn bed_volume(&self) -> f64 {
         let row = self.last_before_loading();
-        row.and_then(|row| row.solids.last().copied())
-            .unwrap_or(f64::NAN)
+        row.map_or(f64::NAN, |row| row.bed_solid)
     }
 }
 

@@ -133,7 +133,7 @@ pub(super) fn report(
 impl Tester<'_> {
     /// Height of the slices together [m].
     fn bed_height(&self) -> f64 {
-        let slices = self.script.slices.iter().rev().nth(1);
+        let slices = self.script.slices.last();
         slices.map_or(f64::NAN, |slice| slice.heights[1])
     }
 }

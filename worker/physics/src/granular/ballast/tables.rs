@@ -147,13 +147,9 @@ fn write_preparation(tester: &mut Tester<'_>) -> io::Result<()> {
 impl Tester<'_> {
     /// Porosity of the slices that the bed fills at a row.
     pub(super) fn bed_porosity(&self, row: &Row) -> f64 {
-        let slices = self
-            .script
-            .slices
-            .split_last()
-            .map_or(&[][..], |(_, slices)| slices);
-        let volume: f64 = slices.iter().map(|slice| slice.volume).sum();
-        let solid: f64 = row.solids[..slices.len()].iter().sum();
+        let slices = self.script.slices.iter();
+        let volume: f64 = slices.map(|slice| slice.volume).sum();
+        let solid: f64 = row.solids.iter().sum();
         1.0 - solid / volume
     }
 
@@ -172,11 +168,8 @@ fn write_profile(tester: &mut Tester<'_>) -> io::Result<()> {
         tester.peak_row(),
         tester.rows.last(),
     ];
-    let Some((_, slices)) = tester.script.slices.split_last() else {
-        return Ok(());
-    };
+    let slices = tester.script.slices.iter();
     let rows: Vec<Vec<f64>> = slices
-        .iter()
         .enumerate()
         .map(|(index, slice)| {
             let porosity = |row: Option<&Row>| {

@@ -25,8 +25,10 @@ pub(super) struct Row {
     /// I and mean stress [Pa] of the bed.
     pub(super) inertial_number: f64,
     pub(super) mean_stress: f64,
-    /// Solid volume of each slice [m³], the bed last.
+    /// Solid volume of each slice [m³].
     pub(super) solids: Vec<f64>,
+    /// The same of the bed.
+    pub(super) bed_solid: f64,
     pub(super) broken_bonds: Option<f64>,
 }
 
@@ -42,6 +44,7 @@ struct Places {
     step_ratio: usize,
     inertial_number: usize,
     mean_stress: usize,
+    /// Of the slices, and of the bed.
     porosities: Vec<usize>,
     broken_bonds: Option<usize>,
 }
@@ -51,7 +54,7 @@ pub(super) struct Tester<'a> {
     pub(super) script: &'a Script,
     recorder: &'a mut dyn Recorder,
     places: Places,
-    /// Volume of each slice's box [m³], of which the scene gives the porosity.
+    /// Volume of the boxes of slices and bed [m³], of which the scene gives the porosity.
     boxes: Vec<f64>,
     /// Every row so far.
     pub(super) rows: Vec<Row>,
@@ -87,6 +90,8 @@ impl<'a> Tester<'a> {
         let solids = porosities
             .zip(&self.boxes)
             .map(|(porosity, volume)| (1.0 - porosity) * volume);
+        let mut solids: Vec<f64> = solids.collect();
+        let bed_solid = solids.pop().unwrap_or(f64::NAN);
         Row {
             time: values[places.time],
             stage: values[places.stage] as usize,
@@ -97,7 +102,8 @@ impl<'a> Tester<'a> {
             step_ratio: values[places.step_ratio],
             inertial_number: values[places.inertial_number],
             mean_stress: values[places.mean_stress],
-            solids: solids.collect(),
+            solids,
+            bed_solid,
             broken_bonds: places.broken_bonds.map(|place| values[place]),
         }
     }
@@ -150,7 +156,7 @@ impl Recorder for Tester<'_> {
         let place = |name: &str| names.iter().position(|known| *known == name);
         let known = |name: &str| place(name).unwrap_or_default();
         let wall = &self.script.wall;
-        let slices = self.script.slices.iter();
+        let slices = self.script.slices.iter().chain([&self.script.bed]);
         self.places = Places {
             time: known("time_s"),
             stage: known("stage"),
