@@ -1,8 +1,8 @@
 //! How fast this machine is: a short run of the real solver, timed.
-use std::io::{self, Write};
-
 use loadframe_api::Calibration;
-use loadframe_physics::{Ending, Recorder, RunContext, Uninterrupted, calibration_spec, simulate};
+use loadframe_physics::{
+    Ending, RunContext, Uninterrupted, Unrecorded, calibration_spec, simulate,
+};
 
 use crate::machine::processor_time_s;
 
@@ -20,7 +20,7 @@ pub fn calibrate() -> Option<Calibration> {
             checkpoint: None,
         };
         let started_s = processor_time_s();
-        let ending = simulate(&spec, context, &mut Deaf).ok()?;
+        let ending = simulate(&spec, context, &mut Unrecorded).ok()?;
         // processor time: what others do on the machine meanwhile is not its speed
         let elapsed_s = processor_time_s() - started_s;
         let Ending::Finished(report) = ending else {
@@ -32,37 +32,4 @@ pub fn calibrate() -> Option<Calibration> {
     (best.is_finite() && best > 0.0).then_some(Calibration {
         bond_evaluations_per_s: best,
     })
-}
-
-/// Keeps nothing.
-struct Deaf;
-
-impl Recorder for Deaf {
-    fn columns(&mut self, _: &[&str]) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn point(&mut self, _: &[f64]) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn file(
-        &mut self,
-        _: &str,
-        _: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
-    ) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn progress(&mut self, _: f64, _: &str) {}
-
-    fn log(&mut self, _: &str) {}
-
-    fn checkpoint_due(&self) -> bool {
-        false
-    }
-
-    fn checkpoint(&mut self, _: &[u8]) -> io::Result<()> {
-        Ok(())
-    }
 }

@@ -1,46 +1,15 @@
 //! The polyester lattice of [Zilka2022] tables 5 and 6: to 10 % strain by each solver, and to
 //! rupture.
-use std::{hint::black_box, io};
+use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use loadframe_api::{
     JobSpec,
     spec::nonwoven_tensile::{Accuracy, Knobs, Solver},
 };
-use loadframe_physics::{Ending, Recorder, RunContext, Uninterrupted, calibration_spec, simulate};
-
-/// Keeps nothing.
-struct Nothing;
-
-impl Recorder for Nothing {
-    fn columns(&mut self, _names: &[&str]) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn point(&mut self, _values: &[f64]) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn file(
-        &mut self,
-        _name: &str,
-        write: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
-    ) -> io::Result<()> {
-        write(&mut io::sink())
-    }
-
-    fn progress(&mut self, _fraction: f64, _phase: &str) {}
-
-    fn log(&mut self, _message: &str) {}
-
-    fn checkpoint_due(&self) -> bool {
-        false
-    }
-
-    fn checkpoint(&mut self, _bytes: &[u8]) -> io::Result<()> {
-        Ok(())
-    }
-}
+use loadframe_physics::{
+    Ending, RunContext, Uninterrupted, Unrecorded, calibration_spec, simulate,
+};
 
 fn polyester(method: Solver, max_strain: f64) -> JobSpec {
     let JobSpec::NonwovenTensile(mut spec) = calibration_spec() else {
@@ -60,7 +29,7 @@ fn run(job: &JobSpec) -> Ending {
         interrupt: &Uninterrupted,
         checkpoint: None,
     };
-    match simulate(job, context, &mut Nothing) {
+    match simulate(job, context, &mut Unrecorded) {
         Ok(ending) => ending,
         Err(error) => panic!("{error}"),
     }

@@ -27,7 +27,7 @@ use loadframe_api::{JobSpec, Report};
 pub use calibration::calibration_spec;
 pub use checkpoint::CheckpointError;
 pub use error::SimulationError;
-pub use recorder::{Interrupt, InterruptSource, Recorder, Uninterrupted};
+pub use recorder::{Interrupt, InterruptSource, Recorder, Uninterrupted, Unrecorded};
 pub use statistics::{Sample, Welch};
 
 /// How a simulation ended.

@@ -57,3 +57,37 @@ impl InterruptSource for Uninterrupted {
         None
     }
 }
+
+/// Keeps nothing, for runs of which only the report is wanted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unrecorded;
+
+impl Recorder for Unrecorded {
+    fn columns(&mut self, _names: &[&str]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn point(&mut self, _values: &[f64]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn file(
+        &mut self,
+        _name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        write(&mut io::sink())
+    }
+
+    fn progress(&mut self, _fraction: f64, _phase: &str) {}
+
+    fn log(&mut self, _message: &str) {}
+
+    fn checkpoint_due(&self) -> bool {
+        false
+    }
+
+    fn checkpoint(&mut self, _bytes: &[u8]) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,7 +1,5 @@
 //! Readings of made-up curves.
 #![allow(clippy::float_cmp, reason = "these numbers are exact")]
-use std::io::{self, Write};
-
 use loadframe_api::{
     JobSpec, Submission,
     spec::ballast::{Phase, Script},
@@ -12,39 +10,7 @@ use super::{
     oedometer,
     tester::Tester,
 };
-use crate::Recorder;
-
-struct Deaf;
-
-impl Recorder for Deaf {
-    fn columns(&mut self, _: &[&str]) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn point(&mut self, _: &[f64]) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn file(
-        &mut self,
-        _: &str,
-        _: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
-    ) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn progress(&mut self, _: f64, _: &str) {}
-
-    fn log(&mut self, _: &str) {}
-
-    fn checkpoint_due(&self) -> bool {
-        false
-    }
-
-    fn checkpoint(&mut self, _: &[u8]) -> io::Result<()> {
-        Ok(())
-    }
-}
+use crate::{Recorder, Unrecorded};
 
 /// An oedometer test of two cycles of 1 s.
 fn script() -> Script {
@@ -77,11 +43,11 @@ const COLUMNS: [&str; 11] = [
 
 /// Hears a bed that follows F = 10⁶ u + 100 N going down, and half as stiff again coming up, from
 /// where it came to rest at 0.2 m; the second cycle goes the way of the first unloading.
-fn heard<'a>(script: &'a Script, recorder: &'a mut Deaf) -> Tester<'a> {
+fn heard<'a>(script: &'a Script, recorder: &'a mut Unrecorded) -> Tester<'a> {
     let load = script.phases.iter().position(|phase| *phase == Phase::Load);
     let load = load.expect("it is loaded");
     let mut tester = Tester::new(script, recorder);
-    tester.columns(&COLUMNS).expect("a deaf recorder");
+    tester.columns(&COLUMNS).expect("it keeps nothing");
     let mut hear = |time: f64, stage: usize, way: f64, force: f64| {
         let displacement = 0.2 - way - script.wall_height;
         let row = [
@@ -97,7 +63,7 @@ fn heard<'a>(script: &'a Script, recorder: &'a mut Deaf) -> Tester<'a> {
             0.4,
             0.7,
         ];
-        tester.point(&row).expect("a deaf recorder");
+        tester.point(&row).expect("it keeps nothing");
     };
     hear(5.0, load - 1, 0.0, 100.0);
     for cycle in [0.0, 1.0] {
@@ -119,7 +85,7 @@ fn heard<'a>(script: &'a Script, recorder: &'a mut Deaf) -> Tester<'a> {
 #[test]
 fn cycles_are_read_from_where_they_begin() {
     let script = script();
-    let mut recorder = Deaf;
+    let mut recorder = Unrecorded;
     let tester = heard(&script, &mut recorder);
     let cycles = cycles::of(&tester);
     assert_eq!(cycles.len(), 2);
@@ -154,7 +120,7 @@ fn an_end_of_a_cycle_belongs_to_it_and_a_step_beyond_the_last_too() {
 #[test]
 fn moduli_of_a_linear_bed_are_its_modulus() {
     let script = script();
-    let mut recorder = Deaf;
+    let mut recorder = Unrecorded;
     let tester = heard(&script, &mut recorder);
     let oedometer = oedometer::of(&tester).expect("an oedometer");
     assert!((oedometer.height - 0.2).abs() < 1e-15);
