@@ -41,11 +41,20 @@ pub trait Findings: Serialize {
     /// Names of the files that [`Self::write`] leaves.
     const FILES: &[&str];
 
+    /// What is in each of [`Self::FILES`].
+    ///
+    /// # Errors
+    /// When something cannot be written as text.
+    fn contents(&self) -> io::Result<Vec<Vec<u8>>>;
+
     /// Writes its files into `folder`.
     ///
     /// # Errors
     /// When a file cannot be written.
-    fn write(&self, folder: &Path) -> io::Result<()>;
+    fn write(&self, folder: &Path) -> io::Result<()> {
+        let mut files = Self::FILES.iter().zip(self.contents()?);
+        files.try_for_each(|(name, content)| std::fs::write(folder.join(name), content))
+    }
 
     /// Tables and sentences for a terminal.
     fn words(&self) -> String;

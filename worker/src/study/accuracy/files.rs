@@ -1,7 +1,6 @@
 //! `accuracy.csv`, `accuracy.json` and `accuracy.svg`.
 use std::fmt::Write;
 use std::io;
-use std::path::Path;
 
 use super::analysis::Study;
 use super::plot::plot;
@@ -11,11 +10,9 @@ use crate::study::Findings;
 impl Findings for Study {
     const FILES: &[&str] = &["accuracy.csv", "accuracy.json", "accuracy.svg"];
 
-    fn write(&self, folder: &Path) -> io::Result<()> {
-        let json = serde_json::to_string_pretty(self)?;
-        let contents = [csv(self), json, plot(self)];
-        let mut files = Self::FILES.iter().zip(contents);
-        files.try_for_each(|(name, content)| std::fs::write(folder.join(name), content))
+    fn contents(&self) -> io::Result<Vec<Vec<u8>>> {
+        let json = serde_json::to_vec_pretty(self)?;
+        Ok(vec![csv(self).into(), json, plot(self).into()])
     }
 
     fn words(&self) -> String {

@@ -1,6 +1,5 @@
 //! `parameters.csv`, `parameters.json`, `parameters.md` and `parameters.svg`.
 use std::io::{self, Write};
-use std::path::Path;
 
 use loadframe_physics::csv;
 
@@ -18,11 +17,14 @@ impl Findings for Study {
         "parameters.svg",
     ];
 
-    fn write(&self, folder: &Path) -> io::Result<()> {
+    fn contents(&self) -> io::Result<Vec<Vec<u8>>> {
         let json = serde_json::to_vec_pretty(self)?;
-        let contents = [table(self)?, json, page(self).into(), plot(self).into()];
-        let mut files = Self::FILES.iter().zip(contents);
-        files.try_for_each(|(name, content)| std::fs::write(folder.join(name), content))
+        Ok(vec![
+            table(self)?,
+            json,
+            page(self).into(),
+            plot(self).into(),
+        ])
     }
 
     fn words(&self) -> String {
