@@ -1,5 +1,5 @@
 //! Bodies that a run must tell of: not finite, too fast, gone.
-use super::{Vector, engine::Engine, facets::Pose};
+use super::{Vector, engine::Engine, facets::Pose, rows::Row};
 
 impl Engine {
     /// The first body whose state is not finite, and what of it.
@@ -10,7 +10,7 @@ impl Engine {
             (&particles.velocities, "velocity"),
             (&particles.spins, "angular velocity"),
         ] {
-            let is_bad = |row: &super::rows::Row| !row.0.iter().all(|value| value.is_finite());
+            let is_bad = |row: &Row| !row.0.iter().all(|value| value.is_finite());
             if let Some(particle) = rows.iter().position(is_bad) {
                 return Some((particles.owners[particle] as usize, quantity));
             }
@@ -77,12 +77,17 @@ impl Engine {
     pub(super) fn first_behind_plane(&self) -> Option<(u32, usize)> {
         let particles = &self.state.particles;
         let spheres = particles.centres.iter().zip(&particles.owners);
-        let faces = || self.state.faces.iter().enumerate();
         let mut behind = spheres.filter_map(|(centre, body)| {
-            let (plane, _) = faces().find(|(_, face)| face.height(&centre.0) < 0.0)?;
+            let plane = self.plane_before(centre)?;
             self.model.is_movable[*body as usize].then_some((*body, plane))
         });
         behind.next()
+    }
+
+    /// The first plane that has this centre behind it.
+    fn plane_before(&self, centre: &Row) -> Option<usize> {
+        let mut faces = self.state.faces.iter();
+        faces.position(|face| face.height(&centre.0) < 0.0)
     }
 
     /// Movable bodies behind a plane, or farther from the box of the scene than its diagonal.
@@ -93,11 +98,7 @@ impl Engine {
         let mut escaped: Vec<u32> = Vec::new();
         for (centre, body) in particles.centres.iter().zip(&particles.owners) {
             let place = centre.vector();
-            let is_behind = self
-                .state
-                .faces
-                .iter()
-                .any(|face| face.height(&centre.0) < 0.0);
+            let is_behind = self.plane_before(centre).is_some();
             let is_far = (0..3).any(|axis| {
                 place[axis] < low[axis] - margin[axis] || place[axis] > high[axis] + margin[axis]
             });

@@ -9,11 +9,26 @@ use crate::{Recorder, SimulationError};
 /// `None` where no sphere is in its way.
 ///
 /// A sphere whose centre is beside the box by h < r touches its edge √(r² − h²) from its own height.
-fn way(axis: usize, side: f64, corners: [[f64; 3]; 2], spheres: &[Row]) -> Option<f64> {
-    let [lower, upper] = corners;
+fn way<'a>(
+    axis: usize,
+    side: f64,
+    corners: [[f64; 3]; 2],
+    spheres: impl IntoIterator<Item = &'a Row>,
+) -> Option<f64> {
+    way_of_rounded(axis, side, corners, 0.0, spheres)
+}
+
+/// The same for a box that is rounded, larger all around by a radius [m].
+fn way_of_rounded<'a>(
+    axis: usize,
+    side: f64,
+    [lower, upper]: [[f64; 3]; 2],
+    rounding: f64,
+    spheres: impl IntoIterator<Item = &'a Row>,
+) -> Option<f64> {
     let face = if side < 0.0 { lower[axis] } else { upper[axis] };
-    let reached = spheres.iter().filter_map(|Row([x, y, z, radius])| {
-        let centre = [*x, *y, *z];
+    let reached = spheres.into_iter().filter_map(|Row([x, y, z, radius])| {
+        let (centre, radius) = ([*x, *y, *z], radius + rounding);
         let beside = (0..3).filter(|other| *other != axis).map(|other| {
             let outside = (lower[other] - centre[other]).max(centre[other] - upper[other]);
             outside.max(0.0).powi(2)
@@ -84,13 +99,9 @@ impl Engine {
             .map(|(row, _)| *row)
             .collect();
         let ways = own.iter().filter_map(|member| {
-            let radius = member.0[3];
-            // a sphere that meets spheres is a point that meets larger ones
+            // a sphere is a point that is rounded
             let point = [member.vector().into(); 2];
-            let larger = others
-                .iter()
-                .map(|Row([x, y, z, other])| Row([*x, *y, *z, other + radius]));
-            way(axis, side, point, &larger.collect::<Vec<_>>())
+            way_of_rounded(axis, side, point, member.0[3], &others)
         });
         let Some(way) = outermost(side, ways) else {
             return false;
