@@ -1,77 +1,13 @@
 // The lab page in a real browser against a real lab: what a person does on a day at the testing
-// machine. Screenshots for people go to the folder LOADFRAME_SCREENSHOTS.
+// machine.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { mkdirSync, readFileSync } from "node:fs";
-import { createRequire } from "node:module";
+import { readFileSync } from "node:fs";
 import { availableParallelism } from "node:os";
-import { startLab } from "./lab.mjs";
-import { chromium } from "playwright-core";
+import { close, fitsThePhone, isAccessible, lab, open, part, PHONE, picture, state, visit } from "./desk.mjs";
 
-const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
-const SCREENSHOTS = process.env.LOADFRAME_SCREENSHOTS ?? "../../target/screenshots";
-const DESK = { width: 1280, height: 900 };
-const PHONE = { width: 390, height: 844 };
-/** Longest wait for anything on the page: only what hangs reaches it. */
-const PATIENCE_MS = 60_000;
-
-let lab;
-let browser;
-
-before(async () => {
-  mkdirSync(SCREENSHOTS, { recursive: true });
-  lab = await startLab();
-  browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
-});
-
-after(async () => {
-  await browser?.close();
-  await lab?.stop();
-});
-
-/**
- * Opens an address of the lab and gives the page to `act`; fails on anything in its console that is
- * not `expected`, and on any request to elsewhere.
- */
-async function visit(address, act, { viewport = DESK, expected = null } = {}) {
-  const context = await browser.newContext({ viewport, baseURL: lab.url, acceptDownloads: true });
-  context.setDefaultTimeout(PATIENCE_MS);
-  const page = await context.newPage();
-  const complaints = [];
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
-  page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("request", (request) => {
-    const { origin, protocol } = new URL(request.url());
-    if (protocol.startsWith("http") && origin !== lab.url) complaints.push(`the page asks ${origin}`);
-  });
-  try {
-    await page.goto(address);
-    await act(page);
-    assert.deepEqual(complaints.filter((text) => !expected?.test(text)), []);
-  } finally {
-    await context.close();
-  }
-}
-
-const part = (page, name) => page.getByTestId(name);
-const picture = (page, name) => page.screenshot({ path: `${SCREENSHOTS}/${name}.png`, fullPage: true });
-const state = (page, name) => page.locator(`[data-testid=status][data-state=${name}]`).first();
-
-/** Nothing that axe calls serious or worse. */
-async function isAccessible(page, where) {
-  await page.evaluate(AXE);
-  const { violations } = await page.evaluate(() => globalThis.axe.run());
-  const grave = violations.filter(({ impact }) => ["serious", "critical"].includes(impact));
-  const lines = grave.flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.html}\n${node.failureSummary}`));
-  assert.deepEqual(lines, [], where);
-}
-
-async function fitsThePhone(page, where) {
-  const [content, screen] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
-  assert.ok(content <= screen, `${where} is ${content} px wide on a screen of ${screen}`);
-}
+before(open);
+after(close);
 
 /** Writes a job into the editor, as a paste does. */
 async function paste(page, text) {
@@ -178,6 +114,9 @@ test("a load that comes back is drawn as a loop, over any column that one choose
       assert.equal(await slider.inputValue(), String(row));
       assert.match(await slider.getAttribute("aria-valuetext"), new RegExp(`Unloading ${points[row][columns.indexOf("unloading")]}`));
     }
+    // of one cycle there is no settlement by cycle
+    await page.locator("[data-testid=file-plot][data-file='oedometer.csv']").waitFor();
+    assert.equal(await page.locator("[data-testid=file-plot][data-file='cycles.csv']").count(), 0);
     await picture(page, "ballast");
     await isAccessible(page, "a ballast test");
 

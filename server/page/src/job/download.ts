@@ -1,6 +1,11 @@
-// Downloads that need the access token: a link cannot send headers, so the page fetches the file
+// A job's files, and downloads that need the access token: a link cannot send headers, so the page fetches the file
 // and hands it to the browser. The whole file passes through memory.
 import { request } from "../api/client";
+
+/** The address of a job's file; folders keep their slashes. */
+export function fileAddress(links: Record<string, string>, name: string): string {
+  return `${links["files"]}/${name.split("/").map(encodeURIComponent).join("/")}`;
+}
 
 export async function download(href: string, name: string): Promise<void> {
   const response = await request(href, { headers: { Accept: "*/*" } });

@@ -1,7 +1,8 @@
 // What is written into the plot: the maximum of the main line, and the numbers of its cycles.
 import type uPlot from "uplot";
 import { formatNumber, NARROW } from "../format/numbers";
-import { indexOfMaximum, mainLine, type Column } from "./columns";
+import { indexOfMaximum, mainLine } from "./columns";
+import type { Column } from "./names";
 import { seriesColour, type Course, type PlotInput } from "./plot";
 
 const FONT_SIZE = 12;

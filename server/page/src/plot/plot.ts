@@ -1,13 +1,30 @@
-// The plot of a curve: axes by unit, the main force strong, the rest thin, the maximum marked.
+// How a plot is drawn: axes by unit, what matters strong, the rest thin.
 import uPlot from "uplot";
 import type { Branch } from "./branches";
-import { axisLabel, type Column } from "./columns";
+import { axisLabel, stemOf, type Column } from "./names";
 import { drawBranches, nearestPoint } from "./loops";
 import { drawMarks } from "./marks";
+
+/** What a plot may do differently. */
+export interface Look {
+  /** The largest value of the main line is marked, and so are the cycles of a load that comes back. */
+  marksMaximum?: boolean;
+  /** Lines are as high as their values reach; otherwise zero belongs to their axis. */
+  floats?: boolean;
+  /** The first column by powers of ten; values that have none are left out. */
+  isLogarithmic?: boolean;
+  /** The first column goes upward, as a height does. */
+  isUpright?: boolean;
+  /** Few values that were measured one by one. */
+  hasPoints?: boolean;
+}
 
 export interface PlotInput {
   columns: Column[];
   shown: boolean[];
+  look: Look;
+  /** Whether the first column counts something. */
+  isWhole: boolean;
   width: number;
   /** Gives a palette name's colour in the present light. */
   colour: (name: string) => string;
@@ -31,6 +48,7 @@ const DASHES = [[], [6, 4], [2, 3], [9, 3, 2, 3]];
 const COLOURS = 7;
 /** Below this width [px] the axes give up some of theirs. */
 const NARROW_PLOT = 520;
+const WHOLE_STEPS = [1, 2, 5].flatMap((step) => [step, 10 * step, 100 * step, 1000 * step]).toSorted((a, b) => a - b);
 const FONT = "12px system-ui, sans-serif";
 
 export function plotHeight(width: number): number {
@@ -38,7 +56,7 @@ export function plotHeight(width: number): number {
 }
 
 export function plotOptions(input: PlotInput): uPlot.Options {
-  const { columns, width, colour, shown } = input;
+  const { columns, width, colour, shown, look } = input;
   const [horizontal, ...vertical] = columns;
   const linear = uPlot.paths.linear?.();
   // uPlot's own lines go right only; those that turn back are drawn when it is done with them.
@@ -48,21 +66,36 @@ export function plotOptions(input: PlotInput): uPlot.Options {
   const pointAt = (plot: uPlot, closest: number): number =>
     input.pinned() ?? (input.course().turnsBack ? nearestPoint(plot) : closest);
   const scales = scaleNames(vertical);
+  const { isUpright = false } = look;
   // There is room for two axes: those of the first lines that are shown.
   const withAxis = scaleNames(vertical.filter((_, index) => shown[index + 1])).slice(0, 2);
   return {
     width,
     height: plotHeight(width),
-    padding: [14, 8, 0, 0],
+    // Powers of ten are long texts, and may stand at the very end.
+    padding: [14, look.isLogarithmic ? 18 : 8, 0, 0],
     legend: { show: false },
-    cursor: { drag: { x: true, y: false }, points: { size: 7 }, y: false, dataIdx: (plot, _, closest) => pointAt(plot, closest) },
-    scales: { x: { time: false }, ...Object.fromEntries(scales.map((name) => [name, { range: fromZero }])) },
+    cursor: {
+      drag: { x: !isUpright, y: isUpright },
+      points: { size: 7 },
+      x: !isUpright,
+      y: isUpright,
+      dataIdx: (plot, _, closest) => pointAt(plot, closest),
+    },
+    scales: {
+      x: { time: false, ori: isUpright ? 1 : 0, ...(look.isLogarithmic && { distr: 3, range: toTheEnds }) },
+      ...Object.fromEntries(scales.map((name) => [name, { ori: isUpright ? 0 : 1, ...(!look.floats && { range: fromZero }) }])),
+    },
     axes: [
-      { ...axis("x", horizontal ? axisLabel(horizontal) : "", colour, true), size: 34, space: 42 },
+      {
+        ...axis("x", horizontal ? axisLabel(horizontal) : "", colour, true),
+        ...sideOf(isUpright ? 3 : 2, width),
+        ...(look.isLogarithmic && (look.hasPoints ? atPoints : atDigits)),
+        ...(input.isWhole && { incrs: WHOLE_STEPS }),
+      },
       ...withAxis.map((scale, index) => ({
         ...axis(scale, scaleLabel(vertical, scale), colour, index === 0),
-        side: index === 0 ? 3 : 1,
-        size: width < NARROW_PLOT ? 40 : 52,
+        ...sideOf(isUpright ? (index === 0 ? 2 : 0) : index === 0 ? 3 : 1, width),
       })),
     ],
     series: [
@@ -74,14 +107,14 @@ export function plotOptions(input: PlotInput): uPlot.Options {
         stroke: colour(seriesColour(index)),
         width: column.isMinor ? 1.1 : 2.2,
         dash: seriesDash(index),
-        points: { show: false },
+        points: { show: look.hasPoints ?? false, size: 7, fill: colour("--surface") },
         paths,
       })),
     ],
     hooks: {
       setCursor: [(plot) => input.onCursor(plot.cursor.idx == null ? null : (plot.cursor.idxs?.[0] ?? null))],
       drawSeries: [(plot, line) => input.course().turnsBack && drawBranches(plot, line, input.course())],
-      draw: [(plot) => drawMarks(plot, columns, input.course(), colour)],
+      draw: [(plot) => look.marksMaximum && drawMarks(plot, columns, input.course(), colour)],
     },
   };
 }
@@ -94,8 +127,9 @@ export function seriesDash(index: number): number[] {
   return DASHES[index % DASHES.length] ?? [];
 }
 
-function scaleOf(column: Column): string {
-  return column.unit || column.label;
+/** Lines of one unit share a scale; without a unit, those whose names begin alike. */
+function scaleOf({ label, unit }: Column): string {
+  return unit || stemOf(label);
 }
 
 /** One scale for each unit, in the order of the columns. */
@@ -108,7 +142,7 @@ function scaleLabel(columns: Column[], scale: string): string {
   const sharing = columns.filter((column) => scaleOf(column) === scale);
   const first = sharing[0];
   if (!first) return scale;
-  return axisLabel(sharing.length === 1 ? first : { ...first, label: first.label.split(",")[0] ?? first.label });
+  return axisLabel(sharing.length === 1 ? first : { ...first, label: stemOf(first.label) });
 }
 
 function axis(scale: string, label: string, colour: PlotInput["colour"], hasGrid: boolean): uPlot.Axis {
@@ -121,9 +155,50 @@ function axis(scale: string, label: string, colour: PlotInput["colour"], hasGrid
     labelSize: 18,
     grid: { show: hasGrid, stroke: colour("--line"), width: 1 },
     ticks: { stroke: colour("--line"), width: 1, size: 5 },
-    values: (_, splits) => splits.map((split) => String(Number(split.toPrecision(6))).replace("-", "−")),
+    // A logarithmic axis leaves out what it has no room for.
+    values: (_, splits) => splits.map((split: number | null) => (split === null ? "" : String(Number(split.toPrecision(6))).replace("-", "−"))),
   };
 }
+
+/** Where an axis stands: 0 above, then clockwise. */
+function sideOf(side: 0 | 1 | 2 | 3, width: number): uPlot.Axis {
+  return side % 2 === 0 ? { side, size: 34, space: 42 } : { side, size: width < NARROW_PLOT ? 46 : 52 };
+}
+
+/** Room for a number on a logarithmic axis [px]. */
+const NUMBER_SPACE = 28;
+
+/** Marks at 1, 2, ..., 9 times each power of ten; the plot's own would count on from the lowest value. */
+const atDigits: uPlot.Axis = {
+  space: NUMBER_SPACE,
+  splits: (_plot, _axis, low, high) => digitsOfPowers(low, high),
+};
+
+/** Marks at the values themselves; of those that stand too near, the larger has its number. */
+const atPoints: uPlot.Axis = {
+  splits: (plot) => [...new Set(plot.data[0])],
+  filter: (plot, splits) => {
+    let taken = Infinity;
+    const numbered = splits.toReversed().map((split) => {
+      const place = plot.valToPos(split, "x");
+      if (taken - place < NUMBER_SPACE) return null;
+      taken = place;
+      return split;
+    });
+    return numbered.toReversed();
+  },
+};
+
+function digitsOfPowers(low: number, high: number): number[] {
+  const marks: number[] = [];
+  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++) {
+    for (let digit = 1; digit < 10; digit++) marks.push(Number(`${digit}e${power}`));
+  }
+  return marks.filter((mark) => mark >= low && mark <= high);
+}
+
+/** By itself a logarithmic scale would go on to the next power of ten. */
+const toTheEnds: uPlot.Range.Function = (_, low, high) => [low / 1.06, high * 1.06];
 
 /** Zero belongs to a force axis, and a little room above the maximum to its mark. */
 const fromZero: uPlot.Range.Function = (_, low, high) => {

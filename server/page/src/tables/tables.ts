@@ -1,0 +1,112 @@
+// The files of tests that are shown as plots or tables. A file's name means the same whatever the
+// kind of job that writes it, so the list is by file; what a job has not written is not shown.
+import type { Look } from "../plot/plot";
+import type { Table } from "./csv";
+import { massCurves } from "./fragments";
+
+export interface FileTable {
+  file: string;
+  title: string;
+  /** What it shows, for somebody who sees it for the first time. */
+  about: string;
+  /** The column drawn over; of two, each row holds from the one to the other. Without it the file is shown as a table. */
+  over?: string | [from: string, to: string];
+  /** Columns drawn, and those drawn when asked for. */
+  lines?: string[];
+  more?: string[];
+  look?: Look;
+  /** The first row tells more than the last, which is the same for all. */
+  restsAtFirst?: boolean;
+  /** Fewer rows tell nothing. */
+  leastRows?: number;
+  /** Makes of the file what is drawn. */
+  rearrange?: (table: Table) => Table;
+  /** A file whose rows are of the same moments; it knows which are of which cycle, loading or unloading. */
+  beside?: string;
+}
+
+export const TABLES: FileTable[] = [
+  {
+    file: "cycles.csv",
+    title: "Settlement by cycle",
+    about: "Displacement that is left when a cycle ends, and what the cycle itself added.",
+    over: "cycle",
+    lines: ["end_displacement_mm", "settlement_in_cycle_mm"],
+    more: ["peak_displacement_mm", "unloading_stiffness_n_per_m", "loading_stiffness_n_per_m", "dissipated_energy_j"],
+    look: { hasPoints: true },
+    leastRows: 2,
+  },
+  {
+    file: "oedometer.csv",
+    title: "Void ratio over stress",
+    about: "Stress by powers of ten, as oedometer tests are read.",
+    over: "stress_kpa",
+    lines: ["void_ratio"],
+    more: ["axial_strain"],
+    look: { isLogarithmic: true, floats: true },
+    beside: "curve.csv",
+  },
+  {
+    file: "oedometric_modulus.csv",
+    title: "Oedometric modulus by step",
+    about: "Change of stress over change of strain in each step of the first cycle; a step doubles or halves the stress.",
+    over: ["from_stress_kpa", "to_stress_kpa"],
+    lines: ["oedometric_modulus_mpa"],
+    look: { isLogarithmic: true },
+  },
+  {
+    file: "porosity_profile.csv",
+    title: "Porosity over height",
+    about: "In slices of the bed, from the ground up. A slice that plate or sleeper has entered holds less than it could.",
+    over: ["lower_m", "upper_m"],
+    lines: ["porosity_before_loading", "porosity_at_peak", "porosity_at_end"],
+    look: { isUpright: true, floats: true },
+  },
+  {
+    file: "fragment_moments.csv",
+    title: "Mass by size of fragment",
+    about: "Share of the mass in fragments of at most so many spheres, as a sieve curve.",
+    over: "fragment_members",
+    lines: ["finer_poured", "finer_before_loading", "finer_peak", "finer_end"],
+    look: { isLogarithmic: true, hasPoints: true },
+    restsAtFirst: true,
+    rearrange: massCurves,
+  },
+  {
+    file: "fragments.csv",
+    title: "Fragments over time",
+    about: "Shares of the mass by the number of spheres in a fragment.",
+    over: "time_s",
+    lines: ["mass_share_1", "mass_share_2_to_9", "mass_share_10_to_49", "mass_share_50_to_134", "mass_share_from_135"],
+    more: ["fragments", "whole_grains"],
+  },
+  {
+    file: "preparation.csv",
+    title: "Preparation",
+    about: "The bed at the end of every stage.",
+  },
+  {
+    file: "poisson_ratio.csv",
+    title: "Poisson ratio",
+    about: "Lateral contraction over nominal strain, from the start; tangent: from one step to the next.",
+    over: "nominal_strain",
+    lines: ["poisson_ratio"],
+    more: ["tangent_poisson_ratio", "width_strain"],
+  },
+  {
+    file: "breaking_by_force.csv",
+    title: "Breaking by bond force",
+    about: "How many bonds broke at which force.",
+    over: ["bin_lower_n", "bin_upper_n"],
+    lines: ["bonds"],
+    more: ["energy_released_n_mm"],
+  },
+  {
+    file: "breaking_by_strain.csv",
+    title: "Breaking by strain",
+    about: "How many bonds broke at which strain of the fabric.",
+    over: ["nominal_strain_from", "nominal_strain_to"],
+    lines: ["bonds"],
+    more: ["energy_released_n_mm"],
+  },
+];

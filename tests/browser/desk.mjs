@@ -1,0 +1,74 @@
+// A desk at the lab: a lab, a browser, and what one does there. Screenshots for people go to the
+// folder LOADFRAME_SCREENSHOTS.
+import assert from "node:assert/strict";
+import { mkdirSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { startLab } from "./lab.mjs";
+import { chromium } from "playwright-core";
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+const SCREENSHOTS = process.env.LOADFRAME_SCREENSHOTS ?? "../../target/screenshots";
+const DESK = { width: 1280, height: 900 };
+export const PHONE = { width: 390, height: 844 };
+/** Longest wait for anything on the page: only what hangs reaches it. */
+const PATIENCE_MS = 60_000;
+
+/** The lab, once it is open. */
+export let lab;
+let browser;
+
+/** Starts a lab and a browser. */
+export async function open() {
+  mkdirSync(SCREENSHOTS, { recursive: true });
+  lab = await startLab();
+  browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
+}
+
+export async function close() {
+  await browser?.close();
+  await lab?.stop();
+}
+
+/**
+ * Opens an address of the lab and gives the page to `act`; fails on anything in its console that is
+ * not `expected`, and on any request to elsewhere.
+ */
+export async function visit(address, act, { viewport = DESK, expected = null } = {}) {
+  const context = await browser.newContext({ viewport, baseURL: lab.url, acceptDownloads: true });
+  context.setDefaultTimeout(PATIENCE_MS);
+  const page = await context.newPage();
+  const complaints = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("request", (request) => {
+    const { origin, protocol } = new URL(request.url());
+    if (protocol.startsWith("http") && origin !== lab.url) complaints.push(`the page asks ${origin}`);
+  });
+  try {
+    await page.goto(address);
+    await act(page);
+    assert.deepEqual(complaints.filter((text) => !expected?.test(text)), []);
+  } finally {
+    await context.close();
+  }
+}
+
+export const part = (page, name) => page.getByTestId(name);
+export const picture = (page, name) => page.screenshot({ path: `${SCREENSHOTS}/${name}.png`, fullPage: true });
+export const state = (page, name) => page.locator(`[data-testid=status][data-state=${name}]`).first();
+
+/** Nothing that axe calls serious or worse. */
+export async function isAccessible(page, where) {
+  await page.evaluate(AXE);
+  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  const grave = violations.filter(({ impact }) => ["serious", "critical"].includes(impact));
+  const lines = grave.flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.html}\n${node.failureSummary}`));
+  assert.deepEqual(lines, [], where);
+}
+
+export async function fitsThePhone(page, where) {
+  const [content, screen] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
+  assert.ok(content <= screen, `${where} is ${content} px wide on a screen of ${screen}`);
+}
