@@ -23,16 +23,40 @@ pub struct Loading {
     pub period_s: Option<f64>,
 }
 
-/// Strain that a cycle is taken to have when its period is chosen, up and down.
+/// Strain of grains that find their place, as it is taken for the choice of a period.
 const STRAIN: f64 = 0.05;
+/// Modulus of a bed over that of its contacts, for the same purpose: oedometers of spheres have 0.2 to
+/// 0.3.
+const BED_MODULUS: f64 = 0.2;
+/// Strain that is not taken to be exceeded.
+const LARGEST_STRAIN: f64 = 0.5;
+
+/// What a period follows from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pace {
+    /// I.
+    pub(super) inertial_number: f64,
+    /// Of the loading wall [m²].
+    pub(super) area: f64,
+    /// Of a mean grain [m].
+    pub(super) diameter: f64,
+    /// Of grains [kg/m³].
+    pub(super) density: f64,
+    /// Of contacts between grains during the test [Pa].
+    pub(super) modulus: f64,
+}
 
 impl Loading {
-    /// A period at which a bed follows the load without inertia [s]: at the mean pressure p of the
-    /// cycle, a strain of 5 % within half of it has the inertial number I = γ̇ d √(ρ/p).
-    pub(super) fn period(&self, number: f64, area: f64, diameter: f64, density: f64) -> f64 {
-        let pressure = 0.5 * (self.smallest_force_n + self.peak_force_n) / area;
-        let quasi_static = 2.0 * STRAIN * diameter * (density / pressure).sqrt() / number;
-        self.period_s.unwrap_or(quasi_static)
+    /// A period at which a bed follows the load without inertia [s]: with the mean pressure p of the
+    /// cycle, the strain that grains need to find their place and to be pressed within half of it has
+    /// the inertial number I = γ̇ d √(ρ/p).
+    pub(super) fn period(&self, pace: &Pace) -> f64 {
+        let pressure = |force: f64| force / pace.area;
+        let mean = pressure(0.5 * (self.smallest_force_n + self.peak_force_n));
+        let pressed = pressure(self.peak_force_n) / (BED_MODULUS * pace.modulus);
+        let strain = (STRAIN + pressed).min(LARGEST_STRAIN);
+        let time = 2.0 * strain * pace.diameter * (pace.density / mean).sqrt();
+        self.period_s.unwrap_or(time / pace.inertial_number)
     }
 }
 

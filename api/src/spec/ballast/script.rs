@@ -7,7 +7,9 @@ use super::super::granular_scene::{
     self, Axis, BodyDrive, BodyForce, BondRestLength, Convention, Drive, Generate, GranularScene,
     Record, Region, Settle, Stage, TimeStep, Volume, WallDrive, WallForce,
 };
-use super::{Apparatus, Ballast, Compaction, Knobs, Materials, materials::AGGREGATE};
+use super::{
+    Apparatus, Ballast, Compaction, Knobs, Materials, loading::Pace, materials::AGGREGATE,
+};
 
 /// What a stage of a test does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,12 +101,15 @@ impl<A: Apparatus> Ballast<A> {
 
     /// T of a cycle [s].
     pub fn period(&self) -> f64 {
-        self.test.period(
-            self.accuracy.knobs().inertial_number,
-            self.apparatus.loaded_area(),
-            self.grains.mean_diameter(),
-            self.materials.aggregate.density_kg_per_m3,
-        )
+        let knobs = self.accuracy.knobs();
+        let aggregate = &self.materials.aggregate;
+        self.test.period(&Pace {
+            inertial_number: knobs.inertial_number,
+            area: self.apparatus.loaded_area(),
+            diameter: self.grains.mean_diameter(),
+            density: aggregate.density_kg_per_m3,
+            modulus: knobs.stiffness * aggregate.youngs_modulus_pa,
+        })
     }
 
     /// The test as a scene.
