@@ -11,6 +11,7 @@ mod digest;
 mod envelope;
 mod event;
 mod file_name;
+pub mod filling;
 mod job;
 pub mod kinds;
 mod message;

@@ -3,9 +3,15 @@
 //! Both sides need this: whoever checks a scene, and whoever runs it. Nothing here knows materials
 //! or motion. Vectors are arrays, in whatever unit they come.
 mod closest_point;
+#[cfg(test)]
+mod fixtures;
+mod mesh;
 mod stl;
 
 pub use closest_point::{ClosestPoint, Feature, closest_point};
+#[cfg(test)]
+pub(crate) use fixtures::{ball, cuboid};
+pub use mesh::{Seams, TriangleMesh};
 pub use stl::{StlError, read_stl};
 
 /// A position.
@@ -37,6 +43,18 @@ pub fn bounds<'a>(points: impl IntoIterator<Item = &'a Point>) -> [Point; 2] {
         }
     }
     bounds
+}
+
+/// Volume inside closed triangles, whichever way they turn, in the cube of their unit: ∑ a·(b × c)/6
+/// about the middle of their box.
+pub fn enclosed_volume(triangles: &[Triangle]) -> f64 {
+    let [lower, upper] = bounds(triangles.iter().flatten());
+    let middle = along(&lower, &minus(&upper, &lower), 0.5);
+    let tetrahedra = triangles.iter().map(|corners| {
+        let [a, b, c] = corners.map(|corner| minus(&corner, &middle));
+        dot(&a, &cross(&b, &c))
+    });
+    (tetrahedra.sum::<f64>() / 6.0).abs()
 }
 
 /// `a` − `b`.

@@ -1,10 +1,10 @@
 //! What the JSON Schema cannot say: names that must exist, bodies that must not sit in each other,
 //! a step that must be stable.
 use super::{
-    Body, Clump, ContactLaw, GranularScene, LoadPlane, Material, MovePlane, Plane, Stage, TimeStep,
-    check_walls,
+    Body, Clump, ContactLaw, Filled, GranularScene, LoadPlane, Material, MovePlane, Plane, Shape,
+    Stage, TimeStep, check_walls, grains::MOST_MEMBERS,
 };
-use crate::Violation;
+use crate::{Violation, filling::FillError};
 
 /// Bodies may overlap by this part of the smaller radius at the start; more is a mistake, and
 /// would throw them apart.
@@ -93,13 +93,41 @@ fn check_bodies(spec: &GranularScene, violations: &mut Vec<Violation>) {
     }
 }
 
-/// A clump is given member by member or by what it fills.
+/// A clump is given member by member or by what it fills, which can be filled.
 pub(super) fn check_clump(pointer: &str, clump: &Clump) -> Option<Violation> {
-    (clump.members.is_empty() == clump.filled.is_none()).then(|| {
+    if clump.members.is_empty() == clump.filled.is_none() {
         let detail = "members are given one by one or fill a shape";
-        Violation::new(pointer, "not_one_shape", detail)
-            .allowed("exactly one of: members (at least one), filled")
-    })
+        let violation = Violation::new(pointer, "not_one_shape", detail);
+        return Some(violation.allowed("exactly one of: members (at least one), filled"));
+    }
+    let filled = clump.filled.as_ref()?;
+    check_filled(&format!("{pointer}/filled"), filled)
+}
+
+fn check_filled(pointer: &str, filled: &Filled) -> Option<Violation> {
+    let radius = |code: &str, detail: String| {
+        Violation::new(format!("{pointer}/member_radius_m"), code, detail)
+            .value(filled.member_radius_m)
+            .unit("m")
+    };
+    if let Err(error) = filled.check_surface() {
+        let code = match error {
+            FillError::NotClosed(_) => "not_closed",
+            _ => "not_a_surface",
+        };
+        let stl = format!("{pointer}/shape/surface/stl");
+        let violation = Violation::new(stl, code, error.to_string());
+        return Some(violation.allowed("a closed surface of triangles, as an STL file's text"));
+    }
+    let members = filled.expected_members();
+    if members > MOST_MEMBERS {
+        let violation = radius("too_large", format!("the shape takes {members} spheres"));
+        return Some(violation.allowed(format!("at most {MOST_MEMBERS} spheres in a shape")));
+    }
+    let is_surface = matches!(filled.shape, Shape::Surface { .. });
+    // what a surface takes is known when it is filled
+    let error = (!is_surface).then(|| filled.members().err())??;
+    Some(radius("does_not_fit", error.to_string()).allowed("a radius with which a sphere fits"))
 }
 
 /// What can break is held together by something.

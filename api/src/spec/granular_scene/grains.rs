@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::surface::{enclosed_volume, read_stl};
+
 /// Equal spheres on a lattice inside a shape, whose middle is the body's `position_m`.
 ///
 /// A hexagonal lattice has a sphere in the middle of the shape, a simple cubic one the middle of a
@@ -66,8 +68,8 @@ pub enum Lattice {
     SimpleCubic,
 }
 
-/// Members that a shape of unknown volume is taken to have in estimates.
-const MEMBERS_OF_A_SURFACE: u64 = 200;
+/// A shape filled with more members than this is refused; their number is told by its volume.
+pub(super) const MOST_MEMBERS: u64 = 100_000;
 
 impl Filled {
     /// Distance of neighbouring members [m].
@@ -75,10 +77,18 @@ impl Filled {
         self.spacing_m.unwrap_or(2.0 * self.member_radius_m)
     }
 
-    /// About how many members it has.
+    /// How many members it has; about, in a surface and when they are too many.
     pub(super) fn expected_members(&self) -> u64 {
+        let about = self.members_by_volume();
+        if matches!(self.shape, Shape::Surface { .. }) || about > MOST_MEMBERS {
+            return about;
+        }
+        self.members().map_or(1, |members| members.len() as u64)
+    }
+
+    /// About how many members it has, from the volume that is open to centres.
+    fn members_by_volume(&self) -> u64 {
         let open = |length: f64| (length - self.member_radius_m).max(0.0);
-        // the volume that is open to centres
         let volume = match &self.shape {
             Shape::Ellipsoid { semi_axes_m } => {
                 4.0 / 3.0 * PI * semi_axes_m.iter().map(|axis| open(*axis)).product::<f64>()
@@ -88,9 +98,16 @@ impl Filled {
             }
             Shape::Box { sides_m } => {
                 let rows = sides_m.map(|side| (2.0 * open(0.5 * side) / self.spacing()).ceil());
-                return rows.iter().map(|rows| *rows as u64 + 1).product();
+                let members = rows.iter().map(|rows| *rows as u64 + 1);
+                return members.fold(1, u64::saturating_mul);
             }
-            Shape::Surface { .. } => return MEMBERS_OF_A_SURFACE,
+            Shape::Surface { stl, scale } => {
+                let triangles = read_stl(stl.as_bytes()).unwrap_or_default();
+                let inside = enclosed_volume(&triangles) * scale.powi(3);
+                // as much smaller as a ball would be
+                let radius = (inside * 0.75 / PI).cbrt();
+                4.0 / 3.0 * PI * open(radius).powi(3)
+            }
         };
         let density = match self.lattice {
             Lattice::Hexagonal => std::f64::consts::SQRT_2,

@@ -5,8 +5,12 @@
 //! well, so that their numbers, sizes and masses are known before the run; only their places wait.
 use std::{borrow::Cow, collections::BTreeMap, f64::consts::PI, ops::Range};
 
-use loadframe_api::spec::granular_scene::{
-    Arrangement, Body, Clump, Generate, Grain, GranularScene, Member, Sphere as SphereShape, Stage,
+use loadframe_api::{
+    filling::Arrangement as LatticeArrangement,
+    spec::granular_scene::{
+        Arrangement, Body, Clump, Generate, Grain, GranularScene, Member, Sphere as SphereShape,
+        Stage,
+    },
 };
 use nalgebra::UnitQuaternion;
 use rand::seq::SliceRandom as _;
@@ -15,10 +19,7 @@ use super::{
     Vector,
     clump_geometry::mass_properties,
     facets::{Facets, Pose, search::Search},
-    generate::{
-        Amount, Region, Sizes, bounding_radius, insert, place_regularly, random_rotation, resolved,
-    },
-    lattice::Arrangement as LatticeArrangement,
+    generate::{Amount, Region, Sizes, bounding_radius, insert, place_regularly, random_rotation},
     sphere::Sphere,
 };
 use crate::{
@@ -47,7 +48,8 @@ impl<'a> Specimen<'a> {
         if bodies.iter().any(Body::is_filled) {
             for (index, body) in bodies.to_mut().iter_mut().enumerate() {
                 for shape in [&mut body.clump, &mut body.breakable].into_iter().flatten() {
-                    *shape = resolved(shape)
+                    *shape = shape
+                        .resolved()
                         .map_err(|error| wrong(format!("/bodies/{index}"), error))?;
                 }
             }
@@ -141,7 +143,7 @@ struct Maker<'a> {
 
 impl<'a> Maker<'a> {
     fn new(spec: &GranularScene, generator: &'a Generate, stream: usize) -> Result<Self, String> {
-        let template = generator.grain.template().map(resolved).transpose();
+        let template = generator.grain.template().map(Clump::resolved).transpose();
         let template = template.map_err(|error| error.to_string())?;
         let is_rigid = matches!(generator.grain, Grain::Clump(_));
         let template = template.map(|clump| about_centre(&clump, is_rigid));

@@ -1,14 +1,12 @@
 //! Regular places and random directions.
 use std::f64::consts::TAU;
 
+use loadframe_api::filling::{Arrangement, Lattice};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt as _};
 
 use super::Region;
-use crate::granular::{
-    lattice::{Arrangement, Lattice},
-    sphere::Sphere,
-};
+use crate::granular::sphere::Sphere;
 
 /// Places a bound may be missed by [share of the spacing], rounded.
 const ROUND_OFF: f64 = 1e-9;

@@ -1,9 +1,9 @@
 //! Regular arrangements of points: members of a grain, grains in a box.
 use nalgebra::Vector3;
 
-/// How neighbours sit.
+/// How neighbours of a lattice sit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Arrangement {
+pub enum Arrangement {
     /// Rows and layers in line, 6 neighbours; solid fraction of touching spheres π/6 = 0.52.
     SimpleCubic,
     /// Hexagonal close packing, layers ABAB along z, 12 neighbours; π/√18 = 0.74.
@@ -12,12 +12,12 @@ pub(crate) enum Arrangement {
 
 /// A lattice without bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lattice {
-    pub(crate) arrangement: Arrangement,
+pub struct Lattice {
+    pub arrangement: Arrangement,
     /// Distance of neighbours [m], positive.
-    pub(crate) spacing: f64,
+    pub spacing: f64,
     /// One of its points [m].
-    pub(crate) anchor: Vector3<f64>,
+    pub anchor: Vector3<f64>,
 }
 
 /// Points this far beyond a bound, in spacings, still count: the bound may be a point plus a
@@ -26,11 +26,7 @@ const ROUND_OFF: f64 = 1e-9;
 
 impl Lattice {
     /// Its points with lower ≤ x ≤ upper [m], layer by layer from below, each row along x.
-    pub(crate) fn points_between(
-        &self,
-        lower: &Vector3<f64>,
-        upper: &Vector3<f64>,
-    ) -> Vec<Vector3<f64>> {
+    pub fn points_between(&self, lower: &Vector3<f64>, upper: &Vector3<f64>) -> Vec<Vector3<f64>> {
         let Self {
             spacing, anchor, ..
         } = *self;

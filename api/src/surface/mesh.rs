@@ -2,14 +2,10 @@
 //!
 //! [`TriangleMesh::weld`] joins loose triangles and counts what keeps the surface from being closed;
 //! a closed one has a volume, an inside ([`TriangleMesh::encloses`]) and can be filled with spheres
-//! ([`fill`]). Nothing here knows materials or motion.
-mod fill;
-
+//! ([`crate::filling`]). Nothing here knows materials or motion.
 use std::collections::HashMap;
 
 use nalgebra::Vector3;
-
-pub(crate) use fill::{FillError, fill};
 
 /// Corners closer than this share of the diagonal of the bounding box are one vertex: ten times
 /// what single precision leaves of a coordinate, and far below any feature one would contact.
@@ -20,35 +16,35 @@ const DEGENERATE: f64 = 1e-10;
 
 /// A surface of triangles that share vertices.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct TriangleMesh {
+pub struct TriangleMesh {
     /// Positions, in the unit of the triangles it was made of.
-    pub(crate) vertices: Vec<Vector3<f64>>,
+    pub vertices: Vec<Vector3<f64>>,
     /// Corners, counter-clockwise seen from outside when the surface is oriented as it should be.
-    pub(crate) triangles: Vec<[u32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
     /// Triangles left out because they had no area.
-    pub(crate) degenerate: usize,
-    pub(crate) seams: Seams,
+    pub degenerate: usize,
+    pub seams: Seams,
 }
 
 /// Edges where a surface is not the boundary of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Seams {
+pub struct Seams {
     /// Edges with a triangle on one side only: rims of holes.
-    pub(crate) boundary_edges: usize,
+    pub boundary_edges: usize,
     /// Edges whose triangles turn the same way, or which an odd number above one shares.
-    pub(crate) misoriented_edges: usize,
+    pub misoriented_edges: usize,
 }
 
 impl Seams {
     /// Whether the surface encloses a volume.
-    pub(crate) fn is_closed(&self) -> bool {
+    pub fn is_closed(&self) -> bool {
         *self == Self::default()
     }
 }
 
 impl TriangleMesh {
     /// Joins the equal corners of finite triangles. Costs about 1 µs per triangle.
-    pub(crate) fn weld(triangles: &[[Vector3<f64>; 3]]) -> Self {
+    pub fn weld(triangles: &[[Vector3<f64>; 3]]) -> Self {
         let [lower, upper] = bounds(triangles.iter().flatten());
         let distance = WELD_DISTANCE * (upper - lower).norm();
         let mut vertices = Vertices::new(lower, distance);
@@ -75,7 +71,7 @@ impl TriangleMesh {
     }
 
     /// The three corners of each triangle.
-    pub(crate) fn corners(&self) -> impl Iterator<Item = [Vector3<f64>; 3]> {
+    pub fn corners(&self) -> impl Iterator<Item = [Vector3<f64>; 3]> {
         let position = |corner: u32| self.vertices[corner as usize];
         self.triangles
             .iter()
@@ -83,21 +79,8 @@ impl TriangleMesh {
     }
 
     /// Lower and upper corner of the bounding box; infinite and reversed for an empty surface.
-    pub(crate) fn bounds(&self) -> [Vector3<f64>; 2] {
+    pub fn bounds(&self) -> [Vector3<f64>; 2] {
         bounds(&self.vertices)
-    }
-
-    /// Volume inside a closed surface, in the cube of its unit; negative when its triangles are
-    /// clockwise seen from outside. ∑ a·(b × c)/6 about the middle of the box.
-    #[cfg(test)]
-    pub(crate) fn signed_volume(&self) -> f64 {
-        let [lower, upper] = self.bounds();
-        let middle = (lower + upper) * 0.5;
-        let tetrahedra = self.corners().map(|corners| {
-            let [a, b, c] = corners.map(|corner| corner - middle);
-            a.dot(&b.cross(&c))
-        });
-        tetrahedra.sum::<f64>() / 6.0
     }
 
     /// Whether a point lies inside a closed surface, whichever way that is oriented.
@@ -106,7 +89,7 @@ impl TriangleMesh {
     /// that no single triangle decides, as it would for a ray through an edge. Costs about 20 ns
     /// per triangle. Source: van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125:
     /// tan(Ω/2) = a·(b × c)/(abc + (a·b) c + (b·c) a + (c·a) b).
-    pub(crate) fn encloses(&self, point: &Vector3<f64>) -> bool {
+    pub fn encloses(&self, point: &Vector3<f64>) -> bool {
         let solid_angles = self.corners().map(|corners| {
             let [a, b, c] = corners.map(|corner| corner - point);
             let [to_a, to_b, to_c] = [a, b, c].map(|ray| ray.norm());
