@@ -4,6 +4,7 @@
 //! For breakable grains the table `fragments.csv` counts fragments by the number of their members,
 //! in the classes of T fig. 4.25.
 use super::{
+    breaks,
     contact::lists::Who,
     engine::Engine,
     journal::{Journal, Reading},
@@ -40,9 +41,14 @@ pub(super) struct Fragments(Vec<u32>);
 impl Fragments {
     /// As the bonds of the last step hold.
     pub(super) fn of(engine: &Engine) -> Self {
-        let mut parents: Vec<u32> = (0..engine.model.masses.len() as u32).collect();
-        for [a, b] in engine.bonded_bodies() {
-            let (a, b) = (root(&mut parents, a), root(&mut parents, b));
+        Self::joined(engine.model.masses.len(), &engine.bonded_bodies())
+    }
+
+    /// Of so many bodies, joined by these pairs.
+    fn joined(bodies: usize, pairs: &[[u32; 2]]) -> Self {
+        let mut parents: Vec<u32> = (0..bodies as u32).collect();
+        for [a, b] in pairs {
+            let (a, b) = (root(&mut parents, *a), root(&mut parents, *b));
             // the lower number stays, so that a parent is never above its child
             parents[a.max(b) as usize] = a.min(b);
         }
@@ -96,13 +102,15 @@ impl Engine {
     }
 }
 
-/// Adds a row on the breakable grains of the scene, if it has any.
+/// Adds a row on the breakable grains of the scene, if it has any, and the bonds that broke.
 pub(super) fn add_row(engine: &Engine, journal: &mut Journal) {
     let grains = &engine.model.grains;
     if grains.is_empty() {
         return;
     }
-    let fragments = Fragments::of(engine);
+    let bonds = engine.bonded_bodies();
+    let fragments = Fragments::joined(engine.model.masses.len(), &bonds);
+    breaks::add_rows(engine, journal, bonds);
     let count = grains.len();
     let (mut members, mut masses) = (vec![0_usize; count], vec![0.0; count]);
     let mut present = vec![false; count];

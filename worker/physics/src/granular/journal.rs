@@ -24,6 +24,10 @@ pub(super) struct Journal {
     pub(super) contacts: Vec<f64>,
     /// Rows of `fragments.csv`.
     pub(super) fragments: Vec<f64>,
+    /// Pairs of bodies whose bonds held at the last row, in order.
+    pub(super) bonds: Vec<[u32; 2]>,
+    /// Rows of `broken_bonds.csv`.
+    pub(super) breaks: Vec<f64>,
     /// Batches of the present stage, and grains that came in with them.
     pub(super) batches: u64,
     pub(super) supplied: usize,

@@ -34,6 +34,7 @@
 //! is a list beside `WallList`, a stage a variant of the spec's `Stage` and its arm in [`run`]. A test
 //! in its own terms is a script of stages and a reader of their curve, as in [`ballast`].
 pub(crate) mod ballast;
+mod breaks;
 mod clump_geometry;
 mod contact;
 mod drives;

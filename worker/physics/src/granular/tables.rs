@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use loadframe_api::spec::granular_scene::{GranularScene, Material};
 
 use super::{
-    Vector, engine::Engine, fragments, journal::Journal, measure, motion::clump::Clump,
+    Vector, breaks, engine::Engine, fragments, journal::Journal, measure, motion::clump::Clump,
     observe::Contact,
 };
 use crate::{Recorder, csv};
@@ -256,6 +256,7 @@ pub(super) fn write(
             &journal.fragments,
         )?;
     }
+    breaks::write(journal, recorder)?;
     if spec.record.contacts {
         table(
             recorder,
@@ -267,7 +268,7 @@ pub(super) fn write(
     Ok(())
 }
 
-fn table(
+pub(super) fn table(
     recorder: &mut dyn Recorder,
     name: &str,
     columns: &[&str],

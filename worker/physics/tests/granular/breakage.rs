@@ -87,6 +87,19 @@ fn a_crushed_ball_falls_into_ever_smaller_fragments() {
     let broken = record.column("broken_bonds");
     assert!(broken.windows(2).all(|pair| pair[0] <= pair[1]));
     assert_eq!(broken.last().copied(), report.summary["broken_bonds"].value);
+    // each break has its place in the press, and its time
+    let map = record.table("broken_bonds.csv");
+    assert_eq!(Some(map.len() as f64), report.summary["broken_bonds"].value);
+    assert!(map.windows(2).all(|pair| pair[0][1] <= pair[1][1]));
+    for row in &map {
+        assert!(
+            row[3].hypot(row[4]) < 0.1 && row[5].abs() < 0.024,
+            "{row:?}"
+        );
+        assert!(row[7] < row[8] && row[8] < 135.0, "{row:?}");
+    }
+    let stages = scene::array(&record.files["broken_bonds.vtp"], "stage");
+    assert_eq!(stages.len(), 4 * map.len());
     // the picture shows the same pieces
     let names: Vec<&String> = record
         .files
@@ -132,5 +145,9 @@ fn grains_that_are_poured_are_bonded_when_they_come() {
     assert_eq!(last[3], last[4], "and tore none");
     assert_eq!(of("removed_bodies") + of("bodies"), 165.0);
     assert_eq!(of("broken_bonds"), 0.0);
+    assert!(
+        !record.files.contains_key("broken_bonds.csv"),
+        "taken out, not broken"
+    );
     assert_resumes(&spec, 1);
 }
