@@ -39,21 +39,23 @@ export class LiveJob {
 
   event(event: ServerEvent): void {
     const before = this.job;
-    // The first fetch is under way and will be newer than whatever comes before it.
-    if (!before) return;
     if (event.name === "job") {
       this.#take(JSON.parse(event.data) as Job);
+      // The first fetch is under way: it brings the rest, but may be older than this event.
+      if (!before) return;
       const hasChanged = before.status !== this.job?.status || before.attempt !== this.job?.attempt;
       if (hasChanged) void this.#readRest().catch(() => {});
       else this.#readLogSoon();
+    } else if (event.name === "deleted") {
+      this.isDeleted = true;
+    } else if (!before) {
+      return;
     } else if (event.name === "progress") {
       const { progress, phase, eta_s } = JSON.parse(event.data) as Progress;
       if (before.status === "running") this.job = { ...before, progress, phase, eta_s };
       this.#readLogSoon();
     } else if (event.name === "points") {
       this.curve.grow(JSON.parse(event.data) as PointsReady);
-    } else if (event.name === "deleted") {
-      this.isDeleted = true;
     }
   }
 
@@ -73,8 +75,9 @@ export class LiveJob {
 
   /** Takes a job unless a newer state of it is known: answers and events may overtake each other. */
   #take(job: Job): void {
-    if (this.job && Date.parse(job.updated_at) < Date.parse(this.job.updated_at)) return;
-    this.job = { ...job, spec: job.spec ?? this.job?.spec };
+    const isOlder = this.job !== null && Date.parse(job.updated_at) < Date.parse(this.job.updated_at);
+    // Events leave the spec out, which never changes.
+    this.job = { ...(isOlder && this.job ? this.job : job), spec: job.spec ?? this.job?.spec };
   }
 
   /** Reads everything beside the job itself; before its first attempt there is nothing. */

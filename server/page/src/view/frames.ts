@@ -1,0 +1,86 @@
+// The moments of a test of which there are snapshots, and what can be seen of each.
+import { describe } from "../plot/names";
+import type { PolyData, Values } from "./vtp";
+
+export interface Frame {
+  /** Time of a scene [s], or nominal strain of a fabric. */
+  at: number;
+  files: string[];
+}
+
+/** Moments of several series (`.pvd`) together; files of one moment are one picture. */
+export function framesOf(series: string[]): Frame[] {
+  const frames = new Map<number, string[]>();
+  for (const [, at, file = ""] of series.flatMap((text) => [...text.matchAll(/<DataSet timestep="([^"]+)"[^>]* file="([^"]+)"/g)])) {
+    frames.set(Number(at), [...(frames.get(Number(at)) ?? []), file]);
+  }
+  return [...frames].map(([at, files]) => ({ at, files })).toSorted((a, b) => a.at - b.at);
+}
+
+/** The parts of one picture, told apart by what they are made of. */
+export interface Picture {
+  spheres: PolyData | undefined;
+  lines: PolyData | undefined;
+  walls: PolyData | undefined;
+}
+
+export function pictureOf(parts: PolyData[]): Picture {
+  return {
+    spheres: parts.find(({ points, lines, ends, pointData }) => points.length > 0 && lines.length + ends.length === 0 && pointData.some(({ name }) => name === "radius_m")),
+    lines: parts.find(({ lines }) => lines.length > 0),
+    walls: parts.find(({ ends }) => ends.length > 0),
+  };
+}
+
+/** What a picture holds, as a sentence. */
+export function inventory({ spheres, lines, walls }: Picture, isScene: boolean): string {
+  const broken = lines ? [...brokenOf(lines)].filter((is) => is > 0).length : 0;
+  const some = [
+    count(spheres ? spheres.points.length / 3 : 0, "sphere"),
+    count(walls?.ends.length ?? 0, "polygon", " of walls"),
+    count(lines ? lines.lines.length / 2 - broken : 0, isScene ? "contact force" : "bond"),
+    count(broken, "broken bond"),
+  ].filter((text) => text !== "");
+  if (some.length === 0) return "Nothing is recorded in this snapshot.";
+  const list = some.length > 1 ? `${some.slice(0, -1).join(", ")} and ${some.at(-1)}` : some.join();
+  return `${list}.${isScene && !spheres ? " No bodies are recorded in it." : ""}`;
+}
+
+/** For each line whether it has broken; empty where lines do not break. */
+export function brokenOf({ cellData }: PolyData): Values["values"] {
+  return cellData.find(({ name }) => name === "broken")?.values ?? new Uint8Array();
+}
+
+function count(number: number, what: string, rest = ""): string {
+  return number === 0 ? "" : `${number} ${what}${number === 1 ? "" : "s"}${rest}`;
+}
+
+/** What bodies or lines can be coloured by: single values, and the size of vectors. */
+export interface Quality {
+  name: string;
+  label: string;
+  unit: string;
+  /** Each value is a colour of its own, and no more or less than another. */
+  isName: boolean;
+  values: ArrayLike<number>;
+}
+
+const NAMES = ["fragment", "body", "grain", "clump", "material"];
+
+export function qualitiesOf(data: Values[]): Quality[] {
+  return data
+    .filter(({ name }) => name !== "radius_m" && name !== "broken")
+    .map(({ name, components, values }) => ({
+      name,
+      label: describe(name).label,
+      unit: describe(name).unit,
+      isName: NAMES.includes(name),
+      values: components === 1 ? values : Array.from({ length: values.length / components }, (_, row) => Math.hypot(...values.subarray(row * components, (row + 1) * components))),
+    }));
+}
+
+/** The one that tells most when nobody has chosen: pieces, where grains break. */
+export function usualQuality(qualities: Quality[]): string {
+  const known = ["fragment", "velocity_m_per_s", "normal_force_n", "force_over_strength"];
+  return known.find((name) => qualities.some((quality) => quality.name === name)) ?? qualities[0]?.name ?? "";
+}

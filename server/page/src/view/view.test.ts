@@ -1,0 +1,86 @@
+import { deflateSync } from "node:zlib";
+import { expect, test } from "vitest";
+import { rangeOf } from "./colours";
+import { framesOf, inventory, pictureOf, qualitiesOf, usualQuality } from "./frames";
+import { readVtp, type PolyData } from "./vtp";
+
+/** An array as the engine appends it, in blocks of so many bytes. */
+function appended(values: Float64Array | Int32Array | Uint8Array, block: number): Uint8Array {
+  const bytes = new Uint8Array(values.buffer);
+  const blocks: Uint8Array[] = [];
+  for (let at = 0; at < bytes.length; at += block) blocks.push(deflateSync(bytes.subarray(at, at + block)));
+  const head = [blocks.length, block, bytes.length % block, ...blocks.map(({ length }) => length)];
+  return Buffer.concat([new Uint8Array(BigUint64Array.from(head.map(BigInt)).buffer), ...blocks]);
+}
+
+type Arrays = [name: string, components: number, values: Float64Array | Int32Array | Uint8Array][];
+
+function vtp(sections: Record<string, Arrays>): ArrayBuffer {
+  let offset = 0;
+  const data: Uint8Array[] = [];
+  const text = Object.entries(sections).map(([section, arrays]) => {
+    const elements = arrays.map(([name, components, values]) => {
+      const type = values instanceof Float64Array ? "Float64" : values instanceof Int32Array ? "Int32" : "UInt8";
+      const element = `<DataArray type="${type}" Name="${name}" NumberOfComponents="${components}" format="appended" offset="${offset}"/>`;
+      const array = appended(values, 40);
+      offset += array.length;
+      data.push(array);
+      return element;
+    });
+    return `<${section}>${elements.join("")}</${section}>`;
+  });
+  const header = `<?xml version="1.0"?><VTKFile type="PolyData"><PolyData><Piece NumberOfPoints="3">${text.join("\n")}</Piece></PolyData><AppendedData encoding="raw">_`;
+  return new Uint8Array(Buffer.concat([Buffer.from(header), ...data])).buffer;
+}
+
+const SPHERES = vtp({
+  PointData: [
+    ["radius_m", 1, Float64Array.of(0.1, 0.2, 0.3)],
+    ["velocity_m_per_s", 3, Float64Array.of(3, 4, 0, 0, 0, 0, 0, 0, 2)],
+    ["fragment", 1, Int32Array.of(0, 0, 7)],
+  ],
+  CellData: [],
+  Points: [["Points", 3, Float64Array.of(0, 0, 0, 1, 0, 0, 0, 1, -1e-9)]],
+});
+const WALLS = vtp({
+  CellData: [["wall", 1, Int32Array.of(0)]],
+  Points: [["Points", 3, Float64Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0)]],
+  Polys: [["connectivity", 1, Int32Array.of(0, 1, 2)], ["offsets", 1, Int32Array.of(3)]],
+});
+const BONDS = vtp({
+  CellData: [["force_n", 1, Float64Array.of(1, 5)], ["broken", 1, Uint8Array.of(0, 1)]],
+  Points: [["Points", 3, Float64Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0)]],
+  Lines: [["connectivity", 1, Int32Array.of(0, 1, 1, 2)], ["offsets", 1, Int32Array.of(2, 4)]],
+});
+const read = (...files: ArrayBuffer[]): Promise<PolyData[]> => Promise.all(files.map(readVtp));
+
+test("a snapshot is read over several blocks, to the last bit", async () => {
+  const [spheres] = await read(SPHERES);
+  expect([...(spheres?.points ?? [])]).toEqual([0, 0, 0, 1, 0, 0, 0, 1, -1e-9]);
+  expect(spheres?.pointData.map(({ name, values }) => [name, values.length])).toEqual([["radius_m", 3], ["velocity_m_per_s", 9], ["fragment", 3]]);
+});
+
+test("bodies are coloured by their fragments, and vectors by their size", async () => {
+  const [spheres] = await read(SPHERES);
+  const qualities = qualitiesOf(spheres?.pointData ?? []);
+  expect(usualQuality(qualities)).toBe("fragment");
+  expect(qualities[0]).toMatchObject({ label: "Velocity", unit: "m/s", isName: false, values: [5, 0, 2] });
+  expect(qualities[0] && rangeOf(qualities[0])).toEqual([0, 5]);
+});
+
+test("what a snapshot holds is said, and also what it does not", async () => {
+  expect(inventory(pictureOf(await read(SPHERES, WALLS)), true)).toBe("3 spheres and 1 polygon of walls.");
+  expect(inventory(pictureOf(await read(WALLS, BONDS)), false)).toBe("1 polygon of walls, 1 bond and 1 broken bond.");
+  expect(inventory(pictureOf(await read(WALLS)), true)).toBe("1 polygon of walls. No bodies are recorded in it.");
+  expect(inventory(pictureOf([]), true)).toBe("Nothing is recorded in this snapshot.");
+});
+
+test("a file of another form is refused in words", async () => {
+  await expect(readVtp(new TextEncoder().encode("<VTKFile/>").buffer as ArrayBuffer)).rejects.toThrow("not in the form");
+});
+
+test("files of one moment are one picture, whichever list names them", () => {
+  const set = (at: string, file: string): string => `<DataSet timestep="${at}" part="0" file="${file}"/>`;
+  const frames = framesOf([set("0", "a_0.vtp") + set("0.5", "a_1.vtp") + set("0.5", "walls_1.vtp"), set("0.50", "contacts_1.vtp")]);
+  expect(frames).toEqual([{ at: 0, files: ["a_0.vtp"] }, { at: 0.5, files: ["a_1.vtp", "walls_1.vtp", "contacts_1.vtp"] }]);
+});

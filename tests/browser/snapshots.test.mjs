@@ -1,0 +1,70 @@
+// Snapshots in three dimensions: what they hold, how they are coloured, and that they move.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { close, fitsThePhone, isAccessible, open, part, PHONE, picture, state, visit } from "./desk.mjs";
+
+before(open);
+after(close);
+
+/** Runs an example and opens its view; gives the job's id. */
+async function view(page, kind, name) {
+  const examples = await (await page.request.get(`/v1/kinds/${kind}/examples`)).json();
+  const { job } = examples.items.find((example) => example.name === name);
+  const answer = await page.request.post("/v1/jobs", { data: job });
+  assert.equal(answer.status(), 201, await answer.text());
+  const { id } = await answer.json();
+  await page.goto(`/jobs/${id}`);
+  await state(page, "succeeded").waitFor();
+  assert.ok(!(await page.evaluate(() => performance.getEntriesByType("resource").some(({ name }) => name.includes("three")))), "three dimensions are fetched before anybody asks");
+  await part(page, "show-snapshots").press("Enter");
+  await page.waitForFunction(() => Number(document.querySelector("[data-testid=stage]")?.dataset.frame) >= 0);
+  return id;
+}
+
+/** The picture as it is seen, once it has been drawn. */
+async function seen(page) {
+  await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+  return (await part(page, "stage").screenshot()).toString("base64");
+}
+
+const isAt = (page, frame) => page.waitForFunction((frame) => document.querySelector("[data-testid=stage]").dataset.frame === String(frame), frame);
+
+test("a grain breaks into its fragments before one's eyes", () =>
+  visit("/", async (page) => {
+    await view(page, "granular_scene", "granular_scene_breaking_clump");
+    const moment = part(page, "snapshots").getByRole("slider", { name: "Moment" });
+    const last = Number(await moment.getAttribute("max"));
+    assert.match(await part(page, "inventory").innerText(), /^57 spheres, 1 polygon of walls and \d+ contact forces\.$/);
+    assert.equal(await part(page, "spheres-by").inputValue(), "fragment");
+    const broken = await seen(page);
+    await picture(page, "snapshots");
+    await isAccessible(page, "snapshots");
+
+    await part(page, "spheres-by").selectOption("velocity_m_per_s");
+    assert.match(await part(page, "snapshots").innerText(), /… [\d.]+\sm\/s/u);
+    assert.notEqual(await seen(page), broken);
+    await part(page, "spheres-by").selectOption("fragment");
+    await part(page, "has-lines").check();
+    assert.notEqual(await seen(page), broken);
+    await part(page, "has-lines").uncheck();
+
+    await moment.fill("0");
+    await isAt(page, 0);
+    assert.notEqual(await seen(page), broken);
+    // plays to the end and stops there
+    await part(page, "play").press("Enter");
+    await isAt(page, last);
+    await page.waitForFunction(() => document.querySelector("[data-testid=play]").innerText === "Play");
+    await page.setViewportSize(PHONE);
+    await fitsThePhone(page, "snapshots");
+    await picture(page, "phone-snapshots");
+  }));
+
+test("a fabric shows its bonds, and those that broke no more", () =>
+  visit("/", async (page) => {
+    const id = await view(page, "nonwoven_tensile", "nonwoven_tensile_quick");
+    const { summary } = await (await page.request.get(`/v1/jobs/${id}`)).json();
+    const broken = summary.broken_bonds.value;
+    assert.equal(await part(page, "inventory").innerText(), `${summary.bonds.value - broken} bonds and ${broken} broken bonds.`);
+    assert.equal(await part(page, "has-lines").isChecked(), true);
+  }));
