@@ -29,7 +29,12 @@ function job(spec = {}) {
     },
   };
 }
-const endless = () => job({ test: { strain_step: 0.00005, max_strain: 3 }, output: { snapshot_every_steps: 0 } });
+/** Work for minutes: nobody waits for its end. */
+function endless() {
+  const long = job({ test: { strain_step: 0.000002, max_strain: 3 }, output: { snapshot_every_steps: 0 } });
+  Object.assign(long.spec.fabric.lattice, { points_per_row: 49, rows: 51 });
+  return long;
+}
 
 /** Submits what is in the editor; gives the new job's id. */
 async function submit(page) {
