@@ -149,7 +149,7 @@ impl Tester<'_> {
     pub(super) fn bed_porosity(&self, row: &Row) -> f64 {
         let slices = self.script.slices.iter();
         let volume: f64 = slices.map(|slice| slice.volume).sum();
-        let solid: f64 = row.solids.iter().sum();
+        let solid: f64 = self.solids(row).iter().sum();
         1.0 - solid / volume
     }
 
@@ -173,7 +173,9 @@ fn write_profile(tester: &mut Tester<'_>) -> io::Result<()> {
         .enumerate()
         .map(|(index, slice)| {
             let porosity = |row: Option<&Row>| {
-                row.map_or(f64::NAN, |row| 1.0 - row.solids[index] / slice.volume)
+                row.map_or(f64::NAN, |row| {
+                    1.0 - tester.solids(row)[index] / slice.volume
+                })
             };
             let mut line = slice.heights.to_vec();
             line.extend(moments.map(porosity));

@@ -25,9 +25,9 @@ pub(super) struct Row {
     /// I and mean stress [Pa] of the bed.
     pub(super) inertial_number: f64,
     pub(super) mean_stress: f64,
-    /// Solid volume of each slice [m³].
-    pub(super) solids: Vec<f64>,
-    /// The same of the bed.
+    /// Number of the row.
+    number: usize,
+    /// Solid volume of the bed [m³].
     pub(super) bed_solid: f64,
     pub(super) broken_bonds: Option<f64>,
 }
@@ -58,6 +58,9 @@ pub(super) struct Tester<'a> {
     boxes: Vec<f64>,
     /// Every row so far.
     pub(super) rows: Vec<Row>,
+    /// Solid volumes of slices [m³], row after row: many small vectors among the engine's large ones
+    /// would keep memory from being used again.
+    solids: Vec<f64>,
     /// Where the cycles begin: time [s] and height [m].
     start: Option<(f64, f64)>,
     /// The scene's table of fragments.
@@ -79,19 +82,20 @@ impl<'a> Tester<'a> {
             places: Places::default(),
             boxes: boxes.collect(),
             rows: Vec::new(),
+            solids: Vec::new(),
             start: None,
             fragments: Vec::new(),
         }
     }
 
-    fn read(&self, values: &[f64]) -> Row {
+    fn read(&mut self, values: &[f64]) -> Row {
         let places = &self.places;
         let porosities = places.porosities.iter().map(|place| values[*place]);
         let solids = porosities
             .zip(&self.boxes)
             .map(|(porosity, volume)| (1.0 - porosity) * volume);
-        let mut solids: Vec<f64> = solids.collect();
-        let bed_solid = solids.pop().unwrap_or(f64::NAN);
+        self.solids.extend(solids);
+        let bed_solid = self.solids.pop().unwrap_or(f64::NAN);
         Row {
             time: values[places.time],
             stage: values[places.stage] as usize,
@@ -102,10 +106,16 @@ impl<'a> Tester<'a> {
             step_ratio: values[places.step_ratio],
             inertial_number: values[places.inertial_number],
             mean_stress: values[places.mean_stress],
-            solids,
+            number: self.rows.len(),
             bed_solid,
             broken_bonds: places.broken_bonds.map(|place| values[place]),
         }
+    }
+
+    /// Solid volume of each slice at a row [m³].
+    pub(super) fn solids(&self, row: &Row) -> &[f64] {
+        let count = self.script.slices.len();
+        &self.solids[row.number * count..][..count]
     }
 
     fn phase(&self, stage: usize) -> Option<Phase> {
@@ -173,6 +183,7 @@ impl Recorder for Tester<'_> {
             broken_bonds: place("broken_bonds"),
         };
         self.rows.clear();
+        self.solids.clear();
         self.start = None;
         self.recorder.columns(&tables::curve_columns(self.script))
     }
