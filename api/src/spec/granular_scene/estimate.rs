@@ -17,7 +17,7 @@ const FACETS_STEP_S: f64 = 2.5e-7;
 /// Memory of a triangle with its place in the search [MB].
 const FACET_MB: f64 = 3e-4;
 /// Memory of the process itself, and per particle with its contacts [MB].
-const MEMORY_MB: [f64; 2] = [14.0, 1.0e-3];
+const MEMORY_MB: [f64; 2] = [18.0, 1.0e-3];
 /// A row of a table [MB], in memory and on disk.
 const BODY_ROW_MB: f64 = 280e-6;
 const CONTACT_ROW_MB: f64 = 220e-6;
@@ -30,8 +30,8 @@ const FREE_STEP_S: f64 = 1e-3;
 const CONTACTS_PER_PARTICLE: f64 = 2.5;
 /// Time of a snapshot's three files, and for each particle [s].
 const SNAPSHOT_S: [f64; 2] = [0.01, 5e-6];
-/// Compressed bytes of a particle in a snapshot [MB].
-const SNAPSHOT_MB_PER_PARTICLE: f64 = 120e-6;
+/// Compressed bytes of a particle and its contacts in a snapshot of a dense bed [MB].
+const SNAPSHOT_MB_PER_PARTICLE: f64 = 245e-6;
 
 impl GranularScene {
     /// Steps that all stages take together, as far as they are known beforehand.
