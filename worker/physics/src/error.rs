@@ -79,7 +79,7 @@ pub enum SimulationError {
 
 impl SimulationError {
     /// Whether it follows from the spec, so that it would come again anywhere.
-    pub(crate) fn is_of_the_spec(&self) -> bool {
+    pub fn is_of_the_spec(&self) -> bool {
         !matches!(
             self,
             Self::Checkpoint(_) | Self::Recorder(_) | Self::Threads { .. }

@@ -91,13 +91,15 @@ pub enum StudyError {
         #[source]
         source: io::Error,
     },
-    #[error("the test with {setting}, seed {seed}, has no result")]
+    #[error("the test with {setting}, seed {seed}, could not be done")]
     Simulation {
         setting: String,
         seed: u64,
         #[source]
         source: SimulationError,
     },
+    #[error("no test has a result; the first: {reason}")]
+    NoResults { reason: String },
     #[error("this machine gave no thread")]
     Machine(#[source] io::Error),
 }
@@ -125,7 +127,7 @@ enum Message {
 /// Runs all tests of `design` that `options.folder` does not hold yet.
 ///
 /// # Errors
-/// [`StudyError`] when a test has no result or the folder cannot be used.
+/// [`StudyError`] when no test has a result, or the folder or the machine cannot be used.
 pub fn run<D: Design>(
     design: &D,
     options: StudyOptions<'_>,
@@ -169,6 +171,11 @@ pub fn run<D: Design>(
                     let Task { setting, seed, .. } = tasks[task];
                     match *result {
                         Ok(Some(test)) => {
+                            if let Some(reason) = &test.failure {
+                                let (setting, seed) =
+                                    (design.words(setting), settings.seeds()[seed]);
+                                tracing::warn!(setting, seed, reason, "a test has no result");
+                            }
                             file.add(&test).map_err(unusable)?;
                             Unfinished::new(options.folder, &tasks[task].sha256).remove();
                             finished[setting][seed] = Some(test);
@@ -197,10 +204,16 @@ pub fn run<D: Design>(
     let complete = finished
         .into_iter()
         .map(|tests| tests.into_iter().collect());
-    Ok(match complete.collect::<Option<Vec<Vec<Finished>>>>() {
-        Some(finished) => StudyEnd::Finished(design.findings(&finished)),
-        None => StudyEnd::Suspended,
-    })
+    let Some(finished) = complete.collect::<Option<Vec<Vec<Finished>>>>() else {
+        return Ok(StudyEnd::Suspended);
+    };
+    let mut tests = finished.iter().flatten();
+    if let Some(reason) = tests.next().and_then(|first| first.failure.clone())
+        && tests.all(|test| test.failure.is_some())
+    {
+        return Err(StudyError::NoResults { reason });
+    }
+    Ok(StudyEnd::Finished(design.findings(&finished)))
 }
 
 /// All tests, seed by seed: a study that is stopped early has whole seeds.
@@ -269,11 +282,15 @@ fn test(
         cpu_before_s: saved.spent().cpu_s - thread_processor_time_s(),
         kept: Instant::now(),
     };
-    let ending = simulate(spec, context, &mut relay)?;
-    Ok(match ending {
-        Ending::Finished(report) => Some(Finished::new(sha256, relay.cpu_s(), report)),
-        Ending::Cancelled | Ending::Suspended => None,
-    })
+    match simulate(spec, context, &mut relay) {
+        Ok(Ending::Finished(report)) => Ok(Some(Finished::new(sha256, relay.cpu_s(), report))),
+        Ok(Ending::Cancelled | Ending::Suspended) => Ok(None),
+        Err(error) if error.is_of_the_spec() => {
+            let test = Finished::without_result(sha256, relay.cpu_s(), &error);
+            Ok(Some(test))
+        }
+        Err(error) => Err(error),
+    }
 }
 
 /// A recorder that tells how far a test is and keeps its state, and nothing else.

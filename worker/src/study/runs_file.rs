@@ -6,6 +6,7 @@ use std::path::Path;
 
 use indexmap::IndexMap;
 use loadframe_api::Report;
+use loadframe_physics::SimulationError;
 use serde::{Deserialize, Serialize};
 
 use crate::ENGINE_COMMIT;
@@ -25,7 +26,13 @@ pub struct Finished {
     pub(super) warnings: Vec<String>,
     /// All results with their units; `null` where the test did not get that far.
     pub(super) results: IndexMap<String, (Option<f64>, String)>,
+    /// Why there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) failure: Option<String>,
 }
+
+/// What a test without result warns of.
+const NO_RESULT: &str = "no_result";
 
 impl Finished {
     pub(super) fn new(spec_sha256: &str, cpu_s: f64, report: Report) -> Self {
@@ -45,6 +52,20 @@ impl Finished {
             results: results
                 .map(|(name, quantity)| (name, (quantity.value, quantity.unit)))
                 .collect(),
+            failure: None,
+        }
+    }
+
+    /// A test that its own spec made impossible: also a finding.
+    pub(super) fn without_result(spec_sha256: &str, cpu_s: f64, error: &SimulationError) -> Self {
+        Self {
+            spec_sha256: spec_sha256.to_owned(),
+            engine_commit: ENGINE_COMMIT.to_owned(),
+            cpu_s,
+            is_good: false,
+            warnings: vec![NO_RESULT.to_owned()],
+            results: IndexMap::new(),
+            failure: Some(error.to_string()),
         }
     }
 

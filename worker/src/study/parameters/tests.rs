@@ -62,6 +62,46 @@ fn timeless(mut study: Study) -> Study {
     study
 }
 
+/// A ball that falls for 0.2 s: too fast for steps of 1 ms.
+fn falling(steps: &[f64]) -> Value {
+    let stone = json!({"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e8, "stiffness_ratio": 0.3,
+        "friction_angle_rad": 0.5});
+    json!({
+        "title": "Falling", "seeds": 2,
+        "job": {"kind": "granular_scene", "spec": {
+            "version": 1, "materials": {"stone": stone}, "gravity_m_per_s2": [0, 0, -9.81],
+            "bodies": [{"material": "stone", "position_m": [0, 0, 0], "sphere": {"radius_m": 0.01}}],
+            "stages": [{"run": {"time_s": 0.2}}]}},
+        "vary": {"/time_step_s": steps},
+        "results": ["kinetic_energy"],
+    })
+}
+
+#[test]
+fn a_test_that_its_spec_makes_impossible_is_a_finding() {
+    let study = study(&falling(&[1e-4, 1e-3]), 1);
+    let [good, bad] = study.cases.as_slice() else {
+        panic!("{:?}", study.cases);
+    };
+    assert_eq!(good.results["kinetic_energy"].n, 2);
+    assert_eq!((bad.results["kinetic_energy"].n, bad.doubtful), (0, 2));
+    assert_eq!(bad.warnings["no_result"], 2);
+    assert!(study.words().contains("no result (2)"), "{}", study.words());
+    let folder = tempfile::tempdir().expect("a folder");
+    let options = StudyOptions {
+        threads: 1,
+        folder: folder.path(),
+        switch: &StopSwitch::default(),
+    };
+    let error = run(&design(&falling(&[1e-3])), options, &mut |_| {}).expect_err("nothing");
+    assert!(
+        error
+            .to_string()
+            .contains("more than a tenth of its radius"),
+        "{error}"
+    );
+}
+
 #[test]
 fn cases_have_the_statistics_of_their_tests() {
     let design = design(&file());
