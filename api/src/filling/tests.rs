@@ -1,6 +1,9 @@
 //! Surfaces that are filled, and what cannot be.
 use super::*;
-use crate::surface::{ball, cuboid};
+use crate::{
+    Submission, SubmissionError,
+    surface::{ball, cuboid},
+};
 
 fn touching(radius: f64, arrangement: Arrangement) -> Rows {
     Rows {
@@ -64,4 +67,34 @@ fn what_cannot_be_filled_says_why() {
         "the surface is not closed: 3 boundary edges and 0 edges between triangles of opposite orientation"
     );
     assert!(open.check_surface().is_err());
+}
+
+/// A disc that is as thin as its members has a layer of them, of any number.
+#[test]
+fn thin_shapes_of_too_many_members_are_not_tried() {
+    let body = |axes: [f64; 3], radius: f64| {
+        format!(
+            r#"{{"kind": "granular_scene", "spec": {{"version": 1,
+                "materials": {{"stone": {{"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e8}}}},
+                "bodies": [{{"material": "stone", "position_m": [0, 0, 0], "clump": {{"filled":
+                    {{"shape": {{"ellipsoid": {{"semi_axes_m": {axes:?}}}}}, "member_radius_m": {radius}}}}}}}],
+                "stages": [{{"run": {{"steps": 1}}}}]}}}}"#
+        )
+    };
+    for axes in [[1e-9, 1e6, 1e6], [1e-9, 1e-9, 1e6]] {
+        let text = body(axes, 1e-9);
+        let refused = Submission::from_slice(text.as_bytes()).expect_err("too many");
+        let SubmissionError::Invalid(violations) = refused else {
+            panic!("{refused}");
+        };
+        let pointer = "/spec/bodies/0/clump/filled/member_radius_m";
+        assert!(
+            violations
+                .iter()
+                .any(|it| it.pointer == pointer && it.code == "too_large"),
+            "{violations:#?}"
+        );
+    }
+    let thin = body([0.001, 0.02, 0.02], 0.001);
+    Submission::from_slice(thin.as_bytes()).expect("one layer");
 }

@@ -16,6 +16,9 @@ const LISTED: usize = 20;
 /// More spheres than this are refused: about 4 GB.
 const MOST_PARTICLES: u64 = 10_000_000;
 
+/// Places times triangles that are looked at to fill a surface, at most: some minutes.
+const MOST_LOOKS: f64 = 5e9;
+
 pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
     check_bodies(spec, violations);
     check_materials_of_walls(spec, violations);
@@ -118,6 +121,13 @@ fn check_filled(pointer: &str, filled: &Filled) -> Option<Violation> {
         let stl = format!("{pointer}/shape/surface/stl");
         let violation = Violation::new(stl, code, error.to_string());
         return Some(violation.allowed("a closed surface of triangles, as an STL file's text"));
+    }
+    if filled.looks() > MOST_LOOKS {
+        let detail = "filling the surface takes too long";
+        let violation = radius("too_large", detail.to_owned());
+        return Some(
+            violation.allowed("larger members, further apart, or a surface of fewer triangles"),
+        );
     }
     let members = filled.expected_members();
     if members > MOST_MEMBERS {

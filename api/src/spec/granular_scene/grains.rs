@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::surface::{enclosed_volume, read_stl};
+use crate::surface::{bounds, enclosed_volume, minus, read_stl};
 
 /// Equal spheres on a lattice inside a shape, whose middle is the body's `position_m`.
 ///
@@ -79,41 +79,52 @@ impl Filled {
 
     /// How many members it has; about, in a surface and when they are too many.
     pub(super) fn expected_members(&self) -> u64 {
-        let about = self.members_by_volume();
+        let about = self.members_by_size();
         if matches!(self.shape, Shape::Surface { .. }) || about > MOST_MEMBERS {
             return about;
         }
         self.members().map_or(1, |members| members.len() as u64)
     }
 
-    /// About how many members it has, from the volume that is open to centres.
-    fn members_by_volume(&self) -> u64 {
-        let open = |length: f64| (length - self.member_radius_m).max(0.0);
-        let volume = match &self.shape {
-            Shape::Ellipsoid { semi_axes_m } => {
-                4.0 / 3.0 * PI * semi_axes_m.iter().map(|axis| open(*axis)).product::<f64>()
-            }
+    /// About how many members it has: its share of a box of rows. One row is there however thin the
+    /// shape is.
+    fn members_by_size(&self) -> u64 {
+        let rows = |length: f64| {
+            let open = (length - 2.0 * self.member_radius_m).max(0.0);
+            open / self.spacing() + 1.0
+        };
+        let rounded = PI / 6.0;
+        let (sides, share) = match &self.shape {
+            Shape::Ellipsoid { semi_axes_m } => (semi_axes_m.map(|axis| 2.0 * axis), rounded),
             Shape::Cylinder { radius_m, height_m } => {
-                PI * open(*radius_m).powi(2) * 2.0 * open(0.5 * height_m)
+                ([2.0 * radius_m, 2.0 * radius_m, *height_m], PI / 4.0)
             }
-            Shape::Box { sides_m } => {
-                let rows = sides_m.map(|side| (2.0 * open(0.5 * side) / self.spacing()).ceil());
-                let members = rows.iter().map(|rows| *rows as u64 + 1);
-                return members.fold(1, u64::saturating_mul);
-            }
+            Shape::Box { sides_m } => (*sides_m, 1.0),
             Shape::Surface { stl, scale } => {
                 let triangles = read_stl(stl.as_bytes()).unwrap_or_default();
-                let inside = enclosed_volume(&triangles) * scale.powi(3);
-                // as much smaller as a ball would be
-                let radius = (inside * 0.75 / PI).cbrt();
-                4.0 / 3.0 * PI * open(radius).powi(3)
+                // the ball of its volume; what stands out of it by less than a row counts for nothing
+                let volume = enclosed_volume(&triangles) * scale.powi(3);
+                let diameter = 2.0 * (volume * 0.75 / PI).cbrt();
+                ([diameter - self.spacing(); 3], rounded)
             }
         };
         let density = match self.lattice {
             Lattice::Hexagonal => std::f64::consts::SQRT_2,
             Lattice::SimpleCubic => 1.0,
         };
-        ((density * volume / self.spacing().powi(3)) as u64).max(1)
+        ((share * density * sides.map(rows).iter().product::<f64>()) as u64).max(1)
+    }
+
+    /// Places that are looked at to fill a surface, times its triangles.
+    pub(super) fn looks(&self) -> f64 {
+        let Shape::Surface { stl, scale } = &self.shape else {
+            return 0.0;
+        };
+        let triangles = read_stl(stl.as_bytes()).unwrap_or_default();
+        let [lower, upper] = bounds(triangles.iter().flatten());
+        let sides = minus(&upper, &lower);
+        let rows = sides.map(|side| scale * side / self.spacing() + 1.0);
+        triangles.len() as f64 * rows.iter().product::<f64>()
     }
 }
 
