@@ -1,16 +1,10 @@
 //! Regular arrangements of points: members of a grain, grains in a box.
 use nalgebra::Vector3;
 
-/// How neighbours of a lattice sit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arrangement {
-    /// Rows and layers in line, 6 neighbours; solid fraction of touching spheres π/6 = 0.52.
-    SimpleCubic,
-    /// Hexagonal close packing, layers ABAB along z, 12 neighbours; π/√18 = 0.74.
-    Hexagonal,
-}
+pub use crate::spec::granular_scene::Lattice as Arrangement;
 
-/// A lattice without bounds.
+/// A lattice without bounds: rows and layers in line (`SimpleCubic`, solid fraction of touching spheres
+/// π/6 = 0.52), or hexagonal close packing, layers ABAB along z (`Hexagonal`, π/√18 = 0.74).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     pub arrangement: Arrangement,

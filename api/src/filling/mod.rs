@@ -12,7 +12,7 @@ pub use lattice::{Arrangement, Lattice};
 use nalgebra::Vector3;
 
 use crate::{
-    spec::granular_scene::{self, Clump, Filled, Member, Shape},
+    spec::granular_scene::{Clump, Filled, Member, Shape},
     surface::{Seams, StlError, TriangleMesh, read_stl},
 };
 use solid::Rows;
@@ -27,15 +27,6 @@ pub enum FillError {
     NotClosed(Seams),
     #[error("no sphere of radius {0} m fits into the shape")]
     NothingFits(f64),
-}
-
-impl From<granular_scene::Lattice> for Arrangement {
-    fn from(lattice: granular_scene::Lattice) -> Self {
-        match lattice {
-            granular_scene::Lattice::Hexagonal => Self::Hexagonal,
-            granular_scene::Lattice::SimpleCubic => Self::SimpleCubic,
-        }
-    }
 }
 
 impl Clump {
@@ -62,7 +53,7 @@ impl Filled {
     pub fn members(&self) -> Result<Vec<Member>, FillError> {
         let rows = Rows {
             radius: self.member_radius_m,
-            arrangement: self.lattice.into(),
+            arrangement: self.lattice,
             spacing: self.spacing(),
         };
         let centres = match &self.shape {

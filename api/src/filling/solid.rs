@@ -26,18 +26,34 @@ pub(super) struct Rows {
     pub(super) spacing: f64,
 }
 
+impl Rows {
+    /// Least distance of a member's centre from the surface [m].
+    pub(super) fn clearance(&self) -> f64 {
+        self.radius * (1.0 - ROUND_OFF)
+    }
+
+    /// Members that touch their neighbours.
+    #[cfg(test)]
+    pub(super) fn touching(radius: f64, arrangement: Arrangement) -> Self {
+        Self {
+            radius,
+            arrangement,
+            spacing: 2.0 * radius,
+        }
+    }
+}
+
 /// Members have their centres in the ellipsoid whose semi-axes are shorter by their radius, as in
 /// Yade's packs; where curvature changes fast they stand out a little.
 pub(super) fn ellipsoid(semi_axes: [f64; 3], rows: Rows) -> Vec<Vector3<f64>> {
-    let inner = Vector3::from(semi_axes).add_scalar(-rows.radius * (1.0 - ROUND_OFF));
+    let inner = Vector3::from(semi_axes).add_scalar(-rows.clearance());
     let is_inside = |centre: &Vector3<f64>| centre.component_div(&inner).norm_squared() <= 1.0;
     on_lattice(&inner, rows, is_inside)
 }
 
 /// Axis along z; members are wholly inside.
 pub(super) fn cylinder(radius: f64, half_height: f64, rows: Rows) -> Vec<Vector3<f64>> {
-    let less = rows.radius * (1.0 - ROUND_OFF);
-    let inner = Vector3::new(radius, radius, half_height).add_scalar(-less);
+    let inner = Vector3::new(radius, radius, half_height).add_scalar(-rows.clearance());
     on_lattice(&inner, rows, |centre| centre.xy().norm() <= inner.x)
 }
 
@@ -70,7 +86,7 @@ fn on_lattice(
 
 /// Members touch all faces of the box, in even rows no further apart than the spacing.
 pub(super) fn cuboid(sides: [f64; 3], rows: Rows) -> Vec<Vector3<f64>> {
-    let reach = sides.map(|side| side - 2.0 * rows.radius * (1.0 - ROUND_OFF));
+    let reach = sides.map(|side| side - 2.0 * rows.clearance());
     if reach.iter().any(|length| *length < 0.0) {
         return Vec::new();
     }
@@ -98,17 +114,9 @@ mod tests {
 
     const MM: f64 = 1e-3;
 
-    fn touching(radius: f64, arrangement: Arrangement) -> Rows {
-        Rows {
-            radius,
-            arrangement,
-            spacing: 2.0 * radius,
-        }
-    }
-
     fn count(semi_axes: [f64; 3], radius: f64, arrangement: Arrangement) -> usize {
         let semi_axes = semi_axes.map(|length| length * MM);
-        ellipsoid(semi_axes, touching(radius * MM, arrangement)).len()
+        ellipsoid(semi_axes, Rows::touching(radius * MM, arrangement)).len()
     }
 
     #[test]
@@ -121,9 +129,9 @@ mod tests {
     #[test]
     fn members_of_round_grains_are_inside_and_do_not_overlap() {
         for arrangement in [Arrangement::Hexagonal, Arrangement::SimpleCubic] {
-            let ball = ellipsoid([0.024; 3], touching(0.0036, arrangement));
+            let ball = ellipsoid([0.024; 3], Rows::touching(0.0036, arrangement));
             assert!(ball.iter().all(|centre| centre.norm() <= 0.0204 + 1e-9));
-            let members = cylinder(0.018, 0.02, touching(0.003, arrangement));
+            let members = cylinder(0.018, 0.02, Rows::touching(0.003, arrangement));
             assert!(
                 members
                     .iter()
@@ -162,7 +170,7 @@ mod tests {
     #[test]
     fn a_box_is_filled_to_its_faces() {
         let sides = [0.25, 0.3, 0.15];
-        let members = cuboid(sides, touching(0.005, Arrangement::SimpleCubic));
+        let members = cuboid(sides, Rows::touching(0.005, Arrangement::SimpleCubic));
         assert_eq!(members.len(), 25 * 30 * 15);
         for (axis, side) in sides.into_iter().enumerate() {
             let reach = members.iter().map(|centre| centre[axis] + 0.005);
@@ -172,14 +180,14 @@ mod tests {
         // rows come closer where they do not fit evenly, and a rail of one layer stays one
         let wider = Rows {
             spacing: 0.011,
-            ..touching(0.005, Arrangement::SimpleCubic)
+            ..Rows::touching(0.005, Arrangement::SimpleCubic)
         };
         assert_eq!(cuboid([0.25, 0.15, 0.01], wider).len(), 23 * 14);
     }
 
     #[test]
     fn members_larger_than_the_grain_do_not_fit() {
-        let large = touching(0.0101, Arrangement::Hexagonal);
+        let large = Rows::touching(0.0101, Arrangement::Hexagonal);
         assert!(ellipsoid([0.01, 0.037, 0.037], large).is_empty());
         assert!(cylinder(0.02, 0.01, large).is_empty());
         assert!(cuboid([0.1, 0.1, 0.02], large).is_empty());

@@ -4,9 +4,8 @@ use nalgebra::Vector3;
 use super::{FillError, lattice::Lattice, solid::Rows};
 use crate::surface::{TriangleMesh, closest_point};
 
-/// Share of the radius by which a member may be outside: the surface may touch it, rounded.
-const ROUND_OFF: f64 = 1e-9;
-
+/// Finds a surface with holes, or with triangles that turn both ways.
+///
 /// # Errors
 /// [`FillError::NotClosed`].
 pub(super) fn check(mesh: &TriangleMesh) -> Result<(), FillError> {
@@ -25,23 +24,16 @@ pub(super) fn check(mesh: &TriangleMesh) -> Result<(), FillError> {
 ///
 /// # Errors
 /// [`FillError::NotClosed`].
-pub(super) fn centres(
-    mesh: &TriangleMesh,
-    Rows {
-        radius,
-        arrangement,
-        spacing,
-    }: Rows,
-) -> Result<Vec<Vector3<f64>>, FillError> {
+pub(super) fn centres(mesh: &TriangleMesh, rows: Rows) -> Result<Vec<Vector3<f64>>, FillError> {
     check(mesh)?;
     let [lower, upper] = mesh.bounds();
     let anchor = (lower + upper) * 0.5;
     let lattice = Lattice {
-        arrangement,
-        spacing,
+        arrangement: rows.arrangement,
+        spacing: rows.spacing,
         anchor,
     };
-    let clearance = radius * (1.0 - ROUND_OFF);
+    let clearance = rows.clearance();
     let fits = |centre: &Vector3<f64>| {
         let is_clear = mesh.corners().all(|corners| {
             let closest = closest_point(&corners.map(Into::into), &(*centre).into()).position;

@@ -2,27 +2,19 @@
 use super::*;
 use crate::{
     Submission, SubmissionError,
-    surface::{ball, cuboid},
+    surface::{ball, block},
 };
-
-fn touching(radius: f64, arrangement: Arrangement) -> Rows {
-    Rows {
-        radius,
-        arrangement,
-        spacing: 2.0 * radius,
-    }
-}
 
 #[test]
 fn a_box_is_filled_to_its_walls() {
-    let mesh = TriangleMesh::weld(&cuboid([5.0, 3.0, 3.0]));
-    let spheres =
-        surface::centres(&mesh, touching(0.5, Arrangement::SimpleCubic)).expect("it is closed");
+    let mesh = TriangleMesh::weld(&block([5.0, 3.0, 3.0]));
+    let spheres = surface::centres(&mesh, Rows::touching(0.5, Arrangement::SimpleCubic))
+        .expect("it is closed");
     assert_eq!(spheres.len(), 5 * 3 * 3);
     // between 2 and 3 of them fit along a box of 2.9
-    let mesh = TriangleMesh::weld(&cuboid([5.0, 2.9, 2.9]));
-    let spheres =
-        surface::centres(&mesh, touching(0.5, Arrangement::SimpleCubic)).expect("it is closed");
+    let mesh = TriangleMesh::weld(&block([5.0, 2.9, 2.9]));
+    let spheres = surface::centres(&mesh, Rows::touching(0.5, Arrangement::SimpleCubic))
+        .expect("it is closed");
     assert_eq!(spheres.len(), 5);
 }
 
@@ -30,7 +22,7 @@ fn a_box_is_filled_to_its_walls() {
 fn a_ball_is_filled_by_135_spheres_of_the_thesis_radius() {
     let mesh = TriangleMesh::weld(&ball(24.0, 5));
     let spheres =
-        surface::centres(&mesh, touching(3.6, Arrangement::Hexagonal)).expect("it is closed");
+        surface::centres(&mesh, Rows::touching(3.6, Arrangement::Hexagonal)).expect("it is closed");
     assert!(spheres.iter().all(|centre| centre.norm() + 3.6 <= 24.0));
     assert_eq!(spheres.len(), 135);
 }
@@ -42,7 +34,7 @@ fn what_cannot_be_filled_says_why() {
         let corners = [a, b, c].map(vertex).concat();
         format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n")
     };
-    let mut triangles: Vec<_> = (cuboid([1.0; 3]).into_iter())
+    let mut triangles: Vec<_> = (block([1.0; 3]).into_iter())
         .map(|corners| facet(corners.map(Into::into)))
         .collect();
     let filled = |triangles: &[String]| Filled {
@@ -51,7 +43,7 @@ fn what_cannot_be_filled_says_why() {
             scale: 0.1,
         },
         member_radius_m: 0.06,
-        lattice: granular_scene::Lattice::SimpleCubic,
+        lattice: Arrangement::SimpleCubic,
         spacing_m: None,
     };
     let message = |filled: &Filled| filled.members().expect_err("it cannot").to_string();

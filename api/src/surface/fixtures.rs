@@ -2,30 +2,9 @@
 use nalgebra::Vector3;
 
 /// The box [0, sides], as loose triangles.
-pub(crate) fn cuboid(sides: [f64; 3]) -> Vec<[Vector3<f64>; 3]> {
-    let corner = |number: usize| {
-        Vector3::from_fn(|axis, _| {
-            if number >> axis & 1 == 1 {
-                sides[axis]
-            } else {
-                0.0
-            }
-        })
-    };
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let halves = |[a, b, c, d]: [usize; 4]| [[a, b, c], [a, c, d]];
-    faces
-        .into_iter()
-        .flat_map(halves)
-        .map(|corners| corners.map(corner))
-        .collect()
+pub(crate) fn block(sides: [f64; 3]) -> Vec<[Vector3<f64>; 3]> {
+    let faces = super::cuboid([0.0; 3], sides).into_iter();
+    faces.map(|corners| corners.map(Into::into)).collect()
 }
 
 /// A sphere of triangles: an octahedron, each face divided `times` times.

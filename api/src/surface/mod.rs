@@ -3,14 +3,16 @@
 //! Both sides need this: whoever checks a scene, and whoever runs it. Nothing here knows materials
 //! or motion. Vectors are arrays, in whatever unit they come.
 mod closest_point;
+mod faces;
 #[cfg(test)]
 mod fixtures;
 mod mesh;
 mod stl;
 
 pub use closest_point::{ClosestPoint, Feature, closest_point};
+pub use faces::{cuboid, rectangle};
 #[cfg(test)]
-pub(crate) use fixtures::{ball, cuboid};
+pub(crate) use fixtures::{ball, block};
 pub use mesh::{Seams, TriangleMesh};
 pub use stl::{StlError, read_stl};
 

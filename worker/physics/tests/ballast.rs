@@ -263,6 +263,15 @@ fn what_cannot_be_tested_is_refused_by_field() {
         "/materials/aggregate",
         "not_cohesive",
     );
+    // counted before it is measured
+    refused(
+        |spec| {
+            spec["grains"] = json!({"shape": {"clump": {"filled": {"shape": {"ellipsoid":
+            {"semi_axes_m": [1e-9, 1e-9, 1e6]}}, "member_radius_m": 1e-9}}}});
+        },
+        "/grains/shape/clump/filled/member_radius_m",
+        "too_large",
+    );
     let mut job = json!({"kind": "ballast_box", "spec": small_oedometer()["spec"]});
     job["spec"]["apparatus"] = json!({"sleeper": {"length_m": 0.8}});
     let violations = submission(&job).expect_err("a sleeper larger than its box");

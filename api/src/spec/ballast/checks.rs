@@ -1,12 +1,13 @@
 //! What the JSON Schema cannot say of a test.
-use super::{super::granular_scene::Clump, Apparatus, Ballast, shapes::shell_members};
+use super::{
+    super::granular_scene::{Clump, MOST_MEMBERS, check_grain},
+    Apparatus, Ballast,
+    shapes::shell_members,
+};
 use crate::{Violation, kinds::Spec as _};
 
 /// The largest grain over the narrowest width that it is poured into, at most: wider ones jam.
 const LARGEST_GRAIN: f64 = 0.65;
-
-/// The spheres of a shell that stands for a sleeper, at most.
-const MOST_SHELL_MEMBERS: usize = 100_000;
 
 /// Finds a sleeper with these sides [m] that would be of too many spheres; the pointer is that of their
 /// radius [m].
@@ -16,18 +17,18 @@ pub(super) fn check_shell(
     radius: Option<f64>,
 ) -> Option<Violation> {
     let radius = radius?;
-    let members = shell_members(sides, radius);
-    (members > MOST_SHELL_MEMBERS).then(|| {
+    let members = shell_members(sides, radius) as u64;
+    (members > MOST_MEMBERS).then(|| {
         let detail = format!("the sleeper would be of {members} spheres");
         let faces = 2.0
             * (0..3)
                 .map(|axis| sides[axis] * sides[(axis + 1) % 3])
                 .sum::<f64>();
-        let enough = 0.5 * (faces / MOST_SHELL_MEMBERS as f64).sqrt();
+        let enough = 0.5 * (faces / MOST_MEMBERS as f64).sqrt();
         Violation::new(pointer, "too_large", detail)
             .value(radius)
             .allowed(format!(
-                "at most {MOST_SHELL_MEMBERS} spheres: from about {enough:.2e} on"
+                "at most {MOST_MEMBERS} spheres: from about {enough:.2e} on"
             ))
             .unit("m")
     })
@@ -36,7 +37,7 @@ pub(super) fn check_shell(
 pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
     spec.apparatus.check(violations);
     check_load(spec, violations);
-    check_clump(spec, violations);
+    check_shape(spec, violations);
     if !violations.is_empty() {
         return;
     }
@@ -62,9 +63,10 @@ fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) 
     }
 }
 
-fn check_clump<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
+fn check_shape<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
+    let shape = &spec.grains.shape;
     let is_one = |clump: &Clump| clump.filled.is_none() && clump.members.len() == 1;
-    if spec.grains.shape.template().is_some_and(is_one) {
+    if shape.template().is_some_and(is_one) {
         let detail = "a clump of one is a sphere";
         violations.push(
             Violation::new("/grains/shape", "clump_of_one", detail)
@@ -72,6 +74,7 @@ fn check_clump<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>)
                 .allowed("at least 2 members, or \"sphere\""),
         );
     }
+    violations.extend(check_grain("/grains/shape", shape));
 }
 
 fn check_sizes<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {

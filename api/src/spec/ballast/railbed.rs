@@ -7,9 +7,8 @@ use super::{
     Apparatus, Layer, Loading, Materials, Script,
     checks::check_shell,
     materials::{AGGREGATE, CONCRETE, RUBBER},
-    shapes::rectangle,
 };
-use crate::Violation;
+use crate::{Violation, surface::rectangle};
 
 /// Half of a cross-section of a track, one sleeper spacing long: x from the symmetry plane outward,
 /// y along the track. Soft ground below, smooth planes where the track goes on, a form at the slope of

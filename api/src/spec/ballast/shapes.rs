@@ -1,34 +1,8 @@
-//! Walls as triangles.
+//! A cylinder as triangles, a sleeper as spheres.
 use std::f64::consts::TAU;
 
 use super::super::granular_scene::Member;
-use crate::surface::{Point, Triangle};
-
-/// Two triangles of a flat rectangle with these corners in order.
-pub(super) fn rectangle([a, b, c, d]: [Point; 4]) -> [Triangle; 2] {
-    [[a, b, c], [a, c, d]]
-}
-
-/// The faces of an upright box.
-pub(super) fn cuboid(lower: Point, upper: Point) -> Vec<Triangle> {
-    let corner = |bits: u8| -> Point {
-        std::array::from_fn(|axis| match bits >> axis & 1 {
-            0 => lower[axis],
-            _ => upper[axis],
-        })
-    };
-    // bottom, top, and the four sides, counter-clockwise seen from outside
-    let faces: [[u8; 4]; 6] = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let faces = faces.map(|face| rectangle(face.map(corner)));
-    faces.concat()
-}
+use crate::surface::{Point, Triangle, rectangle};
 
 /// Distance of the corners from the axis of a regular prism with as large a cross-section as a
 /// cylinder of this radius.
@@ -101,20 +75,7 @@ pub(super) fn shell(lower: Point, upper: Point, radius: f64) -> Vec<Member> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::{cross, dot, length, minus};
-
-    /// Volume of a closed surface, normals outward.
-    fn volume(triangles: &[Triangle]) -> f64 {
-        let parts = triangles.iter().map(|[a, b, c]| dot(a, &cross(b, c)) / 6.0);
-        parts.sum()
-    }
-
-    #[test]
-    fn a_box_is_closed_and_as_large_as_it_says() {
-        let faces = cuboid([1.0, 2.0, 3.0], [2.0, 4.0, 6.0]);
-        assert!((volume(&faces) - 6.0).abs() < 1e-12, "{}", volume(&faces));
-        assert_eq!(faces.len(), 12);
-    }
+    use crate::surface::{cross, length, minus};
 
     #[test]
     fn a_shell_of_spheres_touches_all_faces_and_not_itself() {

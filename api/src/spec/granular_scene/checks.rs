@@ -129,15 +129,28 @@ fn check_filled(pointer: &str, filled: &Filled) -> Option<Violation> {
             violation.allowed("larger members, further apart, or a surface of fewer triangles"),
         );
     }
-    let members = filled.expected_members();
-    if members > MOST_MEMBERS {
+    let too_many = |members: u64| {
         let violation = radius("too_large", format!("the shape takes {members} spheres"));
-        return Some(violation.allowed(format!("at most {MOST_MEMBERS} spheres in a shape")));
+        violation.allowed(format!("at most {MOST_MEMBERS} spheres in a shape"))
+    };
+    let about = filled.members_by_size();
+    if about > MOST_MEMBERS {
+        return Some(too_many(about));
     }
-    let is_surface = matches!(filled.shape, Shape::Surface { .. });
-    // what a surface takes is known when it is filled
-    let error = (!is_surface).then(|| filled.members().err())??;
-    Some(radius("does_not_fit", error.to_string()).allowed("a radius with which a sphere fits"))
+    if matches!(filled.shape, Shape::Surface { .. }) {
+        // what a surface takes is known when it is filled
+        return None;
+    }
+    match filled.members() {
+        Err(error) => {
+            let violation = radius("does_not_fit", error.to_string());
+            Some(violation.allowed("a radius with which a sphere fits"))
+        }
+        Ok(members) => {
+            let members = members.len() as u64;
+            (members > MOST_MEMBERS).then(|| too_many(members))
+        }
+    }
 }
 
 /// What can break is held together by something.

@@ -68,8 +68,8 @@ pub enum Lattice {
     SimpleCubic,
 }
 
-/// A shape filled with more members than this is refused; their number is told by its volume.
-pub(super) const MOST_MEMBERS: u64 = 100_000;
+/// Spheres of a body, at most: more are refused before they are placed.
+pub(crate) const MOST_MEMBERS: u64 = 100_000;
 
 impl Filled {
     /// Distance of neighbouring members [m].
@@ -88,7 +88,7 @@ impl Filled {
 
     /// About how many members it has: its share of a box of rows. One row is there however thin the
     /// shape is.
-    fn members_by_size(&self) -> u64 {
+    pub(super) fn members_by_size(&self) -> u64 {
         let rows = |length: f64| {
             let open = (length - 2.0 * self.member_radius_m).max(0.0);
             open / self.spacing() + 1.0

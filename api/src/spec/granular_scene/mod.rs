@@ -51,6 +51,7 @@ pub use checks::LARGEST_WAY;
 pub use drive::{BodyDrive, BodyForce, BodyVelocity, Drive, Sine, Turn, WallDrive, WallForce};
 pub use facets::{FacetError, FacetMesh};
 pub use generate::{Arrangement, Generate, Grain, SieveFraction, Sizes, Volume};
+pub(crate) use grains::MOST_MEMBERS;
 pub use grains::{Filled, Lattice, Shape};
 pub use import::{Import, ImportError, ImportFormat};
 pub use insert::{Cut, Insert};
@@ -65,6 +66,7 @@ pub use relax::Relax;
 pub use stability::{CriticalStep, series_stiffness, step_with_dashpot};
 pub use stages::{LoadPlane, MovePlane, Run, Settle, Stage};
 pub use stiffen::Stiffen;
+pub(crate) use supply_checks::check_grain;
 pub use vibrate::Vibrate;
 
 /// A scene of bodies in contact.

@@ -83,15 +83,12 @@ fn check_generator(
             )
             .allowed("one of: radius_m, uniform, log_normal, sieve_curve"),
         ),
-        Grain::Sphere => {}
-        Grain::Clump(template) => {
-            violations.extend(check_clump(&format!("{pointer}/grain/clump"), template));
-        }
-        Grain::Breakable(template) => {
-            violations.extend(check_clump(&format!("{pointer}/grain/breakable"), template));
+        Grain::Breakable(_) => {
             violations.extend(check_cohesive(spec, pointer, &generator.material));
         }
+        Grain::Sphere | Grain::Clump(_) => {}
     }
+    violations.extend(check_grain(&format!("{pointer}/grain"), &generator.grain));
     if let Some(sizes) = &generator.sizes {
         check_sizes(&format!("{pointer}/sizes"), sizes, violations);
     }
@@ -187,4 +184,13 @@ fn check_room(spec: &GranularScene, pointer: &str, generator: &Generate) -> Opti
             .allowed(format!("a solid fraction ≤ {full:.3}"))
             .unit("1")
     })
+}
+
+/// A grain that is a clump can be one.
+pub(crate) fn check_grain(pointer: &str, grain: &Grain) -> Option<Violation> {
+    match grain {
+        Grain::Sphere => None,
+        Grain::Clump(template) => check_clump(&format!("{pointer}/clump"), template),
+        Grain::Breakable(template) => check_clump(&format!("{pointer}/breakable"), template),
+    }
 }

@@ -2,7 +2,7 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::surface::{Triangle, ball, cuboid, enclosed_volume};
+use crate::surface::{Triangle, ball, block, enclosed_volume};
 
 fn volume(mesh: &TriangleMesh) -> f64 {
     let triangles: Vec<Triangle> = mesh.corners().map(|it| it.map(Into::into)).collect();
@@ -11,7 +11,7 @@ fn volume(mesh: &TriangleMesh) -> f64 {
 
 #[test]
 fn a_box_is_welded_closed_and_measured() {
-    let mesh = TriangleMesh::weld(&cuboid([1.0, 2.0, 3.0]));
+    let mesh = TriangleMesh::weld(&block([1.0, 2.0, 3.0]));
     assert_eq!(
         (mesh.vertices.len(), mesh.triangles.len(), mesh.degenerate),
         (8, 12, 0)
@@ -26,7 +26,7 @@ fn a_box_is_welded_closed_and_measured() {
 
 #[test]
 fn corners_a_rounding_apart_are_one_vertex() {
-    let mut triangles = cuboid([1.0, 2.0, 3.0]);
+    let mut triangles = block([1.0, 2.0, 3.0]);
     for (number, corners) in triangles.iter_mut().enumerate() {
         corners[0] += Vector3::new(1e-7, -1e-7, 1e-7) * (number as f64 % 3.0 - 1.0);
     }
@@ -50,16 +50,16 @@ fn neighbouring_vertices_stay_apart() {
 
 #[test]
 fn a_hole_and_a_flipped_triangle_are_counted() {
-    let mut triangles = cuboid([1.0; 3]);
+    let mut triangles = block([1.0; 3]);
     triangles.remove(5);
     let open = TriangleMesh::weld(&triangles).seams;
     assert_eq!((open.boundary_edges, open.misoriented_edges), (3, 0));
-    let mut triangles = cuboid([1.0; 3]);
+    let mut triangles = block([1.0; 3]);
     triangles[5].swap(0, 1);
     let flipped = TriangleMesh::weld(&triangles).seams;
     assert_eq!((flipped.boundary_edges, flipped.misoriented_edges), (0, 3));
     // one inside out as a whole is closed
-    let mut triangles = cuboid([1.0; 3]);
+    let mut triangles = block([1.0; 3]);
     triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
     let mesh = TriangleMesh::weld(&triangles);
     assert!(mesh.seams.is_closed() && (volume(&mesh) - 1.0).abs() < 1e-14);
@@ -69,7 +69,7 @@ fn a_hole_and_a_flipped_triangle_are_counted() {
 /// A needle without area between two triangles keeps the surface closed, but is not contacted.
 #[test]
 fn triangles_without_area_are_dropped_and_counted() {
-    let mut triangles = cuboid([1.0; 3]);
+    let mut triangles = block([1.0; 3]);
     let [a, b, c] = triangles.remove(0);
     let middle = (a + b) * 0.5;
     triangles.extend([[a, middle, c], [middle, b, c], [a, b, middle], [a, a, b]]);
@@ -82,7 +82,7 @@ fn triangles_without_area_are_dropped_and_counted() {
 #[test]
 fn inside_is_inside_however_close_to_the_surface() {
     let sides = [1.0, 2.0, 3.0];
-    let mesh = TriangleMesh::weld(&cuboid(sides));
+    let mesh = TriangleMesh::weld(&block(sides));
     let margin = 1e-9;
     // rays from these points run through edges and corners
     let inside = [

@@ -4,12 +4,10 @@ use super::{
         Axis, Body, Clump, Cut, DegreeOfFreedom, FacetMesh, Generate, Grain, Insert, Place, Plane,
         Run, Settle, Stage, Stiffen, Vibrate,
     },
-    super::{
-        materials::AGGREGATE,
-        shapes::{cuboid, shell},
-    },
+    super::{materials::AGGREGATE, shapes::shell},
     BED, GRAVITY, Layer, Phase, Script, Slice,
 };
+use crate::surface::{Triangle, cuboid};
 
 /// Solid fraction of a bed that amounts are reckoned with.
 const SOLID_FRACTION: f64 = 0.6;
@@ -55,7 +53,7 @@ impl Script {
         &mut self,
         name: &str,
         material: &str,
-        triangles: Vec<crate::surface::Triangle>,
+        triangles: Vec<Triangle>,
     ) {
         self.scene.facets.push(FacetMesh {
             name: name.to_owned(),
