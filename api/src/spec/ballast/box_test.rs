@@ -29,7 +29,8 @@ pub struct BoxTest {
     pub sleeper: Sleeper,
 }
 
-/// A sleeper: a rigid box that is free along z, and rests with its weight from when it is placed.
+/// A sleeper: a rigid box that is free along z, and rests with its weight from when it is placed, also
+/// while the bed is compacted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sleeper {
@@ -102,7 +103,6 @@ impl Apparatus for BoxTest {
         let below = Layer {
             footprint: footprint(0.0),
             volume: area * self.height_below_m,
-            top: self.height_below_m,
         };
         let start = script.column(&below);
         let [low, high] = self.footprint();
@@ -112,15 +112,17 @@ impl Apparatus for BoxTest {
             [high[0], high[1], start + sleeper.height_m],
         ];
         script.sleeper(corners, STEEL, sleeper.mass_kg, sleeper.member_radius_m);
-        script.layer(&below);
-        script.place(Some(self.sleeper.mass_kg));
+        script.pour(&below);
+        script.cut(self.height_below_m);
+        script.place(self.sleeper.mass_kg);
         // poured over the sleeper too: what lies on it goes with the cut
         let top = self.height_below_m + self.sleeper.height_m + script.largest_diameter();
-        script.layer(&Layer {
+        script.pour(&Layer {
             footprint: footprint(top),
             volume: area * (self.height_m - self.height_below_m),
-            top: self.height_m,
         });
+        script.cut(self.height_m);
+        script.compact();
     }
 
     fn footprint(&self) -> [[f64; 2]; 2] {

@@ -26,7 +26,8 @@ pub struct Oedometer {
     /// Flat sides of the cylinder.
     #[schemars(range(min = 3, max = 1000))]
     pub facets: u32,
-    /// Mass of the plate that follows the load; the load is all that presses.
+    /// Mass of the plate. Its weight rests on the bed while that is compacted; after that, the load is all
+    /// that presses.
     #[schemars(range(min = 1e-3, max = 1e6), extend("x-unit" = "kg"))]
     pub plate_mass_kg: f64,
 }
@@ -70,7 +71,6 @@ impl Apparatus for Oedometer {
                 height_m: self.height_m,
             },
             volume: self.loaded_area() * self.height_m,
-            top: self.height_m,
         };
         let column = script.column(&layer);
         script.plane("base", Axis::Z, [0.0, 1.0], STEEL);
@@ -78,7 +78,10 @@ impl Apparatus for Oedometer {
         let sides = cylinder(self.radius(), column, self.facets);
         script.facets("cylinder", STEEL, sides);
         script.loads("plate", column);
-        script.layer(&layer);
+        script.pour(&layer);
+        script.cut(self.height_m);
+        script.place(self.plate_mass_kg);
+        script.compact();
     }
 
     fn footprint(&self) -> [[f64; 2]; 2] {

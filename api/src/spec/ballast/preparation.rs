@@ -2,8 +2,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Layer by layer: grains are poured in, settle, are compacted, settle again, and what stands above
-/// the layer's height is taken out.
+/// Layer by layer, grains are poured in, settle, and what stands above the layer's height is taken out.
+///
+/// An oedometer's bed is compacted under its plate, that of a box test as a whole, around and under its
+/// sleeper, as in [Dubina2014] 4.2.1 and 5.2; a rail bed's layers before each is cut, as in chapter 6.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Preparation {

@@ -130,13 +130,11 @@ impl Apparatus for Railbed {
         let below = Layer {
             footprint: self.poured_over(0.0, narrow),
             volume: self.volume([0.0, self.height_below_m]),
-            top: self.height_below_m,
         };
         let above = self.top() + script.largest_diameter();
         let beside = Layer {
             footprint: self.poured_over(above, narrow),
             volume: self.volume([self.height_below_m, self.top()]),
-            top: self.top(),
         };
         let start = script.column(&below);
         let form = self.form(start.max(above + script.column(&beside)));
@@ -149,9 +147,15 @@ impl Apparatus for Railbed {
         let density = script.scene.materials[CONCRETE].density_kg_per_m3;
         let mass = density * self.sleeper_volume();
         script.sleeper(corners, CONCRETE, mass, self.sleeper_member_radius_m);
-        script.layer(&below);
-        script.place(Some(mass));
-        script.layer(&beside);
+        // compacted to fill the form, and again around the sleeper
+        script.pour(&below);
+        script.compact();
+        script.cut(self.height_below_m);
+        script.place(mass);
+        script.pour(&beside);
+        script.compact();
+        script.cut(self.top());
+        script.rest();
     }
 
     fn footprint(&self) -> [[f64; 2]; 2] {

@@ -32,8 +32,6 @@ pub struct Layer {
     pub footprint: Volume,
     /// What is to be filled, between grains and with them [m³].
     pub volume: f64,
-    /// Height at which it is cut [m].
-    pub top: f64,
 }
 
 /// A part of the bed in which porosity is measured.
@@ -43,8 +41,6 @@ pub struct Slice {
     pub name: String,
     /// Lower and upper height [m].
     pub heights: [f64; 2],
-    /// Volume for grains in it [m³].
-    pub volume: f64,
 }
 
 /// A test as a scene.
@@ -119,10 +115,6 @@ impl<A: Apparatus> Ballast<A> {
         let mut script = self.opening(&knobs, &materials);
         self.apparatus.set_up(&mut script);
         script.stiffen(1.0 / self.softening());
-        if A::IS_OEDOMETER {
-            // the bed has grown a hair as it became stiffer
-            script.place(None);
-        }
         script.slice(self.output.slices, self.apparatus.bed_height());
         self.load(&mut script, &materials);
         self.record(&mut script);

@@ -124,8 +124,8 @@ impl Script {
         self.largest_diameter
     }
 
-    /// Pours a layer, lets it settle, compacts and cuts it.
-    pub(in crate::spec::ballast) fn layer(&mut self, layer: &Layer) {
+    /// Pours a layer and lets it settle.
+    pub(in crate::spec::ballast) fn pour(&mut self, layer: &Layer) {
         let density = self.scene.materials[AGGREGATE].density_kg_per_m3;
         let solid = SOLID_FRACTION * self.overfill * layer.volume;
         let pour = Generate {
@@ -157,6 +157,10 @@ impl Script {
             settle.unbalanced_force_ratio = settle.unbalanced_force_ratio.max(BEFORE_SHAKING);
         }
         self.add(Phase::Settle, Stage::Settle(settle));
+    }
+
+    /// Shakes what has been poured, if the bed is to be compacted, and lets it rest.
+    pub(in crate::spec::ballast) fn compact(&mut self) {
         if let Some(compaction) = &self.compaction {
             let vibrate = Vibrate {
                 acceleration_m_per_s2: compaction.acceleration_m_per_s2,
@@ -168,25 +172,32 @@ impl Script {
                 time_s: Some(compaction.time_s),
             };
             self.add(Phase::Compact, Stage::Vibrate(vibrate));
-            self.add(Phase::Settle, Stage::Settle(self.settle));
         }
+        self.rest();
+    }
+
+    /// Takes out what stands above a height [m].
+    pub(in crate::spec::ballast) fn cut(&mut self, height: f64) {
         let cut = Cut {
             axis: Axis::Z,
-            above_m: Some(layer.top),
+            above_m: Some(height),
             below_m: None,
         };
         self.add(Phase::Cut, Stage::Cut(cut));
+    }
+
+    pub(in crate::spec::ballast) fn rest(&mut self) {
         self.add(Phase::Settle, Stage::Settle(self.settle));
     }
 
-    /// Sets the loading wall down; with a mass [kg] it rests there with its weight.
-    pub(in crate::spec::ballast) fn place(&mut self, mass_kg: Option<f64>) {
+    /// Sets the loading wall down, where it rests with the weight of its mass [kg].
+    pub(in crate::spec::ballast) fn place(&mut self, mass_kg: f64) {
         let place = Place {
             wall: self.body.is_none().then(|| self.wall.clone()),
             body: self.body,
             axis: Axis::Z,
             side: -1,
-            mass_kg: mass_kg.filter(|_| self.body.is_none()),
+            mass_kg: self.body.is_none().then_some(mass_kg),
         };
         self.add(Phase::Place, Stage::Place(place));
     }
@@ -208,11 +219,7 @@ impl Script {
 
     /// Slices of the bed under the wall between two heights [m], and the bed.
     pub(in crate::spec::ballast) fn slice(&mut self, count: u32, top: f64) {
-        let slice = |name: String, heights: [f64; 2]| Slice {
-            name,
-            heights,
-            volume: self.loaded_area * (heights[1] - heights[0]),
-        };
+        let slice = |name: String, heights: [f64; 2]| Slice { name, heights };
         let height = |index: u32| top * f64::from(index) / f64::from(count);
         let slices = (0..count).map(|index| {
             slice(

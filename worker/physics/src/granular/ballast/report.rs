@@ -107,13 +107,9 @@ pub(super) fn report(
             "1",
             "Porosity under the sleeper before the cycles.",
         );
-        // the part of the bed that the sleeper has taken holds no grains
-        let row = tester.rows.last();
-        let sunk = of(last, |cycle| cycle.end) / tester.bed_height();
-        let solid = 1.0 - porosity(row);
         add(
             "porosity",
-            1.0 - solid / (1.0 - sunk),
+            porosity(tester.rows.last()),
             "1",
             "Porosity under the sleeper at the end.",
         );
@@ -127,13 +123,5 @@ pub(super) fn report(
         // told by the tables
         bodies: Vec::new(),
         ..scene
-    }
-}
-
-impl Tester<'_> {
-    /// Height of the slices together [m].
-    fn bed_height(&self) -> f64 {
-        let slices = self.script.slices.last();
-        slices.map_or(f64::NAN, |slice| slice.heights[1])
     }
 }

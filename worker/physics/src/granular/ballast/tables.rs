@@ -145,12 +145,31 @@ fn write_preparation(tester: &mut Tester<'_>) -> io::Result<()> {
 }
 
 impl Tester<'_> {
+    /// Volume of each slice below the loading wall at a row [m³].
+    fn room(&self, row: &Row) -> impl Iterator<Item = f64> {
+        let (area, height) = (self.script.loaded_area, row.height);
+        let slices = self.script.slices.iter();
+        slices.map(move |slice| {
+            let [lower, upper] = slice.heights;
+            area * (upper.min(height) - lower).max(0.0)
+        })
+    }
+
     /// Porosity of the slices that the bed fills at a row.
     pub(super) fn bed_porosity(&self, row: &Row) -> f64 {
-        let slices = self.script.slices.iter();
-        let volume: f64 = slices.map(|slice| slice.volume).sum();
+        let volume: f64 = self.room(row).sum();
         let solid: f64 = self.solids(row).iter().sum();
         1.0 - solid / volume
+    }
+
+    /// Porosity of each slice at a row, unknown where the loading wall has taken all of it.
+    fn porosities(&self, row: &Row) -> Vec<f64> {
+        let slices = self.room(row).zip(self.solids(row));
+        let porosity = |(volume, solid): (f64, &f64)| match volume > 0.0 {
+            true => 1.0 - solid / volume,
+            false => f64::NAN,
+        };
+        slices.map(porosity).collect()
     }
 
     /// The row of the cycles with the largest force.
@@ -160,26 +179,23 @@ impl Tester<'_> {
     }
 }
 
-/// Porosity over height before the cycles, at the largest force and at the end. A slice that the
-/// loading wall has entered holds less than it could.
+/// Porosity over height before the cycles, at the largest force and at the end.
 fn write_profile(tester: &mut Tester<'_>) -> io::Result<()> {
     let moments = [
         tester.last_before_loading(),
         tester.peak_row(),
         tester.rows.last(),
     ];
+    let moments = moments.map(|row| row.map(|row| tester.porosities(row)));
     let slices = tester.script.slices.iter();
     let rows: Vec<Vec<f64>> = slices
         .enumerate()
         .map(|(index, slice)| {
-            let porosity = |row: Option<&Row>| {
-                row.map_or(f64::NAN, |row| {
-                    1.0 - tester.solids(row)[index] / slice.volume
-                })
-            };
-            let mut line = slice.heights.to_vec();
-            line.extend(moments.map(porosity));
-            line
+            let porosities = moments.iter().map(|moment| match moment {
+                Some(porosities) => porosities[index],
+                None => f64::NAN,
+            });
+            slice.heights.into_iter().chain(porosities).collect()
         })
         .collect();
     let columns = [
