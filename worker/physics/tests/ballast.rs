@@ -1,7 +1,9 @@
 //! Tests of ballast: scenes read in the terms of their test.
 mod scene;
 
-use loadframe_api::{JobSpec, Report, Submission, SubmissionError, Violation};
+use loadframe_api::{
+    JobSpec, Report, Submission, SubmissionError, Violation, spec::ballast::Phase,
+};
 use loadframe_physics::{Ending, Interrupt, SimulationError, Uninterrupted};
 use scene::{AtLook, Record, assert_same, finished, run_job};
 use serde_json::{Value, json};
@@ -102,6 +104,38 @@ fn void_ratio_and_strain_are_those_of_the_plate() {
         (ratio - initial).abs() < 1e-3 * initial,
         "{ratio} {initial}"
     );
+}
+
+#[test]
+fn stress_in_the_bed_is_that_of_the_plate() {
+    let (_, record) = run(&small_oedometer());
+    let area = std::f64::consts::PI * 0.01;
+    let [force, mean] = ["force_kn", "bed_mean_stress_kpa"].map(|name| record.column(name));
+    for (force, mean) in force.iter().zip(&mean).filter(|(force, _)| **force > 10.0) {
+        // (1 + 2 K₀)/3 of the axial one, with K₀ from 0.3 to 0.9
+        let ratio = mean / (force / area);
+        assert!((0.53..0.93).contains(&ratio), "{mean} {force}");
+    }
+}
+
+#[test]
+fn plates_and_sleepers_are_on_the_bed_while_it_is_shaken() {
+    for (kind, is_placed_first) in [
+        ("ballast_oedometer", true),
+        ("ballast_box", true),
+        ("ballast_railbed", false),
+    ] {
+        let job = json!({"kind": kind, "spec": {"version": 1, "materials": small_oedometer()["spec"]["materials"]}});
+        let phases = match submission(&job).expect("a valid job") {
+            JobSpec::BallastOedometer(spec) => spec.script().phases,
+            JobSpec::BallastBox(spec) => spec.script().phases,
+            JobSpec::BallastRailbed(spec) => spec.script().phases,
+            other => panic!("{other:?}"),
+        };
+        let first = |phase: Phase| phases.iter().position(|known| *known == phase);
+        let (placed, shaken) = (first(Phase::Place), first(Phase::Compact));
+        assert_eq!(placed < shaken, is_placed_first, "{kind}: {phases:?}");
+    }
 }
 
 #[test]

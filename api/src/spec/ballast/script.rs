@@ -250,6 +250,7 @@ impl<A: Apparatus> Ballast<A> {
         let regions = script.slices.iter().chain([&script.bed]);
         script.scene.record = Record {
             every_steps: every,
+            from_stage: script.stages_before(Phase::Seat),
             bodies: Some(Vec::new()),
             stage_ends: true,
             regions: regions.map(|slice| slice.region(&self.apparatus)).collect(),
@@ -263,6 +264,12 @@ impl<A: Apparatus> Ballast<A> {
 }
 
 impl Slice {
+    /// Volume in it [m³] below a wall of an area [m²] at a height [m].
+    pub fn room(&self, area: f64, height: f64) -> f64 {
+        let [lower, upper] = self.heights;
+        area * (upper.min(height) - lower).max(0.0)
+    }
+
     fn region(&self, apparatus: &impl Apparatus) -> Region {
         let [low, high] = apparatus.footprint();
         let [bottom, top] = self.heights;
@@ -270,6 +277,8 @@ impl Slice {
             name: self.name.clone(),
             low_m: Some([low[0], low[1], bottom]),
             high_m: Some([high[0], high[1], top]),
+            // a sleeper of spheres is none of the bed
+            material: Some(AGGREGATE.to_owned()),
         }
     }
 }

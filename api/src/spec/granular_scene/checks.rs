@@ -25,7 +25,7 @@ pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
     check_walls::check(spec, violations);
     check_stages(spec, violations);
     super::supply_checks::check(spec, violations);
-    check_recorded_planes(spec, violations);
+    check_recorded(spec, violations);
     let bodies = spec.given_bodies();
     let is_all_given = spec.generators().next().is_none() && !bodies.iter().any(Body::is_filled);
     if is_all_given {
@@ -242,7 +242,7 @@ fn check_stages(spec: &GranularScene, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_recorded_planes(spec: &GranularScene, violations: &mut Vec<Violation>) {
+fn check_recorded(spec: &GranularScene, violations: &mut Vec<Violation>) {
     for (index, name) in spec.record.planes.iter().enumerate() {
         let pointer = format!("/record/planes/{index}");
         violations.extend(check_plane_name(spec, pointer, name));
@@ -250,6 +250,15 @@ fn check_recorded_planes(spec: &GranularScene, violations: &mut Vec<Violation>) 
     for (index, name) in spec.record.walls.iter().enumerate() {
         let pointer = format!("/record/walls/{index}");
         violations.extend(check_walls::check_name(spec, pointer, name));
+    }
+    let (first, stages) = (spec.record.from_stage, spec.stages.len());
+    if first >= stages {
+        let detail = "there is no such stage";
+        violations.push(
+            Violation::new("/record/from_stage", "no_such_stage", detail)
+                .value(first)
+                .allowed(format!("0 … {}", stages - 1)),
+        );
     }
 }
 

@@ -36,19 +36,22 @@ const SNAPSHOT_MB_PER_PARTICLE: f64 = 245e-6;
 impl GranularScene {
     /// Steps that all stages take together, as far as they are known beforehand.
     pub fn steps(&self) -> f64 {
+        self.steps_by_stage().sum()
+    }
+
+    /// The same, stage by stage.
+    fn steps_by_stage(&self) -> impl Iterator<Item = f64> {
         let mut step = self.expected_step();
-        let mut steps = 0.0;
-        for stage in &self.stages {
+        self.stages.iter().map(move |stage| {
             let duration = stage.duration();
             let by_time = duration.time_s.map(|time| (time / step).ceil().max(1.0));
             let given = duration.steps.map(|steps| steps as f64);
-            steps += given.or(by_time).unwrap_or(0.0);
             if let (Stage::Stiffen(stiffen), TimeStep::Automatic(_)) = (stage, self.time_step_s) {
                 // Δt ∝ 1/√k
                 step /= stiffen.factor.sqrt();
             }
-        }
-        steps
+            given.or(by_time).unwrap_or(0.0)
+        })
     }
 
     /// About the time step that the scene begins with [s].
@@ -98,7 +101,9 @@ pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estim
         .sum();
     let steps = spec.steps();
     let speed = calibration.bond_evaluations_per_s * PARTICLE_STEPS_PER_BOND_EVALUATION;
-    let rows = steps / spec.record.every_steps as f64 + 2.0;
+    let first = spec.record.from_stage;
+    let told: f64 = spec.steps_by_stage().skip(first).sum();
+    let rows = told / spec.record.every_steps as f64 + first as f64 + 2.0;
     let contacts = if spec.record.contacts {
         CONTACTS_PER_PARTICLE * particles
     } else {
@@ -110,7 +115,7 @@ pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estim
             + CONTACT_ROW_MB * contacts);
     let snapshots = match spec.record.snapshot_every_steps {
         0 => 0.0,
-        every => steps / every as f64 + 2.0,
+        every => told / every as f64 + first as f64 + 2.0,
     };
     Estimate {
         wall_s: START_S

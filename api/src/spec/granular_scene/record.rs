@@ -13,6 +13,10 @@ pub struct Record {
     /// first step and after the last one is always written.
     #[schemars(range(min = 1, max = 1_000_000_000_000_u64))]
     pub every_steps: u64,
+    /// The stage, from 0, with which rows and snapshots begin. What happens before is written at the
+    /// ends of stages only.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub from_stage: usize,
     /// Bodies whose motion goes to `bodies.csv`; left out, all of them when fewer than 1000.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(length(max = 10_000_000))]
@@ -46,6 +50,7 @@ impl Default for Record {
     fn default() -> Self {
         Self {
             every_steps: 100,
+            from_stage: 0,
             bodies: None,
             stage_ends: false,
             planes: Vec::new(),
@@ -71,4 +76,8 @@ impl super::GranularScene {
     pub fn describes_bodies(count: usize) -> bool {
         count < FEW_BODIES
     }
+}
+
+fn is_zero(stage: &usize) -> bool {
+    *stage == 0
 }

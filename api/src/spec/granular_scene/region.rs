@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::GranularScene;
+use super::{GranularScene, checks::check_material};
 use crate::Violation;
 
 /// A box in which porosity, coordination number, inertial number and the stress between the bodies
@@ -23,6 +23,9 @@ pub struct Region {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(inner(inner(range(min = -1e9, max = 1e9))), extend("x-unit" = "m"))]
     pub high_m: Option<[f64; 3]>,
+    /// Only bodies of this material are measured, others are walls to them; left out, all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
 }
 
 pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
@@ -36,6 +39,9 @@ pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
                     .value(region.name.as_str())
                     .allowed("a name of its own"),
             );
+        }
+        if let Some(name) = &region.material {
+            violations.extend(check_material(spec, &pointer, name));
         }
         if let (Some(low), Some(high)) = (region.low_m, region.high_m)
             && (0..3).any(|axis| low[axis] >= high[axis])

@@ -94,6 +94,7 @@ pub(super) fn single(spec: &mut GranularScene, seed: u64) {
     spec.seed = seed;
     spec.record = Record {
         every_steps: spec.record.every_steps,
+        from_stage: spec.record.from_stage,
         bodies: Some(Vec::new()),
         ..Record::default()
     };

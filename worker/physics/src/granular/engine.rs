@@ -169,7 +169,11 @@ impl Engine {
 
     /// One step of Δt [s].
     pub(super) fn step(&mut self, time_step: f64) {
-        if self.team.is_alone() {
+        if !self.state.is_listed {
+            self.list();
+        }
+        // calling the others together takes longer than a patch does
+        if self.team.is_alone() || self.state.patches.len() < 2 {
             self.step_alone(time_step);
         } else {
             let team = Arc::clone(&self.team);
@@ -184,9 +188,6 @@ impl Engine {
     /// particles and those of later patches only, and fetches from earlier ones, so that moving it
     /// at once changes nothing.
     fn step_alone(&mut self, time_step: f64) {
-        if !self.state.is_listed {
-            self.list();
-        }
         let drive = self.drive(time_step);
         let state = &mut self.state;
         let is_rough = self.model.is_rough;

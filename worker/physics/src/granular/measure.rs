@@ -127,9 +127,15 @@ impl Engine {
         }
     }
 
-    /// Measures a box, between the phases of a step or after it.
-    pub(super) fn measure(&self, cuboid: &Cuboid, contacts: &[Contact]) -> Measure {
-        let points = self.points();
+    /// Measures a box, between the phases of a step or after it: all bodies, or those of one surface;
+    /// the others are walls to them.
+    pub(super) fn measure(
+        &self,
+        cuboid: &Cuboid,
+        only: Option<usize>,
+        contacts: &[Contact],
+    ) -> Measure {
+        let points = self.points(only);
         let is_within = |point: &Point| cuboid.contains(&point.centre);
         let within: Vec<&Point> = points.iter().flatten().filter(|p| is_within(p)).collect();
         let volume = cuboid.volume();
@@ -156,8 +162,8 @@ impl Engine {
         }
     }
 
-    /// Every body of the state, by number; none where it has no place there.
-    fn points(&self) -> Vec<Option<Point>> {
+    /// Every body of the state, by number; none where it has no place there or is of another surface.
+    fn points(&self, only: Option<usize>) -> Vec<Option<Point>> {
         let particles = &self.state.particles;
         let mut points: Vec<Option<Point>> = Vec::new();
         points.resize_with(self.model.masses.len(), || None);
@@ -171,7 +177,7 @@ impl Engine {
             });
         };
         for (particle, body) in particles.owners.iter().enumerate() {
-            if self.model.sphere_inertias[*body as usize] > 0.0 {
+            if self.model.sphere_inertias[*body as usize] > 0.0 && self.is_of(only, particle) {
                 let centre = particles.centres[particle].vector();
                 put(
                     *body,
@@ -181,7 +187,8 @@ impl Engine {
                 );
             }
         }
-        for clump in &self.state.clumps {
+        let clumps = self.state.clumps.iter();
+        for clump in clumps.filter(|clump| self.is_of(only, clump.first as usize)) {
             put(
                 clump.body,
                 clump.centre,
@@ -196,8 +203,14 @@ impl Engine {
         self.model.surfaces[usize::from(self.state.particles.surfaces[particle])].density
     }
 
-    /// Solid volume in a box [m³].
-    pub(super) fn solid(&self, cuboid: &Cuboid) -> f64 {
+    /// Whether a particle is of this surface, if only that counts.
+    fn is_of(&self, only: Option<usize>, particle: usize) -> bool {
+        let surface = usize::from(self.state.particles.surfaces[particle]);
+        only.is_none_or(|only| only == surface)
+    }
+
+    /// Solid volume in a box [m³], of all bodies or those of one surface.
+    pub(super) fn solid(&self, cuboid: &Cuboid, only: Option<usize>) -> f64 {
         let particles = &self.state.particles;
         let share = |particle: usize| {
             let centre = &particles.centres[particle];
@@ -205,9 +218,12 @@ impl Engine {
         };
         let spheres = (0..particles.len()).filter(|particle| {
             self.model.sphere_inertias[particles.owners[*particle] as usize] > 0.0
+                && self.is_of(only, *particle)
         });
         let spheres: f64 = spheres.map(share).sum();
-        let clumps = self.state.clumps.iter().map(|clump| {
+        let clumps = self.state.clumps.iter();
+        let clumps = clumps.filter(|clump| self.is_of(only, clump.first as usize));
+        let clumps = clumps.map(|clump| {
             let whole: f64 = clump
                 .members()
                 .map(|member| super::sphere::volume(particles.centres[member].0[3]))
@@ -227,22 +243,23 @@ impl Engine {
     ) -> Matrix3<f64> {
         let mut sum = Matrix3::zeros();
         for contact in contacts {
-            let particle = contact.particles.0;
             let of = |body: u32| points.get(body as usize).and_then(Option::as_ref);
-            let Some(first) = of(contact.bodies[0]) else {
+            let ends = contact.bodies.map(of);
+            if ends.iter().all(Option::is_none) {
                 continue;
+            }
+            // a branch that begins or ends at a wall does so where it touches: in its face, or in the
+            // middle of the overlap with a sphere
+            let first = &self.state.particles.centres[contact.particles.0];
+            let depth = match contact.particles.1 {
+                Some(_) => 0.5 * contact.overlap,
+                None => contact.overlap,
             };
-            let end = match of(contact.bodies[1]) {
-                Some(second) => second.centre,
-                // where it touches the wall
-                None => {
-                    let centre = &self.state.particles.centres[particle];
-                    centre.vector() + contact.normal * (centre.0[3] - contact.overlap)
-                }
-            };
-            let branch = end - first.centre;
+            let touch = first.vector() + contact.normal * (first.0[3] - depth);
+            let [start, end] = ends.map(|point| point.map_or(touch, |point| point.centre));
+            let branch = end - start;
             let force = contact.normal_force + contact.shear_force;
-            sum += cuboid.part_of_segment(&first.centre, &branch) * force * branch.transpose();
+            sum += cuboid.part_of_segment(&start, &branch) * force * branch.transpose();
         }
         0.5 * (sum + sum.transpose())
     }

@@ -272,12 +272,14 @@ impl<'a> Runner<'a> {
         let next = self.engine.state.step + 1;
         let every = self.spec.record.every_steps;
         let is_last = self.is_last_step();
-        let records_ends = !self.engine.model.grains.is_empty() || self.spec.record.stage_ends;
-        let is_recorded =
-            next.is_multiple_of(every) || is_last || (records_ends && self.ends_stage());
+        let is_told = self.journal.stage >= self.spec.record.from_stage;
+        let records_ends =
+            !is_told || !self.engine.model.grains.is_empty() || self.spec.record.stage_ends;
+        let is_end = records_ends && self.ends_stage();
+        let is_recorded = is_told && next.is_multiple_of(every) || is_last || is_end;
         let is_pictured = match self.spec.record.snapshot_every_steps {
             0 => false,
-            every => next.is_multiple_of(every) || is_last,
+            every => is_told && next.is_multiple_of(every) || is_last || !is_told && is_end,
         };
         let time_step = self.journal.time_step;
         if is_recorded || is_pictured || next.is_multiple_of(STEPS_PER_LOOK) {
@@ -353,7 +355,7 @@ impl<'a> Runner<'a> {
         journal.worst.overlap_ratio = journal.worst.overlap_ratio.max(largest);
         if stage.is_some_and(Stage::is_quasi_static) {
             let scene = self.engine.cuboid([None; 2]);
-            let scene = self.engine.measure(&scene, contacts);
+            let scene = self.engine.measure(&scene, None, contacts);
             journal.driving.add(&scene, journal.last.unbalanced);
         }
         if self.engine.model.has_driven_bodies {

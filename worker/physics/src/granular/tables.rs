@@ -136,8 +136,10 @@ pub(super) fn curve_row(
     ]);
     for region in &spec.record.regions {
         let cuboid = engine.cuboid([region.low_m, region.high_m]);
-        let solid = engine.solid(&cuboid);
-        row.extend(engine.measure(&cuboid, contacts).row(solid));
+        let only = region.material.as_ref();
+        let only = only.and_then(|name| spec.materials.keys().position(|known| known == name));
+        let solid = engine.solid(&cuboid, only);
+        row.extend(engine.measure(&cuboid, only, contacts).row(solid));
     }
     if is_cohesive(spec) {
         row.push(engine.broken_bonds(reading) as f64);

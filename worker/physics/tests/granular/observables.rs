@@ -98,6 +98,44 @@ fn porosity_of_a_cubic_packing_is_that_of_its_cell() {
     assert_close(last(&record, "half_porosity"), cell, 1e-5);
 }
 
+/// A region of one material knows the spheres of the other as walls, whichever are the first.
+#[test]
+fn a_material_is_measured_by_itself() {
+    let overlap = 1e-5;
+    let mut spec = packing(overlap);
+    spec["materials"]["stone"]["friction_angle_rad"] = json!(0);
+    spec["materials"]["chalk"] = spec["materials"]["stone"].clone();
+    let bodies = spec["bodies"].as_array_mut().expect("bodies");
+    let lower = bodies.len() / 2;
+    for body in &mut bodies[lower..] {
+        body["material"] = json!("chalk");
+    }
+    let width = (2.0 * RADIUS - overlap) * SIDE as f64;
+    let region = |name: &str, material: Value, bottom: f64, top: f64| json!({"name": name, "material": material, "low_m": [0, 0, bottom * width], "high_m": [width, width, top * width]});
+    spec["record"]["regions"] = json!([
+        region("below", json!("stone"), 0.0, 0.5),
+        region("above", json!("chalk"), 0.5, 1.0),
+        region("lower_half", Value::Null, 0.0, 0.5),
+        region("upper_half", Value::Null, 0.5, 1.0),
+        region("both", json!("stone"), 0.0, 1.0)
+    ]);
+    let (_, record) = run(&spec);
+    for (region, whole) in [("below", "lower_half"), ("above", "upper_half")] {
+        // branches end where the two touch, in the plane that the boxes share
+        for column in ["stress_zz_pa", "stress_xx_pa", "stress_xz_pa"] {
+            let [own, all] = [region, whole].map(|name| last(&record, &format!("{name}_{column}")));
+            assert_close(own, all, 1e-9 * last(&record, "lower_half_stress_zz_pa"));
+        }
+        let porosity = last(&record, &format!("{region}_porosity"));
+        assert_close(porosity, 1.0 - PI / 6.0, 2e-3);
+    }
+    // stone is half of what there is
+    assert_close(last(&record, "both_porosity"), 1.0 - PI / 12.0, 1e-3);
+    spec["record"]["regions"][0]["material"] = json!("sand");
+    let refused = submission(&spec).expect_err("no such material");
+    assert_eq!(refused[0].pointer, "/spec/record/regions/0/material");
+}
+
 /// Overlapping members of a clump count once.
 #[test]
 fn a_clumps_union_fills_a_region_once() {

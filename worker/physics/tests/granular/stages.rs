@@ -1,7 +1,7 @@
 //! Stages end when they should, and planes do what they are told.
 use serde_json::{Value, json};
 
-use super::{assert_close, body, run};
+use super::{assert_close, body, run, submission};
 
 const RADIUS: f64 = 0.01;
 /// E r: sphere and plane in series.
@@ -96,6 +96,25 @@ fn settling_ends_at_rest_and_says_when_it_does_not() {
     );
     let (report, _) = run(&scene(100));
     assert_eq!(report.warnings[0].code, "not_settled");
+}
+
+#[test]
+fn rows_and_snapshots_can_begin_with_a_stage() {
+    let mut spec = json!({
+        "version": 1, "gravity_m_per_s2": [0, 0, -1],
+        "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e7}},
+        "bodies": [{"sphere": {"radius_m": RADIUS}, "material": "stone", "position_m": [0, 0, 0]}],
+        "time_step_s": 1e-5,
+        "stages": [{"run": {"steps": 25}}, {"run": {"steps": 25}}, {"run": {"steps": 25}}],
+        "record": {"every_steps": 10, "from_stage": 2, "snapshot_every_steps": 10}
+    });
+    let (_, record) = run(&spec);
+    assert_eq!(record.column("step"), [0.0, 25.0, 50.0, 60.0, 70.0, 75.0]);
+    let series = std::str::from_utf8(&record.files["snapshots.pvd"]).expect("text");
+    assert_eq!(series.matches("<DataSet").count(), 6, "{series}");
+    spec["record"]["from_stage"] = json!(3);
+    let refused = submission(&spec).expect_err("three stages");
+    assert_eq!(refused[0].pointer, "/spec/record/from_stage");
 }
 
 /// A free sphere follows the table's acceleration: v = A/ω (1 − cos ωt) along x, then along y.

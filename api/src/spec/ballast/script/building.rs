@@ -232,6 +232,12 @@ impl Script {
         self.bed = slice(BED.to_owned(), [0.0, top + self.largest_diameter]);
     }
 
+    /// Number of stages before the first of a phase.
+    pub(super) fn stages_before(&self, phase: Phase) -> usize {
+        let phases = self.phases.iter();
+        phases.take_while(|known| **known != phase).count()
+    }
+
     /// Whether grains break.
     pub fn is_breakable(&self) -> bool {
         matches!(self.template.grain, Grain::Breakable(_))

@@ -149,10 +149,7 @@ impl Tester<'_> {
     fn room(&self, row: &Row) -> impl Iterator<Item = f64> {
         let (area, height) = (self.script.loaded_area, row.height);
         let slices = self.script.slices.iter();
-        slices.map(move |slice| {
-            let [lower, upper] = slice.heights;
-            area * (upper.min(height) - lower).max(0.0)
-        })
+        slices.map(move |slice| slice.room(area, height))
     }
 
     /// Porosity of the slices that the bed fills at a row.

@@ -96,16 +96,20 @@ impl<'a> Tester<'a> {
             .map(|(porosity, volume)| (1.0 - porosity) * volume);
         self.solids.extend(solids);
         let bed_solid = self.solids.pop().unwrap_or(f64::NAN);
+        let height = self.script.wall_height + values[places.displacement];
+        // the bed fills a part of the box in which it is measured: p ~ 1/V, I ~ 1/√p
+        let fill = self.script.bed.room(self.script.loaded_area, height)
+            / self.boxes.last().copied().unwrap_or(f64::NAN);
         Row {
             time: values[places.time],
             stage: values[places.stage] as usize,
-            height: self.script.wall_height + values[places.displacement],
+            height,
             force: values[places.force] - self.script.weight,
             coordination: values[places.coordination],
             unbalanced: values[places.unbalanced],
             step_ratio: values[places.step_ratio],
-            inertial_number: values[places.inertial_number],
-            mean_stress: values[places.mean_stress],
+            inertial_number: values[places.inertial_number] * fill.sqrt(),
+            mean_stress: values[places.mean_stress] / fill,
             number: self.rows.len(),
             bed_solid,
             broken_bonds: places.broken_bonds.map(|place| values[place]),
