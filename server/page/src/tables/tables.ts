@@ -57,7 +57,7 @@ export const TABLES: FileTable[] = [
   {
     file: "porosity_profile.csv",
     title: "Porosity over height",
-    about: "In slices of the bed, from the ground up. A slice that plate or sleeper has entered holds less than it could.",
+    about: "In slices of the bed below plate or sleeper, from the ground up.",
     over: ["lower_m", "upper_m"],
     lines: ["porosity_before_loading", "porosity_at_peak", "porosity_at_end"],
     look: { isUpright: true, floats: true },
@@ -84,6 +84,26 @@ export const TABLES: FileTable[] = [
     file: "preparation.csv",
     title: "Preparation",
     about: "The bed at the end of every stage.",
+  },
+  {
+    file: "fit.csv",
+    title: "Measured and fitted",
+    about: "Each measured result, what the best parameters give, and how specimens scatter about it.",
+  },
+  {
+    file: "fit_curve.csv",
+    title: "Measured and fitted curve",
+    about: "What was measured, and the mean of the specimens with the best parameters.",
+    over: "abscissa",
+    lines: ["measured", "fitted"],
+  },
+  {
+    file: "trials.csv",
+    title: "Misfit by trial",
+    about: "Root mean square of the residuals of every trial; the last ones are steps around the best.",
+    over: "trial",
+    lines: ["misfit"],
+    look: { hasPoints: true },
   },
   {
     file: "poisson_ratio.csv",
