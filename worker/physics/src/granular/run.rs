@@ -1,6 +1,7 @@
 //! A run: steps, what is observed on the way, until the end of the last of its
 //! [`stages`](super::stages).
 mod limits;
+mod stepping;
 
 use std::{borrow::Cow, collections::BTreeMap, ops::Range};
 
@@ -14,7 +15,7 @@ use super::{
     engine::{Engine, State},
     fragments,
     journal::Journal,
-    observe::{Contact, Energies, Look, elastic_energy, put_in_order},
+    observe::{Contact, Energies, Look, elastic_energy},
     report, snapshot,
     specimen::Specimen,
     tables,
@@ -26,10 +27,6 @@ use crate::{
     parallel::Team,
 };
 
-/// Steps between looks at energies, overlaps and the critical step, beside those recorded.
-const STEPS_PER_LOOK: u64 = 256;
-/// Particle steps between looks for interrupts: some milliseconds of work.
-const WORK_PER_INTERRUPT_LOOK: u64 = 50_000;
 /// Created energy over the scale beyond which a run is not worth going on with.
 const RUNAWAY: f64 = 0.5;
 
@@ -118,8 +115,12 @@ pub(super) fn run(
             runner.place(place, recorder)?;
         }
         while !runner.is_stage_done(stage) {
-            work += runner.engine.state.particles.len() as u64 + 100;
-            if work > WORK_PER_INTERRUPT_LOOK {
+            work += runner.steps_unseen(stage, work)?;
+            if runner.is_stage_done(stage) {
+                break;
+            }
+            work += runner.work_of_step();
+            if work > runner.work_uninterrupted() {
                 work = 0;
                 match context.interrupt.interrupt() {
                     Some(Interrupt::Cancel) => return Ok(Ending::Cancelled),
@@ -134,9 +135,7 @@ pub(super) fn run(
                     runner.keep(recorder)?;
                 }
             }
-            runner.drive(stage);
-            runner.shake(stage);
-            runner.stiffen(stage);
+            runner.prepare_step(stage);
             runner.supply(stage, recorder);
             runner.step(recorder)?;
         }
@@ -266,63 +265,6 @@ impl<'a> Runner<'a> {
             self.journal.snapshots.push(entry);
         }
         Ok(())
-    }
-
-    fn step(&mut self, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
-        let next = self.engine.state.step + 1;
-        let every = self.spec.record.every_steps;
-        let is_last = self.is_last_step();
-        let is_told = self.journal.stage >= self.spec.record.from_stage;
-        let records_ends =
-            !is_told || !self.engine.model.grains.is_empty() || self.spec.record.stage_ends;
-        let is_end = records_ends && self.ends_stage();
-        let is_recorded = is_told && next.is_multiple_of(every) || is_last || is_end;
-        let is_pictured = match self.spec.record.snapshot_every_steps {
-            0 => false,
-            every => is_told && next.is_multiple_of(every) || is_last || !is_told && is_end,
-        };
-        let time_step = self.journal.time_step;
-        if is_recorded || is_pictured || next.is_multiple_of(STEPS_PER_LOOK) {
-            self.engine.push(time_step);
-            let mut contacts = std::mem::take(&mut self.contacts);
-            self.engine.gather_contacts(&mut contacts);
-            if is_recorded || is_pictured {
-                put_in_order(&mut contacts);
-            }
-            let engine = &self.engine;
-            let before =
-                (engine.team).both(|| engine.kinetic_energy(), || engine.gravitational_energy());
-            self.engine.advance(time_step);
-            self.journal.stage_steps += 1;
-            let look = self.engine.look(&contacts, before.into());
-            let critical = look.critical;
-            self.judge(&contacts, look)?;
-            let is_last =
-                is_last || (self.journal.is_settled && (self.is_last_stage() || records_ends));
-            if is_last && !(is_recorded || is_pictured) {
-                put_in_order(&mut contacts);
-            }
-            if is_recorded || is_last {
-                self.record(recorder, &contacts, critical)?;
-            }
-            let is_closing = is_last && self.spec.record.snapshot_every_steps > 0;
-            if is_pictured || is_closing {
-                self.picture(recorder, &contacts)?;
-            }
-            self.contacts = contacts;
-            if self.automatic.is_some() {
-                self.journal.time_step = self.automatic_step(critical);
-            }
-        } else {
-            self.engine.step(time_step);
-            self.journal.stage_steps += 1;
-        }
-        self.journal.candidate_steps += self.engine.candidates();
-        if let Some(Stage::Relax(_)) = self.spec.stages.get(self.journal.stage) {
-            self.engine.halt();
-            return Ok(());
-        }
-        self.check_speed()
     }
 
     /// Keeps what an observation says about the quality of the run.

@@ -1,7 +1,7 @@
 //! How large a step may be, and what must not become of bodies.
 use loadframe_api::spec::granular_scene::{Body, ContactLaw, GranularScene, LARGEST_WAY, Stage};
 
-use super::{Runner, STEPS_PER_LOOK};
+use super::{Runner, stepping::STEPS_PER_LOOK};
 use crate::{
     SimulationError,
     granular::{engine::Engine, time_step::Critical},

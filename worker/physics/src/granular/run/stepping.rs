@@ -1,0 +1,152 @@
+//! One step after the other: which are looked at, and which the threads do among themselves.
+use std::sync::Arc;
+
+use loadframe_api::spec::granular_scene::Stage;
+
+use super::Runner;
+use crate::{Recorder, SimulationError, granular::observe::put_in_order};
+
+/// Steps between looks at energies, overlaps and the critical step, beside those recorded.
+pub(super) const STEPS_PER_LOOK: u64 = 256;
+/// Particle steps between looks for interrupts: some milliseconds of work.
+const WORK_PER_INTERRUPT_LOOK: u64 = 50_000;
+/// Steps between looks for interrupts, at least: calling the threads together takes some part of one.
+const STEPS_PER_INTERRUPT_LOOK: u64 = 16;
+
+/// What a step is looked at for.
+#[derive(Clone, Copy, Debug)]
+struct Reason {
+    /// A row.
+    is_recorded: bool,
+    /// A snapshot.
+    is_pictured: bool,
+    is_last: bool,
+    /// Whether the ends of stages have rows.
+    records_ends: bool,
+}
+
+impl Runner<'_> {
+    /// Particles that a step moves, and what it costs besides.
+    pub(super) fn work_of_step(&self) -> u64 {
+        self.engine.state.particles.len() as u64 + 100
+    }
+
+    /// Work between looks for interrupts.
+    pub(super) fn work_uninterrupted(&self) -> u64 {
+        WORK_PER_INTERRUPT_LOOK.max(STEPS_PER_INTERRUPT_LOOK * self.work_of_step())
+    }
+
+    /// What a stage does to the scene of this moment.
+    pub(super) fn prepare_step(&mut self, stage: &Stage) {
+        self.drive(stage);
+        self.shake(stage);
+        self.stiffen(stage);
+    }
+
+    /// Does steps until the next that is looked at, that a stage may change in more than its drives, or
+    /// after which somebody may want to interrupt; the threads are called together once for all of
+    /// them. Returns the work done after `work`.
+    pub(super) fn steps_unseen(
+        &mut self,
+        stage: &Stage,
+        work: u64,
+    ) -> Result<u64, SimulationError> {
+        if matches!(stage, Stage::Insert(_) | Stage::Relax(_)) {
+            return Ok(0);
+        }
+        let team = Arc::clone(&self.engine.team);
+        team.gather(|| {
+            let mut done = 0;
+            while !self.is_stage_done(stage)
+                && self.reason_to_look().is_none()
+                && work + done + self.work_of_step() <= self.work_uninterrupted()
+            {
+                done += self.work_of_step();
+                self.prepare_step(stage);
+                self.plain_step()?;
+            }
+            Ok(done)
+        })
+    }
+
+    /// A step that nobody looks at.
+    fn plain_step(&mut self) -> Result<(), SimulationError> {
+        self.engine.step(self.journal.time_step);
+        self.journal.stage_steps += 1;
+        self.end_step()
+    }
+
+    fn end_step(&mut self) -> Result<(), SimulationError> {
+        self.journal.candidate_steps += self.engine.candidates();
+        if let Some(Stage::Relax(_)) = self.spec.stages.get(self.journal.stage) {
+            self.engine.halt();
+            return Ok(());
+        }
+        self.check_speed()
+    }
+
+    /// What the next step is looked at for, if it is.
+    fn reason_to_look(&self) -> Option<Reason> {
+        let next = self.engine.state.step + 1;
+        let record = &self.spec.record;
+        let is_last = self.is_last_step();
+        let is_told = self.journal.stage >= record.from_stage;
+        let records_ends = !is_told || !self.engine.model.grains.is_empty() || record.stage_ends;
+        let is_end = records_ends && self.ends_stage();
+        let reason = Reason {
+            is_recorded: is_told && next.is_multiple_of(record.every_steps) || is_last || is_end,
+            is_pictured: match record.snapshot_every_steps {
+                0 => false,
+                every => is_told && next.is_multiple_of(every) || is_last || !is_told && is_end,
+            },
+            is_last,
+            records_ends,
+        };
+        let is_due = next.is_multiple_of(STEPS_PER_LOOK);
+        (reason.is_recorded || reason.is_pictured || is_due).then_some(reason)
+    }
+
+    pub(super) fn step(&mut self, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
+        let Some(reason) = self.reason_to_look() else {
+            return self.plain_step();
+        };
+        let Reason {
+            is_recorded,
+            is_pictured,
+            is_last,
+            records_ends,
+        } = reason;
+        let time_step = self.journal.time_step;
+        self.engine.push(time_step);
+        let mut contacts = std::mem::take(&mut self.contacts);
+        self.engine.gather_contacts(&mut contacts);
+        if is_recorded || is_pictured {
+            put_in_order(&mut contacts);
+        }
+        let engine = &self.engine;
+        let before =
+            (engine.team).both(|| engine.kinetic_energy(), || engine.gravitational_energy());
+        self.engine.advance(time_step);
+        self.journal.stage_steps += 1;
+        let look = self.engine.look(&contacts, before.into());
+        let critical = look.critical;
+        self.judge(&contacts, look)?;
+        let is_last =
+            is_last || (self.journal.is_settled && (self.is_last_stage() || records_ends));
+        if is_last && !(is_recorded || is_pictured) {
+            put_in_order(&mut contacts);
+        }
+        if is_recorded || is_last {
+            self.record(recorder, &contacts, critical)?;
+        }
+        let is_closing = is_last && self.spec.record.snapshot_every_steps > 0;
+        if is_pictured || is_closing {
+            self.picture(recorder, &contacts)?;
+        }
+        self.contacts = contacts;
+        if self.automatic.is_some() {
+            self.journal.time_step = self.automatic_step(critical);
+        }
+        self.end_step()
+    }
+}
