@@ -189,7 +189,7 @@ job_kinds! {
     Calibrate("calibrate"): spec::calibrate::Calibrate,
         "Calibration",
         "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",
-        ["calibrate", "calibrate_pet"];
+        ["calibrate", "calibrate_pet", "calibrate_ballast"];
 }
 
 /// Work that is the same for every kind, given the spec's type.

@@ -118,6 +118,23 @@ fn stress_in_the_bed_is_that_of_the_plate() {
     }
 }
 
+/// [Dubina2014] table 4.3: softened so far that grains sink into each other.
+#[test]
+fn the_thesis_softened_oedometer_warns_of_its_overlaps() {
+    let job = json!({"kind": "ballast_oedometer", "spec": {
+        "version": 1, "accuracy": "draft",
+        "materials": {"aggregate": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e8,
+            "stiffness_ratio": 0.3, "friction_angle_rad": 0.5}},
+        "test": {"smallest_force_n": 250, "peak_force_n": 150e3}
+    }});
+    let (report, _) = run(&job);
+    let overlap = &report.quality["largest_overlap_ratio"];
+    assert!(!overlap.ok && overlap.value > 0.1, "{overlap:?}");
+    let warned = report.warnings.iter();
+    let warned: Vec<&str> = warned.map(|warning| warning.code.as_str()).collect();
+    assert!(warned.contains(&"largest_overlap_ratio"), "{warned:?}");
+}
+
 #[test]
 fn plates_and_sleepers_are_on_the_bed_while_it_is_shaken() {
     for (kind, is_placed_first) in [

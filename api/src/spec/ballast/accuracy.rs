@@ -57,7 +57,7 @@ impl Accuracy {
         match self {
             Self::Knobs(knobs) => knobs.clone(),
             Self::Preset(Preset::Draft) => Knobs {
-                critical_step_fraction: 0.5,
+                critical_step_fraction: 0.4,
                 stiffness: 1.0,
                 preparation_modulus_pa: 1e8,
                 inertial_number: 2e-3,

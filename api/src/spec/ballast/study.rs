@@ -69,8 +69,8 @@ pub(super) fn knobs<A: Apparatus>(spec: &Ballast<A>) -> Vec<Knob> {
                 .map_or(String::new(), |value| value.to_string()),
             grid: grid.map(str::to_owned).to_vec(),
             reference: vec![(line.name, finest.to_owned())],
-            // a step more or less, and grains come to lie elsewhere
-            keeps_specimen: false,
+            // a step more or less, and grains come to lie elsewhere; the period matters after that only
+            keeps_specimen: line.name == "inertial_number",
         }
     };
     lines.map(knob).collect()
