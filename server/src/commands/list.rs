@@ -72,7 +72,9 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
 fn line(job: &JobView) -> String {
     let state = job.outcome.as_ref().map_or_else(|| word(&job.status), word);
     let share = match job.status {
-        JobStatus::Running | JobStatus::Paused => format!("{:3.0} %", 100.0 * job.progress),
+        JobStatus::Running | JobStatus::Paused => {
+            format!("{:3.0} %", (100.0 * job.progress).floor())
+        }
         JobStatus::Queued | JobStatus::Finished => String::new(),
     };
     let left = job

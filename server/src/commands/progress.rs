@@ -43,7 +43,7 @@ impl ProgressDisplay {
         });
         let message = format!("{}{left}", progress.phase);
         if self.bar.is_hidden() {
-            let line = format!("{:3.0} %  {message}", 100.0 * progress.fraction);
+            let line = format!("{:3.0} %  {message}", (100.0 * progress.fraction).floor());
             let last = self.last_line.as_ref();
             let is_due =
                 last.is_none_or(|(last, said)| said.elapsed() >= LINE_EVERY && *last != line);
