@@ -1,22 +1,24 @@
 //! What a test takes: that of its scene, with the times that beds need to settle.
 use super::{
     super::granular_scene::{Settle, Stage},
-    Apparatus, Ballast,
+    Apparatus, Ballast, Phase,
 };
 use crate::{Calibration, Estimate, kinds::Spec as _};
 
-/// Time in which a layer comes to rest when it has fallen or was shaken [s]: as measured.
-const ROLLING_S: f64 = 0.4;
+/// Time in which a layer comes to rest when it was shaken or cut [s]: as measured.
+const SHAKEN_S: f64 = 0.1;
 /// The same after the moduli grew, in steps.
 const ROLLING_STEPS: u64 = 5_000;
 
 pub(super) fn estimate<A: Apparatus>(spec: &Ballast<A>, calibration: &Calibration) -> Estimate {
     let script = spec.script();
     let mut scene = script.scene;
-    let longest = spec.preparation.longest_settling_s;
-    for stage in &mut scene.stages {
+    let before = [Phase::Pour].into_iter().chain(script.phases);
+    for (stage, before) in scene.stages.iter_mut().zip(before) {
         if let Stage::Settle(Settle { time_s, steps, .. }) = stage {
-            *time_s = time_s.map(|_| ROLLING_S.min(longest));
+            if before != Phase::Pour {
+                *time_s = time_s.map(|longest| longest.min(SHAKEN_S));
+            }
             *steps = steps.map(|steps| steps.min(ROLLING_STEPS));
         }
     }

@@ -3,7 +3,7 @@
 //! Triangles are sorted by the balls around them into levels by size, as spheres are, so that a wall
 //! of two triangles and a fine scan can be one mesh. The grids are made once: a mesh does not change
 //! in its own frame. They are made anew only when spheres come that reach farther.
-use loadframe_api::surface::{bounds, closest_point, length, minus};
+use loadframe_api::surface::{bounds, closest_point, dot, length, minus};
 
 use super::{Facets, Mesh, Pose};
 use crate::granular::{
@@ -91,12 +91,18 @@ impl Search {
             for level in levels {
                 level.around(&local, |others| {
                     for &other in others {
+                        let facet = &facets.facets[other as usize];
+                        // a grain within a vessel is near the balls of all its long triangles, but
+                        // to the planes of few
+                        let height = dot(&facet.normal, &minus(&centre, &facet.corners[0]));
+                        if height.abs() > reach {
+                            continue;
+                        }
                         let ball = self.balls[other as usize].0;
                         let way = minus(&centre, &[ball[0], ball[1], ball[2]]);
                         if length(&way) > reach + ball[3] {
                             continue;
                         }
-                        let facet = &facets.facets[other as usize];
                         let closest = closest_point(&facet.corners, &centre).position;
                         if length(&minus(&closest, &centre)) <= reach {
                             found.push(other);
