@@ -52,8 +52,6 @@ pub(super) struct State {
     pub(super) bonds_made: u64,
     /// Intact bonds of bodies that were taken out.
     pub(super) bonds_removed: u64,
-    /// Farthest that one of them stretches before it breaks [m].
-    longest_stretch: f64,
     /// Upper bound of the speeds after the last step [m/s].
     pub(super) speed_bound: f64,
     /// What tan φ is multiplied with.
@@ -354,8 +352,7 @@ impl Engine {
         if state.lists.is_multiple_of(LISTS_PER_SORT) {
             listing::sort(&mut state.particles, &mut state.clumps);
         }
-        // bonded spheres are listed however far their bonds stretch
-        let skin = state.skin.width + state.longest_stretch;
+        let skin = state.skin.width;
         let facets = &self.model.facets;
         if !facets.facets.is_empty() {
             let radii = state.particles.centres.iter().map(|centre| centre.0[3]);
@@ -382,12 +379,7 @@ impl Engine {
             let mut held = 0;
             for lists in &self.contact_lists {
                 lists.see(&mut |touching| {
-                    let bond = touching.law.past(touching.lane).bond;
-                    if bond.is_intact {
-                        let stretch = bond.strength[0] / touching.constant;
-                        state.longest_stretch = state.longest_stretch.max(stretch);
-                        held += 1;
-                    }
+                    held += u64::from(touching.law.past(touching.lane).bond.is_intact);
                 });
             }
             state.bonds_made += held - memories.intact_bonds();

@@ -92,7 +92,9 @@ type Outgoing = [u32; 2];
 impl Listing<'_> {
     /// Cuts the particles into patches and fills the lists of each.
     pub(super) fn list(&self, clumps: &[Clump], team: &Team) -> (Vec<Patch>, Vec<Box<dyn Lists>>) {
-        let candidates = candidates(team, &self.particles.centres, self.skin, |a, b| {
+        let centres = &self.particles.centres;
+        let stretched = self.memories.stretched_bonds(self.particles, self.skin);
+        let candidates = candidates(team, centres, self.skin, stretched, |a, b| {
             self.may_touch(a, b)
         });
         let ranges = cut(self.particles.len(), clumps);

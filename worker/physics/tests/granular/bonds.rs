@@ -57,6 +57,20 @@ fn a_bond_breaks_at_its_tensile_strength() {
 }
 
 #[test]
+fn a_soft_bond_holds_over_several_diameters() {
+    let (speed, step, steps) = (0.5, 1e-4, 1200);
+    let mut spec = driven(0.0, [speed, 0.0, 0.0], steps);
+    spec["materials"]["stone"]["youngs_modulus_pa"] = json!(1e4);
+    spec["time_step_s"] = json!(step);
+    let (report, record) = run(&spec);
+    let (_, [_, force, _]) = contact(&record, steps, [0, 1]).expect("it holds");
+    let stretch = speed * step * (steps - 1) as f64;
+    assert!(stretch > 5.0 * RADIUS, "{stretch}");
+    assert_close(force[0], -1e4 * RADIUS * stretch, 1e-6);
+    assert_eq!(report.summary["broken_bonds"].value, Some(0.0));
+}
+
+#[test]
 fn a_bond_breaks_at_its_shear_strength() {
     let speed = 0.5;
     let (report, record) = run(&driven(0.0, [0.0, speed, 0.0], 2000));

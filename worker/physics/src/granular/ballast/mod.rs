@@ -7,6 +7,7 @@
 //! modulus, [`report`] the summary, [`tables`] the files. A resumed run hears the whole curve again,
 //! so that nothing here needs to be kept in a checkpoint.
 mod cycles;
+mod moments;
 mod oedometer;
 mod report;
 mod tables;

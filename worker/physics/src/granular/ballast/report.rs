@@ -2,7 +2,7 @@
 use indexmap::IndexMap;
 use loadframe_api::{Quantity, Report};
 
-use super::{cycles::Cycle, oedometer::Oedometer, tester::Tester};
+use super::{cycles::Cycle, moments::Moments, oedometer::Oedometer, tester::Tester};
 
 /// The scene's report with the results of the test before its own.
 pub(super) fn report(
@@ -112,6 +112,20 @@ pub(super) fn report(
             porosity(tester.rows.last()),
             "1",
             "Porosity under the sleeper at the end.",
+        );
+    }
+    for (moment, [single, large]) in Moments::of(tester).shares() {
+        add(
+            &format!("mass_in_single_spheres_{moment}"),
+            single,
+            "1",
+            "Share of the mass of breakable grains that is single spheres.",
+        );
+        add(
+            &format!("mass_from_135_spheres_{moment}"),
+            large,
+            "1",
+            "Share of the mass of breakable grains that is pieces of 135 spheres and more.",
         );
     }
     for (name, quantity) in scene.summary {

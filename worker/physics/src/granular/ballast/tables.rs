@@ -1,10 +1,11 @@
 //! The files of a test.
 use std::io;
 
-use loadframe_api::spec::ballast::{Phase, Script};
+use loadframe_api::spec::ballast::Script;
 
 use super::{
     cycles::{Cycle, place_in_cycles},
+    moments::Moments,
     oedometer::Oedometer,
     tester::{Row, Tester},
 };
@@ -170,7 +171,7 @@ impl Tester<'_> {
     }
 
     /// The row of the cycles with the largest force.
-    fn peak_row(&self) -> Option<&Row> {
+    pub(super) fn peak_row(&self) -> Option<&Row> {
         let (rows, _) = self.loading();
         rows.reduce(|best, row| if row.force > best.force { row } else { best })
     }
@@ -248,38 +249,10 @@ fn write_oedometer(tester: &mut Tester<'_>, oedometer: &Oedometer) -> io::Result
 /// Shares of mass by size of fragment when the bed was poured, before the cycles, at the largest
 /// force and at the end.
 fn write_fragments(tester: &mut Tester<'_>) -> io::Result<()> {
-    let mut lines = tester.fragments().lines();
-    let header = lines.next().unwrap_or_default();
-    let rows: Vec<&str> = lines.collect();
-    let column = |name: &str| {
-        header
-            .split(',')
-            .position(|known| known == name)
-            .unwrap_or_default()
-    };
-    let number = |row: &str, column: usize| -> f64 {
-        let cell = row.split(',').nth(column);
-        cell.and_then(|cell| cell.parse().ok()).unwrap_or(f64::NAN)
-    };
-    let (time, stage) = (column("time_s"), column("stage"));
-    let first_load = tester
-        .script
-        .phases
-        .iter()
-        .position(|phase| *phase == Phase::Load);
-    let is_before = |row: &&&str| first_load.is_none_or(|load| number(row, stage) < load as f64);
-    let peak = tester.peak_row().map_or(f64::INFINITY, |row| row.time);
-    let moments = [
-        ("poured", rows.first()),
-        ("before_loading", rows.iter().rev().find(is_before)),
-        ("peak", rows.iter().find(|row| number(row, time) >= peak)),
-        ("end", rows.last()),
-    ];
-    let mut text = format!("moment,{header}\n");
-    for (moment, row) in moments {
-        if let Some(row) = row {
-            text.push_str(&format!("{moment},{row}\n"));
-        }
+    let moments = Moments::of(tester);
+    let mut text = format!("moment,{}\n", moments.header);
+    for (moment, row) in moments.rows {
+        text.push_str(&format!("{moment},{row}\n"));
     }
     tester.write("fragment_moments.csv", &mut |out| {
         out.write_all(text.as_bytes())

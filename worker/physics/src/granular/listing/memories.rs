@@ -5,6 +5,7 @@ use super::super::{
         lists::{Lists, Touching, Who},
         stiffness::bond_strength,
     },
+    neighbours::grid::is_near,
     particles::Particles,
     scene::Model,
 };
@@ -110,6 +111,36 @@ impl Memories {
     pub(in crate::granular) fn intact_bonds(&self) -> u64 {
         let intact = self.pairs.iter().filter(|(_, past)| past.bond.is_intact);
         intact.count() as u64
+    }
+
+    /// Pairs of particles whose bond holds though they are farther apart than the skin [m], the lower
+    /// one first. A bond softens with its modulus but not its strength, so it may stretch far.
+    pub(super) fn stretched_bonds(&self, particles: &Particles, skin: f64) -> Vec<[u32; 2]> {
+        if self.intact_bonds() == 0 {
+            return Vec::new();
+        }
+        let mut places = vec![None; self.starts.len()];
+        for (place, number) in (0_u32..).zip(&particles.numbers) {
+            if let Some(known) = places.get_mut(*number as usize) {
+                *known = Some(place);
+            }
+        }
+        let lows = self.starts.windows(2).enumerate();
+        let pairs = lows.flat_map(|(low, ends)| {
+            let partners = &self.pairs[ends[0] as usize..ends[1] as usize];
+            let bonded = partners.iter().filter(|(_, past)| past.bond.is_intact);
+            bonded.map(move |(high, _)| [low, *high as usize])
+        });
+        pairs
+            .filter_map(|pair| {
+                // one that was taken out has no place
+                let [Some(a), Some(b)] = pair.map(|number| places[number]) else {
+                    return None;
+                };
+                let [one, other] = [a, b].map(|place| &particles.centres[place as usize]);
+                (!is_near(one, other, skin)).then_some([a.min(b), a.max(b)])
+            })
+            .collect()
     }
 
     /// What the contact of particles `a` and `b` remembers, seen from a.

@@ -42,11 +42,13 @@ impl Candidates {
     }
 }
 
-/// Every pair of spheres whose surfaces are closer than `skin` [m] and that `may_touch` allows.
+/// Every pair of spheres whose surfaces are closer than `skin` [m] and that `may_touch` allows, and
+/// the pairs `besides` that are not, the lower sphere first.
 pub(in crate::granular) fn candidates(
     team: &Team,
     spheres: &[Row],
     skin: f64,
+    besides: Vec<[u32; 2]>,
     may_touch: impl Fn(usize, usize) -> bool + Sync,
 ) -> Candidates {
     let largest = spheres.iter().map(|sphere| sphere.0[3]).fold(0.0, f64::max);
@@ -70,7 +72,7 @@ pub(in crate::granular) fn candidates(
     let members = members.iter().enumerate();
     let work =
         members.flat_map(|(own, members)| members.chunks(CHUNK).map(move |some| (own, some)));
-    let found = team.map(work.collect(), |(own, some)| {
+    let mut found = team.map(work.collect(), |(own, some)| {
         let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(4 * some.len());
         for (coarser, level) in levels[..=own].iter().enumerate() {
             let Some(level) = level else { continue };
@@ -92,11 +94,13 @@ pub(in crate::granular) fn candidates(
         }
         pairs
     });
+    found.push(besides);
     collect(team, spheres.len(), &found)
 }
 
+/// Whether the surfaces of two spheres are no farther apart than `skin` [m].
 #[inline]
-fn is_near(a: &Row, b: &Row, skin: f64) -> bool {
+pub(in crate::granular) fn is_near(a: &Row, b: &Row, skin: f64) -> bool {
     let [x, y, z, _] = std::array::from_fn(|axis| b.0[axis] - a.0[axis]);
     let reach = a.0[3] + b.0[3] + skin;
     x * x + y * y + z * z <= reach * reach
@@ -240,7 +244,7 @@ mod tests {
                 sphere.0[stray] *= 1e6;
             }
             let team = Team::new(1).expect("a team of one needs no threads");
-            let found = candidates(&team, &spheres, skin, |a, b| (a + b) % 7 != 0);
+            let found = candidates(&team, &spheres, skin, Vec::new(), |a, b| (a + b) % 7 != 0);
             for a in 0..spheres.len() {
                 let expected: Vec<u32> = (a + 1..spheres.len())
                     .filter(|b| is_near(&spheres[a], &spheres[*b], skin) && (a + b) % 7 != 0)
