@@ -51,8 +51,15 @@ impl Blocks {
             let [first, second] = ends_of(bond);
             i64::from(second) - i64::from(first)
         };
-        let mut order: Vec<u32> = (0..ends.len() as u32).collect();
-        order.sort_unstable_by_key(|bond| (offset(*bond), ends_of(*bond)[0], *bond));
+        // by offset, first end and number, in one number each: comparing them looks nothing up
+        let mut keys: Vec<u128> = (0..ends.len() as u32)
+            .map(|bond| {
+                let offset = (offset(bond) + (1 << 32)) as u128;
+                offset << 64 | u128::from(ends_of(bond)[0]) << 32 | u128::from(bond)
+            })
+            .collect();
+        keys.sort_unstable();
+        let order: Vec<u32> = keys.iter().map(|key| *key as u32).collect();
         let go_on = |bond: &u32, next: &u32| {
             let gap = ends_of(*next)[0].wrapping_sub(ends_of(*bond)[0]);
             offset(*bond) == offset(*next) && (1..=LONGEST_GAP + 1).contains(&gap)

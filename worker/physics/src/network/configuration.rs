@@ -5,7 +5,7 @@ use super::{
     Laws,
     assembly::{Assembly, BondState, NO_LENGTH},
     blocks::{BLOCK, Buffer},
-    field::{Field, Real, sum},
+    field::{self, Field, Real, sum},
     law::StrainLaw,
     rounded::RoundedLaw,
     stiffness::Stiffness,
@@ -184,21 +184,11 @@ impl<T: Real> Configuration<T> {
 
     /// The largest resultant, and whether `force_limit` [N] or round-off bounds all of them.
     pub(crate) fn residual(&self, assembly: &Assembly, force_limit: f64) -> Residual {
-        let [x, y, z] = self.resultants.components();
         let (mut largest, mut node) = (0.0, assembly.free().start);
-        let mut squares = [0.0; BLOCK];
-        for start in assembly.free().step_by(BLOCK) {
-            let places = start..(start + BLOCK).min(assembly.free().end);
-            let squares = &mut squares[..places.len()];
-            let pairs = squares
-                .iter_mut()
-                .zip(x[places.clone()].iter().zip(&y[places.clone()]));
-            for (square, (x, y)) in pairs {
-                *square = x * x + y * y;
-            }
-            let thick = z.get(places).unwrap_or_default();
-            for (square, z) in squares.iter_mut().zip(thick) {
-                *square += z * z;
+        self.see_squares(assembly, |start, squares| {
+            // most blocks have none that is larger
+            if field::largest(squares) <= largest && !squares.iter().any(|s| s.is_nan()) {
+                return;
             }
             for (index, square) in squares.iter().enumerate() {
                 // a NaN must not pass for a balanced node
@@ -206,7 +196,7 @@ impl<T: Real> Configuration<T> {
                     (largest, node) = (*square, start + index);
                 }
             }
-        }
+        });
         let largest = largest.sqrt();
         let verdict = if largest <= force_limit {
             Verdict::Balanced
@@ -224,9 +214,30 @@ impl<T: Real> Configuration<T> {
 
     /// Adds the free nodes whose resultant exceeds `force` [N] to `nodes`, ascending.
     pub(crate) fn list_beyond(&self, assembly: &Assembly, force: f64, nodes: &mut Vec<u32>) {
-        let is_beyond = |node: &usize| self.resultants.at(*node).norm_squared() > force * force;
-        let beyond = assembly.free().filter(is_beyond);
-        nodes.extend(beyond.map(|node| node as u32));
+        self.see_squares(assembly, |start, squares| {
+            if field::largest(squares) <= force * force {
+                return;
+            }
+            let beyond = (start..).zip(squares);
+            let beyond = beyond.filter(|(_, square)| **square > force * force);
+            nodes.extend(beyond.map(|(node, _)| node as u32));
+        });
+    }
+
+    /// Shows the squares of the free nodes' resultants, some at a time, with the place of the first.
+    fn see_squares(&self, assembly: &Assembly, mut see: impl FnMut(usize, &[f64])) {
+        let free = assembly.free();
+        wide(
+            #[inline(always)]
+            || {
+                let mut squares = [0.0; BLOCK];
+                for start in free.clone().step_by(BLOCK) {
+                    let squares = &mut squares[..BLOCK.min(free.end - start)];
+                    self.resultants.squares(start, squares);
+                    see(start, squares);
+                }
+            },
+        );
     }
 
     /// Whether every resultant beyond the limit, the one of node `worst` above all, is within the

@@ -3,7 +3,11 @@ use std::{iter::Sum, ops::Range};
 
 use num_traits::{Float, NumAssign};
 
-use super::{Vector, blocks::LANES};
+use super::{
+    Vector,
+    blocks::{BLOCK, LANES},
+};
+use crate::wide::wide;
 
 /// The number type of a kernel: `f64` for what is reported, `f32` for what only points the way.
 pub(crate) trait Real:
@@ -153,20 +157,58 @@ impl<T: Real> Field<T> {
         }
     }
 
+    /// Sets `squares` to those of the vectors from place `start` on.
+    #[inline(always)]
+    pub(crate) fn squares(&self, start: usize, squares: &mut [T]) {
+        let [x, y, z] = self.panel(start..start + squares.len());
+        for (square, (x, y)) in squares.iter_mut().zip(x.iter().zip(y)) {
+            *square = *x * *x + *y * *y;
+        }
+        for (square, z) in squares.iter_mut().zip(z) {
+            *square += *z * *z;
+        }
+    }
+
     /// Longest vector, squared.
     #[inline(always)]
     pub(crate) fn longest_square(&self) -> T {
-        let [x, y, z] = self.components();
         let mut longest = T::zero();
-        for node in 0..x.len() {
-            let mut square = x[node] * x[node] + y[node] * y[node];
-            if let Some(z) = z.get(node) {
-                square += *z * *z;
-            }
-            longest = longest.max(square);
+        let mut squares = [T::zero(); BLOCK];
+        for start in (0..self.0[0].len()).step_by(BLOCK) {
+            let count = BLOCK.min(self.0[0].len() - start);
+            self.squares(start, &mut squares[..count]);
+            longest = longest.max(largest(&squares[..count]));
         }
         longest
     }
+
+    /// Whether all components of the vectors are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let components = self.0.iter();
+        // 0 for a number, else not a number
+        let mut nothing = components.map(|component| {
+            wide(
+                #[inline(always)]
+                || sum_of(component, |value| value * T::zero()),
+            )
+        });
+        nothing.all(|nothing| nothing == 0.0)
+    }
+}
+
+/// The largest of `values` that are not below zero; what is not a number is left out.
+#[inline(always)]
+pub(crate) fn largest<T: Real>(values: &[T]) -> T {
+    let larger = |most: T, value: T| if value > most { value } else { most };
+    let mut lanes = [T::zero(); LANES];
+    let mut groups = values.chunks_exact(LANES);
+    for group in &mut groups {
+        for lane in 0..LANES {
+            lanes[lane] = larger(lanes[lane], group[lane]);
+        }
+    }
+    let rest = groups.remainder().iter();
+    lanes.iter().chain(rest).copied().fold(T::zero(), larger)
 }
 
 /// Numbers summed in the precision of the data before the sum goes on in double precision.
@@ -175,17 +217,27 @@ const PANEL: usize = 512;
 /// Σ `values`.
 #[inline(always)]
 pub(crate) fn sum<T: Real>(values: &[T]) -> f64 {
+    sum_of(
+        values,
+        #[inline(always)]
+        |value| value,
+    )
+}
+
+/// Σ `of` each of `values`.
+#[inline(always)]
+fn sum_of<T: Real>(values: &[T], of: impl Fn(T) -> T) -> f64 {
     let mut total = 0.0;
     for panel in values.chunks(PANEL) {
         let mut lanes = [T::zero(); LANES];
         let mut groups = panel.chunks_exact(LANES);
         for group in &mut groups {
             for lane in 0..LANES {
-                lanes[lane] += group[lane];
+                lanes[lane] += of(group[lane]);
             }
         }
         for (lane, value) in lanes.iter_mut().zip(groups.remainder()) {
-            *lane += *value;
+            *lane += of(*value);
         }
         total += fold(&lanes);
     }

@@ -24,10 +24,7 @@ impl<'a> Moments<'a> {
         let moments = [
             ("poured", all.first()),
             ("before_loading", all.iter().rev().find(is_before)),
-            (
-                "peak",
-                all.iter().find(|row| number(row, "time_s") >= peak),
-            ),
+            ("peak", all.iter().find(|row| number(row, "time_s") >= peak)),
             ("end", all.last()),
         ];
         let rows = moments.into_iter();

@@ -23,10 +23,12 @@ use crate::{
     network::{
         Vector,
         assembly::Assembly,
+        blocks::BLOCK,
         configuration::{Configuration, Residual, Verdict},
-        field::{Field, Real},
+        field::{Field, Real, largest},
         stiffness::Stiffness,
     },
+    wide::wide,
 };
 
 /// Residual of a Newton step relative to the force it balances, when still far from equilibrium.
@@ -319,16 +321,23 @@ impl Iteration<'_, '_> {
         there: &mut Configuration,
         meter: &mut Meter<'_>,
     ) -> Result<bool, Interrupt> {
-        let directions = memory.direction.components_mut().into_iter();
-        for (direction, step) in directions.zip(memory.step.components()) {
-            for (direction, step) in direction.iter_mut().zip(step) {
-                *direction = step.wide() * unit;
-            }
-        }
+        let (step, along) = (&memory.step, &mut memory.direction);
+        let longest_square = wide(
+            #[inline(always)]
+            || {
+                let pairs = along.components_mut().into_iter().zip(step.components());
+                for (direction, step) in pairs {
+                    for (direction, step) in direction.iter_mut().zip(step) {
+                        *direction = step.wide() * unit;
+                    }
+                }
+                along.longest_square()
+            },
+        );
         let line = Line {
             assembly: self.assembly,
             start: self.here,
-            longest: self.search.step_cap / memory.direction.longest_square().sqrt(),
+            longest: self.search.step_cap / longest_square.sqrt(),
             direction: &memory.direction,
         };
         line.descend(there, meter)
@@ -343,19 +352,28 @@ fn scale_to_one<T: Real>(
     scaled: &mut Field<T>,
 ) -> f64 {
     let free = assembly.free();
-    let components = resultants.components();
-    let all = components.iter().filter(|component| !component.is_empty());
-    let magnitudes = all.flat_map(|component| component[free.clone()].iter().map(|f| f.abs()));
-    let unit = magnitudes.fold(0.0, f64::max);
-    for (scaled, component) in scaled.components_mut().into_iter().zip(components) {
-        if !component.is_empty() {
-            let pairs = scaled[free.clone()]
-                .iter_mut()
-                .zip(&component[free.clone()]);
-            pairs.for_each(|(scaled, force)| *scaled = T::new(force / unit));
-        }
-    }
-    unit
+    wide(
+        #[inline(always)]
+        || {
+            let forces = resultants.panel(free.clone());
+            let mut magnitudes = [0.0; BLOCK];
+            let mut unit = 0.0_f64;
+            for part in forces.iter().flat_map(|component| component.chunks(BLOCK)) {
+                let magnitudes = &mut magnitudes[..part.len()];
+                for (magnitude, force) in magnitudes.iter_mut().zip(part) {
+                    *magnitude = force.abs();
+                }
+                unit = unit.max(largest(magnitudes));
+            }
+            let scaled = scaled.panel_mut(free.clone()).into_iter();
+            for (scaled, forces) in scaled.zip(forces) {
+                for (scaled, force) in scaled.iter_mut().zip(forces) {
+                    *scaled = T::new(force / unit);
+                }
+            }
+            unit
+        },
+    )
 }
 
 /// How exactly to solve a step: as the residual fell by the last step, so it is worth falling by

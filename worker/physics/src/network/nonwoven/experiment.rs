@@ -386,6 +386,9 @@ impl<'a> Experiment<'a> {
             quantity,
         };
         let first = |field: &Field<f64>| {
+            if field.is_finite() {
+                return None;
+            }
             let is_bad = |node: &usize| !field.at(*node).iter().all(|value| value.is_finite());
             (0..self.loaded.assembly.places()).find(is_bad)
         };
