@@ -230,6 +230,19 @@ fn a_sleeper_rests_on_its_bed_and_settles_less_in_every_cycle() {
 }
 
 #[test]
+fn the_time_step_follows_a_soft_bed_that_lands_and_is_pressed_within_few_steps() {
+    let mut job = small_oedometer();
+    job["spec"]["materials"]["aggregate"]["youngs_modulus_pa"] = json!(2e6);
+    job["spec"]["test"]["peak_force_n"] = json!(1000);
+    for seed in 1..=3 {
+        job["spec"]["seed"] = json!(seed);
+        let (report, _) = run(&job);
+        let ratio = report.quality["step_over_critical"].value;
+        assert!(ratio < 0.7, "seed {seed}: {ratio}");
+    }
+}
+
+#[test]
 fn a_load_that_the_base_cannot_carry_ends_with_that_sentence() {
     let mut job = small_oedometer();
     job["spec"]["materials"]["aggregate"]["youngs_modulus_pa"] = json!(1e6);

@@ -18,6 +18,8 @@ pub(super) struct Journal {
     pub(super) stage_start: f64,
     /// Δt of the next step [s].
     pub(super) time_step: f64,
+    /// How often the steps between two looks are halved now.
+    pub(super) look_halvings: u32,
     /// Rows of `curve.csv`, `bodies.csv` and `contacts.csv`, one after the other.
     pub(super) curve: Vec<f64>,
     pub(super) bodies: Vec<f64>,

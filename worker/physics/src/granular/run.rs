@@ -9,6 +9,7 @@ use loadframe_api::spec::granular_scene::{Body, GranularScene, Stage, TimeStep};
 use serde::{Deserialize, Serialize, Serializer, ser::Error as _};
 
 use limits::{foreseen, unstable};
+use stepping::MOST_HALVINGS;
 
 use super::{
     contact::{law::Chosen, lists::Lists},
@@ -207,7 +208,10 @@ impl<'a> Runner<'a> {
                 }
                 step
             }
-            TimeStep::Automatic(_) => self.automatic_step(critical),
+            TimeStep::Automatic(_) => {
+                self.journal.look_halvings = MOST_HALVINGS;
+                self.automatic_step(critical)
+            }
         };
         let state = &self.engine.state;
         recorder.log(&format!(

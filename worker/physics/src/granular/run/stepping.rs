@@ -8,6 +8,12 @@ use crate::{Recorder, SimulationError, granular::observe::put_in_order};
 
 /// Steps between looks at energies, overlaps and the critical step, beside those recorded.
 pub(super) const STEPS_PER_LOOK: u64 = 256;
+/// Where from look to look the critical step falls to this part, or contacts grow in number by this
+/// factor, looks come four times as often, down to every 16 steps: a bed that lands or is pressed fast
+/// would outrun its time step. Otherwise half as often again.
+const FALLING: f64 = 0.95;
+const GROWING: f64 = 1.05;
+pub(super) const MOST_HALVINGS: u32 = 4;
 /// Particle steps between looks for interrupts: some milliseconds of work.
 const WORK_PER_INTERRUPT_LOOK: u64 = 50_000;
 /// Steps between looks for interrupts, at least: calling the threads together takes some part of one.
@@ -102,7 +108,7 @@ impl Runner<'_> {
             is_last,
             records_ends,
         };
-        let is_due = next.is_multiple_of(STEPS_PER_LOOK);
+        let is_due = next.is_multiple_of(STEPS_PER_LOOK >> self.journal.look_halvings);
         (reason.is_recorded || reason.is_pictured || is_due).then_some(reason)
     }
 
@@ -130,6 +136,7 @@ impl Runner<'_> {
         self.journal.stage_steps += 1;
         let look = self.engine.look(&contacts, before.into());
         let critical = look.critical;
+        let contacts_before = self.journal.last.contacts;
         self.judge(&contacts, look)?;
         let is_last =
             is_last || (self.journal.is_settled && (self.is_last_stage() || records_ends));
@@ -145,7 +152,16 @@ impl Runner<'_> {
         }
         self.contacts = contacts;
         if self.automatic.is_some() {
-            self.journal.time_step = self.automatic_step(critical);
+            let step = self.automatic_step(critical);
+            let journal = &mut self.journal;
+            let is_falling = step < FALLING * journal.time_step;
+            let is_growing = journal.last.contacts as f64 > GROWING * contacts_before as f64;
+            journal.look_halvings = if is_falling || is_growing {
+                (journal.look_halvings + 2).min(MOST_HALVINGS)
+            } else {
+                journal.look_halvings.saturating_sub(1)
+            };
+            journal.time_step = step;
         }
         self.end_step()
     }
