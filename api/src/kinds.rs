@@ -185,7 +185,7 @@ job_kinds! {
     BallastRailbed("ballast_railbed"): spec::ballast::BallastRailbed,
         "Rail bed",
         "Half a cross-section of a track with its sleeper, shoulder and soft ground under the load of a wheel.",
-        ["ballast_railbed"];
+        ["ballast_railbed", "ballast_railbed_cycles", "ballast_railbed_breakable"];
     Calibrate("calibrate"): spec::calibrate::Calibrate,
         "Calibration",
         "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",
