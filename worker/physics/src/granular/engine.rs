@@ -345,7 +345,7 @@ impl Engine {
         self.list_with(&memories);
     }
 
-    fn list_with(&mut self, memories: &Memories) {
+    pub(super) fn list_with(&mut self, memories: &Memories) {
         let state = &mut self.state;
         // in the old order, as the way is measured from
         state.skin.renew(&state.particles.centres);

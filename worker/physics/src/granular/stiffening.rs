@@ -9,10 +9,17 @@ const STEPS_PER_CHANGE: u64 = 32;
 impl Engine {
     /// Sets what the modulus of every material is multiplied with, from the next step on.
     pub(super) fn stiffen(&mut self, factor: f64) {
-        if self.state.stiffness_factor.to_bits() != factor.to_bits() {
-            self.state.stiffness_factor = factor;
-            self.model.stiffen(factor);
-            // contacts get their springs when they are listed
+        let old = std::mem::replace(&mut self.state.stiffness_factor, factor);
+        if old.to_bits() == factor.to_bits() {
+            return;
+        }
+        self.model.stiffen(factor);
+        // contacts get their springs when they are listed
+        if self.state.bonds_made > 0 {
+            let mut memories = self.memories();
+            memories.keep_bond_forces(&self.state.particles, old / factor);
+            self.list_with(&memories);
+        } else {
             self.drop_lists();
         }
     }

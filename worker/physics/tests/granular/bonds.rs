@@ -71,6 +71,23 @@ fn a_soft_bond_holds_over_several_diameters() {
 }
 
 #[test]
+fn a_bond_pulls_as_before_when_moduli_grow() {
+    let (speed, steps, growing) = (1e-3, 10_000, 320);
+    let mut spec = driven(0.0, [speed, 0.0, 0.0], steps);
+    spec["stages"] =
+        json!([{"run": {"steps": steps}}, {"stiffen": {"factor": 100, "steps": growing}}]);
+    let (report, record) = run(&spec);
+    assert_eq!(report.summary["broken_bonds"].value, Some(0.0));
+    let pull = |step| contact(&record, step, [0, 1]).expect("it holds").1[1][0];
+    let before = -NORMAL_STIFFNESS * speed * STEP * (steps - 1) as f64;
+    assert_close(pull(steps), before, 1e-6);
+    // what the way adds meanwhile, at springs between the old and the new
+    let way = speed * STEP * growing as f64;
+    let added = before - pull(steps + growing);
+    assert!(added > NORMAL_STIFFNESS * way && added < 100.0 * NORMAL_STIFFNESS * way);
+}
+
+#[test]
 fn a_bond_breaks_at_its_shear_strength() {
     let speed = 0.5;
     let (report, record) = run(&driven(0.0, [0.0, speed, 0.0], 2000));

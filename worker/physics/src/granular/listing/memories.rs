@@ -113,18 +113,43 @@ impl Memories {
         intact.count() as u64
     }
 
-    /// Pairs of particles whose bond holds though they are farther apart than the skin [m], the lower
-    /// one first. A bond softens with its modulus but not its strength, so it may stretch far.
-    pub(super) fn stretched_bonds(&self, particles: &Particles, skin: f64) -> Vec<[u32; 2]> {
-        if self.intact_bonds() == 0 {
-            return Vec::new();
+    /// All springs have changed, from stiffness to stiffness by 1/`ratio` [-]: bonds get the rest
+    /// overlap at which they pull as before. The bonds of a grain hold each other under tension, which
+    /// no motion could relieve while it grew with the springs, and they would break.
+    pub(in crate::granular) fn keep_bond_forces(&mut self, particles: &Particles, ratio: f64) {
+        let places = self.places(particles);
+        for (low, ends) in self.starts.windows(2).enumerate() {
+            let Some(a) = places[low] else { continue };
+            for (high, past) in &mut self.pairs[ends[0] as usize..ends[1] as usize] {
+                let Some(b) = places[*high as usize].filter(|_| past.bond.is_intact) else {
+                    continue;
+                };
+                let [a, b] = [a, b].map(|place| particles.centres[place as usize]);
+                let overlap = a.0[3] + b.0[3] - (b.vector() - a.vector()).norm();
+                let rest = &mut past.bond.rest;
+                *rest = overlap - ratio * (overlap - *rest);
+            }
         }
+    }
+
+    /// The place of each particle by its number; one that was taken out has none.
+    fn places(&self, particles: &Particles) -> Vec<Option<u32>> {
         let mut places = vec![None; self.starts.len()];
         for (place, number) in (0_u32..).zip(&particles.numbers) {
             if let Some(known) = places.get_mut(*number as usize) {
                 *known = Some(place);
             }
         }
+        places
+    }
+
+    /// Pairs of particles whose bond holds though they are farther apart than the skin [m], the lower
+    /// one first. A bond softens with its modulus but not its strength, so it may stretch far.
+    pub(super) fn stretched_bonds(&self, particles: &Particles, skin: f64) -> Vec<[u32; 2]> {
+        if self.intact_bonds() == 0 {
+            return Vec::new();
+        }
+        let places = self.places(particles);
         let lows = self.starts.windows(2).enumerate();
         let pairs = lows.flat_map(|(low, ends)| {
             let partners = &self.pairs[ends[0] as usize..ends[1] as usize];
@@ -133,7 +158,6 @@ impl Memories {
         });
         pairs
             .filter_map(|pair| {
-                // one that was taken out has no place
                 let [Some(a), Some(b)] = pair.map(|number| places[number]) else {
                     return None;
                 };
