@@ -190,7 +190,8 @@ def check_scene(folder: Path, spec: dict, rows: list[dict]) -> str:
                 check(values == [row[name] for name in names], f"sphere {row['body']} at step {step}")
         lines = pyvista.wrap(read(folder / f"snapshots/contacts_{step:09}.vtp"))
         listed = [row for row in contacts if row["step"] == step]
-        for row in (row for row in rows if row["step"] == step):
+        # where bodies were taken out after a step, its last row is that of the snapshot
+        for row in [row for row in rows if row["step"] == step][-1:]:
             compared += 1
             check(lines.n_lines == row["contacts"], f"{lines.n_lines} contacts at step {step}")
         if listed:
