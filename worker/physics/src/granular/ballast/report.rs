@@ -114,19 +114,24 @@ pub(super) fn report(
             "Porosity under the sleeper at the end.",
         );
     }
-    for (moment, [single, large]) in Moments::of(tester).shares() {
+    let moments = Moments::of(tester);
+    // grains of fewer members have no such pieces
+    let has_large = (moments.shares().next()).is_some_and(|(_, [_, large])| large > 0.0);
+    for (moment, [single, large]) in moments.shares() {
         add(
             &format!("mass_in_single_spheres_{moment}"),
             single,
             "1",
             "Share of the mass of breakable grains that is single spheres.",
         );
-        add(
-            &format!("mass_from_135_spheres_{moment}"),
-            large,
-            "1",
-            "Share of the mass of breakable grains that is pieces of 135 spheres and more.",
-        );
+        if has_large {
+            add(
+                &format!("mass_from_135_spheres_{moment}"),
+                large,
+                "1",
+                "Share of the mass of breakable grains that is pieces of 135 spheres and more.",
+            );
+        }
     }
     for (name, quantity) in scene.summary {
         summary.entry(name).or_insert(quantity);
