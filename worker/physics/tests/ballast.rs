@@ -237,6 +237,7 @@ fn the_time_step_follows_a_soft_bed_that_lands_and_is_pressed_within_few_steps()
     for seed in 1..=3 {
         job["spec"]["seed"] = json!(seed);
         let (report, _) = run(&job);
+        // 0.4 is asked for; with looks at every 256 steps seed 2 lands at 0.701
         let ratio = report.quality["step_over_critical"].value;
         assert!(ratio < 0.7, "seed {seed}: {ratio}");
     }
