@@ -185,18 +185,22 @@ impl<T: Real> Configuration<T> {
     /// The largest resultant, and whether `force_limit` [N] or round-off bounds all of them.
     pub(crate) fn residual(&self, assembly: &Assembly, force_limit: f64) -> Residual {
         let (mut largest, mut node) = (0.0, assembly.free().start);
-        self.see_squares(assembly, |start, squares| {
-            // most blocks have none that is larger
-            if field::largest(squares) <= largest && !squares.iter().any(|s| s.is_nan()) {
-                return;
-            }
-            for (index, square) in squares.iter().enumerate() {
-                // a NaN must not pass for a balanced node
-                if *square > largest || square.is_nan() {
-                    (largest, node) = (*square, start + index);
+        self.see_squares(
+            assembly,
+            #[inline(always)]
+            |start, squares| {
+                // most blocks have none that is larger
+                if field::largest(squares) <= largest && !squares.iter().any(|s| s.is_nan()) {
+                    return;
                 }
-            }
-        });
+                for (index, square) in squares.iter().enumerate() {
+                    // a NaN must not pass for a balanced node
+                    if *square > largest || square.is_nan() {
+                        (largest, node) = (*square, start + index);
+                    }
+                }
+            },
+        );
         let largest = largest.sqrt();
         let verdict = if largest <= force_limit {
             Verdict::Balanced
@@ -214,17 +218,22 @@ impl<T: Real> Configuration<T> {
 
     /// Adds the free nodes whose resultant exceeds `force` [N] to `nodes`, ascending.
     pub(crate) fn list_beyond(&self, assembly: &Assembly, force: f64, nodes: &mut Vec<u32>) {
-        self.see_squares(assembly, |start, squares| {
-            if field::largest(squares) <= force * force {
-                return;
-            }
-            let beyond = (start..).zip(squares);
-            let beyond = beyond.filter(|(_, square)| **square > force * force);
-            nodes.extend(beyond.map(|(node, _)| node as u32));
-        });
+        self.see_squares(
+            assembly,
+            #[inline(always)]
+            |start, squares| {
+                if field::largest(squares) <= force * force {
+                    return;
+                }
+                let beyond = (start..).zip(squares);
+                let beyond = beyond.filter(|(_, square)| **square > force * force);
+                nodes.extend(beyond.map(|(node, _)| node as u32));
+            },
+        );
     }
 
     /// Shows the squares of the free nodes' resultants, some at a time, with the place of the first.
+    #[inline(always)]
     fn see_squares(&self, assembly: &Assembly, mut see: impl FnMut(usize, &[f64])) {
         let free = assembly.free();
         wide(

@@ -189,7 +189,13 @@ impl<T: Real> Field<T> {
         let mut nothing = components.map(|component| {
             wide(
                 #[inline(always)]
-                || sum_of(component, |value| value * T::zero()),
+                || {
+                    sum_of(
+                        component,
+                        #[inline(always)]
+                        |value| value * T::zero(),
+                    )
+                },
             )
         });
         nothing.all(|nothing| nothing == 0.0)
@@ -199,7 +205,10 @@ impl<T: Real> Field<T> {
 /// The largest of `values` that are not below zero; what is not a number is left out.
 #[inline(always)]
 pub(crate) fn largest<T: Real>(values: &[T]) -> T {
-    let larger = |most: T, value: T| if value > most { value } else { most };
+    #[inline(always)]
+    fn larger<T: Real>(most: T, value: T) -> T {
+        if value > most { value } else { most }
+    }
     let mut lanes = [T::zero(); LANES];
     let mut groups = values.chunks_exact(LANES);
     for group in &mut groups {
