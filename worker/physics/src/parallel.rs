@@ -35,6 +35,11 @@ impl Team {
         Ok(Self { pool })
     }
 
+    /// One thread, the caller's.
+    pub(crate) fn alone() -> Self {
+        Self { pool: None }
+    }
+
     /// Whether all work is done by the caller.
     pub(crate) fn is_alone(&self) -> bool {
         self.pool.is_none()

@@ -173,8 +173,8 @@ impl Listing<'_> {
     }
 
     fn is_touching(&self, a: usize, b: usize) -> bool {
-        let [a, b] = [a, b].map(|particle| self.particles.centres[particle]);
-        (b.vector() - a.vector()).norm() <= a.0[3] + b.0[3]
+        let [a, b] = [a, b].map(|particle| &self.particles.centres[particle]);
+        a.overlap(b) >= 0.0
     }
 
     fn fill_walls(&self, range: Range<usize>, lists: &mut dyn Lists) {

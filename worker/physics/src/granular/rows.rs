@@ -38,6 +38,11 @@ impl Row {
         Vector::new(self.0[0], self.0[1], self.0[2])
     }
 
+    /// How deep two spheres, with centre and radius in a row each, are in each other [m].
+    pub(super) fn overlap(&self, other: &Self) -> f64 {
+        self.0[3] + other.0[3] - (other.vector() - self.vector()).norm()
+    }
+
     pub(super) fn set(&mut self, vector: Vector) {
         self.0[..3].copy_from_slice(vector.as_slice());
     }

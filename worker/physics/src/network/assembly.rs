@@ -16,6 +16,7 @@ use super::{
     law::{BondLaw, StrainLaw},
     load_path::{Part, carries_load},
     places::{NONE, Places},
+    strips::Strips,
 };
 
 /// Nodes and bonds as the solvers see them.
@@ -25,6 +26,7 @@ pub(crate) struct Assembly {
     /// Initial positions X [mm].
     pub(crate) positions: Field<f64>,
     pub(crate) blocks: Vec<Block>,
+    pub(crate) strips: Strips,
     /// Places of the ends of the bond in each slot.
     pub(crate) ends: Vec<[u32; 2]>,
     /// Number in the network of the bond in each slot, or [`NONE`].
@@ -77,7 +79,8 @@ impl Assembly {
             blocks,
             bonds,
             ends,
-        } = Blocks::new(&ends);
+            strips,
+        } = Blocks::new(&ends, places.nodes.len());
         let slots = slots_of(&bonds, network.bonds.len());
         let given = &network.bonds;
         let of_bond = |bond: &u32| (*bond != NONE).then_some(*bond as usize);
@@ -123,6 +126,7 @@ impl Assembly {
             positions: Field::default(),
             places,
             blocks,
+            strips,
             ends,
             bonds,
             slots,
@@ -270,6 +274,7 @@ impl Assembly {
                 &self.rows(),
                 heights,
                 length / self.bonds() as f64,
+                &self.strips,
             )
         });
         mesh.as_ref()

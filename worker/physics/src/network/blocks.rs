@@ -8,7 +8,7 @@
 //!
 //! Every block goes through three steps: differences of a nodal field over the bonds, whatever the
 //! kernel makes of them, and sums of that back over the nodes.
-use super::{field::Real, places::NONE};
+use super::{field::Real, places::NONE, strips::Strips};
 
 /// Numbers worked on together: as many as the widest vector registers hold.
 pub(crate) const LANES: usize = 16;
@@ -30,6 +30,16 @@ pub(crate) struct Block {
     run: Option<[usize; 2]>,
 }
 
+/// Sums at places, in one array per component.
+#[derive(Debug)]
+pub(crate) struct Sums<'a, T, const N: usize> {
+    /// The place of the first of them.
+    first: usize,
+    own: [&'a mut [T]; N],
+    /// At the places after those, which are somebody else's.
+    spill: [&'a mut [T]; N],
+}
+
 /// One value per bond of a block and component.
 pub(crate) type Buffer<T> = [[T; BLOCK]; 3];
 
@@ -41,11 +51,12 @@ pub(crate) struct Blocks {
     pub(crate) bonds: Vec<u32>,
     /// Places of the ends of the bond in each slot.
     pub(crate) ends: Vec<[u32; 2]>,
+    pub(crate) strips: Strips,
 }
 
 impl Blocks {
-    /// Puts the bonds with these places of their `ends` into blocks.
-    pub(crate) fn new(ends: &[[u32; 2]]) -> Self {
+    /// Puts the bonds with these places of their `ends`, of so many places, into blocks.
+    pub(crate) fn new(ends: &[[u32; 2]], places: usize) -> Self {
         let ends_of = |bond: u32| ends[bond as usize];
         let offset = |bond: u32| {
             let [first, second] = ends_of(bond);
@@ -79,11 +90,17 @@ impl Blocks {
                 left = rest;
             }
         }
-        // along memory
-        pieces.sort_unstable_by_key(|piece| (ends_of(piece[0])[0], offset(piece[0])));
+        // strip by strip along memory
+        let mut blocks = Self {
+            strips: Strips::new(places, pieces.iter().map(|piece| offset(piece[0]))),
+            ..Self::default()
+        };
+        let strip = |piece: &[u32]| blocks.strips.of(Some(ends_of(piece[0])));
+        pieces.sort_unstable_by_key(|piece| {
+            let bond = piece[0];
+            (strip(piece), ends_of(bond)[0], offset(bond))
+        });
         loose.sort_unstable();
-
-        let mut blocks = Self::default();
         for piece in pieces {
             let [first, second] = ends_of(piece[0]);
             let last = ends_of(piece[piece.len() - 1])[0];
@@ -99,6 +116,7 @@ impl Blocks {
                 blocks.ends[start + slot] = ends_of(*bond);
             }
         }
+        blocks.strips.end(blocks.blocks.len(), blocks.bonds.len());
         blocks
     }
 
@@ -106,6 +124,8 @@ impl Blocks {
     fn open(&mut self, bonds: usize, run: Option<[u32; 2]>) -> usize {
         let (start, count) = (self.bonds.len(), bonds.next_multiple_of(LANES));
         self.bonds.resize(start + count, NONE);
+        self.strips
+            .begin(self.strips.of(run), self.blocks.len(), start);
         let ends = |slot: u32| run.map_or([0; 2], |run| run.map(|end| end + slot));
         self.ends.extend((0..count as u32).map(ends));
         self.blocks.push(Block {
@@ -163,24 +183,27 @@ impl Block {
         &self,
         ends: &[[u32; 2]],
         forces: &Buffer<T>,
-        sums: &mut [&mut [T]; 3],
+        sums: &mut Sums<'_, T, 3>,
     ) {
         let count = self.count;
         if let Some([first, second]) = self.run {
             for axis in 0..D {
                 let forces = &forces[axis][..count];
-                for (sum, force) in sums[axis][first..][..count].iter_mut().zip(forces) {
-                    *sum += *force;
-                }
-                for (sum, force) in sums[axis][second..][..count].iter_mut().zip(forces) {
-                    *sum -= *force;
-                }
+                let [own, spill] = sums.at(axis, first, count);
+                let (ours, others) = forces.split_at(own.len());
+                add(own, ours);
+                add(spill, others);
+                let [own, spill] = sums.at(axis, second, count);
+                let (ours, others) = forces.split_at(own.len());
+                subtract(own, ours);
+                subtract(spill, others);
             }
         } else {
-            for (bond, [first, second]) in ends[self.start..][..count].iter().enumerate() {
+            for (bond, ends) in ends[self.start..][..count].iter().enumerate() {
+                let [first, second] = ends.map(|end| end as usize - sums.first);
                 for axis in 0..D {
-                    sums[axis][*first as usize] += forces[axis][bond];
-                    sums[axis][*second as usize] -= forces[axis][bond];
+                    sums.own[axis][first] += forces[axis][bond];
+                    sums.own[axis][second] -= forces[axis][bond];
                 }
             }
         }
@@ -188,21 +211,81 @@ impl Block {
 
     /// Adds one value of each bond to both its ends.
     #[inline(always)]
-    pub(crate) fn share<T: Real>(&self, ends: &[[u32; 2]], values: &[T; BLOCK], sums: &mut [T]) {
-        let count = self.count;
+    pub(crate) fn share<T: Real, const N: usize>(
+        &self,
+        ends: &[[u32; 2]],
+        values: &[T; BLOCK],
+        component: usize,
+        sums: &mut Sums<'_, T, N>,
+    ) {
+        let values = &values[..self.count];
         if let Some(run) = self.run {
             for end in run {
-                for (sum, value) in sums[end..][..count].iter_mut().zip(values) {
-                    *sum += *value;
-                }
+                let [own, spill] = sums.at(component, end, self.count);
+                let (ours, others) = values.split_at(own.len());
+                add(own, ours);
+                add(spill, others);
             }
         } else {
-            for (value, ends) in values.iter().zip(&ends[self.start..][..count]) {
+            for (value, ends) in values.iter().zip(&ends[self.start..][..self.count]) {
                 for end in ends {
-                    sums[*end as usize] += *value;
+                    sums.own[component][*end as usize - sums.first] += *value;
                 }
             }
         }
+    }
+}
+
+impl<'a, T: Real, const N: usize> Sums<'a, T, N> {
+    pub(crate) fn new(first: usize, own: [&'a mut [T]; N], spill: [&'a mut [T]; N]) -> Self {
+        Self { first, own, spill }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.clear_spill();
+        for component in &mut self.own {
+            component.fill(T::zero());
+        }
+    }
+
+    pub(crate) fn clear_spill(&mut self) {
+        for component in &mut self.spill {
+            component.fill(T::zero());
+        }
+    }
+
+    /// Those of a component at so many places from `place` on.
+    #[inline(always)]
+    fn at(&mut self, component: usize, place: usize, count: usize) -> [&mut [T]; 2] {
+        let (own, spill) = (&mut self.own[component], &mut self.spill[component]);
+        let start = place - self.first;
+        let inside = own.len().saturating_sub(start).min(count);
+        let beyond = start.saturating_sub(own.len());
+        let own = if inside > 0 {
+            &mut own[start..][..inside]
+        } else {
+            &mut []
+        };
+        let spill = if inside < count {
+            &mut spill[beyond..][..count - inside]
+        } else {
+            &mut []
+        };
+        [own, spill]
+    }
+}
+
+#[inline(always)]
+fn add<T: Real>(sums: &mut [T], values: &[T]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += *value;
+    }
+}
+
+#[inline(always)]
+fn subtract<T: Real>(sums: &mut [T], values: &[T]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum -= *value;
     }
 }
 
@@ -210,9 +293,11 @@ impl Block {
 mod tests {
     use super::*;
 
+    const PLACES: usize = 1024;
+
     /// The blocks of these ends: which bonds they hold, and whether side by side.
     fn contents(ends: &[[u32; 2]]) -> Vec<(Vec<u32>, bool)> {
-        let blocks = Blocks::new(ends);
+        let blocks = Blocks::new(ends, PLACES);
         assert_eq!(blocks.bonds.len(), blocks.ends.len());
         let filled = |block: &Block| {
             let bonds = blocks.bonds[block.start..][..block.count].iter();
@@ -257,7 +342,7 @@ mod tests {
     #[test]
     fn every_block_is_whole_vectors_long() {
         let ends: Vec<[u32; 2]> = (0..300).map(|bond| [bond, (bond * 7) % 301]).collect();
-        for block in Blocks::new(&ends).blocks {
+        for block in Blocks::new(&ends, PLACES).blocks {
             assert!(block.count > 0 && block.count.is_multiple_of(LANES) && block.count <= BLOCK);
         }
     }

@@ -1,14 +1,15 @@
 //! A network at some displacements: energy, tensions, resultants, stiffness.
-use crate::wide::wide;
+use crate::{parallel::Team, wide::wide};
 
 use super::{
     Laws,
     assembly::{Assembly, BondState, NO_LENGTH},
-    blocks::{BLOCK, Buffer},
+    blocks::{BLOCK, Buffer, Sums},
     field::{self, Field, Real, sum},
     law::StrainLaw,
     rounded::RoundedLaw,
     stiffness::Stiffness,
+    strips::{InSlots, Spill, Strip, again},
 };
 
 /// What follows from the displacements of a network's nodes; `T` is the precision of the
@@ -24,6 +25,7 @@ pub(crate) struct Configuration<T = f32> {
     /// Sum of the bond forces on every node [N], held ones included.
     pub(crate) resultants: Field<f64>,
     pub(crate) stiffness: Stiffness<T>,
+    spill: Spill<f64, 3>,
 }
 
 /// Roundings that separate a computed resultant from the exact one, in units of the machine
@@ -54,7 +56,7 @@ pub(crate) enum Verdict {
 
 impl<T: Real> Configuration<T> {
     /// The network at `displacements`.
-    pub(crate) fn new(assembly: &Assembly, displacements: Field<f64>) -> Self {
+    pub(crate) fn new(assembly: &Assembly, displacements: Field<f64>, team: &Team) -> Self {
         let slots = assembly.ends.len();
         let dimensions = assembly.dimensions();
         let mut configuration = Self {
@@ -63,116 +65,73 @@ impl<T: Real> Configuration<T> {
             tensions: vec![0.0; slots],
             resultants: Field::zeros(assembly.places(), dimensions),
             stiffness: Stiffness::zeros(slots, dimensions),
+            spill: Spill::new(&assembly.strips, dimensions),
         };
-        configuration.update(assembly);
+        configuration.update(assembly, team);
         configuration
     }
 
     /// Makes everything follow the displacements, (4)-(7).
-    pub(crate) fn update(&mut self, assembly: &Assembly) {
-        wide(
-            #[inline(always)]
-            || match (&assembly.laws, assembly.dimensions(), assembly.rounding) {
-                (Laws::Same(law), 2, None) => self.update_in::<2, _>(assembly, |_| *law),
-                (Laws::Same(law), _, None) => self.update_in::<3, _>(assembly, |_| *law),
-                (Laws::Each(laws), 2, None) => self.update_in::<2, _>(assembly, |bond| laws[bond]),
-                (Laws::Each(laws), _, None) => self.update_in::<3, _>(assembly, |bond| laws[bond]),
-                (laws, 2, Some(rounding)) => {
-                    self.update_in::<2, _>(assembly, RoundedLaw::each(laws, rounding));
-                }
-                (laws, _, Some(rounding)) => {
-                    self.update_in::<3, _>(assembly, RoundedLaw::each(laws, rounding));
-                }
-            },
-        );
+    pub(crate) fn update(&mut self, assembly: &Assembly, team: &Team) {
+        match (&assembly.laws, assembly.dimensions(), assembly.rounding) {
+            (&Laws::Same(law), 2, None) => self.update_in::<2, _>(assembly, team, move |_| law),
+            (&Laws::Same(law), _, None) => self.update_in::<3, _>(assembly, team, move |_| law),
+            (Laws::Each(laws), 2, None) => {
+                self.update_in::<2, _>(assembly, team, move |bond| laws[bond]);
+            }
+            (Laws::Each(laws), _, None) => {
+                self.update_in::<3, _>(assembly, team, move |bond| laws[bond]);
+            }
+            (laws, 2, Some(rounding)) => {
+                self.update_in::<2, _>(assembly, team, RoundedLaw::each(laws, rounding));
+            }
+            (laws, _, Some(rounding)) => {
+                self.update_in::<3, _>(assembly, team, RoundedLaw::each(laws, rounding));
+            }
+        }
     }
 
-    #[inline(always)]
     fn update_in<const D: usize, L: StrainLaw>(
         &mut self,
         assembly: &Assembly,
-        law: impl Fn(usize) -> L,
+        team: &Team,
+        law: impl Fn(usize) -> L + Copy + Sync + Send,
     ) {
-        let positions = assembly.positions.components();
         let displacements = self.displacements.components();
-        let mut resultants = self.resultants.components_mut();
-        for component in &mut resultants {
-            component.fill(0.0);
-        }
-        let mut forces: Buffer<f64> = [[0.0; BLOCK]; 3];
-        let mut place_scratch = [forces; 2];
-        let mut move_scratch = [forces; 2];
-        let mut energies = [0.0; BLOCK];
-        let no_excess = [0.0; BLOCK];
-        self.energy = 0.0;
-        for block in &assembly.blocks {
-            let (start, count) = (block.start, block.count);
-            let [first, second] =
-                block.at_ends::<f64, D>(&assembly.ends, &positions, &mut place_scratch);
-            let [moved_first, moved_second] =
-                block.at_ends::<f64, D>(&assembly.ends, &displacements, &mut move_scratch);
-            let rest_lengths = &assembly.rest_lengths[start..][..count];
-            let acts = &assembly.acts[start..][..count];
-            let excess = assembly.excess.get(start..start + count);
-            let excess = &excess.unwrap_or(&no_excess)[..count];
-            let tensions = &mut self.tensions[start..][..count];
-            let transverse = &mut self.stiffness.transverse[start..][..count];
-            let [ax, ay, az] = self.stiffness.axial.each_mut().map(
-                #[inline(always)]
-                |axial| axial.get_mut(start..start + count).unwrap_or_default(),
-            );
-            let [fx, fy, fz] = forces.each_mut().map(
-                #[inline(always)]
-                |forces| &mut forces[..count],
-            );
-            let energies = &mut energies[..count];
-            for bond in 0..count {
-                // from the second end to the first
-                let x = first[0][bond] - second[0][bond];
-                let y = first[1][bond] - second[1][bond];
-                let wx = moved_first[0][bond] - moved_second[0][bond];
-                let wy = moved_first[1][bond] - moved_second[1][bond];
-                let (mut z, mut wz) = (0.0, 0.0);
-                if D == 3 {
-                    z = first[2][bond] - second[2][bond];
-                    wz = moved_first[2][bond] - moved_second[2][bond];
-                }
-                let (px, py, pz) = (x + wx, y + wy, z + wz);
-                let mut square = px * px + py * py;
-                let mut elongation = wx * (x + px) + wy * (y + py);
-                if D == 3 {
-                    square += pz * pz;
-                    elongation += wz * (z + pz);
-                }
-                let rest = rest_lengths[bond];
-                let act = f64::from(acts[bond]);
-                let length = square.sqrt();
-                let strain = (elongation + excess[bond]) / ((length + rest) * rest);
-                let law = law(start + bond);
-                let tension = act * law.tension(strain);
-                let inverse = if length > NO_LENGTH * rest {
-                    1.0 / length
-                } else {
-                    0.0
+        let outputs = (
+            InSlots([self.tensions.as_mut_slice()]),
+            (
+                InSlots([self.stiffness.transverse.as_mut_slice()]),
+                InSlots(self.stiffness.axial.each_mut().map(Vec::as_mut_slice)),
+            ),
+        );
+        self.energy = self.spill.sum(
+            &assembly.strips,
+            team,
+            self.resultants.components_mut(),
+            outputs,
+            |strip, (InSlots([tensions]), (InSlots([transverse]), InSlots(axial))), resultants| {
+                let mut bonds = Bonds {
+                    first: strip.first_slot,
+                    tensions,
+                    transverse,
+                    axial: again(axial),
                 };
-                energies[bond] = act * rest * law.energy(strain);
-                tensions[bond] = tension;
-                transverse[bond] = T::new(tension * inverse);
-                let root = T::new(act * law.axial_excess(strain) * inverse).sqrt();
-                ax[bond] = T::new(px * inverse) * root;
-                ay[bond] = T::new(py * inverse) * root;
-                // the first end is pulled towards the second
-                let pull = -tension * inverse;
-                fx[bond] = px * pull;
-                fy[bond] = py * pull;
-                if D == 3 {
-                    az[bond] = T::new(pz * inverse) * root;
-                    fz[bond] = pz * pull;
-                }
-            }
-            self.energy += sum(energies);
-            block.scatter::<f64, D>(&assembly.ends, &forces, &mut resultants);
-        }
+                wide(
+                    #[inline(always)]
+                    || {
+                        respond::<D, T, L>(
+                            assembly,
+                            &strip,
+                            displacements,
+                            law,
+                            &mut bonds,
+                            resultants,
+                        )
+                    },
+                )
+            },
+        );
     }
 
     /// The state of the bond in a slot.
@@ -273,6 +232,103 @@ impl<T: Real> Configuration<T> {
         let state = assembly.respond(slot, &first, &second);
         state.round_off(first.amax() + second.amax())
     }
+}
+
+/// What is known of the bonds from a slot on.
+struct Bonds<'a, T> {
+    first: usize,
+    tensions: &'a mut [f64],
+    transverse: &'a mut [T],
+    axial: [&'a mut [T]; 3],
+}
+
+/// Lets the bonds of a strip follow the displacements; returns their energy.
+#[inline(always)]
+fn respond<const D: usize, T: Real, L: StrainLaw>(
+    assembly: &Assembly,
+    strip: &Strip,
+    displacements: [&[f64]; 3],
+    law: impl Fn(usize) -> L,
+    bonds: &mut Bonds<'_, T>,
+    resultants: &mut Sums<'_, f64, 3>,
+) -> f64 {
+    let positions = assembly.positions.components();
+    let mut forces: Buffer<f64> = [[0.0; BLOCK]; 3];
+    let mut place_scratch = [forces; 2];
+    let mut move_scratch = [forces; 2];
+    let mut energies = [0.0; BLOCK];
+    let no_excess = [0.0; BLOCK];
+    let mut energy = 0.0;
+    for block in &assembly.blocks[strip.blocks.clone()] {
+        let (start, count) = (block.start, block.count);
+        let [first, second] =
+            block.at_ends::<f64, D>(&assembly.ends, &positions, &mut place_scratch);
+        let [moved_first, moved_second] =
+            block.at_ends::<f64, D>(&assembly.ends, &displacements, &mut move_scratch);
+        let rest_lengths = &assembly.rest_lengths[start..][..count];
+        let acts = &assembly.acts[start..][..count];
+        let excess = assembly.excess.get(start..start + count);
+        let excess = &excess.unwrap_or(&no_excess)[..count];
+        let own = start - bonds.first;
+        let tensions = &mut bonds.tensions[own..][..count];
+        let transverse = &mut bonds.transverse[own..][..count];
+        let [ax, ay, az] = bonds.axial.each_mut().map(
+            #[inline(always)]
+            |axial| axial.get_mut(own..own + count).unwrap_or_default(),
+        );
+        let [fx, fy, fz] = forces.each_mut().map(
+            #[inline(always)]
+            |forces| &mut forces[..count],
+        );
+        let energies = &mut energies[..count];
+        for bond in 0..count {
+            // from the second end to the first
+            let x = first[0][bond] - second[0][bond];
+            let y = first[1][bond] - second[1][bond];
+            let wx = moved_first[0][bond] - moved_second[0][bond];
+            let wy = moved_first[1][bond] - moved_second[1][bond];
+            let (mut z, mut wz) = (0.0, 0.0);
+            if D == 3 {
+                z = first[2][bond] - second[2][bond];
+                wz = moved_first[2][bond] - moved_second[2][bond];
+            }
+            let (px, py, pz) = (x + wx, y + wy, z + wz);
+            let mut square = px * px + py * py;
+            let mut elongation = wx * (x + px) + wy * (y + py);
+            if D == 3 {
+                square += pz * pz;
+                elongation += wz * (z + pz);
+            }
+            let rest = rest_lengths[bond];
+            let act = f64::from(acts[bond]);
+            let length = square.sqrt();
+            let strain = (elongation + excess[bond]) / ((length + rest) * rest);
+            let law = law(start + bond);
+            let tension = act * law.tension(strain);
+            let inverse = if length > NO_LENGTH * rest {
+                1.0 / length
+            } else {
+                0.0
+            };
+            energies[bond] = act * rest * law.energy(strain);
+            tensions[bond] = tension;
+            transverse[bond] = T::new(tension * inverse);
+            let root = T::new(act * law.axial_excess(strain) * inverse).sqrt();
+            ax[bond] = T::new(px * inverse) * root;
+            ay[bond] = T::new(py * inverse) * root;
+            // the first end is pulled towards the second
+            let pull = -tension * inverse;
+            fx[bond] = px * pull;
+            fy[bond] = py * pull;
+            if D == 3 {
+                az[bond] = T::new(pz * inverse) * root;
+                fz[bond] = pz * pull;
+            }
+        }
+        energy += sum(energies);
+        block.scatter::<f64, D>(&assembly.ends, &forces, resultants);
+    }
+    energy
 }
 
 impl BondState {

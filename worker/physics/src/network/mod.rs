@@ -40,6 +40,7 @@ mod places;
 mod rounded;
 pub(crate) mod rupture;
 mod stiffness;
+mod strips;
 
 use law::BondLaw;
 

@@ -24,7 +24,7 @@ pub(crate) struct RoundedLaw {
 impl RoundedLaw {
     /// The law of every bond with this rounding.
     #[inline(always)]
-    pub(crate) fn each(laws: &Laws, rounding: f64) -> impl Fn(usize) -> Self {
+    pub(crate) fn each(laws: &Laws, rounding: f64) -> impl Fn(usize) -> Self + Copy {
         move |bond| Self {
             law: laws.of(bond),
             rounding,

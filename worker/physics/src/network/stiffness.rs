@@ -1,10 +1,11 @@
 //! The Hessian of the energy, bond by bond, as the inner solver uses it.
-use crate::wide::wide;
+use crate::{parallel::Team, wide::wide};
 
 use super::{
     assembly::Assembly,
-    blocks::{BLOCK, Buffer},
+    blocks::{BLOCK, Buffer, Sums},
     field::{Field, Real, sum},
+    strips::{Spill, Strip},
 };
 
 /// Blocks whose work is summed in the precision of the data.
@@ -69,15 +70,26 @@ impl<T: Real> Stiffness<T> {
         assembly: &Assembly,
         field: &Field<T>,
         product: &mut Field<T>,
+        spill: &mut Spill<T, 3>,
+        team: &Team,
     ) -> f64 {
-        wide(
-            #[inline(always)]
-            || {
-                if assembly.dimensions() == 2 {
-                    self.multiply_in::<2>(assembly, field, product)
-                } else {
-                    self.multiply_in::<3>(assembly, field, product)
-                }
+        let field = field.components();
+        spill.sum(
+            &assembly.strips,
+            team,
+            product.components_mut(),
+            (),
+            |strip, (), product| {
+                wide(
+                    #[inline(always)]
+                    || {
+                        if assembly.dimensions() == 2 {
+                            self.multiply_in::<2>(assembly, &strip, field, product)
+                        } else {
+                            self.multiply_in::<3>(assembly, &strip, field, product)
+                        }
+                    },
+                )
             },
         )
     }
@@ -86,19 +98,15 @@ impl<T: Real> Stiffness<T> {
     fn multiply_in<const D: usize>(
         &self,
         assembly: &Assembly,
-        field: &Field<T>,
-        product: &mut Field<T>,
+        strip: &Strip,
+        field: [&[T]; 3],
+        product: &mut Sums<'_, T, 3>,
     ) -> f64 {
-        let field = field.components();
-        let mut product = product.components_mut();
-        for component in &mut product {
-            component.fill(T::zero());
-        }
         let mut forces: Buffer<T> = [[T::zero(); BLOCK]; 3];
         let mut scratch = [forces; 2];
         let mut work = [T::zero(); BLOCK];
         let mut curvature = 0.0;
-        for blocks in assembly.blocks.chunks(BLOCKS_PER_SUM) {
+        for blocks in assembly.blocks[strip.blocks.clone()].chunks(BLOCKS_PER_SUM) {
             for block in blocks {
                 let at_ends = block.at_ends::<T, D>(&assembly.ends, &field, &mut scratch);
                 let axial = self.axial.each_ref().map(
@@ -107,7 +115,7 @@ impl<T: Real> Stiffness<T> {
                 );
                 let transverse = &self.transverse[block.start..][..block.count];
                 force::<T, D>(axial, transverse, at_ends, &mut forces, &mut work);
-                block.scatter::<T, D>(&assembly.ends, &forces, &mut product);
+                block.scatter::<T, D>(&assembly.ends, &forces, product);
             }
             curvature += sum(&work);
             work = [T::zero(); BLOCK];

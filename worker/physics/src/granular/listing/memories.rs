@@ -124,8 +124,8 @@ impl Memories {
                 let Some(b) = places[*high as usize].filter(|_| past.bond.is_intact) else {
                     continue;
                 };
-                let [a, b] = [a, b].map(|place| particles.centres[place as usize]);
-                let overlap = a.0[3] + b.0[3] - (b.vector() - a.vector()).norm();
+                let [a, b] = [a, b].map(|place| &particles.centres[place as usize]);
+                let overlap = a.overlap(b);
                 let rest = &mut past.bond.rest;
                 *rest = overlap - ratio * (overlap - *rest);
             }
@@ -203,16 +203,13 @@ impl Memories {
         if model.grains.get(own) != model.grains.get(other) {
             return None;
         }
-        let [a, b] = [a, b].map(|particle| {
-            let centre = particles.centres[particle];
-            (
-                model.surfaces[usize::from(particles.surfaces[particle])],
-                centre,
-            )
-        });
-        let strength = bond_strength((a.0, a.1.0[3]), (b.0, b.1.0[3]))?;
-        let overlap = a.1.0[3] + b.1.0[3] - (b.1.vector() - a.1.vector()).norm();
-        if overlap < -BOND_REACH * a.1.0[3].min(b.1.0[3]) {
+        let [one, other] = [a, b].map(|particle| &particles.centres[particle]);
+        let radii = [one, other].map(|sphere| sphere.0[3]);
+        let surfaces =
+            [a, b].map(|particle| model.surfaces[usize::from(particles.surfaces[particle])]);
+        let strength = bond_strength((surfaces[0], radii[0]), (surfaces[1], radii[1]))?;
+        let overlap = one.overlap(other);
+        if overlap < -BOND_REACH * radii[0].min(radii[1]) {
             return None;
         }
         let rest = if model.bonds_rest_as_made {

@@ -15,12 +15,13 @@ impl Assembly {
     /// network. `numbers` has an entry for each place, [`NONE`] before and after.
     pub(crate) fn part(&self, free: &[u32], numbers: &mut [u32]) -> Self {
         let (nodes, origins, ends) = self.around(free, numbers);
+        let places = Places::part(nodes, free.len());
         let Blocks {
             blocks,
             bonds,
             ends,
-        } = Blocks::new(&ends);
-        let places = Places::part(nodes, free.len());
+            strips,
+        } = Blocks::new(&ends, places.nodes.len());
         let position = |place: &u32| match *place {
             NONE => Vector::zeros(),
             place => self.positions.at(place as usize),
@@ -56,6 +57,7 @@ impl Assembly {
             slots: slots_of(&bonds, origins.len()),
             places,
             blocks,
+            strips,
             ends,
             bonds,
         }

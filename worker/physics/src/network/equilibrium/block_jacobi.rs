@@ -1,11 +1,14 @@
 //! Preconditioner of the conjugate gradients: the inverse of each node's own stiffness.
-use crate::wide::wide;
-
-use crate::network::{
-    assembly::Assembly,
-    blocks::BLOCK,
-    field::{Real, dot, sum},
-    stiffness::{Stiffness, positive_block},
+use crate::{
+    network::{
+        assembly::Assembly,
+        blocks::{BLOCK, Sums},
+        field::{Real, dot, sum},
+        stiffness::{Stiffness, positive_block},
+        strips::{AtPlaces, Spill, Strip},
+    },
+    parallel::Team,
+    wide::wide,
 };
 
 /// Inverse 3 x 3 blocks, one per node; zero for nodes that are held or that nothing holds.
@@ -13,6 +16,7 @@ use crate::network::{
 pub(super) struct BlockJacobi<T> {
     /// xx, yy, xy, and in space zz, xz, yz.
     inverses: [Vec<T>; 6],
+    spill: Spill<T, 6>,
     /// Mean over the directions of what the blocks multiply, summed over the nodes [mm/N].
     compliance: f64,
 }
@@ -34,36 +38,53 @@ impl<T: Real> BlockJacobi<T> {
         };
         Self {
             inverses: [0, 1, 2, 3, 4, 5].map(zeros),
+            spill: Spill::new(&assembly.strips, parts),
             compliance: 0.0,
         }
     }
 
     /// Becomes that of this stiffness, without the transverse part of bonds in compression, so that
     /// every block is positive.
-    pub(super) fn follow(&mut self, assembly: &Assembly, stiffness: &Stiffness<T>) {
-        let blocks = &mut self.inverses;
-        for part in blocks.iter_mut() {
-            part.fill(T::zero());
-        }
-        wide(
-            #[inline(always)]
-            || {
-                if assembly.dimensions() == 2 {
-                    add_bonds::<T, 2>(assembly, stiffness, blocks);
-                    invert::<T, 2>(blocks);
-                } else {
-                    add_bonds::<T, 3>(assembly, stiffness, blocks);
-                    invert::<T, 3>(blocks);
-                }
-            },
-        );
-        let free = assembly.free();
-        for inverse in blocks.iter_mut().filter(|part| !part.is_empty()) {
-            inverse[..free.start].fill(T::zero());
-            inverse[free.end..].fill(T::zero());
-        }
-        let diagonal = DIAGONAL.map(|part| sum(&blocks[part]));
-        self.compliance = diagonal.iter().sum::<f64>() / 3.0;
+    pub(super) fn follow(&mut self, assembly: &Assembly, stiffness: &Stiffness<T>, team: &Team) {
+        let strips = &assembly.strips;
+        let is_flat = assembly.dimensions() == 2;
+        let blocks = self.inverses.each_mut().map(Vec::as_mut_slice);
+        self.spill
+            .sum(strips, team, blocks, (), |strip, (), blocks| {
+                wide(
+                    #[inline(always)]
+                    || {
+                        if is_flat {
+                            add_bonds::<T, 2>(assembly, &strip, stiffness, blocks);
+                        } else {
+                            add_bonds::<T, 3>(assembly, &strip, stiffness, blocks);
+                        }
+                    },
+                );
+                0.0
+            });
+        let blocks = AtPlaces(self.inverses.each_mut().map(Vec::as_mut_slice));
+        let diagonals = strips.sum(team, blocks, |strip, AtPlaces(blocks)| {
+            wide(
+                #[inline(always)]
+                || {
+                    if is_flat {
+                        invert::<T, 2>(blocks);
+                    } else {
+                        invert::<T, 3>(blocks);
+                    }
+                },
+            );
+            let (free, places) = (assembly.free(), &strip.places);
+            let first = free.start.clamp(places.start, places.end) - places.start;
+            let end = free.end.clamp(places.start, places.end) - places.start;
+            for inverse in blocks.iter_mut().filter(|part| !part.is_empty()) {
+                inverse[..first].fill(T::zero());
+                inverse[end..].fill(T::zero());
+            }
+            DIAGONAL.map(|part| sum(blocks[part])).iter().sum()
+        });
+        self.compliance = diagonals / 3.0;
     }
 
     /// Sets `moved` to about the displacements that relieve `forces`, both from place `start` on
@@ -112,11 +133,12 @@ impl<T: Real> BlockJacobi<T> {
 #[inline(always)]
 fn add_bonds<T: Real, const D: usize>(
     assembly: &Assembly,
+    strip: &Strip,
     stiffness: &Stiffness<T>,
-    blocks: &mut [Vec<T>; 6],
+    blocks: &mut Sums<'_, T, 6>,
 ) {
     let mut parts = [[T::zero(); BLOCK]; 6];
-    for block in &assembly.blocks {
+    for block in &assembly.blocks[strip.blocks.clone()] {
         let (start, count) = (block.start, block.count);
         let [sx, sy, sz] = stiffness.axial.each_ref();
         let (sx, sy) = (&sx[start..][..count], &sy[start..][..count]);
@@ -135,8 +157,8 @@ fn add_bonds<T: Real, const D: usize>(
             }
         }
         let used = if D == 3 { 6 } else { 3 };
-        for (values, sums) in parts.iter().zip(blocks.iter_mut()).take(used) {
-            block.share(&assembly.ends, values, sums);
+        for (part, values) in parts.iter().enumerate().take(used) {
+            block.share(&assembly.ends, values, part, blocks);
         }
     }
 }
@@ -144,8 +166,11 @@ fn add_bonds<T: Real, const D: usize>(
 /// Inverts the blocks after their diagonals were raised; a block without stiffness becomes zero,
 /// so that the node stays put.
 #[inline(always)]
-pub(super) fn invert<T: Real, const D: usize>(blocks: &mut [Vec<T>; 6]) {
-    let [xx, yy, xy, zz, xz, yz] = blocks.each_mut().map(Vec::as_mut_slice);
+pub(super) fn invert<T: Real, const D: usize>(blocks: &mut [&mut [T]; 6]) {
+    let [xx, yy, xy, zz, xz, yz] = blocks.each_mut().map(
+        #[inline(always)]
+        |part| &mut **part,
+    );
     let nodes = xx.len();
     let (yy, xy) = (&mut yy[..nodes], &mut xy[..nodes]);
     let share = T::new(TRACE_SHARE);
@@ -205,7 +230,7 @@ mod tests {
     fn the_inverse_undoes_the_raised_block() {
         let (xx, yy, xy, zz, xz, yz) = (2.0, 5.0, 0.7, 1.0, -0.3, 0.4);
         let mut blocks = block([xx, yy, xy, zz, xz, yz]);
-        invert::<f64, 3>(&mut blocks);
+        invert::<f64, 3>(&mut blocks.each_mut().map(Vec::as_mut_slice));
         let [ixx, iyy, ixy, izz, ixz, iyz] = blocks.map(|part| part[0]);
         let raise = TRACE_SHARE * (xx + yy + zz);
         let first_row = [
@@ -221,10 +246,10 @@ mod tests {
     #[test]
     fn a_node_without_stiffness_stays_put() {
         let mut blocks = block([0.0; 6]);
-        invert::<f64, 3>(&mut blocks);
+        invert::<f64, 3>(&mut blocks.each_mut().map(Vec::as_mut_slice));
         assert_eq!(blocks, block([0.0; 6]));
         let mut flat = block([0.0; 6]);
-        invert::<f64, 2>(&mut flat);
+        invert::<f64, 2>(&mut flat.each_mut().map(Vec::as_mut_slice));
         assert_eq!(flat, block([0.0; 6]));
     }
 
@@ -232,7 +257,7 @@ mod tests {
     fn stiffnesses_at_the_ends_of_single_precision_are_inverted() {
         for size in [1e-30_f32, 1e30] {
             let mut blocks = [1.0, 2.0, 0.1, 3.0, 0.2, 0.3].map(|entry| vec![entry * size]);
-            invert::<f32, 3>(&mut blocks);
+            invert::<f32, 3>(&mut blocks.each_mut().map(Vec::as_mut_slice));
             assert!(blocks.iter().all(|part| part[0].is_normal()), "{blocks:?}");
         }
     }

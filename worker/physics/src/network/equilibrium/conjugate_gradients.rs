@@ -1,8 +1,6 @@
 //! Preconditioned conjugate gradients for the Newton step H d = F.
 use std::ops::Range;
 
-use crate::wide::wide;
-
 use super::{block_jacobi::BlockJacobi, multigrid::Multigrid, work::Meter};
 use crate::{
     Interrupt,
@@ -10,7 +8,10 @@ use crate::{
         assembly::Assembly,
         field::{Field, Real},
         stiffness::Stiffness,
+        strips::{AtPlaces, Spill},
     },
+    parallel::Team,
+    wide::wide,
 };
 
 /// Memory that steps use one after the other.
@@ -20,6 +21,7 @@ pub(super) struct Scratch<T> {
     /// The last direction.
     pub(super) search: Field<T>,
     product: Field<T>,
+    spill: Spill<T, 3>,
 }
 
 impl<T: Real> Scratch<T> {
@@ -29,6 +31,7 @@ impl<T: Real> Scratch<T> {
             residual: zeros.clone(),
             search: zeros.clone(),
             product: zeros,
+            spill: Spill::new(&assembly.strips, assembly.dimensions()),
         }
     }
 }
@@ -50,6 +53,7 @@ pub(super) struct Equations<'a, T> {
     pub(super) nodes: &'a BlockJacobi<T>,
     /// F, zero at held nodes.
     pub(super) force: &'a Field<T>,
+    pub(super) team: &'a Team,
 }
 
 /// The part of the preconditioner that sees long waves, once it is worth its cost.
@@ -118,12 +122,14 @@ pub(super) fn newton_step<T: Real>(
         assembly,
         stiffness,
         force,
+        team,
         ..
     } = equations;
     let Scratch {
         residual,
         search,
         product,
+        spill,
     } = scratch;
     residual.copy_from(force);
     step.clear();
@@ -142,31 +148,19 @@ pub(super) fn newton_step<T: Real>(
         }
         meter.spend(assembly.bonds())?;
         meter.work.conjugate_gradient_iterations += 1;
-        let curvature = stiffness.multiply(assembly, search, product);
+        let curvature = stiffness.multiply(assembly, search, product, spill, team);
         if curvature.is_nan() || curvature <= 0.0 {
             return Ok(Solved::CurvesDown(norm / curvature.abs()));
         }
         let length = T::new(norm / curvature);
-        let mut next_norm = wide(
-            #[inline(always)]
-            || {
-                if assembly.dimensions() == 2 {
-                    advance::<T, 2>(equations, length, search, product, step, residual)
-                } else {
-                    advance::<T, 3>(equations, length, search, product, step, residual)
-                }
-            },
-        );
+        let mut next_norm = advance(equations, length, search, product, step, residual);
         if let Some(grids) = &mut waves.grids {
-            next_norm += grids.correct(residual, product);
+            next_norm += grids.correct(residual, product, team);
         }
         let turn = T::new(next_norm / norm);
         norm = next_norm;
         // the product became the preconditioned residual
-        wide(
-            #[inline(always)]
-            || turn_to(search, turn, product),
-        );
+        turn_to(equations, search, turn, product);
     }
     Ok(Solved::Step)
 }
@@ -174,9 +168,11 @@ pub(super) fn newton_step<T: Real>(
 /// Places worked on at once: their numbers stay in the core's nearest cache.
 const PANEL: usize = 256;
 
-fn panels(places: usize) -> impl Iterator<Item = Range<usize>> {
-    let starts = (0..places).step_by(PANEL);
-    starts.map(move |start| start..(start + PANEL).min(places))
+/// Places of a strip, so many at a time, and which they are within the strip.
+fn panels(places: Range<usize>) -> impl Iterator<Item = (usize, Range<usize>)> {
+    let count = places.len();
+    let starts = (0..count).step_by(PANEL);
+    starts.map(move |start| (places.start + start, start..(start + PANEL).min(count)))
 }
 
 /// Sets `moved` to the preconditioned `residual`; returns their product.
@@ -186,32 +182,43 @@ pub(super) fn precondition<T: Real>(
     residual: &Field<T>,
     moved: &mut Field<T>,
 ) -> f64 {
-    let (assembly, nodes) = (equations.assembly, equations.nodes);
-    let mut norm = 0.0;
-    wide(
-        #[inline(always)]
-        || {
-            for panel in panels(assembly.places()) {
-                let start = panel.start;
-                let (residual, moved) = (residual.panel(panel.clone()), moved.panel_mut(panel));
-                norm += if assembly.dimensions() == 2 {
-                    nodes.apply::<2>(start, residual, moved)
-                } else {
-                    nodes.apply::<3>(start, residual, moved)
-                };
-            }
-        },
-    );
+    let Equations {
+        assembly,
+        nodes,
+        team,
+        ..
+    } = equations;
+    let is_flat = assembly.dimensions() == 2;
+    let outputs = AtPlaces(moved.components_mut());
+    let mut norm = assembly
+        .strips
+        .sum(team, outputs, |strip, AtPlaces(moved)| {
+            let mut norm = 0.0;
+            wide(
+                #[inline(always)]
+                || {
+                    for (start, panel) in panels(strip.places.clone()) {
+                        let residual = residual.panel(start..start + panel.len());
+                        let moved = panel_of(moved, panel);
+                        norm += if is_flat {
+                            nodes.apply::<2>(start, residual, moved)
+                        } else {
+                            nodes.apply::<3>(start, residual, moved)
+                        };
+                    }
+                },
+            );
+            norm
+        });
     if let Some(grids) = &mut waves.grids {
-        norm += grids.correct(residual, moved);
+        norm += grids.correct(residual, moved, team);
     }
     norm
 }
 
 /// Goes `length` along `search`: updates `step` and `residual` and sets `product`, which was the
 /// Hessian's product with `search`, to the preconditioned residual. Returns its squared norm.
-#[inline(always)]
-fn advance<T: Real, const D: usize>(
+fn advance<T: Real>(
     equations: &Equations<'_, T>,
     length: T,
     search: &Field<T>,
@@ -219,27 +226,51 @@ fn advance<T: Real, const D: usize>(
     step: &mut Field<T>,
     residual: &mut Field<T>,
 ) -> f64 {
-    let mut norm = 0.0;
-    for panel in panels(equations.assembly.places()) {
-        let start = panel.start;
-        let (search, product) = (
-            search.panel(panel.clone()),
-            product.panel_mut(panel.clone()),
-        );
-        let (step, residual) = (step.panel_mut(panel.clone()), residual.panel_mut(panel));
-        for (step, search) in step.into_iter().zip(search).take(D) {
-            add(step, length, search);
-        }
-        for axis in 0..D {
-            add(residual[axis], -length, product[axis]);
-        }
-        let residual = residual.map(
-            #[inline(always)]
-            |component| &*component,
-        );
-        norm += equations.nodes.apply::<D>(start, residual, product);
-    }
-    norm
+    let (assembly, nodes) = (equations.assembly, equations.nodes);
+    let outputs = [product, step, residual].map(|field| AtPlaces(field.components_mut()));
+    let [product, step, residual] = outputs;
+    let outputs = (product, (step, residual));
+    assembly.strips.sum(
+        equations.team,
+        outputs,
+        |strip, (AtPlaces(product), (AtPlaces(step), AtPlaces(residual)))| {
+            let mut norm = 0.0;
+            wide(
+                #[inline(always)]
+                || {
+                    for (start, panel) in panels(strip.places.clone()) {
+                        let search = search.panel(start..start + panel.len());
+                        let product = panel_of(product, panel.clone());
+                        let step = panel_of(step, panel.clone());
+                        let residual = panel_of(residual, panel);
+                        for axis in 0..3 {
+                            add(step[axis], length, search[axis]);
+                            add(residual[axis], -length, product[axis]);
+                        }
+                        let residual = residual.map(
+                            #[inline(always)]
+                            |component| &*component,
+                        );
+                        norm += if assembly.dimensions() == 2 {
+                            nodes.apply::<2>(start, residual, product)
+                        } else {
+                            nodes.apply::<3>(start, residual, product)
+                        };
+                    }
+                },
+            );
+            norm
+        },
+    )
+}
+
+/// The components over the places of `range`; empty ones stay so.
+#[inline(always)]
+fn panel_of<'a, T>(components: &'a mut [&mut [T]; 3], range: Range<usize>) -> [&'a mut [T]; 3] {
+    components.each_mut().map(
+        #[inline(always)]
+        |component| component.get_mut(range.clone()).unwrap_or_default(),
+    )
 }
 
 /// `values` += `factor` `others`.
@@ -251,12 +282,25 @@ fn add<T: Real>(values: &mut [T], factor: T, others: &[T]) {
 }
 
 /// `values` = `others` + `factor` `values`.
-#[inline(always)]
-fn turn_to<T: Real>(values: &mut Field<T>, factor: T, others: &Field<T>) {
-    let pairs = values.components_mut().into_iter().zip(others.components());
-    for (values, others) in pairs {
-        for (value, other) in values.iter_mut().zip(others) {
-            *value = factor.mul_add(*value, *other);
-        }
-    }
+fn turn_to<T: Real>(
+    equations: &Equations<'_, T>,
+    values: &mut Field<T>,
+    factor: T,
+    others: &Field<T>,
+) {
+    let outputs = AtPlaces(values.components_mut());
+    let strips = &equations.assembly.strips;
+    strips.each(equations.team, outputs, |strip, AtPlaces(values)| {
+        let others = others.panel(strip.places);
+        wide(
+            #[inline(always)]
+            || {
+                for (values, others) in values.iter_mut().zip(others) {
+                    for (value, other) in values.iter_mut().zip(others) {
+                        *value = factor.mul_add(*value, *other);
+                    }
+                }
+            },
+        );
+    });
 }

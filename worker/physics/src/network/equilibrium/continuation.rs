@@ -26,6 +26,7 @@ use crate::{
         configuration::{Configuration, Residual, Verdict},
         law::BondLaw,
     },
+    parallel::Team,
 };
 
 /// Iterations before a search counts as a long one: nets with stiff compression take some 20.
@@ -56,13 +57,14 @@ pub(super) fn descend_by_stages(
     here: &mut Configuration,
     there: &mut Configuration,
     memory: &mut Memory<f32>,
+    team: &Team,
     meter: &mut Meter<'_>,
 ) -> Result<Residual, Interrupt> {
     let direct = Search {
         iteration_limit: search.iteration_limit.min(PATIENCE),
         ..*search
     };
-    let residual = descend(&direct, assembly, here, there, memory, meter)?;
+    let residual = descend(&direct, assembly, here, there, memory, team, meter)?;
     if residual.verdict != Verdict::Unbalanced || search.iteration_limit <= PATIENCE {
         return Ok(residual);
     }
@@ -73,14 +75,14 @@ pub(super) fn descend_by_stages(
         let mut share = STIFFEST;
         while let Some(laws) = stiffened(&assembly.laws, share) {
             easier.laws = laws;
-            here.update(&easier);
+            here.update(&easier, team);
             let start = here.residual(&easier, search.force_limit);
             let stage = Search {
                 iteration_limit: PER_SOFTENING,
                 force_limit: search.force_limit.max(FALL * start.largest),
                 ..*search
             };
-            descend(&stage, &easier, here, there, memory, meter)?;
+            descend(&stage, &easier, here, there, memory, team, meter)?;
             share *= SOFTENING;
         }
     } else {
@@ -88,18 +90,18 @@ pub(super) fn descend_by_stages(
         let mut rounding = WIDEST;
         while rounding > NARROWEST && rounding * modulus > nothing {
             easier.rounding = Some(rounding);
-            here.update(&easier);
+            here.update(&easier, team);
             let stage = Search {
                 iteration_limit: PER_ROUNDING,
                 force_limit: search.force_limit.max(LOOSE * rounding * modulus),
                 ..*search
             };
-            descend(&stage, &easier, here, there, memory, meter)?;
+            descend(&stage, &easier, here, there, memory, team, meter)?;
             rounding *= SHRINKING;
         }
     }
-    here.update(assembly);
-    descend(search, assembly, here, there, memory, meter)
+    here.update(assembly, team);
+    descend(search, assembly, here, there, memory, team, meter)
 }
 
 /// The laws with a compression stiffness of at least this share of e; `None` when all have it.

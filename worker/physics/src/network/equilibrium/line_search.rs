@@ -3,6 +3,7 @@ use super::work::Meter;
 use crate::{
     Interrupt,
     network::{assembly::Assembly, configuration::Configuration, field::Field},
+    parallel::Team,
     wide::wide,
 };
 
@@ -29,6 +30,7 @@ pub(super) struct Line<'a> {
     pub(super) direction: &'a Field<f64>,
     /// Largest multiple of the direction.
     pub(super) longest: f64,
+    pub(super) team: &'a Team,
 }
 
 impl Line<'_> {
@@ -102,7 +104,7 @@ impl Line<'_> {
                 *trial = start + direction * length;
             }
         }
-        trial.update(self.assembly);
+        trial.update(self.assembly, self.team);
         Ok(())
     }
 

@@ -64,8 +64,8 @@ pub(crate) struct Settled {
 }
 
 impl Search {
-    /// Moves the free nodes of `assembly` from `displacements` of all nodes of its network towards equilibrium. A search that
-    /// does not get there says so in the verdict of its residual.
+    /// Moves the free nodes of `assembly` from `displacements` of all nodes of its network towards
+    /// equilibrium. A search that does not get there says so in the verdict of its residual.
     ///
     /// # Errors
     /// The interrupt that ended it early.
@@ -79,7 +79,11 @@ impl Search {
     ) -> Result<Settled, Interrupt> {
         meter.work.equilibria += 1;
         match self.method {
-            Method::NewtonCg => newton_cg::solve(self, assembly, displacements, workspace, meter),
+            Method::NewtonCg if assembly.strips.count() > 1 => team
+                .gather(|| newton_cg::solve(self, assembly, displacements, team, workspace, meter)),
+            Method::NewtonCg => {
+                newton_cg::solve(self, assembly, displacements, team, workspace, meter)
+            }
             Method::Sequential => {
                 sequential::solve(self, assembly, assembly.pick(displacements), meter)
             }

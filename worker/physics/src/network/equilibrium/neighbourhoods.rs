@@ -21,6 +21,7 @@ use crate::{
         field::Field,
         places::NONE,
     },
+    parallel::Team,
 };
 
 /// A node counts as far from equilibrium when its resultant is this part of the largest: what is
@@ -61,6 +62,7 @@ impl Neighbourhoods {
         assembly: &Assembly,
         here: &mut Configuration,
         residual: &Residual,
+        team: &Team,
         meter: &mut Meter<'_>,
     ) -> Result<bool, Interrupt> {
         if residual.largest < NEARLY_BALANCED * search.force_limit
@@ -82,7 +84,7 @@ impl Neighbourhoods {
         meter.work.newton_iterations = counted.newton_iterations;
         meter.work.conjugate_gradient_iterations = counted.conjugate_gradient_iterations;
         meter.spend(assembly.bonds())?;
-        here.update(assembly);
+        here.update(assembly, team);
         Ok(true)
     }
 
@@ -158,10 +160,14 @@ impl Neighbourhoods {
             whole => here.displacements.at(whole as usize),
         };
         let start: Vec<Vector> = (0..part.places()).map(displacement).collect();
-        let mut inside = Configuration::new(&part, Field::of(&start, part.dimensions()));
+        // a part is too small to be shared
+        let alone = Team::alone();
+        let start = Field::of(&start, part.dimensions());
+        let mut inside = Configuration::new(&part, start, &alone);
         let mut there = inside.clone();
         let mut memory = Memory::of_part(&part);
-        descend(search, &part, &mut inside, &mut there, &mut memory, meter)?;
+        let (inside_, there) = (&mut inside, &mut there);
+        descend(search, &part, inside_, there, &mut memory, &alone, meter)?;
         let components = here.displacements.components_mut().into_iter();
         for (whole, moved) in components.zip(inside.displacements.components()) {
             for (place, moved) in self.part.iter().zip(moved) {

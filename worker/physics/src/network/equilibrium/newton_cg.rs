@@ -28,6 +28,7 @@ use crate::{
         field::{Field, Real, largest},
         stiffness::Stiffness,
     },
+    parallel::Team,
     wide::wide,
 };
 
@@ -74,6 +75,7 @@ impl Precision {
 struct Iteration<'a, 'b> {
     search: &'b Search,
     assembly: &'a Assembly,
+    team: &'b Team,
     here: &'b Configuration,
     waves: &'b mut Waves<'a>,
     /// Part of itself that the residual is to fall to.
@@ -99,8 +101,13 @@ impl Workspace {
 
     /// Whether the first of two guesses of the displacements of every node of the network has less
     /// energy than the second. The next equilibrium must be searched from the one that has less.
-    pub(crate) fn choose(&mut self, assembly: &Assembly, guesses: [&[Vector]; 2]) -> bool {
-        let [first, second] = guesses.map(|guess| self.configuration(assembly, guess));
+    pub(crate) fn choose(
+        &mut self,
+        assembly: &Assembly,
+        guesses: [&[Vector]; 2],
+        team: &Team,
+    ) -> bool {
+        let [first, second] = guesses.map(|guess| self.configuration(assembly, guess, team));
         let is_first = first.energy < second.energy;
         let (chosen, other) = if is_first {
             (first, second)
@@ -113,13 +120,18 @@ impl Workspace {
     }
 
     /// The network at `displacements`.
-    fn configuration(&mut self, assembly: &Assembly, displacements: &[Vector]) -> Configuration {
+    fn configuration(
+        &mut self,
+        assembly: &Assembly,
+        displacements: &[Vector],
+        team: &Team,
+    ) -> Configuration {
         let Some(mut configuration) = self.spare.pop() else {
             let displacements = Field::of(&assembly.pick(displacements), assembly.dimensions());
-            return Configuration::new(assembly, displacements);
+            return Configuration::new(assembly, displacements, team);
         };
         assembly.pick_into(displacements, &mut configuration.displacements);
-        configuration.update(assembly);
+        configuration.update(assembly, team);
         configuration
     }
 }
@@ -164,16 +176,18 @@ pub(super) fn solve(
     search: &Search,
     assembly: &Assembly,
     displacements: &[Vector],
+    team: &Team,
     workspace: &mut Workspace,
     meter: &mut Meter<'_>,
 ) -> Result<Settled, Interrupt> {
     let start = workspace.start.take();
-    let mut here = start.unwrap_or_else(|| workspace.configuration(assembly, displacements));
+    let mut here = start.unwrap_or_else(|| workspace.configuration(assembly, displacements, team));
     // every step sets all of it
     let mut there = workspace.spare.pop().unwrap_or_else(|| here.clone());
     let memory = workspace.memory.take();
     let mut single = memory.unwrap_or_else(|| Memory::new(assembly));
-    let settled = descend_by_stages(search, assembly, &mut here, &mut there, &mut single, meter);
+    let (from, to) = (&mut here, &mut there);
+    let settled = descend_by_stages(search, assembly, from, to, &mut single, team, meter);
     workspace.memory = Some(single);
     workspace.spare.push(there);
     let residual = settled?;
@@ -190,6 +204,7 @@ pub(super) fn descend(
     here: &mut Configuration,
     there: &mut Configuration,
     single: &mut Memory<f32>,
+    team: &Team,
     meter: &mut Meter<'_>,
 ) -> Result<Residual, Interrupt> {
     // nothing is known of how residuals fall: the first step is a loose one
@@ -206,7 +221,7 @@ pub(super) fn descend(
         }
         if residual.largest < worth_parts
             && let Some(parts) = single.neighbourhoods.as_mut()
-            && parts.relax(search, assembly, here, &residual, meter)?
+            && parts.relax(search, assembly, here, &residual, team, meter)?
         {
             worth_parts = PARTS_AGAIN * residual.largest;
             continue;
@@ -217,6 +232,7 @@ pub(super) fn descend(
         let mut iteration = Iteration {
             search,
             assembly,
+            team,
             here,
             waves: &mut waves,
             relative: precision.tightest_residual(),
@@ -230,7 +246,7 @@ pub(super) fn descend(
             Precision::Single => iteration.go(&here.stiffness, single, there, meter)?,
             Precision::Double => {
                 let exact: Configuration<f64> =
-                    Configuration::new(assembly, here.displacements.clone());
+                    Configuration::new(assembly, here.displacements.clone(), team);
                 iteration.go(&exact.stiffness, &mut Memory::new(assembly), there, meter)?
             }
         };
@@ -256,13 +272,14 @@ impl Iteration<'_, '_> {
         meter: &mut Meter<'_>,
     ) -> Result<bool, Interrupt> {
         let (assembly, here) = (self.assembly, self.here);
-        memory.nodes.follow(assembly, stiffness);
+        memory.nodes.follow(assembly, stiffness, self.team);
         let unit = scale_to_one(assembly, &here.resultants, &mut memory.force);
         let equations = Equations {
             assembly,
             stiffness,
             nodes: &memory.nodes,
             force: &memory.force,
+            team: self.team,
         };
         let norm = precondition(&equations, self.waves, &memory.force, &mut memory.step);
         let previous_norm = std::mem::replace(&mut self.norm, norm * unit * unit);
@@ -308,6 +325,7 @@ impl Iteration<'_, '_> {
             stiffness,
             nodes: &memory.nodes,
             force: &memory.force,
+            team: self.team,
         };
         let (step, scratch) = (&mut memory.step, &mut memory.scratch);
         newton_step(&equations, self.waves, step, scratch, stop, meter)
@@ -339,6 +357,7 @@ impl Iteration<'_, '_> {
             start: self.here,
             longest: self.search.step_cap / longest_square.sqrt(),
             direction: &memory.direction,
+            team: self.team,
         };
         line.descend(there, meter)
     }

@@ -76,8 +76,8 @@ pub(super) fn solve(
         );
     }
     meter.spend(assembly.bonds())?;
-    let configuration =
-        Configuration::new(assembly, Field::of(&displacements, assembly.dimensions()));
+    let displacements = Field::of(&displacements, assembly.dimensions());
+    let configuration = Configuration::new(assembly, displacements, team);
     let residual = configuration.residual(assembly, search.force_limit);
     Ok(Settled {
         configuration,

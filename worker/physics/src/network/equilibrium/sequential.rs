@@ -9,6 +9,7 @@ use super::{Search, Settled, node_step::node_step, work::Meter};
 use crate::{
     Interrupt,
     network::{Vector, assembly::Assembly, configuration::Configuration, field::Field},
+    parallel::Team,
 };
 
 /// Moves of one node per visit, the thesis' `i_bodMAX`. Nodes need a few; the bound is there for
@@ -62,8 +63,8 @@ pub(super) fn solve(
         }
     }
     meter.spend(assembly.bonds())?;
-    let configuration =
-        Configuration::new(assembly, Field::of(&displacements, assembly.dimensions()));
+    let displacements = Field::of(&displacements, assembly.dimensions());
+    let configuration = Configuration::new(assembly, displacements, &Team::alone());
     let residual = configuration.residual(assembly, search.force_limit);
     Ok(Settled {
         configuration,

@@ -235,7 +235,9 @@ impl<'a> Experiment<'a> {
         let repeated = jaw_move.repeat(last, network, parts, &state.displacements);
         let assembly = &self.loaded.assembly;
         meter.spend(2 * assembly.bonds())?;
-        let is_first = self.workspace.choose(assembly, [&repeated, &stretched]);
+        let is_first = self
+            .workspace
+            .choose(assembly, [&repeated, &stretched], &self.team);
         Ok(if is_first { repeated } else { stretched })
     }
 

@@ -112,7 +112,7 @@ impl Level {
             }
         }
         let mut inverses = diagonal.clone();
-        invert::<f32, 3>(&mut inverses);
+        invert::<f32, 3>(&mut inverses.each_mut().map(Vec::as_mut_slice));
         let mut level = Self {
             planes,
             cells,

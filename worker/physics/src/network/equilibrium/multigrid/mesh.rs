@@ -1,16 +1,14 @@
 //! Cells over a network, and the interpolation between their corners and the nodes.
-//!
-//! Nodes of one row of cells are interpolated row by row of the network: within a cell a
-//! displacement is a + s b + t c + s t d with the node's coordinates s, t, so the four numbers of
-//! each cell are laid out once along x and then serve every row of nodes there. Nodes of no row are
-//! rows of one.
 use std::ops::Range;
 
+use super::band::{BLOCK, Band};
 use crate::{
     network::{
         Row, Vector,
         field::{Field, Real},
+        strips::{AtPlaces, OfStrips, Strips},
     },
+    parallel::Team,
     wide::wide,
 };
 
@@ -18,8 +16,6 @@ use crate::{
 const CELL: f64 = 4.0;
 /// Fewer cells between the jaws hold no wave that nodes themselves would not find soon.
 const FEWEST_CELLS: usize = 6;
-/// Nodes of a row worked on at once.
-const BLOCK: usize = 256;
 
 /// A rectangle of equal cells from jaw to jaw. Displacements do not vary through the thickness:
 /// waves that do are short in any fabric, and nodes find them themselves.
@@ -31,28 +27,30 @@ pub(crate) struct Mesh {
     lowest: [f64; 2],
     /// 1 over the sides of a cell [1/mm].
     inverse_sides: [f64; 2],
-    bands: Vec<Band>,
+    strips: Strips,
+    /// The bands of each strip.
+    bands: Vec<Bands>,
     /// Coordinates in its cell of the node at each place, from 0 to 1 inside.
     at: [Vec<f32>; 2],
 }
 
-/// Rows of nodes, at most [`BLOCK`] long, whose nodes lie in the same cells one by one.
-#[derive(Clone, Debug)]
-struct Band {
-    /// Place of each row's first node.
-    rows: Vec<u32>,
-    count: usize,
-    /// First corner of the cell of the first node.
-    corner: u32,
-    /// Nodes in that cell, in the next along x, and so on.
-    runs: Vec<u32>,
+/// All rows of nodes in a strip.
+#[derive(Clone, Debug, Default)]
+struct Bands {
+    bands: Vec<Band>,
+    /// Corners of their cells.
+    corners: Range<usize>,
 }
+
+/// Forces on the corners that the strips touch, a component after the other.
+pub(super) type Shares = Vec<Vec<f32>>;
 
 /// Values at the corners of a cell, x running faster than y.
 pub(super) type Corners = [f32; 4];
 
 /// Which part of a row of nodes starts where.
 struct Piece {
+    strip: usize,
     place: u32,
     count: usize,
     corner: u32,
@@ -67,6 +65,7 @@ impl Mesh {
         rows: &[(Range<usize>, Row)],
         heights: [f64; 2],
         mean_length: f64,
+        strips: &Strips,
     ) -> Option<Self> {
         let extent = |axis: usize| {
             let values = positions.axis(axis);
@@ -89,22 +88,32 @@ impl Mesh {
                 let [from, to] = ranges[axis];
                 cells[axis] as f64 / (to - from)
             }),
-            bands: Vec::new(),
+            strips: strips.clone(),
+            bands: vec![Bands::default(); strips.count()],
             at: [0, 1].map(|_| vec![0.0; positions.axis(0).len()]),
         };
         let mut pieces = Vec::new();
         for (places, row) in rows {
             mesh.cut(places.clone(), row, positions, &mut pieces);
         }
-        pieces.sort_by(|a, b| (a.corner, &a.runs, a.place).cmp(&(b.corner, &b.runs, b.place)));
-        let alike = |a: &Piece, b: &Piece| (a.corner, &a.runs) == (b.corner, &b.runs);
-        let band = |pieces: &[Piece]| Band {
-            rows: pieces.iter().map(|piece| piece.place).collect(),
-            count: pieces[0].count,
-            corner: pieces[0].corner,
-            runs: pieces[0].runs.clone(),
-        };
-        mesh.bands = pieces.chunk_by(alike).map(band).collect();
+        pieces.sort_by(|a, b| (a.key(), a.place).cmp(&(b.key(), b.place)));
+        for pieces in pieces.chunk_by(|a, b| a.key() == b.key()) {
+            let first = &pieces[0];
+            let of_strip = &mut mesh.bands[first.strip];
+            let corners =
+                first.corner as usize..first.corner as usize + first.runs.len() + cells[0] + 2;
+            if of_strip.bands.is_empty() {
+                of_strip.corners = corners.clone();
+            }
+            let known = &mut of_strip.corners;
+            *known = known.start.min(corners.start)..known.end.max(corners.end);
+            of_strip.bands.push(Band {
+                rows: pieces.iter().map(|piece| piece.place).collect(),
+                count: first.count,
+                corner: first.corner,
+                runs: first.runs.clone(),
+            });
+        }
         Some(mesh)
     }
 
@@ -121,8 +130,11 @@ impl Mesh {
             let along = (place - start) as f64 * row.spacing;
             row.origin + Vector::new(along, 0.0, 0.0)
         };
-        for first in places.clone().step_by(BLOCK) {
-            let piece = first..(first + BLOCK).min(places.end);
+        let mut first = start;
+        while first < places.end {
+            let strip = self.strips.at(first);
+            let end = places.end.min(self.strips.strip(strip).places.end);
+            let piece = first..end.min(first + BLOCK);
             let (corner, _) = self.locate(&about(first));
             let mut runs = vec![0];
             for place in piece.clone() {
@@ -136,11 +148,13 @@ impl Mesh {
                 }
             }
             pieces.push(Piece {
+                strip,
                 place: first as u32,
                 count: piece.len(),
                 corner: corner as u32,
                 runs,
             });
+            first = piece.end;
         }
     }
 
@@ -168,24 +182,62 @@ impl Mesh {
         [0, 1].map(|axis| difference[axis] * self.inverse_sides[axis])
     }
 
+    /// Memory for [`Mesh::restrict`].
+    pub(super) fn shares(&self) -> Shares {
+        let strips = self.bands.iter();
+        strips
+            .map(|strip| vec![0.0; 3 * strip.corners.len()])
+            .collect()
+    }
+
     /// Sets `sums` to the forces on the corners that do the work of `forces` on the nodes.
-    pub(super) fn restrict<T: Real>(&self, forces: &Field<T>, sums: &mut [Vec<f32>; 3]) {
+    pub(super) fn restrict<T: Real>(
+        &self,
+        forces: &Field<T>,
+        shares: &mut Shares,
+        sums: &mut [Vec<f32>; 3],
+        team: &Team,
+    ) {
         let above = self.planes()[0];
-        let mut parts = [[0.0; BLOCK]; 4];
-        wide(
-            #[inline(always)]
-            || {
-                for (forces, sums) in forces.components().into_iter().zip(sums.iter_mut()) {
-                    sums.fill(0.0);
-                    if forces.is_empty() {
-                        continue;
-                    }
-                    for band in &self.bands {
-                        band.restrict(&self.at, forces, sums, above, &mut parts);
-                    }
+        self.strips
+            .each(team, OfStrips(shares), |strip, OfStrips(shares)| {
+                let Bands { bands, corners } = &self.bands[strip.number];
+                let shares = &mut shares[0];
+                shares.fill(0.0);
+                let mut parts = [[0.0; BLOCK]; 4];
+                wide(
+                    #[inline(always)]
+                    || {
+                        let components = shares.chunks_mut(corners.len().max(1));
+                        for (forces, sums) in forces.components().into_iter().zip(components) {
+                            if forces.is_empty() {
+                                continue;
+                            }
+                            for band in bands {
+                                band.restrict(
+                                    &self.at,
+                                    forces,
+                                    corners.start,
+                                    sums,
+                                    above,
+                                    &mut parts,
+                                );
+                            }
+                        }
+                    },
+                );
+            });
+        for sums in sums.iter_mut() {
+            sums.fill(0.0);
+        }
+        for (Bands { corners, .. }, shares) in self.bands.iter().zip(shares) {
+            let components = shares.chunks(corners.len().max(1));
+            for (sums, shares) in sums.iter_mut().zip(components) {
+                for (sum, share) in sums[corners.clone()].iter_mut().zip(shares) {
+                    *sum += *share;
                 }
-            },
-        );
+            }
+        }
     }
 
     /// Adds the displacements interpolated from the `corners` to those of the nodes, as far as
@@ -195,116 +247,36 @@ impl Mesh {
         corners: &[Vec<f32>; 3],
         shares: &[f32],
         moved: &mut Field<T>,
+        team: &Team,
     ) {
         let above = self.planes()[0];
-        let mut parts = [[0.0; BLOCK]; 4];
-        wide(
-            #[inline(always)]
-            || {
-                for (moved, corners) in moved.components_mut().into_iter().zip(corners) {
-                    if moved.is_empty() {
-                        continue;
+        let outputs = AtPlaces(moved.components_mut());
+        self.strips.each(team, outputs, |strip, AtPlaces(moved)| {
+            let first = strip.places.start;
+            let mut parts = [[0.0; BLOCK]; 4];
+            wide(
+                #[inline(always)]
+                || {
+                    for (moved, corners) in moved.iter_mut().zip(corners) {
+                        if moved.is_empty() {
+                            continue;
+                        }
+                        for band in &self.bands[strip.number].bands {
+                            band.prolong(
+                                &self.at, corners, above, shares, first, moved, &mut parts,
+                            );
+                        }
                     }
-                    for band in &self.bands {
-                        band.prolong(&self.at, corners, above, shares, moved, &mut parts);
-                    }
-                }
-            },
-        );
+                },
+            );
+        });
     }
 }
 
-impl Band {
-    /// Adds to `sums` what the nodes' `forces` are at the corners, `above` numbers from row to row.
-    #[inline(always)]
-    fn restrict<T: Real>(
-        &self,
-        at: &[Vec<f32>; 2],
-        forces: &[T],
-        sums: &mut [f32],
-        above: usize,
-        parts: &mut [[f32; BLOCK]; 4],
-    ) {
-        for part in parts.iter_mut() {
-            part[..self.count].fill(0.0);
-        }
-        for row in &self.rows {
-            let places = *row as usize..*row as usize + self.count;
-            let [s, t] = at.each_ref().map(
-                #[inline(always)]
-                |at| &at[places.clone()],
-            );
-            let forces = &forces[places.clone()];
-            let [a, b, c, d] = parts.each_mut().map(
-                #[inline(always)]
-                |part| &mut part[..self.count],
-            );
-            for node in 0..self.count {
-                let force = forces[node].narrow();
-                let with_t = force * t[node];
-                a[node] += force;
-                b[node] = force.mul_add(s[node], b[node]);
-                c[node] += with_t;
-                d[node] = with_t.mul_add(s[node], d[node]);
-            }
-        }
-        let mut nodes = 0..0;
-        for (cell, run) in self.runs.iter().enumerate() {
-            nodes = nodes.end..nodes.end + *run as usize;
-            let [a, b, c, d] = parts.each_ref().map(
-                #[inline(always)]
-                |part| part[nodes.clone()].iter().sum::<f32>(),
-            );
-            let corner = self.corner as usize + cell;
-            sums[corner] += a - b - c + d;
-            sums[corner + 1] += b - d;
-            sums[corner + above] += c - d;
-            sums[corner + above + 1] += d;
-        }
-    }
-
-    /// Adds the displacements interpolated from the `corners`, `above` numbers from row to row.
-    #[inline(always)]
-    fn prolong<T: Real>(
-        &self,
-        at: &[Vec<f32>; 2],
-        corners: &[f32],
-        above: usize,
-        shares: &[f32],
-        moved: &mut [T],
-        parts: &mut [[f32; BLOCK]; 4],
-    ) {
-        let mut nodes = 0..0;
-        for (cell, run) in self.runs.iter().enumerate() {
-            nodes = nodes.end..nodes.end + *run as usize;
-            let corner = self.corner as usize + cell;
-            let (left, right) = (corners[corner], corners[corner + 1]);
-            let (above_left, above_right) = (corners[corner + above], corners[corner + above + 1]);
-            let (b, c) = (right - left, above_left - left);
-            let of_cell = [left, b, c, above_right - above_left - b];
-            for (part, value) in parts.iter_mut().zip(of_cell) {
-                part[nodes.clone()].fill(value);
-            }
-        }
-        let [a, b, c, d] = parts.each_ref().map(
-            #[inline(always)]
-            |part| &part[..self.count],
-        );
-        for row in &self.rows {
-            let places = *row as usize..*row as usize + self.count;
-            let [s, t] = at.each_ref().map(
-                #[inline(always)]
-                |at| &at[places.clone()],
-            );
-            let shares = &shares[places.clone()];
-            let moved = &mut moved[places];
-            for node in 0..self.count {
-                let at_bottom = s[node].mul_add(b[node], a[node]);
-                let upwards = s[node].mul_add(d[node], c[node]);
-                let value = upwards.mul_add(t[node], at_bottom);
-                moved[node] += T::widen(shares[node] * value);
-            }
-        }
+impl Piece {
+    /// What pieces of a band have in common.
+    fn key(&self) -> (usize, u32, &[u32]) {
+        (self.strip, self.corner, &self.runs)
     }
 }
 
@@ -343,7 +315,7 @@ pub(super) fn offsets(across: usize) -> [usize; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::field::dot;
+    use crate::network::{blocks::Blocks, field::dot};
 
     /// Rows of alternately 40 and 41 nodes, 10 mm apart, pushed off their places.
     fn shaken() -> (Field<f64>, Vec<(Range<usize>, Row)>) {
@@ -367,10 +339,15 @@ mod tests {
         (Field::of(&nodes, 2), rows)
     }
 
+    fn mesh(positions: &Field<f64>, rows: &[(Range<usize>, Row)]) -> Mesh {
+        let strips = Blocks::new(&[], positions.axis(0).len()).strips;
+        Mesh::new(positions, rows, [-5.0, 400.0], 10.0, &strips).expect("enough cells")
+    }
+
     #[test]
     fn linear_displacements_of_the_corners_are_linear_at_the_nodes() {
         let (positions, rows) = shaken();
-        let mesh = Mesh::new(&positions, &rows, [-5.0, 400.0], 10.0).expect("enough cells");
+        let mesh = mesh(&positions, &rows);
         let [across, up] = mesh.planes();
         let linear = |x: f64, y: f64| 0.3 + 0.02 * x - 0.01 * y;
         let corner = |corner: usize| {
@@ -381,7 +358,7 @@ mod tests {
         let corners = [0, 1, 2].map(|_| (0..across * up).map(corner).collect::<Vec<f32>>());
         let places = positions.axis(0).len();
         let mut moved: Field<f64> = Field::zeros(places, 2);
-        mesh.prolong(&corners, &vec![1.0; places], &mut moved);
+        mesh.prolong(&corners, &vec![1.0; places], &mut moved, &Team::alone());
         for place in 0..places {
             let [x, y] = [0, 1].map(|axis| positions.axis(axis)[place]);
             // some roundings of single precision, of numbers of order ten
@@ -392,16 +369,16 @@ mod tests {
     #[test]
     fn forces_and_displacements_go_the_same_way() {
         let (positions, rows) = shaken();
-        let mesh = Mesh::new(&positions, &rows, [-5.0, 400.0], 10.0).expect("enough cells");
+        let mesh = mesh(&positions, &rows);
         let places = positions.axis(0).len();
         let wave = |place: usize| Vector::new((0.3 * place as f64).sin(), 0.5, 0.0);
         let forces: Field<f64> = Field::of(&(0..places).map(wave).collect::<Vec<_>>(), 2);
         let mut sums = [0, 1, 2].map(|_| vec![0.0; mesh.corners()]);
-        mesh.restrict(&forces, &mut sums);
+        mesh.restrict(&forces, &mut mesh.shares(), &mut sums, &Team::alone());
         let corner = |corner: usize| (0.9 * corner as f32).cos();
         let corners = [0, 1, 2].map(|_| (0..mesh.corners()).map(corner).collect::<Vec<f32>>());
         let mut moved: Field<f64> = Field::zeros(places, 2);
-        mesh.prolong(&corners, &vec![1.0; places], &mut moved);
+        mesh.prolong(&corners, &vec![1.0; places], &mut moved, &Team::alone());
         let at_nodes = moved.dot(&forces, 0..places);
         let pairs = sums.iter().zip(&corners).take(2);
         let at_corners: f64 = pairs.map(|(sums, corners)| dot(sums, corners)).sum();

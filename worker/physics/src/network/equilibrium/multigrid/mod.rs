@@ -10,18 +10,22 @@
 //!
 //! The stiffness is the one at which the hierarchy was built; as the network moves on it serves
 //! somewhat less well, and no result depends on it.
+mod band;
 mod dense;
 mod level;
 pub(crate) mod mesh;
 
 use dense::Inverse;
 use level::{Level, Vectors};
-use mesh::Mesh;
+use mesh::{Mesh, Shares};
 
-use crate::network::{
-    assembly::Assembly,
-    field::{Field, Real, dot},
-    stiffness::Stiffness,
+use crate::{
+    network::{
+        assembly::Assembly,
+        field::{Field, Real, dot},
+        stiffness::Stiffness,
+    },
+    parallel::Team,
 };
 
 /// Grids with at most this many corners are solved directly.
@@ -35,6 +39,7 @@ pub(super) struct Multigrid<'a> {
     coarsest: Inverse,
     /// Force at the corners of the finest cells.
     force: Vectors,
+    forces_of_strips: Shares,
     /// 1 at the places of free nodes that carry load, else 0.
     shares: Vec<f32>,
 }
@@ -68,16 +73,23 @@ impl<'a> Multigrid<'a> {
             levels,
             coarsest,
             force: level::zeros(mesh.corners()),
+            forces_of_strips: mesh.shares(),
             shares,
         })
     }
 
     /// Adds to `moved` what relieves the long waves of `forces`; returns the product of that with
     /// `forces`.
-    pub(super) fn correct<T: Real>(&mut self, forces: &Field<T>, moved: &mut Field<T>) -> f64 {
-        self.mesh.restrict(forces, &mut self.force);
+    pub(super) fn correct<T: Real>(
+        &mut self,
+        forces: &Field<T>,
+        moved: &mut Field<T>,
+        team: &Team,
+    ) -> f64 {
+        let parts = &mut self.forces_of_strips;
+        self.mesh.restrict(forces, parts, &mut self.force, team);
         let corners = self.cycle(0, &self.force);
-        self.mesh.prolong(&corners, &self.shares, moved);
+        self.mesh.prolong(&corners, &self.shares, moved, team);
         let pairs = self.force.iter().zip(&corners);
         pairs.map(|(force, moved)| dot(force, moved)).sum()
     }
@@ -100,7 +112,7 @@ mod tests {
     use super::*;
     use crate::network::{
         Bonds, Hold, Laws, Network, Vector, configuration::Configuration, law::BondLaw,
-        load_path::parts,
+        load_path::parts, strips::Spill,
     };
 
     /// Squares with one diagonal, so many nodes a side, under a little tension, held at two sides.
@@ -148,10 +160,8 @@ mod tests {
     }
 
     fn configuration(assembly: &Assembly) -> Configuration<f64> {
-        Configuration::new(
-            assembly,
-            Field::zeros(assembly.places(), assembly.dimensions()),
-        )
+        let displacements = Field::zeros(assembly.places(), assembly.dimensions());
+        Configuration::new(assembly, displacements, &Team::alone())
     }
 
     /// A wave at the free places.
@@ -174,7 +184,7 @@ mod tests {
         assert!(!grids.levels.is_empty());
         let forces = [wave(&assembly, 0.1, 0.08), wave(&assembly, 0.7, 1.1)];
         let mut moved = [0, 1].map(|_| Field::zeros(assembly.places(), 2));
-        let own = [0, 1].map(|i| grids.correct(&forces[i], &mut moved[i]));
+        let own = [0, 1].map(|i| grids.correct(&forces[i], &mut moved[i], &Team::alone()));
         let across = [0, 1].map(|i: usize| forces[1 - i].dot(&moved[i], assembly.free()));
         assert!(own.iter().all(|work| *work > 0.0));
         // single precision, against the most that the product could be
@@ -194,14 +204,20 @@ mod tests {
         let mut grids = Multigrid::new(&assembly, &stiffness).expect("large enough");
         let displacements = wave(&assembly, 0.0, std::f64::consts::PI / 80.0);
         let mut forces = Field::zeros(assembly.places(), 2);
-        let energy = stiffness.multiply(&assembly, &displacements, &mut forces);
+        let energy = stiffness.multiply(
+            &assembly,
+            &displacements,
+            &mut forces,
+            &mut Spill::new(&assembly.strips, 2),
+            &Team::alone(),
+        );
         // forces at the jaws do no work
         for component in forces.components_mut().into_iter().take(2) {
             component[..assembly.free().start].fill(0.0);
             component[assembly.free().end..].fill(0.0);
         }
         let mut found = Field::zeros(assembly.places(), 2);
-        let work = grids.correct(&forces, &mut found);
+        let work = grids.correct(&forces, &mut found, &Team::alone());
         // all of the wave's energy but what cells of four bonds miss of it
         assert!(
             work > 0.9 * energy && work < 1.1 * energy,
