@@ -27,3 +27,23 @@ fn results_have_the_same_bits_on_any_number_of_threads() {
         }
     }
 }
+
+#[test]
+fn threads_that_share_one_net_change_no_bit() {
+    // some 20 000 nodes: three strips, with grids for its long waves
+    let mut spec = polyester(80, 83, 3);
+    spec.test.strain_step = 0.02;
+    spec.test.max_strain = 0.04;
+    spec.accuracy = solver(Solver::NewtonCg, 20.0);
+    let (expected, record) = run(&spec);
+    for threads in [2, 3, 8] {
+        let mut other = Record::default();
+        let ending = run_with(&spec, &mut other, &Uninterrupted, None, threads);
+        let Ending::Finished(report) = ending else {
+            panic!("{ending:?}")
+        };
+        assert_eq!(report, expected, "{threads} threads");
+        assert!(other.points == record.points, "{threads} threads");
+        assert!(other.files == record.files, "{threads} threads");
+    }
+}

@@ -187,8 +187,8 @@ impl Block {
     ) {
         let count = self.count;
         if let Some([first, second]) = self.run {
-            for axis in 0..D {
-                let forces = &forces[axis][..count];
+            for (axis, forces) in forces.iter().enumerate().take(D) {
+                let forces = &forces[..count];
                 let [own, spill] = sums.at(axis, first, count);
                 let (ours, others) = forces.split_at(own.len());
                 add(own, ours);
@@ -201,9 +201,9 @@ impl Block {
         } else {
             for (bond, ends) in ends[self.start..][..count].iter().enumerate() {
                 let [first, second] = ends.map(|end| end as usize - sums.first);
-                for axis in 0..D {
-                    sums.own[axis][first] += forces[axis][bond];
-                    sums.own[axis][second] -= forces[axis][bond];
+                for (sums, forces) in sums.own.iter_mut().zip(forces).take(D) {
+                    sums[first] += forces[bond];
+                    sums[second] -= forces[bond];
                 }
             }
         }

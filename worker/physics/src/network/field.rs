@@ -127,15 +127,6 @@ impl<T: Real> Field<T> {
         )
     }
 
-    /// The components over the places of `range`.
-    #[inline(always)]
-    pub(crate) fn panel_mut(&mut self, range: Range<usize>) -> [&mut [T]; 3] {
-        self.0.each_mut().map(
-            #[inline(always)]
-            |component| component.get_mut(range.clone()).unwrap_or_default(),
-        )
-    }
-
     /// Σ a · b over the nodes of `range`, in an order that depends on nothing else.
     #[inline(always)]
     pub(crate) fn dot(&self, other: &Self, range: Range<usize>) -> f64 {
@@ -160,26 +151,12 @@ impl<T: Real> Field<T> {
     /// Sets `squares` to those of the vectors from place `start` on.
     #[inline(always)]
     pub(crate) fn squares(&self, start: usize, squares: &mut [T]) {
-        let [x, y, z] = self.panel(start..start + squares.len());
-        for (square, (x, y)) in squares.iter_mut().zip(x.iter().zip(y)) {
-            *square = *x * *x + *y * *y;
-        }
-        for (square, z) in squares.iter_mut().zip(z) {
-            *square += *z * *z;
-        }
+        set_squares(self.panel(start..start + squares.len()), squares);
     }
 
     /// Longest vector, squared.
-    #[inline(always)]
     pub(crate) fn longest_square(&self) -> T {
-        let mut longest = T::zero();
-        let mut squares = [T::zero(); BLOCK];
-        for start in (0..self.0[0].len()).step_by(BLOCK) {
-            let count = BLOCK.min(self.0[0].len() - start);
-            self.squares(start, &mut squares[..count]);
-            longest = longest.max(largest(&squares[..count]));
-        }
-        longest
+        longest_square(self.components())
     }
 
     /// Whether all components of the vectors are finite.
@@ -200,6 +177,33 @@ impl<T: Real> Field<T> {
         });
         nothing.all(|nothing| nothing == 0.0)
     }
+}
+
+#[inline(always)]
+fn set_squares<T: Real>([x, y, z]: [&[T]; 3], squares: &mut [T]) {
+    for (square, (x, y)) in squares.iter_mut().zip(x.iter().zip(y)) {
+        *square = *x * *x + *y * *y;
+    }
+    for (square, z) in squares.iter_mut().zip(z) {
+        *square += *z * *z;
+    }
+}
+
+/// Longest of the vectors with these components, squared.
+#[inline(always)]
+pub(crate) fn longest_square<T: Real>(components: [&[T]; 3]) -> T {
+    let mut longest = T::zero();
+    let mut squares = [T::zero(); BLOCK];
+    for start in (0..components[0].len()).step_by(BLOCK) {
+        let panel = components.map(
+            #[inline(always)]
+            |component| component.get(start..).unwrap_or_default(),
+        );
+        let squares = &mut squares[..panel[0].len().min(BLOCK)];
+        set_squares(panel, squares);
+        longest = longest.max(largest(squares));
+    }
+    longest
 }
 
 /// The largest of `values` that are not below zero; what is not a number is left out.

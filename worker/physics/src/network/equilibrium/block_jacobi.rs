@@ -75,12 +75,11 @@ impl<T: Real> BlockJacobi<T> {
                     }
                 },
             );
-            let (free, places) = (assembly.free(), &strip.places);
-            let first = free.start.clamp(places.start, places.end) - places.start;
-            let end = free.end.clamp(places.start, places.end) - places.start;
+            let free = strip.within(&assembly.free());
+            let first = strip.places.start;
             for inverse in blocks.iter_mut().filter(|part| !part.is_empty()) {
-                inverse[..first].fill(T::zero());
-                inverse[end..].fill(T::zero());
+                inverse[..free.start - first].fill(T::zero());
+                inverse[free.end - first..].fill(T::zero());
             }
             DIAGONAL.map(|part| sum(blocks[part])).iter().sum()
         });

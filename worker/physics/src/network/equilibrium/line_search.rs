@@ -2,7 +2,7 @@
 use super::work::Meter;
 use crate::{
     Interrupt,
-    network::{assembly::Assembly, configuration::Configuration, field::Field},
+    network::{assembly::Assembly, configuration::Configuration, field::Field, strips::AtPlaces},
     parallel::Team,
     wide::wide,
 };
@@ -92,18 +92,19 @@ impl Line<'_> {
         meter: &mut Meter<'_>,
     ) -> Result<(), Interrupt> {
         meter.spend(self.assembly.bonds())?;
-        let trials = trial.displacements.components_mut().into_iter();
-        let lines = self
-            .start
-            .displacements
-            .components()
-            .into_iter()
-            .zip(self.direction.components());
-        for (trial, (start, direction)) in trials.zip(lines) {
-            for (trial, (start, direction)) in trial.iter_mut().zip(start.iter().zip(direction)) {
-                *trial = start + direction * length;
+        let (start, direction) = (&self.start.displacements, self.direction);
+        let trials = AtPlaces(trial.displacements.components_mut());
+        let strips = &self.assembly.strips;
+        strips.each(self.team, trials, |strip, AtPlaces(trials)| {
+            let [start, direction] =
+                [start, direction].map(|field| field.panel(strip.places.clone()));
+            for (trial, (start, direction)) in trials.iter_mut().zip(start.iter().zip(direction)) {
+                for (trial, (start, direction)) in trial.iter_mut().zip(start.iter().zip(direction))
+                {
+                    *trial = start + direction * length;
+                }
             }
-        }
+        });
         trial.update(self.assembly, self.team);
         Ok(())
     }
@@ -124,9 +125,12 @@ impl Line<'_> {
     /// dE/d length.
     fn slope(&self, at: &Configuration) -> f64 {
         let free = self.assembly.free();
-        -wide(
-            #[inline(always)]
-            || at.resultants.dot(self.direction, free.clone()),
-        )
+        -self.assembly.strips.sum(self.team, (), |strip, ()| {
+            let places = strip.within(&free);
+            wide(
+                #[inline(always)]
+                || at.resultants.dot(self.direction, places.clone()),
+            )
+        })
     }
 }

@@ -25,8 +25,9 @@ use crate::{
         assembly::Assembly,
         blocks::BLOCK,
         configuration::{Configuration, Residual, Verdict},
-        field::{Field, Real, largest},
+        field::{Field, Real, largest, longest_square},
         stiffness::Stiffness,
+        strips::{AtPlaces, Strip},
     },
     parallel::Team,
     wide::wide,
@@ -273,7 +274,7 @@ impl Iteration<'_, '_> {
     ) -> Result<bool, Interrupt> {
         let (assembly, here) = (self.assembly, self.here);
         memory.nodes.follow(assembly, stiffness, self.team);
-        let unit = scale_to_one(assembly, &here.resultants, &mut memory.force);
+        let unit = scale_to_one(assembly, &here.resultants, &mut memory.force, self.team);
         let equations = Equations {
             assembly,
             stiffness,
@@ -339,19 +340,27 @@ impl Iteration<'_, '_> {
         there: &mut Configuration,
         meter: &mut Meter<'_>,
     ) -> Result<bool, Interrupt> {
-        let (step, along) = (&memory.step, &mut memory.direction);
-        let longest_square = wide(
-            #[inline(always)]
-            || {
-                let pairs = along.components_mut().into_iter().zip(step.components());
-                for (direction, step) in pairs {
-                    for (direction, step) in direction.iter_mut().zip(step) {
-                        *direction = step.wide() * unit;
+        let step = &memory.step;
+        let along = AtPlaces(memory.direction.components_mut());
+        let strips = &self.assembly.strips;
+        let go = |strip: Strip, AtPlaces(along): &mut AtPlaces<'_, f64, 3>| {
+            let step = step.panel(strip.places.clone());
+            wide(
+                #[inline(always)]
+                || {
+                    for (direction, step) in along.iter_mut().zip(step) {
+                        for (direction, step) in direction.iter_mut().zip(step) {
+                            *direction = step.wide() * unit;
+                        }
                     }
-                }
-                along.longest_square()
-            },
-        );
+                    longest_square(along.each_ref().map(
+                        #[inline(always)]
+                        |along| &**along,
+                    ))
+                },
+            )
+        };
+        let longest_square = strips.fold(self.team, along, go, f64::max);
         let line = Line {
             assembly: self.assembly,
             start: self.here,
@@ -369,30 +378,46 @@ fn scale_to_one<T: Real>(
     assembly: &Assembly,
     resultants: &Field<f64>,
     scaled: &mut Field<T>,
+    team: &Team,
 ) -> f64 {
-    let free = assembly.free();
-    wide(
-        #[inline(always)]
-        || {
-            let forces = resultants.panel(free.clone());
-            let mut magnitudes = [0.0; BLOCK];
-            let mut unit = 0.0_f64;
-            for part in forces.iter().flat_map(|component| component.chunks(BLOCK)) {
-                let magnitudes = &mut magnitudes[..part.len()];
-                for (magnitude, force) in magnitudes.iter_mut().zip(part) {
-                    *magnitude = force.abs();
+    let (strips, free) = (&assembly.strips, assembly.free());
+    let most = |strip: Strip, (): &mut ()| {
+        let forces = resultants.panel(strip.within(&free));
+        wide(
+            #[inline(always)]
+            || {
+                let mut magnitudes = [0.0; BLOCK];
+                let mut most = 0.0_f64;
+                for part in forces.iter().flat_map(|component| component.chunks(BLOCK)) {
+                    let magnitudes = &mut magnitudes[..part.len()];
+                    for (magnitude, force) in magnitudes.iter_mut().zip(part) {
+                        *magnitude = force.abs();
+                    }
+                    most = most.max(largest(magnitudes));
                 }
-                unit = unit.max(largest(magnitudes));
-            }
-            let scaled = scaled.panel_mut(free.clone()).into_iter();
-            for (scaled, forces) in scaled.zip(forces) {
-                for (scaled, force) in scaled.iter_mut().zip(forces) {
-                    *scaled = T::new(force / unit);
+                most
+            },
+        )
+    };
+    let unit = strips.fold(team, (), most, f64::max);
+    let outputs = AtPlaces(scaled.components_mut());
+    strips.each(team, outputs, |strip, AtPlaces(scaled)| {
+        let places = strip.within(&free);
+        let forces = resultants.panel(places.clone());
+        let own = places.start - strip.places.start..places.end - strip.places.start;
+        wide(
+            #[inline(always)]
+            || {
+                for (scaled, forces) in scaled.iter_mut().zip(forces) {
+                    let scaled = scaled.get_mut(own.clone()).unwrap_or_default();
+                    for (scaled, force) in scaled.iter_mut().zip(forces) {
+                        *scaled = T::new(force / unit);
+                    }
                 }
-            }
-            unit
-        },
-    )
+            },
+        );
+    });
+    unit
 }
 
 /// How exactly to solve a step: as the residual fell by the last step, so it is worth falling by
