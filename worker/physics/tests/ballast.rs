@@ -232,12 +232,12 @@ fn a_sleeper_rests_on_its_bed_and_settles_less_in_every_cycle() {
 #[test]
 fn the_time_step_follows_a_soft_bed_that_lands_and_is_pressed_within_few_steps() {
     let mut job = small_oedometer();
-    job["spec"]["materials"]["aggregate"]["youngs_modulus_pa"] = json!(2e6);
-    job["spec"]["test"]["peak_force_n"] = json!(1000);
+    job["spec"]["materials"]["aggregate"]["youngs_modulus_pa"] = json!(3e5);
+    job["spec"]["test"] = json!({"smallest_force_n": 15, "peak_force_n": 150});
     for seed in 1..=3 {
         job["spec"]["seed"] = json!(seed);
         let (report, _) = run(&job);
-        // 0.4 is asked for; with looks at every 256 steps seed 2 lands at 0.701
+        // 0.4 is asked for; with looks at every 256 steps all three have 0.77 and more
         let ratio = report.quality["step_over_critical"].value;
         assert!(ratio < 0.7, "seed {seed}: {ratio}");
     }
