@@ -3,9 +3,9 @@
 //! A strip is a range of places, all equally long, with the [`blocks`](super::blocks) of bonds that
 //! begin there. Whoever works on a strip sums what acts on its own places where it belongs, and what
 //! acts on the first places of the next one into a [`Spill`], which is added when all are done. Blocks
-//! that reach farther, or backwards, are left for one thread at the end. Where strips end follows from
-//! the network alone, and sums over strips are folded in order: no bit of a result depends on the
-//! number of threads.
+//! that reach farther, or backwards, are left over: one thread works through them before. Where strips
+//! end follows from the network alone, and sums over strips are folded in order: no bit of a result
+//! depends on the number of threads.
 use std::{array, ops::Range};
 
 use super::{
@@ -19,8 +19,12 @@ const MOST: usize = 64;
 /// Places in a strip at least: some 20 µs of work in the shortest pass, several times what it costs
 /// to hand it to a thread.
 const SHORTEST: usize = 8192;
-/// A strip is at least this many times as long as it reaches: less is spilled than stays.
+/// A strip is at least this many times as long as it reaches beyond: less is spilled than stays.
 const LENGTHS: usize = 2;
+
+/// Runs that lead farther than this part of all places are left over: they would make strips so long
+/// that there were too few to share.
+const FARTHEST: usize = 8;
 
 /// Where strips end.
 #[derive(Clone, Debug, Default)]
@@ -56,7 +60,7 @@ impl Strip {
 impl Strips {
     /// Strips of so many places, for runs of bonds with these offsets between their ends.
     pub(crate) fn new(places: usize, offsets: impl Iterator<Item = i64>) -> Self {
-        let far = places as i64 / 8;
+        let far = (places / FARTHEST) as i64;
         let reach = offsets.filter(|offset| *offset <= far).max();
         let reach = reach.unwrap_or(0).max(0) as usize + BLOCK;
         let length = SHORTEST.max(LENGTHS * reach).max(places.div_ceil(MOST));
