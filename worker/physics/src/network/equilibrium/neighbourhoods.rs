@@ -166,8 +166,15 @@ impl Neighbourhoods {
         let mut inside = Configuration::new(&part, start, &alone);
         let mut there = inside.clone();
         let mut memory = Memory::of_part(&part);
-        let (inside_, there) = (&mut inside, &mut there);
-        descend(search, &part, inside_, there, &mut memory, &alone, meter)?;
+        descend(
+            search,
+            &part,
+            &mut inside,
+            &mut there,
+            &mut memory,
+            &alone,
+            meter,
+        )?;
         let components = here.displacements.components_mut().into_iter();
         for (whole, moved) in components.zip(inside.displacements.components()) {
             for (place, moved) in self.part.iter().zip(moved) {
