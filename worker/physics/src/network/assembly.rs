@@ -242,16 +242,13 @@ impl Assembly {
 
     /// The free places at the other ends of the acting bonds of a free place, one for each bond.
     pub(crate) fn free_neighbours(&self, place: usize) -> impl Iterator<Item = u32> {
-        let acting = self.incidence().of(place).iter();
-        acting
-            .filter(|slot| self.acts(**slot as usize))
-            .map(move |slot| self.other_end(*slot, place as u32))
-            .filter(|other| self.free().contains(&(*other as usize)))
-    }
-
-    fn other_end(&self, slot: u32, place: u32) -> u32 {
-        let [first, second] = self.ends[slot as usize];
-        if first == place { second } else { first }
+        let free = self.free();
+        let around = self.incidence().around(place);
+        around
+            .filter(move |(slot, other)| {
+                self.acts(*slot as usize) && free.contains(&(*other as usize))
+            })
+            .map(|(_, other)| other)
     }
 
     /// The cells over the nodes, made when first asked for; `None` when there would be too few.

@@ -2,12 +2,11 @@
 use crate::{parallel::Team, wide::wide};
 
 use super::{
-    Laws,
-    assembly::{Assembly, BondState, NO_LENGTH},
-    blocks::{BLOCK, Buffer, Sums},
-    field::{self, Field, Real, sum},
+    assembly::{Assembly, BondState},
+    blocks::BLOCK,
+    field::{self, Field, Real},
     law::StrainLaw,
-    rounded::RoundedLaw,
+    response::{Bonds, WithLaws, energy, respond, with_laws},
     stiffness::Stiffness,
     strips::{InSlots, Spill, Strip, again},
 };
@@ -73,65 +72,7 @@ impl<T: Real> Configuration<T> {
 
     /// Makes everything follow the displacements, (4)-(7).
     pub(crate) fn update(&mut self, assembly: &Assembly, team: &Team) {
-        match (&assembly.laws, assembly.dimensions(), assembly.rounding) {
-            (&Laws::Same(law), 2, None) => self.update_in::<2, _>(assembly, team, move |_| law),
-            (&Laws::Same(law), _, None) => self.update_in::<3, _>(assembly, team, move |_| law),
-            (Laws::Each(laws), 2, None) => {
-                self.update_in::<2, _>(assembly, team, move |bond| laws[bond]);
-            }
-            (Laws::Each(laws), _, None) => {
-                self.update_in::<3, _>(assembly, team, move |bond| laws[bond]);
-            }
-            (laws, 2, Some(rounding)) => {
-                self.update_in::<2, _>(assembly, team, RoundedLaw::each(laws, rounding));
-            }
-            (laws, _, Some(rounding)) => {
-                self.update_in::<3, _>(assembly, team, RoundedLaw::each(laws, rounding));
-            }
-        }
-    }
-
-    fn update_in<const D: usize, L: StrainLaw>(
-        &mut self,
-        assembly: &Assembly,
-        team: &Team,
-        law: impl Fn(usize) -> L + Copy + Sync + Send,
-    ) {
-        let displacements = self.displacements.components();
-        let outputs = (
-            InSlots([self.tensions.as_mut_slice()]),
-            (
-                InSlots([self.stiffness.transverse.as_mut_slice()]),
-                InSlots(self.stiffness.axial.each_mut().map(Vec::as_mut_slice)),
-            ),
-        );
-        self.energy = self.spill.sum(
-            &assembly.strips,
-            team,
-            self.resultants.components_mut(),
-            outputs,
-            |strip, (InSlots([tensions]), (InSlots([transverse]), InSlots(axial))), resultants| {
-                let mut bonds = Bonds {
-                    first: strip.first_slot,
-                    tensions,
-                    transverse,
-                    axial: again(axial),
-                };
-                wide(
-                    #[inline(always)]
-                    || {
-                        respond::<D, T, L>(
-                            assembly,
-                            &strip,
-                            displacements,
-                            law,
-                            &mut bonds,
-                            resultants,
-                        )
-                    },
-                )
-            },
-        );
+        with_laws(assembly, Update(self, team));
     }
 
     /// The state of the bond in a slot.
@@ -234,101 +175,84 @@ impl<T: Real> Configuration<T> {
     }
 }
 
-/// What is known of the bonds from a slot on.
-struct Bonds<'a, T> {
-    first: usize,
-    tensions: &'a mut [f64],
-    transverse: &'a mut [T],
-    axial: [&'a mut [T]; 3],
+/// Lets a configuration follow its displacements.
+struct Update<'a, T>(&'a mut Configuration<T>, &'a Team);
+
+impl<T: Real> WithLaws for Update<'_, T> {
+    type Output = ();
+
+    fn run<const D: usize, L: StrainLaw>(
+        self,
+        assembly: &Assembly,
+        law: impl Fn(usize) -> L + Copy + Sync + Send,
+    ) {
+        let Self(configuration, team) = self;
+        let displacements = configuration.displacements.components();
+        let stiffness = &mut configuration.stiffness;
+        let outputs = (
+            InSlots([configuration.tensions.as_mut_slice()]),
+            (
+                InSlots([stiffness.transverse.as_mut_slice()]),
+                InSlots(stiffness.axial.each_mut().map(Vec::as_mut_slice)),
+            ),
+        );
+        configuration.energy = configuration.spill.sum(
+            &assembly.strips,
+            team,
+            configuration.resultants.components_mut(),
+            outputs,
+            |strip, (InSlots([tensions]), (InSlots([transverse]), InSlots(axial))), resultants| {
+                let mut bonds = Bonds {
+                    first: strip.first_slot,
+                    tensions,
+                    transverse,
+                    axial: again(axial),
+                };
+                wide(
+                    #[inline(always)]
+                    || {
+                        respond::<D, T, L>(
+                            assembly,
+                            &strip,
+                            displacements,
+                            law,
+                            &mut bonds,
+                            resultants,
+                        )
+                    },
+                )
+            },
+        );
+    }
 }
 
-/// Lets the bonds of a strip follow the displacements; returns their energy.
-#[inline(always)]
-fn respond<const D: usize, T: Real, L: StrainLaw>(
-    assembly: &Assembly,
-    strip: &Strip,
-    displacements: [&[f64]; 3],
-    law: impl Fn(usize) -> L,
-    bonds: &mut Bonds<'_, T>,
-    resultants: &mut Sums<'_, f64, 3>,
-) -> f64 {
-    let positions = assembly.positions.components();
-    let mut forces: Buffer<f64> = [[0.0; BLOCK]; 3];
-    let mut place_scratch = [forces; 2];
-    let mut move_scratch = [forces; 2];
-    let mut energies = [0.0; BLOCK];
-    let no_excess = [0.0; BLOCK];
-    let mut energy = 0.0;
-    for block in &assembly.blocks[strip.blocks.clone()] {
-        let (start, count) = (block.start, block.count);
-        let [first, second] =
-            block.at_ends::<f64, D>(&assembly.ends, &positions, &mut place_scratch);
-        let [moved_first, moved_second] =
-            block.at_ends::<f64, D>(&assembly.ends, &displacements, &mut move_scratch);
-        let rest_lengths = &assembly.rest_lengths[start..][..count];
-        let acts = &assembly.acts[start..][..count];
-        let excess = assembly.excess.get(start..start + count);
-        let excess = &excess.unwrap_or(&no_excess)[..count];
-        let own = start - bonds.first;
-        let tensions = &mut bonds.tensions[own..][..count];
-        let transverse = &mut bonds.transverse[own..][..count];
-        let [ax, ay, az] = bonds.axial.each_mut().map(
-            #[inline(always)]
-            |axial| axial.get_mut(own..own + count).unwrap_or_default(),
-        );
-        let [fx, fy, fz] = forces.each_mut().map(
-            #[inline(always)]
-            |forces| &mut forces[..count],
-        );
-        let energies = &mut energies[..count];
-        for bond in 0..count {
-            // from the second end to the first
-            let x = first[0][bond] - second[0][bond];
-            let y = first[1][bond] - second[1][bond];
-            let wx = moved_first[0][bond] - moved_second[0][bond];
-            let wy = moved_first[1][bond] - moved_second[1][bond];
-            let (mut z, mut wz) = (0.0, 0.0);
-            if D == 3 {
-                z = first[2][bond] - second[2][bond];
-                wz = moved_first[2][bond] - moved_second[2][bond];
-            }
-            let (px, py, pz) = (x + wx, y + wy, z + wz);
-            let mut square = px * px + py * py;
-            let mut elongation = wx * (x + px) + wy * (y + py);
-            if D == 3 {
-                square += pz * pz;
-                elongation += wz * (z + pz);
-            }
-            let rest = rest_lengths[bond];
-            let act = f64::from(acts[bond]);
-            let length = square.sqrt();
-            let strain = (elongation + excess[bond]) / ((length + rest) * rest);
-            let law = law(start + bond);
-            let tension = act * law.tension(strain);
-            let inverse = if length > NO_LENGTH * rest {
-                1.0 / length
-            } else {
-                0.0
-            };
-            energies[bond] = act * rest * law.energy(strain);
-            tensions[bond] = tension;
-            transverse[bond] = T::new(tension * inverse);
-            let root = T::new(act * law.axial_excess(strain) * inverse).sqrt();
-            ax[bond] = T::new(px * inverse) * root;
-            ay[bond] = T::new(py * inverse) * root;
-            // the first end is pulled towards the second
-            let pull = -tension * inverse;
-            fx[bond] = px * pull;
-            fy[bond] = py * pull;
-            if D == 3 {
-                az[bond] = T::new(pz * inverse) * root;
-                fz[bond] = pz * pull;
-            }
-        }
-        energy += sum(energies);
-        block.scatter::<f64, D>(&assembly.ends, &forces, resultants);
+/// Finds the energy at displacements, and nothing else.
+struct Energy<'a>(&'a Field<f64>, &'a Team);
+
+impl WithLaws for Energy<'_> {
+    type Output = f64;
+
+    fn run<const D: usize, L: StrainLaw>(
+        self,
+        assembly: &Assembly,
+        law: impl Fn(usize) -> L + Copy + Sync + Send,
+    ) -> f64 {
+        let Self(displacements, team) = self;
+        let displacements = displacements.components();
+        let of = |strip: &Strip| {
+            wide(
+                #[inline(always)]
+                || energy::<D, L>(assembly, strip, displacements, law),
+            )
+        };
+        let strips = &assembly.strips;
+        of(&strips.left_over()) + strips.sum(team, (), |strip, ()| of(&strip))
     }
-    energy
+}
+
+/// E of a network at displacements [N mm], at a third of the cost of all that follows from them.
+pub(crate) fn energy_at(assembly: &Assembly, displacements: &Field<f64>, team: &Team) -> f64 {
+    with_laws(assembly, Energy(displacements, team))
 }
 
 impl BondState {

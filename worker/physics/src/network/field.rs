@@ -75,6 +75,13 @@ impl<T: Real> Field<T> {
         }))
     }
 
+    /// Makes room for so many places; what they hold is to be set.
+    pub(crate) fn resize(&mut self, places: usize, dimensions: usize) {
+        for component in &mut self.0[..dimensions] {
+            component.resize(places, T::zero());
+        }
+    }
+
     pub(crate) fn of(vectors: &[Vector], dimensions: usize) -> Self {
         let mut field = Self::zeros(vectors.len(), dimensions);
         for (axis, component) in field.0.iter_mut().enumerate() {

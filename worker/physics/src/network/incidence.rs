@@ -1,4 +1,5 @@
 //! The bonds of each node.
+use std::ops::Range;
 
 /// For each node its bonds by ascending number: the order in which a loop over bonds would reach
 /// it, so that gathering per node and scattering per bond give the same bits.
@@ -6,6 +7,8 @@
 pub(crate) struct Incidence {
     starts: Vec<u32>,
     bonds: Vec<u32>,
+    /// The node at the other end of each.
+    others: Vec<u32>,
 }
 
 impl Incidence {
@@ -21,22 +24,36 @@ impl Incidence {
         }
         let mut next = starts.clone();
         let mut of_nodes = vec![0; starts[nodes] as usize];
-        for (bond, ends) in bonds() {
-            for node in ends {
+        let mut others = of_nodes.clone();
+        for (bond, [first, second]) in bonds() {
+            for (node, other) in [(first, second), (second, first)] {
                 let place = &mut next[*node as usize];
                 of_nodes[*place as usize] = bond as u32;
+                others[*place as usize] = *other;
                 *place += 1;
             }
         }
         Self {
             starts,
             bonds: of_nodes,
+            others,
         }
     }
 
     /// The bonds of `node`, ascending.
     pub(crate) fn of(&self, node: usize) -> &[u32] {
-        &self.bonds[self.starts[node] as usize..self.starts[node + 1] as usize]
+        &self.bonds[self.range(node)]
+    }
+
+    /// The same, each with the node at its other end.
+    pub(crate) fn around(&self, node: usize) -> impl Iterator<Item = (u32, u32)> {
+        let range = self.range(node);
+        let bonds = self.bonds[range.clone()].iter().copied();
+        bonds.zip(self.others[range].iter().copied())
+    }
+
+    fn range(&self, node: usize) -> Range<usize> {
+        self.starts[node] as usize..self.starts[node + 1] as usize
     }
 }
 
@@ -52,5 +69,6 @@ mod tests {
         assert_eq!(incidence.of(1), [1, 3]);
         assert_eq!(incidence.of(2), [0, 3]);
         assert!(incidence.of(3).is_empty());
+        assert_eq!(incidence.around(2).collect::<Vec<_>>(), [(0, 0), (3, 1)]);
     }
 }

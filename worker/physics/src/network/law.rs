@@ -1,5 +1,8 @@
 //! The law of a single bond.
 
+/// Multiplied by, where kernels would divide by three.
+const THIRD: f64 = 1.0 / 3.0;
+
 /// What the kernels ask of a law.
 pub(crate) trait StrainLaw: Copy {
     /// T(u) [N].
@@ -77,7 +80,7 @@ impl StrainLaw for BondLaw {
         if strain < 0.0 {
             0.5 * self.compression_stiffness * square
         } else {
-            (0.5 * self.modulus + self.friction_modulus * strain / 3.0) * square
+            (0.5 * self.modulus + self.friction_modulus * strain * THIRD) * square
         }
     }
 }

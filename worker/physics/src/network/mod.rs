@@ -37,6 +37,7 @@ pub(crate) mod law;
 pub(crate) mod load_path;
 pub(crate) mod nonwoven;
 mod places;
+mod response;
 mod rounded;
 pub(crate) mod rupture;
 mod stiffness;

@@ -109,7 +109,7 @@ impl Strips {
     }
 
     /// All places with the blocks of no strip.
-    fn left_over(&self) -> Strip {
+    pub(crate) fn left_over(&self) -> Strip {
         Strip {
             number: self.count(),
             places: 0..self.places,

@@ -72,9 +72,8 @@ impl Assembly {
             numbers[*place as usize] = number as u32;
         }
         for place in free {
-            for slot in self.incidence().of(*place as usize) {
-                let other = self.other_end(*slot, *place);
-                if !self.acts(*slot as usize) || other == *place {
+            for (slot, other) in self.incidence().around(*place as usize) {
+                if !self.acts(slot as usize) || other == *place {
                     continue;
                 }
                 let number = &mut numbers[other as usize];
@@ -84,8 +83,8 @@ impl Assembly {
                 }
                 // a bond between two free nodes is met twice
                 if *number >= free.len() as u32 || *place < other {
-                    slots.push(*slot);
-                    ends.push(self.ends[*slot as usize].map(|end| numbers[end as usize]));
+                    slots.push(slot);
+                    ends.push(self.ends[slot as usize].map(|end| numbers[end as usize]));
                 }
             }
         }

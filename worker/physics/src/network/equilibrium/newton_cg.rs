@@ -24,7 +24,7 @@ use crate::{
         Vector,
         assembly::Assembly,
         blocks::BLOCK,
-        configuration::{Configuration, Residual, Verdict},
+        configuration::{Configuration, Residual, Verdict, energy_at},
         field::{Field, Real, largest, longest_square},
         stiffness::Stiffness,
         strips::{AtPlaces, Strip},
@@ -92,6 +92,8 @@ pub(crate) struct Workspace {
     /// The start of the next equilibrium, if it is known already.
     start: Option<Configuration>,
     spare: Vec<Configuration>,
+    /// Displacements of a guess.
+    guess: Field<f64>,
 }
 
 impl Workspace {
@@ -108,15 +110,17 @@ impl Workspace {
         guesses: [&[Vector]; 2],
         team: &Team,
     ) -> bool {
-        let [first, second] = guesses.map(|guess| self.configuration(assembly, guess, team));
-        let is_first = first.energy < second.energy;
-        let (chosen, other) = if is_first {
-            (first, second)
-        } else {
-            (second, first)
-        };
+        let mut chosen = self.configuration(assembly, guesses[0], team);
+        let mut second = std::mem::take(&mut self.guess);
+        second.resize(assembly.places(), assembly.dimensions());
+        assembly.pick_into(guesses[1], &mut second);
+        let is_first = chosen.energy < energy_at(assembly, &second, team);
+        if !is_first {
+            std::mem::swap(&mut chosen.displacements, &mut second);
+            chosen.update(assembly, team);
+        }
         self.start = Some(chosen);
-        self.spare.push(other);
+        self.guess = second;
         is_first
     }
 
