@@ -71,10 +71,7 @@ impl<'a> Ends<'a> {
                 block.at_ends::<f64, D>(ends, &assembly.positions.components(), places),
                 count,
             ),
-            moves: cut(
-                block.at_ends::<f64, D>(ends, displacements, moves),
-                count,
-            ),
+            moves: cut(block.at_ends::<f64, D>(ends, displacements, moves), count),
             rest_lengths: &assembly.rest_lengths[start..][..count],
             excess: &excess.unwrap_or(&NO_EXCESS)[..count],
         }
