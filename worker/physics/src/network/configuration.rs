@@ -250,7 +250,7 @@ impl WithLaws for Energy<'_> {
     }
 }
 
-/// E of a network at displacements [N mm], at a third of the cost of all that follows from them.
+/// E of a network at displacements [N mm], and nothing else that follows from them.
 pub(crate) fn energy_at(assembly: &Assembly, displacements: &Field<f64>, team: &Team) -> f64 {
     with_laws(assembly, Energy(displacements, team))
 }

@@ -67,7 +67,7 @@ pub(super) struct Waves<'a> {
 
 /// Iterations after which the grids pay, for a network of few cells. PET tests to rupture take 0.64 s
 /// so at A_cc 100 and 3.1 s at 1e4; with grids after 40 iterations 0.72 and 3.7 s, after 15 0.84 and
-/// 4.1 s, without any at 1e4 a third more iterations.
+/// 4.1 s; without any a test at 1e4 takes a fifth more iterations (43 156 for 35 220).
 const PATIENCE: usize = 100;
 /// With more corners they are known to pay from the start.
 const MANY_CORNERS: usize = 500;
