@@ -3,6 +3,8 @@
 //! A floating sum depends on its order. Here every pass is cut into chunks of a fixed size, each
 //! chunk is summed from front to back, and the chunk sums are folded in order; one thread walks
 //! the same chunks. A plain parallel sum would change its bits with the thread count.
+mod passes;
+
 use rayon::prelude::*;
 
 use crate::SimulationError;
@@ -48,8 +50,10 @@ impl Team {
     /// Does `work` with the team at hand, so that each of its passes need not call them together.
     pub(crate) fn gather<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.pool {
-            Some(pool) => pool.install(work),
-            None => work(),
+            Some(pool) if pool.current_thread_index().is_none() => {
+                pool.install(|| passes::attended(work))
+            }
+            _ => work(),
         }
     }
 
@@ -72,9 +76,7 @@ impl Team {
         work: impl Fn(T) -> R + Sync + Send,
     ) -> Vec<R> {
         match &self.pool {
-            Some(pool) if items.len() > 1 => {
-                pool.install(|| items.into_par_iter().with_max_len(1).map(work).collect())
-            }
+            Some(pool) if items.len() > 1 => pool.install(|| passes::shared(items, &work)),
             _ => items.into_iter().map(work).collect(),
         }
     }

@@ -20,8 +20,8 @@ use super::{
 };
 use crate::parallel::Team;
 
-/// Particles of a patch: enough work to share out (about 0.1 ms), few enough to stay in a core's
-/// own cache together with their contacts.
+/// Particles of a patch, at most: enough work to share out (about 0.1 ms), few enough to stay in a
+/// core's own cache together with their contacts.
 const PATCH: usize = 2048;
 
 /// Sorts particles and clumps along a curve through space, members with their clump.
@@ -256,9 +256,14 @@ fn partly_fixed(particles: &Particles, range: Range<usize>) -> Vec<PartlyFixed> 
 /// Ranges of particles and clumps of each patch; no clump is cut.
 fn cut(particles: usize, clumps: &[Clump]) -> Vec<(Range<usize>, Range<usize>)> {
     let mut patches = Vec::new();
+    // an even number of equals, so that two threads have the same to do
+    let count = match particles.div_ceil(PATCH) {
+        1 => 1,
+        count => count.next_multiple_of(2),
+    };
     let (mut first, mut first_clump, mut clump) = (0, 0, 0);
     while first < particles {
-        let mut end = (first + PATCH).min(particles);
+        let mut end = ((patches.len() + 1) * particles / count).max(first + 1);
         while clump < clumps.len() && (clumps[clump].first as usize) < end {
             end = end.max(clumps[clump].members().end);
             clump += 1;
