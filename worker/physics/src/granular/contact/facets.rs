@@ -9,7 +9,8 @@
 //!
 //! Candidates are listed by sphere, so that one sphere's facets are looked at together and features
 //! that they share count once ([`once`](super::super::facets::once)). Where they are is found one by
-//! one: most end at their distance from the triangle's plane. The law then works in vectors.
+//! one: most end at their distance from the triangle's plane. The law then works in vectors, each as
+//! soon as all spheres in it were looked at.
 //!
 //! Source: of (G.20) Yade's `Ig2_Facet_Sphere_ScGeom`.
 use loadframe_api::surface::{Point, along, dot};
@@ -27,28 +28,26 @@ use crate::granular::{
         once::{Near, last_heir},
     },
     lanes::{Array, LANES, Lanes, Vectors, bits},
-    rows::Row,
+    rows::{Row, gather},
 };
 
-/// Facets near one sphere; of padding the number is [`NONE`].
-#[derive(Clone, Debug, Serialize, Deserialize)]
+/// Candidates in vectors; what fills up the last block belongs to no sphere.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
 #[repr(align(64))]
 pub(in crate::granular) struct FacetBlock<F: Law> {
+    pub(in crate::granular) particles: [u32; LANES],
     pub(in crate::granular) facets: [u32; LANES],
     /// Constant of the normal spring: k_N [N/m] of a linear one.
     pub(in crate::granular) stiffness: Array,
     pub(in crate::granular) law: F,
 }
 
-/// No facet.
-pub(in crate::granular) const NONE: u32 = u32::MAX;
-
-/// A sphere and how many blocks of facets are near it.
+/// A sphere and how many facets are near it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(in crate::granular) struct Visitor {
     pub(in crate::granular) particle: u32,
-    pub(in crate::granular) blocks: u32,
+    pub(in crate::granular) candidates: u32,
 }
 
 /// Candidates of a patch's spheres and which of them touched in the last step.
@@ -56,7 +55,7 @@ pub(in crate::granular) struct Visitor {
 #[serde(bound = "")]
 pub(in crate::granular) struct FacetList<F: Law> {
     pub(in crate::granular) visitors: Vec<Visitor>,
-    /// Blocks of one visitor after those of another.
+    /// Candidates of one visitor after those of another, without a gap.
     pub(in crate::granular) blocks: Vec<FacetBlock<F>>,
     /// Bits by lane.
     pub(in crate::granular) touching: Vec<u8>,
@@ -65,12 +64,26 @@ pub(in crate::granular) struct FacetList<F: Law> {
     /// What the sphere at work reaches.
     #[serde(skip)]
     near: Vec<Near>,
+    /// What counts of that in blocks that wait for their last sphere, by slot.
+    #[serde(skip)]
+    reached: Vec<Near>,
 }
 
 /// A facet near a sphere, what they are made of, and what they remember.
 pub(in crate::granular) type FacetCandidate = (u32, Springs, Option<Past>);
 
-/// The facets of a block that a sphere touches, as the law wants them.
+/// What the contacts of a patch with facets act on.
+#[derive(Debug)]
+pub(super) struct Sides<'a> {
+    /// First particle of the patch.
+    pub(super) first: usize,
+    /// On its particles.
+    pub(super) wrenches: &'a mut Wrenches,
+    /// On each mesh [N]; the fourth number is the power of its turning [W].
+    pub(super) on_meshes: &'a mut [[f64; 4]],
+}
+
+/// The facets of a block that are touched, as the law wants them.
 #[derive(Clone, Debug, Default)]
 struct Touched {
     /// 1 where it touches, else 0.
@@ -85,96 +98,102 @@ struct Touched {
     arm: Array,
 }
 
-impl<F: Law> Default for FacetBlock<F> {
-    fn default() -> Self {
-        Self {
-            facets: [NONE; LANES],
-            stiffness: [0.0; LANES],
-            law: F::default(),
+impl<F: Law> FacetList<F> {
+    /// Adds the forces on both sides.
+    #[inline(always)]
+    pub(super) fn push<S: Simd>(&mut self, simd: S, scenery: Scenery<'_>, mut sides: Sides<'_>) {
+        let (mut slot, mut pushed) = (0, 0);
+        for visitor in 0..self.visitors.len() {
+            slot = self.look(scenery, self.visitors[visitor], slot);
+            let is_last = slot == self.count;
+            let whole = if is_last {
+                self.blocks.len()
+            } else {
+                slot / LANES
+            };
+            for block in pushed..whole {
+                self.push_block(simd, scenery, block, &mut sides);
+            }
+            pushed = whole;
         }
     }
-}
 
-impl<F: Law> FacetList<F> {
-    /// Adds the forces on the particles of a patch that begins with `first`, and to `on_meshes` the
-    /// force on each mesh [N] and the power of its turning [W].
+    /// Finds out which facets a sphere touches, whose candidates begin at `slot`; returns where they
+    /// end.
+    fn look(&mut self, scenery: Scenery<'_>, visitor: Visitor, slot: usize) -> usize {
+        let sphere = &scenery.kinematics.centres[visitor.particle as usize];
+        let end = slot + visitor.candidates as usize;
+        self.near.clear();
+        for slot in slot..end {
+            let facet = self.blocks[slot / LANES].facets[slot % LANES];
+            let near = (scenery.facets).reach(scenery.poses, sphere, slot as u32, facet);
+            self.near.extend(near);
+        }
+        if scenery.facets.rule == FacetRule::Once && self.near.len() > 1 {
+            (scenery.facets).settle(scenery.poses, &mut self.near, sphere.0[3]);
+            if F::IS_ROUGH {
+                hand_over(&self.near, &mut self.blocks, &mut self.touching);
+            }
+        }
+        let counting = self.near.iter().filter(|near| near.heir.is_none());
+        self.reached.extend(counting);
+        end
+    }
+
+    /// Adds the forces of a block's contacts, the first of those reached.
     #[inline(always)]
-    pub(in crate::granular) fn push<S: Simd>(
+    fn push_block<S: Simd>(
         &mut self,
         simd: S,
         scenery: Scenery<'_>,
-        first: usize,
-        wrenches: &mut Wrenches,
-        on_meshes: &mut [[f64; 4]],
+        number: usize,
+        sides: &mut Sides<'_>,
     ) {
-        let mut end = 0;
-        for visitor in &self.visitors {
-            let range = end..end + visitor.blocks as usize;
-            end = range.end;
-            let particle = visitor.particle as usize;
-            let sphere = &scenery.kinematics.centres[particle];
-            let blocks = &mut self.blocks[range.clone()];
-            let touching = &mut self.touching[range];
-            reach(scenery, sphere, blocks, &mut self.near);
-            if self.near.is_empty() && touching.iter().all(|bits| *bits == 0) {
-                continue;
-            }
-            if scenery.facets.rule == FacetRule::Once && self.near.len() > 1 {
-                scenery
-                    .facets
-                    .settle(scenery.poses, &mut self.near, sphere.0[3]);
-                if F::IS_ROUGH {
-                    hand_over(&self.near, blocks, touching);
-                }
-            }
-            for (number, (block, touching)) in blocks.iter_mut().zip(touching).enumerate() {
-                let slots = number * LANES..(number + 1) * LANES;
-                let here =
-                    |near: &&Near| slots.contains(&(near.slot as usize)) && near.heir.is_none();
-                let touched = scenery.touched(sphere, self.near.iter().filter(here));
-                let facets = block.facets;
-                *touching = block.advance(
-                    simd,
-                    scenery,
-                    particle,
-                    &touched,
-                    *touching,
-                    #[inline(always)]
-                    |lane: usize, force: [f64; 4], moment: [f64; 4]| {
-                        if touched.touches[lane] == 0.0 {
-                            return;
-                        }
-                        wrenches.forces[particle - first].subtract(force);
-                        if F::IS_ROUGH {
-                            wrenches.torques[particle - first].subtract(moment);
-                        }
-                        let facet = &scenery.facets.facets[facets[lane] as usize];
-                        let on_mesh = &mut on_meshes[facet.mesh as usize];
-                        for axis in 0..3 {
-                            on_mesh[axis] += force[axis];
-                        }
-                        let pose = &scenery.poses[facet.mesh as usize];
-                        if pose.is_turning() {
-                            let place = touched.place(sphere, lane);
-                            let velocity = pose.turning_velocity(&place);
-                            on_mesh[3] += dot(&[force[0], force[1], force[2]], &velocity);
-                        }
-                    },
-                );
-            }
+        let next = (number + 1) * LANES;
+        let end = (self.reached).partition_point(|near| (near.slot as usize) < next);
+        let (block, touching) = (&mut self.blocks[number], &mut self.touching[number]);
+        if end == 0 && *touching == 0 {
+            return;
         }
+        let (particles, facets) = (block.particles, block.facets);
+        let touched = scenery.touched(&particles, &self.reached[..end]);
+        *touching = block.advance(
+            simd,
+            scenery,
+            &touched,
+            *touching,
+            #[inline(always)]
+            |lane: usize, force: [f64; 4], moment: [f64; 4]| {
+                if touched.touches[lane] == 0.0 {
+                    return;
+                }
+                let particle = particles[lane] as usize;
+                let own = particle - sides.first;
+                sides.wrenches.forces[own].subtract(force);
+                if F::IS_ROUGH {
+                    sides.wrenches.torques[own].subtract(moment);
+                }
+                let facet = &scenery.facets.facets[facets[lane] as usize];
+                let on_mesh = &mut sides.on_meshes[facet.mesh as usize];
+                for axis in 0..3 {
+                    on_mesh[axis] += force[axis];
+                }
+                let pose = &scenery.poses[facet.mesh as usize];
+                if pose.is_turning() {
+                    let place = touched.place(&scenery.kinematics.centres[particle], lane);
+                    let velocity = pose.turning_velocity(&place);
+                    on_mesh[3] += dot(&[force[0], force[1], force[2]], &velocity);
+                }
+            },
+        );
+        self.reached.drain(..end);
     }
 
-    /// Sphere, facet, block and lane of the contacts that touched in the last step.
-    pub(in crate::granular) fn touching(
-        &self,
-    ) -> impl Iterator<Item = (usize, &FacetBlock<F>, usize)> {
-        let spheres = self.visitors.iter().flat_map(|visitor| {
-            std::iter::repeat_n(visitor.particle as usize, visitor.blocks as usize)
-        });
+    /// Blocks and lanes that touched in the last step.
+    pub(in crate::granular) fn touching(&self) -> impl Iterator<Item = (&FacetBlock<F>, usize)> {
         let blocks = self.blocks.iter().zip(&self.touching);
-        spheres.zip(blocks).flat_map(|(sphere, (block, touching))| {
-            super::touching_lanes(*touching).map(move |lane| (sphere, block, lane))
+        blocks.flat_map(|(block, touching)| {
+            super::touching_lanes(*touching).map(move |lane| (block, lane))
         })
     }
 }
@@ -182,45 +201,43 @@ impl<F: Law> FacetList<F> {
 impl<F: Law> FacetList<F> {
     /// Adds a sphere with its candidates, if it has any.
     pub(super) fn add(&mut self, particle: u32, candidates: &[FacetCandidate]) {
-        let first = self.blocks.len();
-        for (slot, (facet, springs, past)) in candidates.iter().enumerate() {
-            let lane = slot % LANES;
+        for (facet, springs, past) in candidates {
+            let lane = self.count % LANES;
             if lane == 0 {
-                self.blocks.push(FacetBlock::default());
+                self.blocks.push(FacetBlock {
+                    particles: [particle; LANES],
+                    ..FacetBlock::default()
+                });
                 self.touching.push(0);
             }
             self.count += 1;
             if let (Some(block), Some(touching)) =
                 (self.blocks.last_mut(), self.touching.last_mut())
             {
+                block.particles[lane] = particle;
                 block.facets[lane] = *facet;
                 block.stiffness[lane] = springs.normal;
                 block.law.start(lane, springs, &past.unwrap_or_default());
                 *touching |= u8::from(past.is_some()) << lane;
             }
         }
-        let blocks = (self.blocks.len() - first) as u32;
-        if blocks > 0 {
-            self.visitors.push(Visitor { particle, blocks });
+        if !candidates.is_empty() {
+            self.visitors.push(Visitor {
+                particle,
+                candidates: candidates.len() as u32,
+            });
         }
     }
-}
 
-/// What a sphere reaches of its candidates.
-fn reach<F: Law>(
-    scenery: Scenery<'_>,
-    sphere: &Row,
-    blocks: &[FacetBlock<F>],
-    near: &mut Vec<Near>,
-) {
-    near.clear();
-    for (number, block) in blocks.iter().enumerate() {
-        for (lane, facet) in block.facets.iter().enumerate() {
-            if *facet != NONE {
-                let slot = (number * LANES + lane) as u32;
-                near.extend((scenery.facets).reach(scenery.poses, sphere, slot, *facet));
-            }
-        }
+    pub(super) fn finish(&mut self) {
+        self.visitors.shrink_to_fit();
+        self.blocks.shrink_to_fit();
+        self.touching.shrink_to_fit();
+    }
+
+    /// Memory [bytes].
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.visitors.as_slice()) + size_of_val(self.blocks.as_slice())
     }
 }
 
@@ -241,12 +258,12 @@ fn hand_over<F: Law>(near: &[Near], blocks: &mut [FacetBlock<F>], touching: &mut
 }
 
 impl Scenery<'_> {
-    /// The facets that count among those of one block.
-    fn touched<'n>(&self, sphere: &Row, near: impl Iterator<Item = &'n Near>) -> Touched {
+    /// What a block's particles touch.
+    fn touched(&self, particles: &[u32; LANES], reached: &[Near]) -> Touched {
         let mut touched = Touched::default();
-        let radius = sphere.0[3];
-        for near in near {
+        for near in reached {
             let lane = near.slot as usize % LANES;
+            let radius = self.kinematics.centres[particles[lane] as usize].0[3];
             let overlap = radius - near.distance;
             touched.touches[lane] = 1.0;
             touched.overlap[lane] = overlap;
@@ -287,14 +304,12 @@ impl<F: Law> FacetBlock<F> {
         &mut self,
         simd: S,
         scenery: Scenery<'_>,
-        particle: usize,
         touched: &Touched,
         before: u8,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
         let (kinematics, time_step) = (scenery.kinematics, scenery.time_step);
         let none = Lanes::splat(simd, 0.0);
-        let radius = Lanes::splat(simd, kinematics.centres[particle].0[3]);
         let mut touching = 0;
         for part in 0..LANES / S::F64_LANES {
             let is_touching = none.below(Lanes::load(simd, &touched.touches, part));
@@ -304,6 +319,7 @@ impl<F: Law> FacetBlock<F> {
                 }
                 continue;
             }
+            let radius = gather(simd, kinematics.centres, &self.particles, part).fourth;
             let normal = Vectors::load(simd, &touched.normal, part);
             let overlap = Lanes::load(simd, &touched.overlap, part);
             let touch = Touch {
@@ -315,15 +331,12 @@ impl<F: Law> FacetBlock<F> {
             };
             let mut slip = Slip::none(simd);
             if F::FEELS_SPEED {
-                let of_sphere = |rows: &[Row]| {
-                    let [x, y, z, _] = rows[particle].0;
-                    Vectors::splat(simd, [x, y, z])
-                };
+                let velocity = gather(simd, kinematics.velocities, &self.particles, part).vector;
                 let wall = Vectors::load(simd, &touched.velocity, part);
-                let relative = wall - of_sphere(kinematics.velocities);
+                let relative = wall - velocity;
                 slip.approach = relative.dot(normal);
                 if F::IS_ROUGH {
-                    let spin = of_sphere(kinematics.spins);
+                    let spin = gather(simd, kinematics.spins, &self.particles, part).vector;
                     let approach = Lanes::load(simd, &touched.approach, part);
                     let arm = Lanes::load(simd, &touched.arm, part);
                     let velocity = relative.scaled(approach) - spin.scaled(arm).cross(normal);

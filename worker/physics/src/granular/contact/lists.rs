@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Scenery, Wrenches,
-    facets::{FacetCandidate, FacetList},
+    facets::{FacetCandidate, FacetList, Sides},
     law::{Lanewise, Law, Past},
     pairs::{Halo, PairList},
     stiffness::Springs,
@@ -161,6 +161,7 @@ impl<F: Law> Lists for PatchLists<F> {
     fn finish(&mut self, planes: usize) {
         self.inner.finish();
         self.outer.finish();
+        self.facets.finish();
         self.walls.resize_with(planes, WallList::default);
     }
 
@@ -188,9 +189,9 @@ impl<F: Law> Lists for PatchLists<F> {
     }
 
     fn see_facets(&self, observer: &mut Observer<'_>) {
-        for (particle, block, lane) in self.facets.touching() {
+        for (block, lane) in self.facets.touching() {
             observer(Touching {
-                who: Who::Facet([particle as u32, block.facets[lane]]),
+                who: Who::Facet([block.particles[lane], block.facets[lane]]),
                 constant: block.stiffness[lane],
                 law: &block.law,
                 lane,
@@ -218,7 +219,7 @@ impl<F: Law> Lists for PatchLists<F> {
             + walls
                 .map(|list| size_of_val(list.blocks.as_slice()))
                 .sum::<usize>()
-            + size_of_val(self.facets.blocks.as_slice())
+            + self.facets.bytes()
     }
 
     fn pack(&self) -> Result<Vec<u8>, CheckpointError> {
@@ -261,6 +262,11 @@ impl<F: Law> WithSimd for Push<'_, F> {
         for ((list, face), on_plane) in planes {
             *on_plane = list.push(simd, face, kinematics, first, wrenches, time_step);
         }
-        (lists.facets).push(simd, scenery, first, wrenches, on_meshes);
+        let sides = Sides {
+            first,
+            wrenches,
+            on_meshes,
+        };
+        (lists.facets).push(simd, scenery, sides);
     }
 }

@@ -26,7 +26,7 @@ const SAME: f64 = 1e-6;
 /// A triangle that a sphere reaches.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::granular) struct Near {
-    /// Place among the candidates of the sphere.
+    /// Place among the candidates, those of a sphere one after the other.
     pub(in crate::granular) slot: u32,
     /// Number among all facets.
     pub(in crate::granular) facet: u32,
