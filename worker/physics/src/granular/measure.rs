@@ -258,8 +258,11 @@ impl Engine {
             let touch = first.vector() + contact.normal * (first.0[3] - depth);
             let [start, end] = ends.map(|point| point.map_or(touch, |point| point.centre));
             let branch = end - start;
-            let force = contact.normal_force + contact.shear_force;
-            sum += cuboid.part_of_segment(&start, &branch) * force * branch.transpose();
+            let part = cuboid.part_of_segment(&start, &branch);
+            if part > 0.0 {
+                let force = contact.normal_force + contact.shear_force;
+                sum += part * force * branch.transpose();
+            }
         }
         0.5 * (sum + sum.transpose())
     }
