@@ -57,12 +57,20 @@ pub(super) struct Measure {
 }
 
 /// A body as a point.
-struct Point {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
     centre: Vector,
     velocity: Vector,
     mass: f64,
     volume: f64,
+    /// Of a sphere of its volume [m].
+    diameter: f64,
+    /// Number of its material.
+    surface: usize,
 }
+
+/// Every body of the state, by number; none where it has no place there.
+pub(super) type Points = [Option<Point>];
 
 impl Measure {
     /// p [Pa].
@@ -133,26 +141,28 @@ impl Engine {
         &self,
         cuboid: &Cuboid,
         only: Option<usize>,
+        points: &Points,
         contacts: &[Contact],
     ) -> Measure {
-        let points = self.points(only);
-        let is_within = |point: &Point| cuboid.contains(&point.centre);
-        let within: Vec<&Point> = points.iter().flatten().filter(|p| is_within(p)).collect();
         let volume = cuboid.volume();
         if volume <= 0.0 || !volume.is_finite() {
             return Measure::default();
         }
+        let is_counted = |point: &Point| only.is_none_or(|only| only == point.surface);
+        let of = |body: u32| {
+            let point = points.get(body as usize).and_then(Option::as_ref);
+            point.filter(|point| is_counted(point))
+        };
+        let is_within = |point: &Point| is_counted(point) && cuboid.contains(&point.centre);
+        let within: Vec<&Point> = points.iter().flatten().filter(|p| is_within(p)).collect();
         let count = within.len() as f64;
-        let diameters = within
-            .iter()
-            .map(|point| (6.0 / std::f64::consts::PI * point.volume).cbrt());
-        let diameter = diameters.sum::<f64>() / count.max(1.0);
         let sum = |of: fn(&Point) -> f64| within.iter().map(|point| of(point)).sum::<f64>();
+        let diameter = sum(|point| point.diameter) / count.max(1.0);
         let density = sum(|point| point.mass) / sum(|point| point.volume);
         Measure {
             volume,
-            stress: self.love_weber(cuboid, contacts, &points) / volume,
-            coordination: self.coordination(&points, is_within, contacts),
+            stress: self.love_weber(cuboid, contacts, of) / volume,
+            coordination: self.coordination(points, is_within, contacts),
             shear_rate: shear_rate(&within),
             inertia: if count > 0.0 {
                 diameter * density.sqrt()
@@ -162,39 +172,32 @@ impl Engine {
         }
     }
 
-    /// Every body of the state, by number; none where it has no place there or is of another surface.
-    fn points(&self, only: Option<usize>) -> Vec<Option<Point>> {
+    /// The bodies as points.
+    pub(super) fn points(&self) -> Vec<Option<Point>> {
         let particles = &self.state.particles;
-        let mut points: Vec<Option<Point>> = Vec::new();
-        points.resize_with(self.model.masses.len(), || None);
+        let mut points: Vec<Option<Point>> = vec![None; self.model.masses.len()];
         let mut put = |body: u32, centre: Vector, velocity: Vector, particle: usize| {
             let mass = self.model.masses[body as usize];
+            let volume = mass / self.density(particle);
             points[body as usize] = Some(Point {
                 centre,
                 velocity,
                 mass,
-                volume: mass / self.density(particle),
+                volume,
+                diameter: (6.0 / std::f64::consts::PI * volume).cbrt(),
+                surface: usize::from(particles.surfaces[particle]),
             });
         };
         for (particle, body) in particles.owners.iter().enumerate() {
-            if self.model.sphere_inertias[*body as usize] > 0.0 && self.is_of(only, particle) {
-                let centre = particles.centres[particle].vector();
-                put(
-                    *body,
-                    centre,
-                    particles.velocities[particle].vector(),
-                    particle,
-                );
+            if self.model.sphere_inertias[*body as usize] > 0.0 {
+                let [centre, velocity] =
+                    [&particles.centres, &particles.velocities].map(|rows| rows[particle].vector());
+                put(*body, centre, velocity, particle);
             }
         }
-        let clumps = self.state.clumps.iter();
-        for clump in clumps.filter(|clump| self.is_of(only, clump.first as usize)) {
-            put(
-                clump.body,
-                clump.centre,
-                clump.velocity,
-                clump.first as usize,
-            );
+        for clump in &self.state.clumps {
+            let member = clump.first as usize;
+            put(clump.body, clump.centre, clump.velocity, member);
         }
         points
     }
@@ -235,16 +238,15 @@ impl Engine {
     }
 
     /// Σ w F ⊗ l [J], its symmetric part.
-    fn love_weber(
+    fn love_weber<'p>(
         &self,
         cuboid: &Cuboid,
         contacts: &[Contact],
-        points: &[Option<Point>],
+        of: impl Fn(u32) -> Option<&'p Point>,
     ) -> Matrix3<f64> {
         let mut sum = Matrix3::zeros();
         for contact in contacts {
-            let of = |body: u32| points.get(body as usize).and_then(Option::as_ref);
-            let ends = contact.bodies.map(of);
+            let ends = contact.bodies.map(&of);
             if ends.iter().all(Option::is_none) {
                 continue;
             }
@@ -269,7 +271,7 @@ impl Engine {
 
     fn coordination(
         &self,
-        points: &[Option<Point>],
+        points: &Points,
         is_within: impl Fn(&Point) -> bool,
         contacts: &[Contact],
     ) -> Option<f64> {

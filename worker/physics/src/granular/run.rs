@@ -301,7 +301,9 @@ impl<'a> Runner<'a> {
         journal.worst.overlap_ratio = journal.worst.overlap_ratio.max(largest);
         if stage.is_some_and(Stage::is_quasi_static) {
             let scene = self.engine.cuboid([None; 2]);
-            let scene = self.engine.measure(&scene, None, contacts);
+            let scene = self
+                .engine
+                .measure(&scene, None, &self.engine.points(), contacts);
             journal.driving.add(&scene, journal.last.unbalanced);
         }
         if self.engine.model.has_driven_bodies {

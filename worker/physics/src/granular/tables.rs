@@ -134,12 +134,17 @@ pub(super) fn curve_row(
         reading.unbalanced.unwrap_or(0.0),
         step_ratio,
     ]);
+    let points = if spec.record.regions.is_empty() {
+        Vec::new()
+    } else {
+        engine.points()
+    };
     for region in &spec.record.regions {
         let cuboid = engine.cuboid([region.low_m, region.high_m]);
         let only = region.material.as_ref();
         let only = only.and_then(|name| spec.materials.keys().position(|known| known == name));
         let solid = engine.solid(&cuboid, only);
-        row.extend(engine.measure(&cuboid, only, contacts).row(solid));
+        row.extend(engine.measure(&cuboid, only, &points, contacts).row(solid));
     }
     if is_cohesive(spec) {
         row.push(engine.broken_bonds(reading) as f64);

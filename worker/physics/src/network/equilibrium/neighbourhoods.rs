@@ -100,12 +100,12 @@ impl Neighbourhoods {
             self.is_waiting[*member as usize] = true;
         }
         let mut ring = 0;
-        for _ in 0..RINGS {
+        'rings: for _ in 0..RINGS {
             let end = self.members.len();
-            if end > most {
-                break;
-            }
             for index in ring..end {
+                if self.members.len() > most {
+                    break 'rings;
+                }
                 let node = self.members[index] as usize;
                 for neighbour in assembly.free_neighbours(node) {
                     if !self.is_waiting[neighbour as usize] {
