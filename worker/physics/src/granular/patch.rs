@@ -83,6 +83,10 @@ impl Patch {
         self.wall_forces.clear();
         let walls = scenery.faces.len() + scenery.poses.len();
         self.wall_forces.resize(walls, [0.0; 4]);
+        // a bed of one patch was here a step ago
+        if self.particles.len() < scenery.kinematics.centres.len() {
+            scenery.kinematics.fetch(self.particles.clone());
+        }
         let acting = Acting {
             first: self.particles.start,
             wrenches: &mut self.wrenches,

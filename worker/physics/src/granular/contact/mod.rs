@@ -23,6 +23,8 @@ pub(super) mod pairs;
 pub(super) mod stiffness;
 pub(super) mod walls;
 
+use std::ops::Range;
+
 use pulp::Simd;
 
 use super::{
@@ -43,6 +45,20 @@ pub(super) struct Kinematics<'a> {
     pub(super) spins: &'a [Row],
     /// Δt of the step that brought the centres to where they are [s].
     pub(super) last_step: f64,
+}
+
+impl Kinematics<'_> {
+    /// Reads the rows of neighbouring particles in the order of memory. Contacts ask for them in
+    /// another, and would wait for each that is not in the cache; with 100 000 spheres that took
+    /// a fifth of the time.
+    pub(super) fn fetch(&self, particles: Range<usize>) {
+        for rows in [self.centres, self.velocities, self.spins] {
+            // one of each line of the cache
+            let rows = rows.get(particles.clone()).unwrap_or_default().iter();
+            let bits = rows.step_by(2).map(|row| row.0[0].to_bits());
+            std::hint::black_box(bits.fold(0, |all, bits| all ^ bits));
+        }
+    }
 }
 
 /// All that the contacts of a step need to know of the scene.

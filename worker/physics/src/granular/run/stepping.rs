@@ -126,9 +126,6 @@ impl Runner<'_> {
         self.engine.push(time_step);
         let mut contacts = std::mem::take(&mut self.contacts);
         self.engine.gather_contacts(&mut contacts);
-        if is_recorded || is_pictured {
-            put_in_order(&mut contacts);
-        }
         let engine = &self.engine;
         let before =
             (engine.team).both(|| engine.kinetic_energy(), || engine.gravitational_energy());
@@ -140,14 +137,15 @@ impl Runner<'_> {
         self.judge(&contacts, look)?;
         let is_last =
             is_last || (self.journal.is_settled && (self.is_last_stage() || records_ends));
-        if is_last && !(is_recorded || is_pictured) {
+        let is_recorded = is_recorded || is_last;
+        let is_pictured = is_pictured || (is_last && self.spec.record.snapshot_every_steps > 0);
+        if is_pictured || (is_recorded && self.spec.record.contacts) {
             put_in_order(&mut contacts);
         }
-        if is_recorded || is_last {
+        if is_recorded {
             self.record(recorder, &contacts, critical)?;
         }
-        let is_closing = is_last && self.spec.record.snapshot_every_steps > 0;
-        if is_pictured || is_closing {
+        if is_pictured {
             self.picture(recorder, &contacts)?;
         }
         self.contacts = contacts;
