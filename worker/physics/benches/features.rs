@@ -146,6 +146,8 @@ fn main() {
     };
     let smooth = |spec: &mut Value| spec["materials"]["stone"]["friction_angle_rad"] = json!(0);
     let restitution = |spec: &mut Value| spec["materials"]["stone"]["restitution"] = json!(0.5);
+    let shear_restitution =
+        |spec: &mut Value| spec["materials"]["stone"]["shear_restitution"] = json!(0.5);
     let law = |spec: &mut Value, law: &str| spec["laws"]["contact"] = json!(law);
     let row = |name: &str, change: &dyn Fn(&mut Value)| {
         if is_wanted(name) {
@@ -164,6 +166,7 @@ fn main() {
     row("friction", &|_| ());
     row("friction, logarithmic", &|spec| law(spec, "logarithmic"));
     row("friction, restitution", &restitution);
+    row("friction, shear restitution", &shear_restitution);
     row("Hertz-Mindlin", &|spec| law(spec, "hertz_mindlin"));
     row("Hertz-Mindlin, restitution", &|spec| {
         law(spec, "hertz_mindlin");

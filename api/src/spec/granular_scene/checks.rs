@@ -309,14 +309,17 @@ fn check_laws(spec: &GranularScene, violations: &mut Vec<Violation>) {
             .allowed("\"linear\" with cohesion, any other without"),
         );
     }
-    let viscous = spec
-        .materials
-        .iter()
-        .filter(|(_, material)| material.restitution.is_some());
-    violations.extend(viscous.map(|(name, material)| {
-        let pointer = format!("/materials/{name}/restitution");
+    let viscous = spec.materials.iter().flat_map(|(name, material)| {
+        [
+            ("restitution", material.restitution),
+            ("shear_restitution", material.shear_restitution),
+        ]
+        .map(|(field, value)| (format!("/materials/{name}/{field}"), value))
+    });
+    let viscous = viscous.filter(|(_, value)| value.is_some());
+    violations.extend(viscous.map(|(pointer, value)| {
         Violation::new(pointer, "not_together", "bonds have no dashpots")
-            .value(material.restitution)
+            .value(value)
             .allowed("none in a scene with cohesion; damp it by /laws/local_damping")
     }));
 }

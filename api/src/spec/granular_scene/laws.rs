@@ -26,6 +26,14 @@ pub struct Material {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
     pub restitution: Option<f64>,
+    /// e_T, what a sphere that sticks keeps of its speed in half a period of its swing on the shear
+    /// spring: contacts have a dashpot across the normal. Friction limits spring and dashpot together;
+    /// without it there is neither. Approximate for clumps, and under `hertz_mindlin`, whose spring
+    /// changes during a swing. Between two materials the smaller one counts; left out, there is none,
+    /// as with 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
+    pub shear_restitution: Option<f64>,
     /// φ; a contact slides at tan φ of the smoother material. 0 is frictionless.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1.570_795_5), extend("x-unit" = "rad"))]
@@ -48,7 +56,7 @@ pub struct Laws {
     pub contact: ContactLaw,
     /// λ_D of Cundall's local damping: each component of a body's acceleration is changed by
     /// −λ_D |a| sgn(power). Independent of velocity, so free fall is slower too, by (1 − λ_D). Left
-    /// out, 0.3; or 0 when a material gives its restitution, which damps in another way.
+    /// out, 0.3; or 0 when a material gives a restitution, which damps in another way.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 0.99), extend("x-unit" = "1"))]
     pub local_damping: Option<f64>,
@@ -197,27 +205,34 @@ impl Material {
         self.poisson_ratio.unwrap_or(POISSON_RATIO)
     }
 
-    /// β of the oscillator whose half period leaves e of the speed: −ln e/√(π² + ln² e).
-    pub fn damping_ratio(&self) -> f64 {
-        let logarithm = self.restitution.unwrap_or(1.0).ln();
-        if logarithm < 0.0 {
-            -logarithm / std::f64::consts::PI.hypot(logarithm)
-        } else {
-            0.0
-        }
+    /// β along and across the normal, of the oscillator whose half period leaves e of the speed:
+    /// −ln e/√(π² + ln² e).
+    pub fn damping_ratios(&self) -> [f64; 2] {
+        [self.restitution, self.shear_restitution].map(|restitution| {
+            let logarithm = restitution.unwrap_or(1.0).ln();
+            if logarithm < 0.0 {
+                -logarithm / std::f64::consts::PI.hypot(logarithm)
+            } else {
+                0.0
+            }
+        })
     }
 }
 
 impl super::GranularScene {
-    /// Whether contacts have dashpots.
-    pub fn is_viscous(&self) -> bool {
-        (self.materials.values()).any(|material| material.damping_ratio() > 0.0)
+    /// Whether contacts have dashpots along and across the normal.
+    pub fn is_viscous(&self) -> [bool; 2] {
+        [0, 1].map(|way| {
+            let mut materials = self.materials.values();
+            materials.any(|material| material.damping_ratios()[way] > 0.0)
+        })
     }
 
     /// λ_D, given or not.
     pub fn local_damping(&self) -> f64 {
-        let has_restitution =
-            (self.materials.values()).any(|material| material.restitution.is_some());
+        let mut materials = self.materials.values();
+        let has_restitution = materials
+            .any(|material| material.restitution.is_some() || material.shear_restitution.is_some());
         let default = if has_restitution { 0.0 } else { LOCAL_DAMPING };
         self.laws.local_damping.unwrap_or(default)
     }

@@ -19,7 +19,7 @@ pub fn series_stiffness(first: f64, second: f64) -> f64 {
     first * second / (first + second)
 }
 
-/// Critical step with a dashpot of damping ratio β along the normal, over that without:
+/// Critical step with a dashpot of damping ratio β, over that without:
 /// √(1 + β²) − β, since the velocity that damps is that of half a step ago.
 pub fn step_with_dashpot(damping_ratio: f64) -> f64 {
     (1.0 + damping_ratio * damping_ratio).sqrt() - damping_ratio
@@ -191,11 +191,13 @@ impl GranularScene {
         } else {
             0.0
         };
-        let step = 2.0 / (normal.max(shear) * inverse_mass).sqrt();
-        match a.material.damping_ratio().max(b.material.damping_ratio()) {
-            0.0 => step,
-            ratio => step * step_with_dashpot(ratio),
-        }
+        let [first, second] = [a, b].map(|partner| partner.material.damping_ratios());
+        let [along, across] = [0, 1].map(|way: usize| first[way].max(second[way]));
+        let step = |stiffness: f64, ratio: f64| {
+            2.0 / (stiffness * inverse_mass).sqrt() * step_with_dashpot(ratio)
+        };
+        // a dashpot along the normal counts across it too, which is on the safe side
+        step(normal, along).min(step(shear, across.max(along)))
     }
 }
 

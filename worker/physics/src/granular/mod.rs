@@ -71,7 +71,7 @@ mod time_step;
 
 use contact::law::{
     Bonded, Chosen, Coulomb, Followed, Frictionless, Hertz, HertzMindlin, Kept, Law, Linear,
-    Logarithmic, Viscous,
+    Logarithmic, Viscous, ViscousShear,
 };
 use loadframe_api::spec::granular_scene::{ContactLaw, GranularScene, Material};
 
@@ -116,14 +116,16 @@ fn normals_follow(spec: &GranularScene) -> bool {
     !spec.has_clumps() && spec.facets.is_empty() && spec.driven_bodies().is_empty()
 }
 
-/// The law for smooth or that for rough materials, with a dashpot if there is one.
+/// The law for smooth or that for rough materials, with the dashpots that there are.
 fn law_for<Smooth: Law, Rough: Law>(spec: &GranularScene) -> Chosen {
     let mut materials = spec.materials.values();
     let is_rough = materials.any(|material| material.friction_angle_rad > 0.0);
     match (is_rough, spec.is_viscous()) {
-        (false, false) => Chosen::of::<Smooth>(),
-        (true, false) => Chosen::of::<Rough>(),
-        (false, true) => Chosen::of::<Viscous<Smooth>>(),
-        (true, true) => Chosen::of::<Viscous<Rough>>(),
+        (false, [false, _]) => Chosen::of::<Smooth>(),
+        (false, [true, _]) => Chosen::of::<Viscous<Smooth>>(),
+        (true, [false, false]) => Chosen::of::<Rough>(),
+        (true, [true, false]) => Chosen::of::<Viscous<Rough>>(),
+        (true, [false, true]) => Chosen::of::<ViscousShear<Rough>>(),
+        (true, [true, true]) => Chosen::of::<Viscous<ViscousShear<Rough>>>(),
     }
 }

@@ -39,12 +39,12 @@ pub(super) struct Contact {
     pub(super) shear_force: Vector,
     /// Tangents k_N, k_T [N/m].
     pub(super) stiffness: [f64; 2],
-    /// c of the dashpot [N s/m].
-    pub(super) dashpot: f64,
+    /// c_N and c_T of the dashpots [N s/m].
+    pub(super) dashpots: [f64; 2],
     /// Of the normal spring [m]; negative where a bond is stretched.
     pub(super) compression: f64,
-    /// In the normal spring [J].
-    spring_energy: f64,
+    /// In both springs [J].
+    pub(super) energy: f64,
     /// Whether an intact bond holds the bodies together.
     pub(super) is_bonded: bool,
 }
@@ -169,9 +169,9 @@ impl Engine {
             normal_force: held.force * normal,
             shear_force: held.shear,
             stiffness: held.stiffness,
-            dashpot: held.dashpot,
+            dashpots: held.dashpots,
             compression: held.compression,
-            spring_energy: (self.law.energy)(&sprung, elastic.norm_squared()),
+            energy: (self.law.energy)(&sprung, elastic.norm_squared()) + held.shear_energy(),
             is_bonded: held.is_bonded,
         }
     }
@@ -354,21 +354,10 @@ impl Contact {
             ..self
         }
     }
-
-    /// Energy in both springs [J].
-    pub(super) fn energy(&self) -> f64 {
-        let shear = self.stiffness[1];
-        let in_shear = if shear > 0.0 {
-            0.5 * self.shear_force.norm_squared() / shear
-        } else {
-            0.0
-        };
-        self.spring_energy + in_shear
-    }
 }
 
 /// In the contacts [J].
 pub(super) fn elastic_energy(contacts: &[Contact]) -> f64 {
     // the sum of none is -0
-    0.0 + contacts.iter().map(Contact::energy).sum::<f64>()
+    0.0 + contacts.iter().map(|contact| contact.energy).sum::<f64>()
 }

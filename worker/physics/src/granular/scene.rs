@@ -104,7 +104,7 @@ impl Model {
             surfaces: surfaces.clone(),
             first_surfaces: surfaces,
             is_rough: spec.materials.values().any(rough),
-            is_viscous: spec.is_viscous(),
+            is_viscous: spec.is_viscous().contains(&true),
             bonds_rest_as_made: spec.laws.bond_rest_length == BondRestLength::Initial,
             gravity: Vector::from(spec.gravity_m_per_s2),
             damping: spec.local_damping(),

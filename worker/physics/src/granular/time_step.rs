@@ -38,7 +38,8 @@ pub(super) struct Critical {
 struct Rows {
     along: [f64; 3],
     about: [f64; 3],
-    damped: [f64; 3],
+    /// As both, of dashpots.
+    damped: [[f64; 3]; 2],
     stiffest: (f64, u32),
 }
 
@@ -67,14 +68,18 @@ impl Engine {
                 };
                 let turning = particle.map_or(0.0, |particle| self.turning(&clumps, particle));
                 let [normal, shear] = contact.stiffness;
+                let [normal_dashpot, shear_dashpot] = contact.dashpots;
                 let row = &mut rows[place];
                 for axis in 0..3 {
                     let square = contact.normal[axis].powi(2);
                     let stiffness = normal * square + shear * (1.0 - square);
                     row.along[axis] += stiffness / mass * (1.0 + coupling);
-                    row.damped[axis] += contact.dashpot * square / mass * (1.0 + coupling);
+                    let damping = normal_dashpot * square + shear_dashpot * (1.0 - square);
+                    row.damped[0][axis] += damping / mass * (1.0 + coupling);
                     row.about[axis] +=
                         shear * (1.0 - square) * (1.0 / mass + turning) * (1.0 + coupling);
+                    row.damped[1][axis] +=
+                        shear_dashpot * (1.0 - square) * (1.0 / mass + turning) * (1.0 + coupling);
                 }
                 if normal > row.stiffest.0 {
                     row.stiffest = (normal, partner);
@@ -91,6 +96,7 @@ impl Engine {
                 .fold(0.0, |most: f64, next| most.max(*next));
             let damped = row
                 .damped
+                .as_flattened()
                 .iter()
                 .fold(0.0, |most: f64, next| most.max(*next));
             let step = if damped > 0.0 {
@@ -141,7 +147,8 @@ impl Engine {
                 };
                 let stiffness = (self.law.foreseen)(&own, speed);
                 let freedom = own.inverse_mass + clump.turning(&particles.centres[member]);
-                surface.damped_step(2.0 / (stiffness * freedom).sqrt())
+                let step = 2.0 / (stiffness * freedom).sqrt();
+                surface.damped_step(step, clump.mass * freedom)
             })
         });
         steps.min_by(f64::total_cmp)

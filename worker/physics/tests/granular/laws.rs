@@ -4,10 +4,16 @@ use serde_json::{Value, json};
 use super::{assert_close, body, contact, run, run_on, scene::Record, sphere, submission};
 
 const DENSITY: f64 = 2600.0;
-const MODULUS: f64 = 1e8;
-const POISSON: f64 = 0.25;
+pub(super) const MODULUS: f64 = 1e8;
+pub(super) const POISSON: f64 = 0.25;
 
-fn scene(contact: &str, material: &Value, bodies: &[Value], step: f64, steps: u64) -> Value {
+pub(super) fn scene(
+    contact: &str,
+    material: &Value,
+    bodies: &[Value],
+    step: f64,
+    steps: u64,
+) -> Value {
     let mut stone = json!({"density_kg_per_m3": DENSITY, "youngs_modulus_pa": MODULUS,
                            "stiffness_ratio": 0.3, "poisson_ratio": POISSON});
     for (name, value) in material.as_object().expect("fields") {
@@ -22,12 +28,12 @@ fn scene(contact: &str, material: &Value, bodies: &[Value], step: f64, steps: u6
     })
 }
 
-fn mass(radius: f64) -> f64 {
+pub(super) fn mass(radius: f64) -> f64 {
     DENSITY * 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
 }
 
 /// E* and R* of two spheres of this stone.
-fn hertz(radii: [f64; 2]) -> (f64, f64) {
+pub(super) fn hertz(radii: [f64; 2]) -> (f64, f64) {
     let modulus = MODULUS / (2.0 * (1.0 - POISSON * POISSON));
     (modulus, radii[0] * radii[1] / (radii[0] + radii[1]))
 }
@@ -265,11 +271,13 @@ fn a_dashpot_shortens_the_critical_step() {
 #[test]
 fn every_law_keeps_momentum() {
     let radii = [0.012, 0.01, 0.015];
-    for (law, restitution) in [
-        ("linear", 0.7),
-        ("logarithmic", 1.0),
-        ("hertz_mindlin", 1.0),
-        ("hertz_mindlin", 0.4),
+    for (law, restitution, shear_restitution) in [
+        ("linear", 0.7, 1.0),
+        ("linear", 1.0, 0.3),
+        ("logarithmic", 1.0, 1.0),
+        ("hertz_mindlin", 1.0, 1.0),
+        ("hertz_mindlin", 0.4, 1.0),
+        ("hertz_mindlin", 0.4, 0.2),
     ] {
         let mut bodies = vec![
             sphere("stone", radii[0], [-0.03, 0.001, 0.0], [1.0, 0.1, 0.0]),
@@ -277,7 +285,8 @@ fn every_law_keeps_momentum() {
             sphere("stone", radii[2], [0.03, -0.01, -0.004], [-1.1, 0.2, 0.0]),
         ];
         bodies[0]["angular_velocity_rad_per_s"] = json!([30.0, -20.0, 50.0]);
-        let material = json!({"friction_angle_rad": 0.5, "restitution": restitution});
+        let material = json!({"friction_angle_rad": 0.5, "restitution": restitution,
+                              "shear_restitution": shear_restitution});
         let mut spec = scene(law, &material, &bodies, 2e-7, 50_000);
         spec["record"]["every_steps"] = json!(50);
         let (report, record) = run(&spec);
@@ -300,16 +309,24 @@ fn every_law_keeps_momentum() {
 
 #[test]
 fn laws_have_the_same_bits_on_any_number_of_threads() {
-    for (law, restitution) in [
-        ("linear", Some(0.5)),
-        ("logarithmic", None),
-        ("hertz_mindlin", None),
-        ("hertz_mindlin", Some(0.5)),
+    for (law, restitution, shear_restitution) in [
+        ("linear", Some(0.5), None),
+        ("linear", None, Some(0.3)),
+        ("logarithmic", None, None),
+        ("hertz_mindlin", None, None),
+        ("hertz_mindlin", Some(0.5), None),
+        ("hertz_mindlin", Some(0.5), Some(0.3)),
     ] {
         let mut spec = super::determinism::rain(14, 0.5, 300, true);
         spec["laws"] = json!({"contact": law});
-        if let Some(restitution) = restitution {
-            spec["materials"]["stone"]["restitution"] = json!(restitution);
+        let dashpots = [
+            ("restitution", restitution),
+            ("shear_restitution", shear_restitution),
+        ];
+        for (field, value) in dashpots {
+            if let Some(value) = value {
+                spec["materials"]["stone"][field] = json!(value);
+            }
         }
         let (expected, record) = run(&spec);
         let (report, other) = run_on(&spec, 3);
@@ -322,15 +339,19 @@ fn laws_have_the_same_bits_on_any_number_of_threads() {
 #[test]
 fn bonds_and_other_springs_are_not_together() {
     let bodies = [sphere("stone", 0.01, [0.0; 3], [0.0; 3])];
-    let cohesive = json!({"normal_cohesion_pa": 1e6, "restitution": 0.5});
+    let cohesive = json!({"normal_cohesion_pa": 1e6, "restitution": 0.5, "shear_restitution": 0.5});
     let found = submission(&scene("hertz_mindlin", &cohesive, &bodies, 1e-7, 1));
     let found: Vec<String> = found
-        .expect_err("two violations")
+        .expect_err("three violations")
         .into_iter()
         .map(|violation| violation.pointer)
         .collect();
     assert_eq!(
         found,
-        ["/spec/laws/contact", "/spec/materials/stone/restitution"]
+        [
+            "/spec/laws/contact",
+            "/spec/materials/stone/restitution",
+            "/spec/materials/stone/shear_restitution"
+        ]
     );
 }

@@ -21,6 +21,7 @@ mod peers;
 mod placing;
 mod refusals;
 mod rotation;
+mod shear_dashpot;
 mod specimens;
 mod stages;
 

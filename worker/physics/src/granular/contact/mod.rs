@@ -100,6 +100,8 @@ pub(super) struct Push<S: Simd> {
     pub(super) normal: Lanes<S>,
     /// F_T on b [N], zero where it does not act.
     pub(super) shear: Vectors<S>,
+    /// F_N tan φ [N], at which it slides, with F_N of the spring.
+    pub(super) limit: Lanes<S>,
     pub(super) acts: S::m64s,
 }
 

@@ -15,8 +15,8 @@ pub(in crate::granular) struct Surface {
     friction_angle: f64,
     /// c_N and c_T [Pa].
     cohesion: [f64; 2],
-    /// β of a dashpot.
-    damping_ratio: f64,
+    /// β of the dashpots along and across the normal.
+    damping_ratios: [f64; 2],
 }
 
 /// A body at a contact.
@@ -39,9 +39,13 @@ pub(in crate::granular) struct Springs {
     pub(in crate::granular) ratio: f64,
     /// tan φ.
     pub(in crate::granular) friction: f64,
-    /// c [N s/m] beside a linear spring.
-    pub(in crate::granular) dashpot: f64,
+    /// c_N and c_T [N s/m] beside linear springs.
+    pub(in crate::granular) dashpots: [f64; 2],
 }
+
+/// What two spheres that stick set against motion across the normal, over m*: with I = 2/5 m r² a
+/// force there moves the point of contact by 1/m* (1 + 5/2).
+const STICKING: f64 = 2.0 / 7.0;
 
 impl Surface {
     pub(in crate::granular) fn new(material: &Material) -> Self {
@@ -52,7 +56,7 @@ impl Surface {
             poisson_ratio: material.poisson_ratio(),
             friction_angle: material.friction_angle_rad,
             cohesion: [material.normal_cohesion_pa, material.shear_cohesion_pa],
-            damping_ratio: material.damping_ratio(),
+            damping_ratios: material.damping_ratios(),
         }
     }
 
@@ -69,10 +73,12 @@ impl Surface {
         self.youngs_modulus * radius
     }
 
-    /// A critical step of one contact without a dashpot [s], shortened by that of this surface:
-    /// 2/ω becomes 2/ω (√(1 + β²) − β).
-    pub(in crate::granular) fn damped_step(&self, step: f64) -> f64 {
-        step * step_with_dashpot(self.damping_ratio)
+    /// A critical step of one contact without dashpots [s], shortened by those of this surface:
+    /// 2/ω becomes 2/ω (√(1 + β²) − β). A push across the normal moves the point of contact
+    /// `mobility` times as much as it moves the mass.
+    pub(in crate::granular) fn damped_step(&self, step: f64, mobility: f64) -> f64 {
+        let [along, across] = self.damping_ratios;
+        step * step_with_dashpot(along.max(across * (STICKING * mobility).sqrt()))
     }
 
     pub(super) fn solid(&self) -> Solid {
@@ -106,15 +112,23 @@ impl Side {
             .tan()
     }
 
-    /// 2 β √(m* k) [N s/m] of the surface that damps more, beside a spring of stiffness k [N/m].
-    pub(super) fn dashpot_with(&self, other: &Self, stiffness: f64) -> f64 {
-        let ratio = (self.surface.damping_ratio).max(other.surface.damping_ratio);
+    /// 2 β √(m* k_N) and 2 β_T √(2/7 m* k_T) [N s/m] of the surface that damps more, beside springs of
+    /// these stiffnesses [N/m].
+    pub(super) fn dashpots_with(&self, other: &Self, stiffness: [f64; 2]) -> [f64; 2] {
         let inverse_mass = self.inverse_mass + other.inverse_mass;
-        if ratio > 0.0 && inverse_mass > 0.0 {
-            2.0 * ratio * (stiffness / inverse_mass).sqrt()
-        } else {
-            0.0
-        }
+        let dashpot = |way: usize, stiffness: f64| {
+            let [own, others] = [self, other].map(|side| side.surface.damping_ratios[way]);
+            let ratio = own.max(others);
+            if ratio > 0.0 && inverse_mass > 0.0 {
+                2.0 * ratio * (stiffness / inverse_mass).sqrt()
+            } else {
+                0.0
+            }
+        };
+        [
+            dashpot(0, stiffness[0]),
+            dashpot(1, STICKING * stiffness[1]),
+        ]
     }
 }
 

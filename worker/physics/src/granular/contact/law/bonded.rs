@@ -76,7 +76,8 @@ impl Law for Bonded {
 
         let pushes = spring.only_if(zero.below(spring), zero);
         let normal = spring.only_if(is_intact, pushes);
-        let sliding = cut(simd, grown, pushes * friction);
+        let limit = pushes * friction;
+        let sliding = cut(simd, grown, limit);
         let acts = simd.or_m64s(touch.is_touching, is_intact);
         let shear = grown
             .only_if(is_intact, sliding)
@@ -86,6 +87,7 @@ impl Law for Bonded {
         Push {
             normal,
             shear,
+            limit,
             acts,
         }
     }

@@ -117,6 +117,7 @@ impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
         Push {
             normal,
             shear,
+            limit,
             acts: touch.is_touching,
         }
     }

@@ -5,7 +5,11 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{Held, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch};
-use crate::granular::{Vector, contact::stiffness::Springs, lanes::Vectors};
+use crate::granular::{
+    Vector,
+    contact::stiffness::Springs,
+    lanes::{Lanes, Vectors},
+};
 
 /// No friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -29,6 +33,7 @@ impl<N: Normal> Law for Frictionless<N> {
         Push {
             normal: N::force(simd, &touch),
             shear: Vectors::zero(simd),
+            limit: Lanes::splat(simd, 0.0),
             acts: touch.is_touching,
         }
     }

@@ -30,8 +30,8 @@ use crate::granular::{
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(in crate::granular) struct Hertz;
 
-/// c of a dashpot over 2 β √(m* k_N): with k_N the tangent (G.15) it gives the restitution asked
-/// for whatever the speed ([AntypovElliott2011]).
+/// c of a dashpot along the normal over 2 β √(m* k_N): with k_N the tangent (G.15) it gives the
+/// restitution asked for whatever the speed ([AntypovElliott2011]).
 const DASHPOT: f64 = 0.912_870_929_175_276_9; // √(5/6)
 
 impl Normal for Hertz {
@@ -39,11 +39,14 @@ impl Normal for Hertz {
         let [a_solid, b_solid] = [a, b].map(|side| side.surface.solid());
         let root = hertz::effective_radius(a.curvature(), b.curvature()).sqrt();
         let modulus = hertz::effective_modulus(a_solid, b_solid);
+        let shear_modulus = hertz::effective_shear_modulus(a_solid, b_solid);
+        let stiffness = [2.0 * modulus * root, 8.0 * shear_modulus * root];
+        let [along, across] = a.dashpots_with(b, stiffness);
         Springs {
             normal: 4.0 / 3.0 * modulus * root,
-            ratio: 6.0 * hertz::effective_shear_modulus(a_solid, b_solid) / modulus,
+            ratio: 6.0 * shear_modulus / modulus,
             friction: a.friction_with(b),
-            dashpot: DASHPOT * a.dashpot_with(b, 2.0 * modulus * root),
+            dashpots: [DASHPOT * along, across],
         }
     }
 
@@ -64,7 +67,7 @@ impl Normal for Hertz {
         constant * spring.overlap.max(0.0).sqrt()
     }
 
-    /// δ^¼: the dashpot follows the root of the tangent.
+    /// δ^¼: dashpots follow the roots of the tangents.
     #[inline(always)]
     fn dashpot<S: Simd>(_simd: S, touch: &Touch<S>) -> Lanes<S> {
         touch.overlap.sqrt().sqrt()
@@ -117,6 +120,7 @@ impl Law for HertzMindlin {
         Push {
             normal,
             shear,
+            limit,
             acts: touch.is_touching,
         }
     }

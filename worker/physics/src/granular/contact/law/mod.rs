@@ -4,7 +4,8 @@
 //! nothing and turns nothing, [`Coulomb`] remembers its shear force (and turns it by the normal of the
 //! last step, [`Kept`] or [`Followed`]), [`HertzMindlin`] the overlap it
 //! belongs to as well, [`Bonded`] holds together until it breaks. Each stands on a spring along the
-//! [`normal`]: [`Linear`], [`Logarithmic`] or [`Hertz`]. [`Viscous`] is a dashpot beside any of them.
+//! [`normal`]: [`Linear`], [`Logarithmic`] or [`Hertz`]. [`Viscous`] is a dashpot beside any of them,
+//! [`ViscousShear`] one across the normal beside those with friction.
 mod bonded;
 mod coulomb;
 mod frictionless;
@@ -14,6 +15,7 @@ pub(in crate::granular) mod normal;
 mod normals;
 mod tangent;
 mod viscous;
+mod viscous_shear;
 
 use std::fmt::Debug;
 
@@ -35,6 +37,7 @@ pub(in crate::granular) use logarithmic::Logarithmic;
 pub(in crate::granular) use normal::{Linear, Normal, Spring};
 pub(in crate::granular) use normals::{Followed, Kept, Normals, direction};
 pub(in crate::granular) use viscous::Viscous;
+pub(in crate::granular) use viscous_shear::ViscousShear;
 
 /// What a contact remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -56,12 +59,14 @@ pub(in crate::granular) struct Held {
     pub(in crate::granular) spring_force: f64,
     /// F_N of spring and dashpot [N].
     pub(in crate::granular) force: f64,
-    /// F_T on b [N].
+    /// F_T of the spring on b [N].
+    pub(in crate::granular) spring_shear: Vector,
+    /// F_T of spring and dashpot on b [N].
     pub(in crate::granular) shear: Vector,
     /// Tangents k_N, k_T [N/m].
     pub(in crate::granular) stiffness: [f64; 2],
-    /// c of the dashpot [N s/m].
-    pub(in crate::granular) dashpot: f64,
+    /// c_N and c_T of the dashpots [N s/m].
+    pub(in crate::granular) dashpots: [f64; 2],
     /// Compression of the spring [m], negative where a bond is stretched.
     pub(in crate::granular) compression: f64,
     /// Whether an intact bond holds the bodies together.
@@ -168,10 +173,21 @@ impl Held {
         Self {
             spring_force: force,
             force,
+            spring_shear: shear,
             shear,
             stiffness: [N::tangent(spring), N::shear(shear_constant, spring)],
             compression: spring.overlap,
             ..Self::default()
+        }
+    }
+
+    /// In the shear spring [J].
+    pub(in crate::granular) fn shear_energy(&self) -> f64 {
+        let stiffness = self.stiffness[1];
+        if stiffness > 0.0 {
+            0.5 * self.spring_shear.norm_squared() / stiffness
+        } else {
+            0.0
         }
     }
 }
@@ -208,7 +224,7 @@ mod tests {
                     normal: 1e5 * (1.0 + number(lane)),
                     ratio: 0.3,
                     friction: 0.5,
-                    dashpot: 7.0,
+                    dashpots: [7.0, 3.0],
                 };
                 let past = Past {
                     normal: Vector::new(0.0, 0.6, 0.8),
@@ -282,5 +298,7 @@ mod tests {
         assert_same_bits::<Bonded>();
         assert_same_bits::<Viscous<HertzMindlin>>();
         assert_same_bits::<Viscous<Frictionless<Hertz>>>();
+        assert_same_bits::<ViscousShear<Coulomb<Linear, Followed>>>();
+        assert_same_bits::<Viscous<ViscousShear<HertzMindlin>>>();
     }
 }

@@ -47,7 +47,7 @@ pub(in crate::granular) trait Normal:
         constant
     }
 
-    /// What the constant of a dashpot is multiplied with at this overlap: 1 for linear springs.
+    /// What the constants of dashpots are multiplied with at this overlap: 1 for linear springs.
     fn dashpot<S: Simd>(simd: S, _touch: &Touch<S>) -> Lanes<S> {
         Lanes::splat(simd, 1.0)
     }
@@ -64,7 +64,7 @@ impl Spring {
         N::force(simd, &self.touch(simd)).value
     }
 
-    /// What the constant of a dashpot is multiplied with.
+    /// What the constants of dashpots are multiplied with.
     pub(in crate::granular) fn dashpot<N: Normal>(&self) -> f64 {
         let simd = Scalar::new();
         N::dashpot(simd, &self.touch(simd)).value
@@ -87,8 +87,8 @@ impl Spring {
 pub(in crate::granular) struct Linear;
 
 impl Linear {
-    /// k_N and k_T of two springs in series, and a dashpot c = 2 β √(m* k_N), which gives the
-    /// restitution it is asked for in every impact (see [`super::viscous`]).
+    /// k_N and k_T of two springs in series, and dashpots that give the restitutions they are asked for
+    /// in every impact (see [`super::viscous`]) and every swing ([`super::viscous_shear`]).
     pub(super) fn between(a: &Side, b: &Side) -> Springs {
         let [first, second] = [a, b].map(|side| side.surface.youngs_modulus * 2.0 * side.radius);
         let [first_ratio, second_ratio] = [a, b].map(|side| side.surface.stiffness_ratio);
@@ -105,7 +105,7 @@ impl Linear {
                 shear / normal
             },
             friction: a.friction_with(b),
-            dashpot: a.dashpot_with(b, normal),
+            dashpots: a.dashpots_with(b, [normal, shear]),
         }
     }
 }

@@ -9,8 +9,8 @@
 //! many contacts at once each has its own dashpot. The spheres part when they no longer overlap: just
 //! before, the dashpot pulls a little, as the closed form supposes. Sliding is limited by the force
 //! of the spring alone, which is never negative. A body that cannot move counts as infinitely heavy, a
-//! clump's member with the mass of its clump. Across the normal there is no dashpot: what sticks rings on
-//! its shear spring until it slides, which is where local damping helps.
+//! clump's member with the mass of its clump. What sticks rings on its shear spring all the same:
+//! [`super::viscous_shear`] is the dashpot across the normal.
 //!
 //! Source: the oscillator in any textbook; for Hertz [Tsuji1992], [AntypovElliott2011].
 use pulp::Simd;
@@ -78,7 +78,7 @@ impl<F: Law> Lanewise for Viscous<F> {
 
     fn start(&mut self, lane: usize, springs: &Springs, past: &Past) {
         self.law.start(lane, springs, past);
-        self.dashpot[lane] = springs.dashpot;
+        self.dashpot[lane] = springs.dashpots[0];
     }
 
     fn remember(&mut self, lane: usize, past: &Past) {
@@ -94,7 +94,7 @@ impl<F: Law> Lanewise for Viscous<F> {
         let scale = spring.dashpot::<F::Normal>();
         Held {
             force: held.force + self.force[lane],
-            dashpot: self.dashpot[lane] * scale,
+            dashpots: [self.dashpot[lane] * scale, held.dashpots[1]],
             ..held
         }
     }
