@@ -125,7 +125,7 @@ fn law_for<Smooth: Law, Rough: Law>(spec: &GranularScene) -> Chosen {
         (false, [true, _]) => Chosen::of::<Viscous<Smooth>>(),
         (true, [false, false]) => Chosen::of::<Rough>(),
         (true, [true, false]) => Chosen::of::<Viscous<Rough>>(),
-        (true, [false, true]) => Chosen::of::<ViscousShear<Rough>>(),
-        (true, [true, true]) => Chosen::of::<Viscous<ViscousShear<Rough>>>(),
+        // one across the normal alone is rare, and has an idle one along it
+        (true, [_, true]) => Chosen::of::<Viscous<ViscousShear<Rough>>>(),
     }
 }
