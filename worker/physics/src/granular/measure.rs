@@ -153,8 +153,15 @@ impl Engine {
             let point = points.get(body as usize).and_then(Option::as_ref);
             point.filter(|point| is_counted(point))
         };
-        let is_within = |point: &Point| is_counted(point) && cuboid.contains(&point.centre);
-        let within: Vec<&Point> = points.iter().flatten().filter(|p| is_within(p)).collect();
+        let contains = |point: &Point| is_counted(point) && cuboid.contains(&point.centre);
+        let is_within: Vec<bool> = (points.iter())
+            .map(|point| point.as_ref().is_some_and(contains))
+            .collect();
+        let within = points.iter().zip(&is_within);
+        let within: Vec<&Point> = within
+            .filter(|(_, is_within)| **is_within)
+            .filter_map(|(point, _)| point.as_ref())
+            .collect();
         let count = within.len() as f64;
         let sum = |of: fn(&Point) -> f64| within.iter().map(|point| of(point)).sum::<f64>();
         let diameter = sum(|point| point.diameter) / count.max(1.0);
@@ -162,7 +169,7 @@ impl Engine {
         Measure {
             volume,
             stress: self.love_weber(cuboid, contacts, of) / volume,
-            coordination: self.coordination(points, is_within, contacts),
+            coordination: self.coordination(&is_within, contacts),
             shear_rate: shear_rate(&within),
             inertia: if count > 0.0 {
                 diameter * density.sqrt()
@@ -252,13 +259,15 @@ impl Engine {
             }
             // a branch that begins or ends at a wall does so where it touches: in its face, or in the
             // middle of the overlap with a sphere
-            let first = &self.state.particles.centres[contact.particles.0];
-            let depth = match contact.particles.1 {
-                Some(_) => 0.5 * contact.overlap,
-                None => contact.overlap,
+            let touch = || {
+                let first = &self.state.particles.centres[contact.particles.0];
+                let depth = match contact.particles.1 {
+                    Some(_) => 0.5 * contact.overlap,
+                    None => contact.overlap,
+                };
+                first.vector() + contact.normal * (first.0[3] - depth)
             };
-            let touch = first.vector() + contact.normal * (first.0[3] - depth);
-            let [start, end] = ends.map(|point| point.map_or(touch, |point| point.centre));
+            let [start, end] = ends.map(|point| point.map_or_else(touch, |point| point.centre));
             let branch = end - start;
             let part = cuboid.part_of_segment(&start, &branch);
             if part > 0.0 {
@@ -269,17 +278,14 @@ impl Engine {
         0.5 * (sum + sum.transpose())
     }
 
-    fn coordination(
-        &self,
-        points: &Points,
-        is_within: impl Fn(&Point) -> bool,
-        contacts: &[Contact],
-    ) -> Option<f64> {
-        let is_counted = |body: usize| {
-            let point = points.get(body).and_then(Option::as_ref);
-            point.is_some_and(&is_within) && self.model.is_movable[body]
-        };
-        let bodies = (0..points.len()).filter(|body| is_counted(*body)).count();
+    /// Contacts per movable body, of those `is_within`.
+    fn coordination(&self, is_within: &[bool], contacts: &[Contact]) -> Option<f64> {
+        let is_movable = &self.model.is_movable;
+        let is_counted =
+            |body: usize| is_within.get(body) == Some(&true) && is_movable.get(body) == Some(&true);
+        let bodies = (0..is_within.len())
+            .filter(|body| is_counted(*body))
+            .count();
         let ends = contacts.iter().flat_map(|contact| contact.bodies);
         let ends = ends.filter(|body| is_counted(*body as usize)).count();
         (bodies > 0).then(|| ends as f64 / bodies as f64)

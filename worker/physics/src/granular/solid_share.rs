@@ -40,13 +40,15 @@ impl Cuboid {
     /// The part of a segment from `start` along `way` that lies within.
     pub(super) fn part_of_segment(&self, start: &Vector, way: &Vector) -> f64 {
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
-        for axis in 0..3 {
-            if way[axis] == 0.0 {
-                if start[axis] < self.low[axis] || start[axis] > self.high[axis] {
-                    return 0.0;
-                }
-                continue;
-            }
+        let end = start + way;
+        // most segments are beyond one side
+        if (0..3).any(|axis| {
+            start[axis].max(end[axis]) < self.low[axis]
+                || start[axis].min(end[axis]) > self.high[axis]
+        }) {
+            return 0.0;
+        }
+        for axis in (0..3).filter(|axis| way[*axis] != 0.0) {
             let ends = [self.low[axis], self.high[axis]];
             let [first, second] = ends.map(|end| (end - start[axis]) / way[axis]);
             from = from.max(first.min(second));
