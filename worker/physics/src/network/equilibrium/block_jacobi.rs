@@ -89,12 +89,7 @@ impl<T: Real> BlockJacobi<T> {
     /// Sets `moved` to about the displacements that relieve `forces`, both from place `start` on
     /// and whole vectors long; returns their product.
     #[inline(always)]
-    pub(super) fn apply<const D: usize>(
-        &self,
-        start: usize,
-        forces: [&[T]; 3],
-        moved: [&mut [T]; 3],
-    ) -> f64 {
+    pub(super) fn apply(&self, start: usize, forces: [&[T]; 3], moved: [&mut [T]; 3]) -> f64 {
         let [fx, fy, fz] = forces;
         let [mx, my, mz] = moved;
         let count = fx.len();
@@ -104,7 +99,7 @@ impl<T: Real> BlockJacobi<T> {
         );
         let (xx, yy, xy, fy) = (&xx[..count], &yy[..count], &xy[..count], &fy[..count]);
         let (mx, my) = (&mut mx[..count], &mut my[..count]);
-        if D == 2 {
+        if fz.is_empty() {
             for node in 0..count {
                 mx[node] = xy[node].mul_add(fy[node], xx[node] * fx[node]);
                 my[node] = yy[node].mul_add(fy[node], xy[node] * fx[node]);

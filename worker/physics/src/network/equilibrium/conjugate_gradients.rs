@@ -190,7 +190,6 @@ pub(super) fn precondition<T: Real>(
         team,
         ..
     } = equations;
-    let is_flat = assembly.dimensions() == 2;
     let outputs = AtPlaces(moved.components_mut());
     let mut norm = assembly
         .strips
@@ -202,11 +201,7 @@ pub(super) fn precondition<T: Real>(
                     for (start, panel) in panels(strip.places.clone()) {
                         let residual = residual.panel(start..start + panel.len());
                         let moved = panel_of(moved, panel);
-                        norm += if is_flat {
-                            nodes.apply::<2>(start, residual, moved)
-                        } else {
-                            nodes.apply::<3>(start, residual, moved)
-                        };
+                        norm += nodes.apply(start, residual, moved);
                     }
                 },
             );
@@ -253,11 +248,7 @@ fn advance<T: Real>(
                             #[inline(always)]
                             |component| &*component,
                         );
-                        norm += if assembly.dimensions() == 2 {
-                            nodes.apply::<2>(start, residual, product)
-                        } else {
-                            nodes.apply::<3>(start, residual, product)
-                        };
+                        norm += nodes.apply(start, residual, product);
                     }
                 },
             );
