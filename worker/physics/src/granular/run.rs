@@ -16,7 +16,7 @@ use super::{
     engine::{Engine, State},
     fragments,
     journal::Journal,
-    observe::{Contact, Energies, Look, elastic_energy},
+    observe::{Contact, Energies, Look, elastic_energy, put_in_order},
     report, snapshot,
     specimen::Specimen,
     tables,
@@ -196,7 +196,7 @@ impl<'a> Runner<'a> {
         self.engine.list();
         // a push of no time finds out what touches and changes nothing
         self.engine.push(0.0);
-        let contacts = self.engine.contacts();
+        let mut contacts = self.engine.contacts();
         let critical = self.engine.critical_step(&contacts);
         self.journal.time_step = match self.spec.time_step_s {
             TimeStep::Given(step) => {
@@ -221,7 +221,7 @@ impl<'a> Runner<'a> {
             contacts.len(),
             self.journal.time_step
         ));
-        self.show(&contacts, critical, recorder)
+        self.show(&mut contacts, critical, recorder)
     }
 
     /// Reads off and records a scene between two steps, after something was done to it.
@@ -230,14 +230,14 @@ impl<'a> Runner<'a> {
         recorder: &mut dyn Recorder,
     ) -> Result<(), SimulationError> {
         self.engine.push_still();
-        let contacts = self.engine.contacts();
+        let mut contacts = self.engine.contacts();
         let critical = self.engine.critical_step(&contacts);
-        self.show(&contacts, critical, recorder)
+        self.show(&mut contacts, critical, recorder)
     }
 
     fn show(
         &mut self,
-        contacts: &[Contact],
+        contacts: &mut [Contact],
         critical: Option<Critical>,
         recorder: &mut dyn Recorder,
     ) -> Result<(), SimulationError> {
@@ -250,17 +250,19 @@ impl<'a> Runner<'a> {
             gravitational: self.engine.gravitational_energy(),
         };
         self.journal.last = self.engine.reading(contacts, &energies);
+        self.record(recorder, contacts, critical)?;
         if self.spec.record.snapshot_every_steps > 0 {
             self.picture(recorder, contacts)?;
         }
-        self.record(recorder, contacts, critical)
+        Ok(())
     }
 
     fn picture(
         &mut self,
         recorder: &mut dyn Recorder,
-        contacts: &[Contact],
+        contacts: &mut [Contact],
     ) -> Result<(), SimulationError> {
+        put_in_order(contacts);
         let state = &self.engine.state;
         snapshot::take(&self.engine, contacts, recorder)?;
         let entry = (state.step, state.time);
@@ -328,10 +330,12 @@ impl<'a> Runner<'a> {
         Ok(())
     }
 
+    /// Adds the rows of this moment. The curve's is summed before contacts that are to be listed are put
+    /// in order, so that no bit of it depends on what else is recorded.
     fn record(
         &mut self,
         recorder: &mut dyn Recorder,
-        contacts: &[Contact],
+        contacts: &mut [Contact],
         critical: Option<Critical>,
     ) -> Result<(), SimulationError> {
         let ratio = critical.map_or(0.0, |critical| self.journal.time_step / critical.step);
@@ -343,6 +347,7 @@ impl<'a> Runner<'a> {
         fragments::add_row(&self.engine, &mut self.journal);
         let step = self.engine.state.step;
         if self.spec.record.contacts && step > 0 {
+            put_in_order(contacts);
             tables::contact_rows(step, contacts, &mut self.journal.contacts);
         }
         Ok(())

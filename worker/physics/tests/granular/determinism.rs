@@ -59,6 +59,22 @@ fn results_have_the_same_bits_on_any_number_of_threads() {
     }
 }
 
+/// Contacts are put in order for files that list them, sums over them do not depend on it.
+#[test]
+fn a_curve_does_not_depend_on_what_else_is_recorded() {
+    let mut spec = rain(9, 0.5, 300, true);
+    spec["record"]["regions"] = json!([{"name": "all"}]);
+    let (_, listed) = run(&spec);
+    spec["record"]["contacts"] = json!(false);
+    let (_, alone) = run(&spec);
+    spec["record"]["snapshot_every_steps"] = json!(100);
+    let (_, pictured) = run(&spec);
+    let curve = |record: &Record| record.files["curve.csv"].clone();
+    assert!(!curve(&alone).is_empty());
+    assert!(curve(&listed) == curve(&alone), "with contacts");
+    assert!(curve(&pictured) == curve(&alone), "with snapshots");
+}
+
 #[test]
 fn a_run_in_pieces_gives_the_same_bytes() {
     let spec = rain(9, 0.5, 500, true);

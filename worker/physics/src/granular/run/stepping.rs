@@ -4,7 +4,7 @@ use std::sync::Arc;
 use loadframe_api::spec::granular_scene::Stage;
 
 use super::Runner;
-use crate::{Recorder, SimulationError, granular::observe::put_in_order};
+use crate::{Recorder, SimulationError};
 
 /// Steps between looks at energies, overlaps and the critical step, beside those recorded.
 pub(super) const STEPS_PER_LOOK: u64 = 256;
@@ -139,14 +139,11 @@ impl Runner<'_> {
             is_last || (self.journal.is_settled && (self.is_last_stage() || records_ends));
         let is_recorded = is_recorded || is_last;
         let is_pictured = is_pictured || (is_last && self.spec.record.snapshot_every_steps > 0);
-        if is_pictured || (is_recorded && self.spec.record.contacts) {
-            put_in_order(&mut contacts);
-        }
         if is_recorded {
-            self.record(recorder, &contacts, critical)?;
+            self.record(recorder, &mut contacts, critical)?;
         }
         if is_pictured {
-            self.picture(recorder, &contacts)?;
+            self.picture(recorder, &mut contacts)?;
         }
         self.contacts = contacts;
         if self.automatic.is_some() {
