@@ -1,4 +1,5 @@
 // The moments of a test of which there are snapshots, and what can be seen of each.
+import { formatNumber } from "../format/numbers";
 import { describe } from "../plot/names";
 import type { PolyData, Values } from "./vtp";
 
@@ -52,7 +53,7 @@ export function brokenOf({ cellData }: PolyData): Values["values"] {
 }
 
 function count(number: number, what: string, rest = ""): string {
-  return number === 0 ? "" : `${number} ${what}${number === 1 ? "" : "s"}${rest}`;
+  return number === 0 ? "" : `${formatNumber(number)} ${what}${number === 1 ? "" : "s"}${rest}`;
 }
 
 /** What bodies or lines can be coloured by: single values, and the size of vectors. */

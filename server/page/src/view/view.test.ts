@@ -1,5 +1,6 @@
 import { deflateSync } from "node:zlib";
 import { expect, test } from "vitest";
+import { NARROW } from "../format/numbers";
 import { rangeOf } from "./colours";
 import { framesOf, inventory, pictureOf, qualitiesOf, usualQuality } from "./frames";
 import { readVtp, type PolyData } from "./vtp";
@@ -72,6 +73,10 @@ test("what a snapshot holds is said, and also what it does not", async () => {
   expect(inventory(pictureOf(await read(SPHERES, WALLS)), true)).toBe("3 spheres and 1 polygon of walls.");
   expect(inventory(pictureOf(await read(WALLS, BONDS)), false)).toBe("1 polygon of walls, 1 bond and 1 broken bond.");
   expect(inventory(pictureOf(await read(WALLS)), true)).toBe("1 polygon of walls. No bodies are recorded in it.");
+  const none = new Int32Array();
+  const radii = { name: "radius_m", components: 1, values: new Float64Array(20_000) };
+  const many = { points: new Float64Array(60_000), lines: none, corners: none, ends: none, pointData: [radii], cellData: [] };
+  expect(inventory(pictureOf([many]), true)).toBe(`20${NARROW}000 spheres.`);
   expect(inventory(pictureOf([]), true)).toBe("Nothing is recorded in this snapshot.");
 });
 
