@@ -215,7 +215,7 @@ impl<'a> Runner<'a> {
         };
         let state = &self.engine.state;
         recorder.log(&format!(
-            "{} bodies ({} spheres), {} contacts, time step {:e} s",
+            "{} bodies ({} spheres), {} contacts, time step {:.3e} s",
             self.engine.present_bodies().count(),
             state.particles.len(),
             contacts.len(),
