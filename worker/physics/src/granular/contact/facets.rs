@@ -43,19 +43,13 @@ pub(in crate::granular) struct FacetBlock<F: Law> {
     pub(in crate::granular) law: F,
 }
 
-/// A sphere and how many facets are near it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(in crate::granular) struct Visitor {
-    pub(in crate::granular) particle: u32,
-    pub(in crate::granular) candidates: u32,
-}
-
 /// Candidates of a patch's spheres and which of them touched in the last step.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub(in crate::granular) struct FacetList<F: Law> {
-    pub(in crate::granular) visitors: Vec<Visitor>,
-    /// Candidates of one visitor after those of another, without a gap.
+    /// How many facets are near each sphere that has any.
+    visitors: Vec<u32>,
+    /// Candidates of one sphere after those of another, without a gap.
     pub(in crate::granular) blocks: Vec<FacetBlock<F>>,
     /// Bits by lane.
     pub(in crate::granular) touching: Vec<u8>,
@@ -118,11 +112,12 @@ impl<F: Law> FacetList<F> {
         }
     }
 
-    /// Finds out which facets a sphere touches, whose candidates begin at `slot`; returns where they
-    /// end.
-    fn look(&mut self, scenery: Scenery<'_>, visitor: Visitor, slot: usize) -> usize {
-        let sphere = &scenery.kinematics.centres[visitor.particle as usize];
-        let end = slot + visitor.candidates as usize;
+    /// Finds out which facets a sphere touches, so many of whose candidates begin at `slot`; returns
+    /// where they end.
+    fn look(&mut self, scenery: Scenery<'_>, candidates: u32, slot: usize) -> usize {
+        let particle = self.blocks[slot / LANES].particles[slot % LANES];
+        let sphere = &scenery.kinematics.centres[particle as usize];
+        let end = slot + candidates as usize;
         self.near.clear();
         for slot in slot..end {
             let facet = self.blocks[slot / LANES].facets[slot % LANES];
@@ -222,10 +217,7 @@ impl<F: Law> FacetList<F> {
             }
         }
         if !candidates.is_empty() {
-            self.visitors.push(Visitor {
-                particle,
-                candidates: candidates.len() as u32,
-            });
+            self.visitors.push(candidates.len() as u32);
         }
     }
 
