@@ -33,6 +33,7 @@
 //! **To add.** A law is a file with an `impl Law` and an `impl Lanewise`, and a line here. A shape of wall
 //! is a list beside `WallList`, a stage a variant of the spec's `Stage` and its arm in [`run`]. A test
 //! in its own terms is a script of stages and a reader of their curve, as in [`ballast`].
+mod ahead;
 pub(crate) mod ballast;
 mod breaks;
 mod clump_geometry;

@@ -44,6 +44,9 @@ pub(super) struct Patch {
     pub(super) wall_forces: Vec<[f64; 4]>,
 }
 
+/// Entries of a halo asked for before their turn.
+const ENTRIES_AHEAD: usize = 8;
+
 /// Entries of a halo that act on particles of a patch.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Incoming {
@@ -195,7 +198,10 @@ impl Patch {
     fn fetch(&mut self, halos: &[Halo]) {
         for incoming in &self.incoming {
             let halo = &halos[incoming.patch];
-            for [place, particle] in &incoming.entries {
+            for (index, [place, particle]) in incoming.entries.iter().enumerate() {
+                if let Some([next, _]) = incoming.entries.get(index + ENTRIES_AHEAD) {
+                    halo.ask_place(*next as usize);
+                }
                 let (place, particle) = (*place as usize, *particle as usize);
                 self.wrenches.forces[particle].add(halo.forces[place].0);
                 if let Some(torque) = halo.torques.get(place) {

@@ -19,6 +19,7 @@ use super::{
     touching_lanes,
 };
 use crate::granular::{
+    ahead::ask,
     lanes::{Array, LANES, Lanes, Vectors, bits},
     rows::{Gathered, Row, gather, scatter},
 };
@@ -56,7 +57,23 @@ pub(in crate::granular) struct Halo {
     pub(in crate::granular) torques: Vec<Row>,
 }
 
+/// Blocks asked for before their turn: half a microsecond, several times what memory takes.
+const BLOCKS_AHEAD: usize = 8;
+/// The same of a halo, which is written: the less is under way, the better.
+const HALO_AHEAD: usize = 2;
+
 impl<F: Law> PairList<F> {
+    /// Asks for a block, if there is one.
+    #[inline(always)]
+    fn ask(&self, index: usize) {
+        if let Some(block) = self.blocks.get(index) {
+            // both ends are in one line
+            ask(&block.a);
+            ask(&block.stiffness);
+            block.law.ask();
+        }
+    }
+
     /// Adds the forces of inner blocks to both particles. The patch begins with particle `first`.
     #[inline(always)]
     pub(in crate::granular) fn push_inner<S: Simd>(
@@ -67,8 +84,9 @@ impl<F: Law> PairList<F> {
         wrenches: &mut Wrenches,
         time_step: f64,
     ) {
-        let blocks = self.blocks.iter_mut().zip(&mut self.touching);
-        for (block, touching) in blocks {
+        for index in 0..self.blocks.len() {
+            self.ask(index + BLOCKS_AHEAD);
+            let (block, touching) = (&mut self.blocks[index], &mut self.touching[index]);
             let (a, b) = (block.a, block.b);
             *touching = block.advance(
                 simd,
@@ -102,8 +120,10 @@ impl<F: Law> PairList<F> {
         time_step: f64,
     ) {
         halo.fit::<F>(self.blocks.len());
-        let blocks = self.blocks.iter_mut().zip(&mut self.touching);
-        for (index, (block, touching)) in blocks.enumerate() {
+        for index in 0..self.blocks.len() {
+            self.ask(index + BLOCKS_AHEAD);
+            halo.ask(index + HALO_AHEAD);
+            let (block, touching) = (&mut self.blocks[index], &mut self.touching[index]);
             let a = block.a;
             *touching = block.advance(
                 simd,
@@ -173,6 +193,29 @@ impl<F: Law> PairList<F> {
 }
 
 impl Halo {
+    /// Asks for the places of a block, if there is one.
+    #[inline(always)]
+    fn ask(&self, block: usize) {
+        let places = block * LANES..(block + 1) * LANES;
+        for rows in [&self.forces, &self.torques] {
+            let rows = rows.get(places.clone()).unwrap_or_default();
+            // one of each line of the cache
+            for row in rows.iter().step_by(2) {
+                ask(row);
+            }
+        }
+    }
+
+    /// Asks for one place, for its reader.
+    #[inline(always)]
+    pub(in crate::granular) fn ask_place(&self, place: usize) {
+        for rows in [&self.forces, &self.torques] {
+            if let Some(row) = rows.get(place) {
+                ask(row);
+            }
+        }
+    }
+
     /// Forgets what belonged to a list that is no more.
     pub(in crate::granular) fn clear(&mut self) {
         self.forces.clear();

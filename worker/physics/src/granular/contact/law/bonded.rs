@@ -19,6 +19,7 @@ use super::{
     coulomb::{Coulomb, cut},
 };
 use crate::granular::{
+    ahead::ask,
     contact::stiffness::Springs,
     lanes::{Array, Lanes, Vectors},
 };
@@ -89,6 +90,19 @@ impl Law for Bonded {
             shear,
             limit,
             acts,
+        }
+    }
+
+    #[inline(always)]
+    fn ask(&self) {
+        self.coulomb.ask();
+        for array in [
+            &self.normal_strength,
+            &self.shear_strength,
+            &self.rest,
+            &self.intact,
+        ] {
+            ask(array);
         }
     }
 

@@ -19,6 +19,7 @@ use super::{
 };
 use crate::granular::{
     Vector,
+    ahead::{ask, ask_all},
     contact::stiffness::Springs,
     lanes::{Array, Lanes, Vectors},
 };
@@ -120,6 +121,13 @@ impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
             limit,
             acts: touch.is_touching,
         }
+    }
+
+    #[inline(always)]
+    fn ask(&self) {
+        ask_all(&self.shear);
+        self.normals.ask();
+        ask(&self.tangent);
     }
 
     #[inline(always)]

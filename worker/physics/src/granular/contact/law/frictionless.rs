@@ -39,6 +39,9 @@ impl<N: Normal> Law for Frictionless<N> {
     }
 
     #[inline(always)]
+    fn ask(&self) {}
+
+    #[inline(always)]
     fn forget<S: Simd>(&mut self, _simd: S, _part: usize) {}
 }
 

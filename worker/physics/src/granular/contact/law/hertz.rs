@@ -22,6 +22,7 @@ use super::{
     normal::{Normal, Spring},
 };
 use crate::granular::{
+    ahead::ask,
     contact::stiffness::{Side, Springs},
     lanes::{Array, Lanes, Vectors},
 };
@@ -123,6 +124,12 @@ impl Law for HertzMindlin {
             limit,
             acts: touch.is_touching,
         }
+    }
+
+    #[inline(always)]
+    fn ask(&self) {
+        self.coulomb.ask();
+        ask(&self.root);
     }
 
     #[inline(always)]

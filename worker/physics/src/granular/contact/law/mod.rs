@@ -132,6 +132,9 @@ pub(in crate::granular) trait Law:
         time_step: f64,
     ) -> Push<S>;
 
+    /// Asks for the memory of the block, which comes next.
+    fn ask(&self);
+
     /// Nothing acts in this part of the block.
     fn forget<S: Simd>(&mut self, simd: S, part: usize);
 }

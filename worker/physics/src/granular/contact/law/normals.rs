@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::granular::{
     Vector,
+    ahead::ask_all,
     lanes::{Array, Lanes, Vectors},
 };
 
@@ -24,6 +25,9 @@ pub(in crate::granular) trait Normals:
     fn before<S: Simd>(&self, simd: S, part: usize, followed: Vectors<S>) -> Vectors<S>;
 
     fn keep<S: Simd>(&mut self, part: usize, normal: Vectors<S>);
+
+    /// Asks for their memory, see [`super::Law::ask`].
+    fn ask(&self);
 
     /// As kept; zero when nothing is.
     fn at(&self, lane: usize) -> Vector;
@@ -53,6 +57,11 @@ impl Normals for Kept {
         normal.store(&mut self.0, part);
     }
 
+    #[inline(always)]
+    fn ask(&self) {
+        ask_all(&self.0);
+    }
+
     fn at(&self, lane: usize) -> Vector {
         Vector::from(self.0.map(|array| array[lane]))
     }
@@ -74,6 +83,9 @@ impl Normals for Followed {
 
     #[inline(always)]
     fn keep<S: Simd>(&mut self, _part: usize, _normal: Vectors<S>) {}
+
+    #[inline(always)]
+    fn ask(&self) {}
 
     fn at(&self, _lane: usize) -> Vector {
         Vector::zeros()

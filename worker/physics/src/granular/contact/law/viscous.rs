@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Held, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch};
 use crate::granular::{
+    ahead::ask,
     contact::stiffness::Springs,
     lanes::{Array, Lanes},
 };
@@ -63,6 +64,13 @@ impl<F: Law> Law for Viscous<F> {
             normal: push.normal + drag,
             ..push
         }
+    }
+
+    #[inline(always)]
+    fn ask(&self) {
+        self.law.ask();
+        ask(&self.dashpot);
+        ask(&self.force);
     }
 
     #[inline(always)]

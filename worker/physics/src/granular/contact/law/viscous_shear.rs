@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use super::{Held, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch, coulomb::cut};
 use crate::granular::{
     Vector,
+    ahead::{ask, ask_all},
     contact::stiffness::Springs,
     lanes::{Array, Lanes, Vectors},
 };
@@ -62,6 +63,13 @@ impl<F: Law> Law for ViscousShear<F> {
         let shear = shear.only_if(touch.is_touching, Vectors::zero(simd));
         shear.store(&mut self.shear, part);
         Push { shear, ..push }
+    }
+
+    #[inline(always)]
+    fn ask(&self) {
+        self.law.ask();
+        ask(&self.dashpot);
+        ask_all(&self.shear);
     }
 
     #[inline(always)]
