@@ -47,6 +47,13 @@ impl Team {
         self.pool.is_none()
     }
 
+    /// How many there are.
+    pub(crate) fn threads(&self) -> usize {
+        self.pool
+            .as_ref()
+            .map_or(1, |pool| pool.current_num_threads())
+    }
+
     /// Does `work` with the team at hand, so that each of its passes need not call them together.
     pub(crate) fn gather<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.pool {

@@ -1,5 +1,5 @@
 //! The state of a scene and its step.
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use loadframe_api::spec::granular_scene::GranularScene;
 use serde::{Deserialize, Serialize};
@@ -25,6 +25,10 @@ use crate::parallel::Team;
 
 /// Lists between two sorts along the curve: neighbours in space drift apart in memory slowly.
 const LISTS_PER_SORT: u64 = 8;
+
+/// Patches of a wave for each thread: fewer and the threads wait for each other more often than
+/// they save, more and the caches do not hold them.
+const WAVE: usize = 8;
 
 /// What changes during a run, all of it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -73,9 +77,9 @@ pub(super) struct Engine {
     /// Bodies that are not in the scene yet.
     pub(super) reserve: Reserve,
     halos: Vec<Halo>,
-    /// Forces on the patch at work when patches are worked through one after the other: one array
-    /// for all stays in the cache.
-    scratch: Wrenches,
+    /// Forces on the patches at work when all are worked through one after the other, or wave by
+    /// wave: the same few arrays for all stay in the caches.
+    scratch: Vec<Wrenches>,
     /// Forces on bodies in this step beside weights and contacts.
     pub(super) loads: Vec<BodyLoad>,
     pub(super) search: Search,
@@ -108,7 +112,7 @@ impl Engine {
             contact_lists: Vec::new(),
             reserve: Reserve::default(),
             halos: Vec::new(),
-            scratch: Wrenches::default(),
+            scratch: vec![Wrenches::default()],
             loads: Vec::new(),
             search: Search::default(),
             team: Arc::new(team),
@@ -175,10 +179,7 @@ impl Engine {
             self.step_alone(time_step);
         } else {
             let team = Arc::clone(&self.team);
-            team.gather(|| {
-                self.push(time_step);
-                self.advance(time_step);
-            });
+            team.gather(|| self.step_in_waves(time_step, &team));
         }
     }
 
@@ -192,7 +193,7 @@ impl Engine {
         let mut speed_square = 0.0_f64;
         let patches = state.patches.iter_mut().zip(&mut self.contact_lists);
         for (number, (patch, lists)) in patches.enumerate() {
-            std::mem::swap(&mut patch.wrenches, &mut self.scratch);
+            std::mem::swap(&mut patch.wrenches, &mut self.scratch[0]);
             let scenery = Scenery {
                 kinematics: state.particles.kinematics(state.last_step),
                 faces: &state.faces,
@@ -210,9 +211,36 @@ impl Engine {
                 &self.loads,
             );
             speed_square = speed_square.max(speed);
-            std::mem::swap(&mut patch.wrenches, &mut self.scratch);
+            std::mem::swap(&mut patch.wrenches, &mut self.scratch[0]);
         }
         self.finish(time_step, speed_square);
+    }
+
+    /// Both phases, wave by wave, so that what moves a patch's bodies is still in the caches. As in
+    /// [`Engine::step_alone`] no patch looks at an earlier one.
+    fn step_in_waves(&mut self, time_step: f64, team: &Team) {
+        let count = self.state.patches.len();
+        // equally long waves, and as many patches for every thread
+        let waves = count.div_ceil(WAVE * team.threads());
+        let wave = count.div_ceil(waves).next_multiple_of(team.threads());
+        self.scratch.resize_with(wave, Wrenches::default);
+        let mut speed_square = 0.0_f64;
+        for first in (0..count).step_by(wave) {
+            let patches = first..(first + wave).min(count);
+            self.swap_wrenches(patches.clone());
+            self.push_patches(patches.clone(), time_step);
+            speed_square = speed_square.max(self.advance_patches(patches.clone(), time_step));
+            self.swap_wrenches(patches);
+        }
+        self.finish(time_step, speed_square);
+    }
+
+    /// Lets patches work with wrenches that stay in the caches, or gives them back theirs.
+    fn swap_wrenches(&mut self, patches: Range<usize>) {
+        let patches = self.state.patches[patches].iter_mut();
+        for (patch, scratch) in patches.zip(&mut self.scratch) {
+            std::mem::swap(&mut patch.wrenches, scratch);
+        }
     }
 
     fn drive(&self, time_step: f64) -> Drive {
@@ -228,6 +256,10 @@ impl Engine {
         if !self.state.is_listed {
             self.list();
         }
+        self.push_patches(0..self.state.patches.len(), time_step);
+    }
+
+    fn push_patches(&mut self, range: Range<usize>, time_step: f64) {
         let state = &mut self.state;
         let is_rough = self.model.is_rough;
         let scenery = Scenery {
@@ -237,8 +269,9 @@ impl Engine {
             poses: &state.poses,
             time_step,
         };
-        let patches = state.patches.iter_mut().zip(&mut self.contact_lists);
-        let work = patches.zip(&mut self.halos).collect();
+        let patches = state.patches[range.clone()].iter_mut();
+        let patches = patches.zip(&mut self.contact_lists[range.clone()]);
+        let work = patches.zip(&mut self.halos[range]).collect();
         self.team.map(work, |((patch, lists), halo)| {
             patch.push(lists.as_mut(), scenery, halo, is_rough);
         });
@@ -253,14 +286,22 @@ impl Engine {
 
     /// The second phase: the forces move the bodies.
     pub(super) fn advance(&mut self, time_step: f64) {
+        let patches = 0..self.state.patches.len();
+        let speed_square = self.advance_patches(patches, time_step);
+        self.finish(time_step, speed_square);
+    }
+
+    /// Returns the square of an upper bound of the speeds.
+    fn advance_patches(&mut self, range: Range<usize>, time_step: f64) -> f64 {
         let drive = self.drive(time_step);
         let state = &mut self.state;
         let (halos, rotation, loads) = (&self.halos, self.model.rotation, &self.loads);
-        let work = shares(&mut state.particles, &mut state.clumps, &mut state.patches);
+        let patches = &mut state.patches[range];
+        let work = shares(&mut state.particles, &mut state.clumps, patches);
         let speeds = self.team.map(work, |(patch, bodies)| {
             patch.advance(bodies, halos, &drive, rotation, loads)
         });
-        self.finish(time_step, speeds.into_iter().fold(0.0, f64::max));
+        speeds.into_iter().fold(0.0, f64::max)
     }
 
     /// Walls, time, and whether the lists hold, after the bodies moved.

@@ -27,17 +27,23 @@ pub(super) fn share<'a>(
     }
 }
 
-/// Hands every patch its own bodies.
+/// Hands neighbouring patches their own bodies.
 pub(super) fn shares<'a>(
     particles: &'a mut Particles,
     clumps: &'a mut [Clump],
     patches: &'a mut [Patch],
 ) -> Vec<(&'a mut Patch, Bodies<'a>)> {
-    let mut centres = particles.centres.as_mut_slice();
-    let mut velocities = particles.velocities.as_mut_slice();
-    let mut spins = particles.spins.as_mut_slice();
-    let is_rough = !spins.is_empty();
-    let mut clumps = clumps;
+    let Some([first, first_clump]) = patches
+        .first()
+        .map(|patch| [patch.particles.start, patch.clumps.start])
+    else {
+        return Vec::new();
+    };
+    let mut centres = &mut particles.centres[first..];
+    let mut velocities = &mut particles.velocities[first..];
+    let is_rough = !particles.spins.is_empty();
+    let mut spins = &mut particles.spins[if is_rough { first } else { 0 }..];
+    let mut clumps = &mut clumps[first_clump..];
     let mut shares = Vec::with_capacity(patches.len());
     for patch in patches {
         let rows = patch.particles.len();

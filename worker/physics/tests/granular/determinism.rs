@@ -59,6 +59,30 @@ fn results_have_the_same_bits_on_any_number_of_threads() {
     }
 }
 
+/// So many patches that two threads work through them in waves.
+#[test]
+fn a_large_bed_has_the_same_bits_on_any_number_of_threads() {
+    let mut spec = rain(33, 0.5, 20, false);
+    for body in spec["bodies"].as_array_mut().expect("bodies") {
+        for place in body["position_m"].as_array_mut().expect("a place") {
+            // closer, so that neighbours touch
+            *place = json!(0.92 * place.as_f64().expect("a number"));
+        }
+    }
+    spec["record"]["every_steps"] = json!(10);
+    let (expected, record) = run(&spec);
+    assert!(
+        expected.summary["contacts"].value > Some(5000.0),
+        "{:?}",
+        expected.summary["contacts"]
+    );
+    for threads in [2, 3] {
+        let (report, other) = run_on(&spec, threads);
+        assert_eq!(report, expected, "{threads} threads");
+        assert!(other.files == record.files, "{threads} threads");
+    }
+}
+
 /// Contacts are put in order for files that list them, sums over them do not depend on it.
 #[test]
 fn a_curve_does_not_depend_on_what_else_is_recorded() {
