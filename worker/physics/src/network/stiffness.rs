@@ -45,21 +45,18 @@ impl<T: Real> Stiffness<T> {
     /// Without the transverse part of compressed bonds, which makes H indefinite: K = a n nᵀ.
     pub(crate) fn without_buckling(&self) -> Self {
         let mut positive = self.clone();
-        for bond in 0..self.transverse.len() {
-            let b = self.transverse[bond];
-            if b >= T::zero() {
-                continue;
-            }
-            let components = positive.axial.iter().filter_map(|axial| axial.get(bond));
-            let square: T = components.map(|s| *s * *s).sum();
-            let left = ((square + b).max(T::zero()) / square).sqrt();
-            for axial in &mut positive.axial {
-                if let Some(s) = axial.get_mut(bond) {
-                    *s *= left;
+        let [sx, sy, sz] = positive.axial.each_mut().map(Vec::as_mut_slice);
+        let transverse = positive.transverse.as_mut_slice();
+        wide(
+            #[inline(always)]
+            || {
+                if sz.is_empty() {
+                    straighten::<T, 2>(sx, sy, &mut [], transverse);
+                } else {
+                    straighten::<T, 3>(sx, sy, sz, transverse);
                 }
-            }
-            positive.transverse[bond] = T::zero();
-        }
+            },
+        );
         positive
     }
 
@@ -121,6 +118,37 @@ impl<T: Real> Stiffness<T> {
             work = [T::zero(); BLOCK];
         }
         curvature
+    }
+}
+
+/// Takes b away where it is negative and shortens s sᵀ there from a − b to a.
+#[inline(always)]
+fn straighten<T: Real, const D: usize>(
+    sx: &mut [T],
+    sy: &mut [T],
+    sz: &mut [T],
+    transverse: &mut [T],
+) {
+    let count = transverse.len();
+    let (sx, sy) = (&mut sx[..count], &mut sy[..count]);
+    let sz = if D == 3 { &mut sz[..count] } else { sz };
+    for bond in 0..count {
+        let b = transverse[bond];
+        let mut square = sx[bond] * sx[bond] + sy[bond] * sy[bond];
+        if D == 3 {
+            square += sz[bond] * sz[bond];
+        }
+        let left = if b < T::zero() {
+            ((square + b).max(T::zero()) / square).sqrt()
+        } else {
+            T::one()
+        };
+        sx[bond] *= left;
+        sy[bond] *= left;
+        if D == 3 {
+            sz[bond] *= left;
+        }
+        transverse[bond] = b.max(T::zero());
     }
 }
 

@@ -107,7 +107,18 @@ pub(super) enum Solved {
     CurvesDown(f64),
 }
 
-/// Sets `step` to the Newton step, zero at held nodes, or to what was found of it before the
+/// Sets [`Scratch::search`] to the preconditioned force, the first direction of a Newton step;
+/// returns their product.
+pub(super) fn begin<T: Real>(
+    equations: &Equations<'_, T>,
+    waves: &mut Waves<'_>,
+    scratch: &mut Scratch<T>,
+) -> f64 {
+    waves.look(0, equations.stiffness);
+    precondition(equations, waves, equations.force, &mut scratch.search)
+}
+
+/// Sets `step` to the Newton step, zero at held nodes, begun with this `norm` ([`begin`]), or to what was found of it before the
 /// Hessian was found to curve downwards.
 ///
 /// # Errors
@@ -115,6 +126,7 @@ pub(super) enum Solved {
 pub(super) fn newton_step<T: Real>(
     equations: &Equations<'_, T>,
     waves: &mut Waves<'_>,
+    norm: f64,
     step: &mut Field<T>,
     scratch: &mut Scratch<T>,
     stop: Stop,
@@ -135,8 +147,7 @@ pub(super) fn newton_step<T: Real>(
     } = scratch;
     residual.copy_from(force);
     step.clear();
-    waves.look(0, stiffness);
-    let mut norm = precondition(equations, waves, residual, search);
+    let mut norm = norm;
     let mut enough = (stop.relative * norm).max(stop.absolute);
     for iteration in 0..stop.iterations {
         if norm <= enough {
@@ -178,7 +189,7 @@ fn panels(places: Range<usize>) -> impl Iterator<Item = (usize, Range<usize>)> {
 }
 
 /// Sets `moved` to the preconditioned `residual`; returns their product.
-pub(super) fn precondition<T: Real>(
+fn precondition<T: Real>(
     equations: &Equations<'_, T>,
     waves: &mut Waves<'_>,
     residual: &Field<T>,

@@ -12,7 +12,7 @@
 use super::{
     Search, Settled,
     block_jacobi::BlockJacobi,
-    conjugate_gradients::{Equations, Scratch, Solved, Stop, Waves, newton_step, precondition},
+    conjugate_gradients::{Equations, Scratch, Solved, Stop, Waves, begin, newton_step},
     continuation::descend_by_stages,
     line_search::Line,
     neighbourhoods::Neighbourhoods,
@@ -279,14 +279,7 @@ impl Iteration<'_, '_> {
         let (assembly, here) = (self.assembly, self.here);
         memory.nodes.follow(assembly, stiffness, self.team);
         let unit = scale_to_one(assembly, &here.resultants, &mut memory.force, self.team);
-        let equations = Equations {
-            assembly,
-            stiffness,
-            nodes: &memory.nodes,
-            force: &memory.force,
-            team: self.team,
-        };
-        let norm = precondition(&equations, self.waves, &memory.force, &mut memory.step);
+        let norm = self.begin(stiffness, memory);
         let previous_norm = std::mem::replace(&mut self.norm, norm * unit * unit);
         let stop = Stop {
             relative: relative_residual(self.norm, previous_norm, self.relative).powi(2),
@@ -297,7 +290,7 @@ impl Iteration<'_, '_> {
                 .min(LOOSEST_RESIDUAL.powi(2) * norm),
             iterations: LEAST_ITERATIONS + ITERATIONS_PER_NODE * assembly.free().len(),
         };
-        let solved = self.solve(stiffness, memory, stop, meter)?;
+        let solved = self.solve(stiffness, memory, norm, stop, meter)?;
         if solved == Solved::Step && self.follow(memory, unit, there, meter)? {
             return Ok(true);
         }
@@ -307,7 +300,8 @@ impl Iteration<'_, '_> {
             Solved::CurvesDown(length) => Some((length, memory.scratch.search.clone())),
         };
         let upwards = stiffness.without_buckling();
-        self.solve(&upwards, memory, stop, meter)?;
+        let norm = self.begin(&upwards, memory);
+        self.solve(&upwards, memory, norm, stop, meter)?;
         if let Some((length, direction)) = away {
             let reach = direction.longest_square().wide().sqrt() * unit;
             let length = length.min(FARTHEST_AWAY * self.search.step_cap / reach);
@@ -318,10 +312,23 @@ impl Iteration<'_, '_> {
         self.follow(memory, unit, there, meter)
     }
 
+    /// Searches along the preconditioned resultants first; returns their squared norm.
+    fn begin<T: Real>(&mut self, stiffness: &Stiffness<T>, memory: &mut Memory<T>) -> f64 {
+        let equations = Equations {
+            assembly: self.assembly,
+            stiffness,
+            nodes: &memory.nodes,
+            force: &memory.force,
+            team: self.team,
+        };
+        begin(&equations, self.waves, &mut memory.scratch)
+    }
+
     fn solve<T: Real>(
         &mut self,
         stiffness: &Stiffness<T>,
         memory: &mut Memory<T>,
+        norm: f64,
         stop: Stop,
         meter: &mut Meter<'_>,
     ) -> Result<Solved, Interrupt> {
@@ -333,7 +340,7 @@ impl Iteration<'_, '_> {
             team: self.team,
         };
         let (step, scratch) = (&mut memory.step, &mut memory.scratch);
-        newton_step(&equations, self.waves, step, scratch, stop, meter)
+        newton_step(&equations, self.waves, norm, step, scratch, stop, meter)
     }
 
     /// Goes along a step, in units of `unit`, as far as the energy falls.
