@@ -114,7 +114,6 @@ pub(super) fn begin<T: Real>(
     waves: &mut Waves<'_>,
     scratch: &mut Scratch<T>,
 ) -> f64 {
-    waves.look(0, equations.stiffness);
     precondition(equations, waves, equations.force, &mut scratch.search)
 }
 
@@ -148,6 +147,9 @@ pub(super) fn newton_step<T: Real>(
     residual.copy_from(force);
     step.clear();
     let mut norm = norm;
+    if waves.look(0, stiffness) {
+        norm = precondition(equations, waves, residual, search);
+    }
     let mut enough = (stop.relative * norm).max(stop.absolute);
     for iteration in 0..stop.iterations {
         if norm <= enough {
