@@ -107,25 +107,16 @@ pub(super) enum Solved {
     CurvesDown(f64),
 }
 
-/// Sets [`Scratch::search`] to the preconditioned force, the first direction of a Newton step;
-/// returns their product.
-pub(super) fn begin<T: Real>(
-    equations: &Equations<'_, T>,
-    waves: &mut Waves<'_>,
-    scratch: &mut Scratch<T>,
-) -> f64 {
-    precondition(equations, waves, equations.force, &mut scratch.search)
-}
-
-/// Sets `step` to the Newton step, zero at held nodes, begun with this `norm` ([`begin`]), or to what was found of it before the
-/// Hessian was found to curve downwards.
+/// Sets `step` to the Newton step, zero at held nodes, or to what was found of it before the
+/// Hessian was found to curve downwards. At the start [`Scratch::search`] is the preconditioned
+/// force, and `norm` the product of both.
 ///
 /// # Errors
 /// The interrupt that ended it early.
 pub(super) fn newton_step<T: Real>(
     equations: &Equations<'_, T>,
     waves: &mut Waves<'_>,
-    norm: f64,
+    mut norm: f64,
     step: &mut Field<T>,
     scratch: &mut Scratch<T>,
     stop: Stop,
@@ -146,7 +137,6 @@ pub(super) fn newton_step<T: Real>(
     } = scratch;
     residual.copy_from(force);
     step.clear();
-    let mut norm = norm;
     if waves.look(0, stiffness) {
         norm = precondition(equations, waves, residual, search);
     }
@@ -191,7 +181,7 @@ fn panels(places: Range<usize>) -> impl Iterator<Item = (usize, Range<usize>)> {
 }
 
 /// Sets `moved` to the preconditioned `residual`; returns their product.
-fn precondition<T: Real>(
+pub(super) fn precondition<T: Real>(
     equations: &Equations<'_, T>,
     waves: &mut Waves<'_>,
     residual: &Field<T>,

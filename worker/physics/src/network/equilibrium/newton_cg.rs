@@ -12,7 +12,7 @@
 use super::{
     Search, Settled,
     block_jacobi::BlockJacobi,
-    conjugate_gradients::{Equations, Scratch, Solved, Stop, Waves, begin, newton_step},
+    conjugate_gradients::{Equations, Scratch, Solved, Stop, Waves, newton_step, precondition},
     continuation::descend_by_stages,
     line_search::Line,
     neighbourhoods::Neighbourhoods,
@@ -174,6 +174,23 @@ impl<T: Real> Memory<T> {
             neighbourhoods: None,
         }
     }
+
+    /// The equations of a step, and where to solve them.
+    fn equations<'a>(
+        &'a mut self,
+        assembly: &'a Assembly,
+        stiffness: &'a Stiffness<T>,
+        team: &'a Team,
+    ) -> (Equations<'a, T>, &'a mut Field<T>, &'a mut Scratch<T>) {
+        let equations = Equations {
+            assembly,
+            stiffness,
+            nodes: &self.nodes,
+            force: &self.force,
+            team,
+        };
+        (equations, &mut self.step, &mut self.scratch)
+    }
 }
 
 /// See [`Search::run`].
@@ -314,14 +331,8 @@ impl Iteration<'_, '_> {
 
     /// Searches along the preconditioned resultants first; returns their squared norm.
     fn begin<T: Real>(&mut self, stiffness: &Stiffness<T>, memory: &mut Memory<T>) -> f64 {
-        let equations = Equations {
-            assembly: self.assembly,
-            stiffness,
-            nodes: &memory.nodes,
-            force: &memory.force,
-            team: self.team,
-        };
-        begin(&equations, self.waves, &mut memory.scratch)
+        let (equations, _, scratch) = memory.equations(self.assembly, stiffness, self.team);
+        precondition(&equations, self.waves, equations.force, &mut scratch.search)
     }
 
     fn solve<T: Real>(
@@ -332,14 +343,7 @@ impl Iteration<'_, '_> {
         stop: Stop,
         meter: &mut Meter<'_>,
     ) -> Result<Solved, Interrupt> {
-        let equations = Equations {
-            assembly: self.assembly,
-            stiffness,
-            nodes: &memory.nodes,
-            force: &memory.force,
-            team: self.team,
-        };
-        let (step, scratch) = (&mut memory.step, &mut memory.scratch);
+        let (equations, step, scratch) = memory.equations(self.assembly, stiffness, self.team);
         newton_step(&equations, self.waves, norm, step, scratch, stop, meter)
     }
 
