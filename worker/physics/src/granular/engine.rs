@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Vector,
-    contact::{Scenery, Wrenches, law::Chosen, lists::Lists, pairs::Halo, walls::Face},
+    contact::{Scenery, Wrenches, law::Chosen, lists::Lists, walls::Face},
     facets::{Pose, search::Search},
     listing::{self, Listing, memories::Memories},
     motion::{
@@ -76,7 +76,8 @@ pub(super) struct Engine {
     pub(super) contact_lists: Vec<Box<dyn Lists>>,
     /// Bodies that are not in the scene yet.
     pub(super) reserve: Reserve,
-    halos: Vec<Halo>,
+    /// What each patch does to particles of later ones.
+    halos: Vec<Wrenches>,
     /// Forces on the patches at work when all are worked through one after the other, or wave by
     /// wave: the same few arrays for all stay in the caches.
     scratch: Vec<Wrenches>,
@@ -128,7 +129,7 @@ impl Engine {
         self.model.stiffen(state.stiffness_factor);
         self.state = state;
         self.contact_lists = contact_lists;
-        self.halos = vec![Halo::default(); self.state.patches.len()];
+        self.halos = vec![Wrenches::default(); self.state.patches.len()];
     }
 
     /// Candidates in the lists.
@@ -195,11 +196,10 @@ impl Engine {
         for (number, (patch, lists)) in patches.enumerate() {
             std::mem::swap(&mut patch.wrenches, &mut self.scratch[0]);
             let scenery = Scenery {
-                kinematics: state.particles.kinematics(state.last_step),
+                kinematics: state.particles.kinematics(state.last_step, time_step),
                 faces: &state.faces,
                 facets: &self.model.facets,
                 poses: &state.poses,
-                time_step,
             };
             patch.push(lists.as_mut(), scenery, &mut self.halos[number], is_rough);
             let bodies = share(&mut state.particles, &mut state.clumps, patch);
@@ -263,11 +263,10 @@ impl Engine {
         let state = &mut self.state;
         let is_rough = self.model.is_rough;
         let scenery = Scenery {
-            kinematics: state.particles.kinematics(state.last_step),
+            kinematics: state.particles.kinematics(state.last_step, time_step),
             faces: &state.faces,
             facets: &self.model.facets,
             poses: &state.poses,
-            time_step,
         };
         let patches = state.patches[range.clone()].iter_mut();
         let patches = patches.zip(&mut self.contact_lists[range.clone()]);
@@ -428,8 +427,7 @@ impl Engine {
         state.skin.start(&state.particles.centres);
         state.is_listed = true;
         state.lists += 1;
-        self.halos.iter_mut().for_each(Halo::clear);
-        self.halos.resize_with(state.patches.len(), Halo::default);
+        (self.halos).resize_with(state.patches.len(), Wrenches::default);
     }
 }
 

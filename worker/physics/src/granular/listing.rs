@@ -86,9 +86,6 @@ pub(super) struct Listing<'a> {
     pub(super) skin: f64,
 }
 
-/// A place in a patch's halo and the particle that it acts on.
-type Outgoing = [u32; 2];
-
 impl Listing<'_> {
     /// Cuts the particles into patches and fills the lists of each.
     pub(super) fn list(&self, clumps: &[Clump], team: &Team) -> (Vec<Patch>, Vec<Box<dyn Lists>>) {
@@ -100,26 +97,22 @@ impl Listing<'_> {
         let ranges = cut(self.particles.len(), clumps);
         let filled = team.map(ranges, |(particles, clumps)| {
             let mut lists = (self.law.lists)();
-            let outgoing = self.fill_pairs(particles.clone(), &candidates, lists.as_mut());
+            let others = others(particles.clone(), &candidates);
+            self.fill_pairs(particles.clone(), &others, &candidates, lists.as_mut());
             self.fill_walls(particles.clone(), lists.as_mut());
             self.fill_facets(particles.clone(), lists.as_mut());
             lists.finish(self.faces.len());
             let patch = Patch {
+                others,
                 partly_fixed: partly_fixed(self.particles, particles.clone()),
                 particles,
                 clumps,
                 ..Patch::default()
             };
-            (patch, lists, outgoing)
+            (patch, lists)
         });
-        let mut patches = Vec::with_capacity(filled.len());
-        let (mut contact_lists, mut outgoings) = (Vec::new(), Vec::new());
-        for (patch, lists, outgoing) in filled {
-            patches.push(patch);
-            contact_lists.push(lists);
-            outgoings.push(outgoing);
-        }
-        address(&mut patches, &outgoings);
+        let (mut patches, contact_lists): (Vec<Patch>, Vec<_>) = filled.into_iter().unzip();
+        address(&mut patches);
         (patches, contact_lists)
     }
 
@@ -132,10 +125,10 @@ impl Listing<'_> {
     fn fill_pairs(
         &self,
         range: Range<usize>,
+        others: &[u32],
         candidates: &Candidates,
         lists: &mut dyn Lists,
-    ) -> Vec<Outgoing> {
-        let mut outgoing = Vec::new();
+    ) {
         // what touches now comes first, so that blocks of what does not are passed over by one look
         for wants_touching in [true, false] {
             for a in range.clone() {
@@ -151,14 +144,13 @@ impl Listing<'_> {
                     if range.contains(&other) {
                         lists.add_inner(pair, &springs, past.as_ref());
                     } else {
-                        let place = lists.add_outer(pair, &springs, past.as_ref());
-                        outgoing.push([place as u32, b]);
+                        let place = others.partition_point(|other| *other < b) as u32;
+                        lists.add_outer(pair, place, &springs, past.as_ref());
                     }
                 }
             }
             lists.close_blocks();
         }
-        outgoing
     }
 
     /// What a particle brings to a contact.
@@ -222,21 +214,34 @@ impl Listing<'_> {
     }
 }
 
-/// Tells every patch what to fetch from the halos of others.
-fn address(patches: &mut [Patch], outgoings: &[Vec<Outgoing>]) {
-    let firsts: Vec<usize> = patches.iter().map(|patch| patch.particles.start).collect();
-    for (number, outgoing) in outgoings.iter().enumerate() {
-        for [place, particle] in outgoing {
-            let target = firsts.partition_point(|first| *first <= *particle as usize) - 1;
-            let entry = [*place, *particle - firsts[target] as u32];
-            let incoming = &mut patches[target].incoming;
-            match incoming.last_mut() {
-                Some(last) if last.patch == number => last.entries.push(entry),
-                _ => incoming.push(Incoming {
+/// Candidates of the particles in `range` that are in later patches, in order.
+fn others(range: Range<usize>, candidates: &Candidates) -> Vec<u32> {
+    let near = range.clone().flat_map(|particle| candidates.of(particle));
+    let outside = near.filter(|other| !range.contains(&(**other as usize)));
+    let mut others: Vec<u32> = outside.copied().collect();
+    others.sort_unstable();
+    others.dedup();
+    others
+}
+
+/// Tells every patch what to fetch from the halos of earlier ones.
+fn address(patches: &mut [Patch]) {
+    for number in 0..patches.len() {
+        let (earlier, later) = patches.split_at_mut(number + 1);
+        let mut place = 0;
+        let others = &earlier[number].others;
+        for patch in later {
+            let own = &patch.particles;
+            let count = others[place..].partition_point(|other| (*other as usize) < own.end);
+            if count > 0 {
+                let particles = others[place..place + count].iter();
+                patch.incoming.push(Incoming {
                     patch: number,
-                    entries: vec![entry],
-                }),
+                    place,
+                    particles: particles.map(|other| other - own.start as u32).collect(),
+                });
             }
+            place += count;
         }
     }
 }

@@ -150,6 +150,7 @@ impl Engine {
     fn held(&self, touching: &Touching<'_>, overlap: f64, reach: f64, normal: Vector) -> Contact {
         let spring = Spring {
             constant: touching.constant,
+            shear_ratio: touching.shear_ratio,
             overlap,
             reach,
         };

@@ -38,13 +38,14 @@ impl Particles {
         (rows.into_iter().sum::<usize>() + words) as u64
     }
 
-    /// `last_step` is Δt of the step before [s].
-    pub(super) fn kinematics(&self, last_step: f64) -> Kinematics<'_> {
+    /// `last_step` is Δt of the step before [s], `time_step` that of this one.
+    pub(super) fn kinematics(&self, last_step: f64, time_step: f64) -> Kinematics<'_> {
         Kinematics {
             centres: &self.centres,
             velocities: &self.velocities,
             spins: &self.spins,
             last_step,
+            time_step,
         }
     }
 

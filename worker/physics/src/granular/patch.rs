@@ -1,7 +1,7 @@
 //! A patch: some two thousand particles that are neighbours, with their contacts.
 //!
 //! Patches are what threads share out. A step has two phases: first every patch works through its
-//! contacts, adding to its own particles and keeping in its [`Halo`] what acts on others'; then
+//! contacts, adding to its own particles and summing in its halo what acts on others'; then
 //! every patch fetches what is for it from the halos, in a fixed order, and moves its bodies. How a
 //! scene is cut into patches depends on the scene alone, so that results do not know how many
 //! threads there were.
@@ -14,7 +14,6 @@ use super::{
     contact::{
         Scenery, Wrenches,
         lists::{Acting, Lists},
-        pairs::Halo,
     },
     lanes::LANES,
     motion::{
@@ -34,6 +33,8 @@ pub(super) struct Patch {
     pub(super) clumps: Range<usize>,
     /// Its spheres that are fixed in part.
     pub(super) partly_fixed: Vec<PartlyFixed>,
+    /// Particles of later patches that it acts on: those of its halo, in order.
+    pub(super) others: Vec<u32>,
     /// What to fetch from the halos of earlier patches, patch by patch.
     pub(super) incoming: Vec<Incoming>,
     /// On its particles, from the last step that was observed.
@@ -44,15 +45,14 @@ pub(super) struct Patch {
     pub(super) wall_forces: Vec<[f64; 4]>,
 }
 
-/// Entries of a halo asked for before their turn.
-const ENTRIES_AHEAD: usize = 8;
-
-/// Entries of a halo that act on particles of a patch.
+/// The part of a halo that acts on particles of a patch.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Incoming {
     pub(super) patch: usize,
-    /// Place in the halo, and particle counted from the patch's first.
-    pub(super) entries: Vec<[u32; 2]>,
+    /// The first place in its halo.
+    pub(super) place: usize,
+    /// On which it acts, counted from the patch's first.
+    pub(super) particles: Vec<u32>,
 }
 
 /// The bodies of one patch, for the second phase.
@@ -79,7 +79,7 @@ impl Patch {
         &mut self,
         lists: &mut dyn Lists,
         scenery: Scenery<'_>,
-        halo: &mut Halo,
+        halo: &mut Wrenches,
         is_rough: bool,
     ) {
         self.wrenches.clear(self.particles.len(), is_rough);
@@ -90,6 +90,7 @@ impl Patch {
         if self.particles.len() < scenery.kinematics.centres.len() {
             scenery.kinematics.fetch(self.particles.clone());
         }
+        halo.clear(self.others.len(), is_rough);
         let acting = Acting {
             first: self.particles.start,
             wrenches: &mut self.wrenches,
@@ -103,7 +104,7 @@ impl Patch {
     pub(super) fn advance(
         &mut self,
         bodies: Bodies<'_>,
-        halos: &[Halo],
+        halos: &[Wrenches],
         drive: &Drive,
         rotation: Rotation,
         loads: &[BodyLoad],
@@ -195,14 +196,13 @@ impl Patch {
         }
     }
 
-    fn fetch(&mut self, halos: &[Halo]) {
+    /// Adds what earlier patches do to its particles.
+    fn fetch(&mut self, halos: &[Wrenches]) {
         for incoming in &self.incoming {
+            let places = incoming.place..incoming.place + incoming.particles.len();
             let halo = &halos[incoming.patch];
-            for (index, [place, particle]) in incoming.entries.iter().enumerate() {
-                if let Some([next, _]) = incoming.entries.get(index + ENTRIES_AHEAD) {
-                    halo.ask_place(*next as usize);
-                }
-                let (place, particle) = (*place as usize, *particle as usize);
+            for (particle, place) in incoming.particles.iter().zip(places) {
+                let particle = *particle as usize;
                 self.wrenches.forces[particle].add(halo.forces[place].0);
                 if let Some(torque) = halo.torques.get(place) {
                     self.wrenches.torques[particle].add(torque.0);

@@ -20,7 +20,10 @@ use serde::{Deserialize, Serialize};
 use super::{
     Scenery, Slip, Touch, Wrenches,
     law::{Law, Past},
+    lists::{Observer, Touching, Who},
     stiffness::Springs,
+    tangents::{Tangent, Tangents},
+    touching_lanes,
 };
 use crate::granular::{
     facets::{
@@ -53,6 +56,7 @@ pub(in crate::granular) struct FacetList<F: Law> {
     pub(in crate::granular) blocks: Vec<FacetBlock<F>>,
     /// Bits by lane.
     pub(in crate::granular) touching: Vec<u8>,
+    pub(super) tangents: Tangents,
     /// Candidates, padding not counted.
     pub(in crate::granular) count: usize,
     /// What the sphere at work reaches.
@@ -156,6 +160,7 @@ impl<F: Law> FacetList<F> {
             simd,
             scenery,
             &touched,
+            self.tangents.of(number),
             *touching,
             #[inline(always)]
             |lane: usize, force: [f64; 4], moment: [f64; 4]| {
@@ -183,17 +188,28 @@ impl<F: Law> FacetList<F> {
         );
         self.reached.drain(..end);
     }
-
-    /// Blocks and lanes that touched in the last step.
-    pub(in crate::granular) fn touching(&self) -> impl Iterator<Item = (&FacetBlock<F>, usize)> {
-        let blocks = self.blocks.iter().zip(&self.touching);
-        blocks.flat_map(|(block, touching)| {
-            super::touching_lanes(*touching).map(move |lane| (block, lane))
-        })
-    }
 }
 
 impl<F: Law> FacetList<F> {
+    /// Shows what touched in the last step.
+    pub(super) fn see(&self, observer: &mut Observer<'_>) {
+        for (number, lane) in touching_lanes(&self.touching) {
+            let block = &self.blocks[number];
+            observer(Touching {
+                who: Who::Facet([block.particles[lane], block.facets[lane]]),
+                constant: block.stiffness[lane],
+                shear_ratio: self.tangents.ratio(number, lane),
+                law: &block.law,
+                lane,
+            });
+        }
+    }
+
+    /// Multiplies tan φ of all contacts.
+    pub(super) fn rub(&mut self, factor: f64) {
+        self.tangents.rub(factor);
+    }
+
     /// Adds a sphere with its candidates, if it has any.
     pub(super) fn add(&mut self, particle: u32, candidates: &[FacetCandidate]) {
         for (facet, springs, past) in candidates {
@@ -205,6 +221,7 @@ impl<F: Law> FacetList<F> {
                 });
                 self.touching.push(0);
             }
+            self.tangents.set(self.count / LANES, lane, springs);
             self.count += 1;
             if let (Some(block), Some(touching)) =
                 (self.blocks.last_mut(), self.touching.last_mut())
@@ -225,11 +242,14 @@ impl<F: Law> FacetList<F> {
         self.visitors.shrink_to_fit();
         self.blocks.shrink_to_fit();
         self.touching.shrink_to_fit();
+        self.tangents.finish();
     }
 
     /// Memory [bytes].
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.visitors.as_slice()) + size_of_val(self.blocks.as_slice())
+        size_of_val(self.visitors.as_slice())
+            + size_of_val(self.blocks.as_slice())
+            + self.tangents.bytes()
     }
 }
 
@@ -297,10 +317,11 @@ impl<F: Law> FacetBlock<F> {
         simd: S,
         scenery: Scenery<'_>,
         touched: &Touched,
+        tangent: Tangent<'_>,
         before: u8,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
-        let (kinematics, time_step) = (scenery.kinematics, scenery.time_step);
+        let kinematics = scenery.kinematics;
         let none = Lanes::splat(simd, 0.0);
         let mut touching = 0;
         for part in 0..LANES / S::F64_LANES {
@@ -314,11 +335,14 @@ impl<F: Law> FacetBlock<F> {
             let radius = gather(simd, kinematics.centres, &self.particles, part).fourth;
             let normal = Vectors::load(simd, &touched.normal, part);
             let overlap = Lanes::load(simd, &touched.overlap, part);
+            let [shear_ratio, friction] = tangent.load(simd, part);
             let touch = Touch {
                 normal,
                 overlap,
                 reach: radius + radius,
                 stiffness: Lanes::load(simd, &self.stiffness, part),
+                shear_ratio,
+                friction,
                 is_touching,
             };
             let mut slip = Slip::none(simd);
@@ -336,7 +360,9 @@ impl<F: Law> FacetBlock<F> {
                     slip.spins = spin;
                 }
             }
-            let push = self.law.advance(simd, part, touch, slip, time_step);
+            let push = self
+                .law
+                .advance(simd, part, touch, slip, kinematics.time_step);
             touching |= bits::<S>(push.acts, part);
             push.against_wall(simd, part, &touch, radius, &mut act);
         }

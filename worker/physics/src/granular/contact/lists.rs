@@ -11,9 +11,8 @@ use super::{
     Scenery, Wrenches,
     facets::{FacetCandidate, FacetList, Sides},
     law::{Lanewise, Law, Past},
-    pairs::{Halo, PairList},
+    pairs::PairList,
     stiffness::Springs,
-    touching_lanes,
     walls::WallList,
 };
 use crate::checkpoint::{self, CheckpointError};
@@ -25,8 +24,8 @@ pub(in crate::granular) struct Acting<'a> {
     pub(in crate::granular) first: usize,
     /// On its particles.
     pub(in crate::granular) wrenches: &'a mut Wrenches,
-    /// On particles of later patches.
-    pub(in crate::granular) halo: &'a mut Halo,
+    /// On particles of later patches, by their place in the halo.
+    pub(in crate::granular) halo: &'a mut Wrenches,
     /// On each wall, planes before meshes [N]; the fourth number is the power of a mesh's turning [W].
     pub(in crate::granular) on_walls: &'a mut [[f64; 4]],
 }
@@ -48,6 +47,8 @@ pub(in crate::granular) struct Touching<'a> {
     pub(in crate::granular) who: Who,
     /// Constant of the normal spring: k_N [N/m] of a linear one.
     pub(in crate::granular) constant: f64,
+    /// k_T/k_N of the constants.
+    pub(in crate::granular) shear_ratio: f64,
     /// Its law, and its lane there.
     pub(in crate::granular) law: &'a dyn Lanewise,
     pub(in crate::granular) lane: usize,
@@ -64,8 +65,8 @@ pub(in crate::granular) trait Lists: Debug + Send + Sync {
     /// Adds a pair within the patch.
     fn add_inner(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>);
 
-    /// Adds a pair with a particle of a later patch; returns its place in the halo.
-    fn add_outer(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>) -> usize;
+    /// Adds a pair with a particle of a later patch, which has this place in the halo.
+    fn add_outer(&mut self, pair: [u32; 2], place: u32, springs: &Springs, past: Option<&Past>);
 
     /// The next pair begins a block.
     fn close_blocks(&mut self);
@@ -138,8 +139,9 @@ impl<F: Law> Lists for PatchLists<F> {
         self.inner.add(pair, springs, past);
     }
 
-    fn add_outer(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>) -> usize {
-        self.outer.add(pair, springs, past)
+    fn add_outer(&mut self, pair: [u32; 2], place: u32, springs: &Springs, past: Option<&Past>) {
+        let candidate = self.outer.add(pair, springs, past);
+        self.outer.set_place(candidate, place);
     }
 
     fn close_blocks(&mut self) {
@@ -166,46 +168,22 @@ impl<F: Law> Lists for PatchLists<F> {
     }
 
     fn see(&self, observer: &mut Observer<'_>) {
-        for (block, lane) in self.inner.touching().chain(self.outer.touching()) {
-            observer(Touching {
-                who: Who::Pair([block.a[lane], block.b[lane]]),
-                constant: block.stiffness[lane],
-                law: &block.law,
-                lane,
-            });
-        }
+        self.inner.see(observer);
+        self.outer.see(observer);
         for (plane, list) in (0..).zip(&self.walls) {
-            for (block, bits) in list.blocks.iter().zip(&list.touching) {
-                for lane in touching_lanes(*bits) {
-                    observer(Touching {
-                        who: Who::Plane([block.particles[lane], plane]),
-                        constant: block.stiffness[lane],
-                        law: &block.law,
-                        lane,
-                    });
-                }
-            }
+            list.see(plane, observer);
         }
     }
 
     fn see_facets(&self, observer: &mut Observer<'_>) {
-        for (block, lane) in self.facets.touching() {
-            observer(Touching {
-                who: Who::Facet([block.particles[lane], block.facets[lane]]),
-                constant: block.stiffness[lane],
-                law: &block.law,
-                lane,
-            });
-        }
+        self.facets.see(observer);
     }
 
     fn rub(&mut self, factor: f64) {
-        let pairs = self.inner.blocks.iter_mut().chain(&mut self.outer.blocks);
-        pairs.for_each(|block| block.law.rub(factor));
-        let walls = self.walls.iter_mut().flat_map(|list| &mut list.blocks);
-        walls.for_each(|block| block.law.rub(factor));
-        let facets = self.facets.blocks.iter_mut();
-        facets.for_each(|block| block.law.rub(factor));
+        self.inner.rub(factor);
+        self.outer.rub(factor);
+        self.walls.iter_mut().for_each(|list| list.rub(factor));
+        self.facets.rub(factor);
     }
 
     fn candidates(&self) -> usize {
@@ -213,13 +191,8 @@ impl<F: Law> Lists for PatchLists<F> {
     }
 
     fn bytes(&self) -> usize {
-        let walls = self.walls.iter();
-        size_of_val(self.inner.blocks.as_slice())
-            + size_of_val(self.outer.blocks.as_slice())
-            + walls
-                .map(|list| size_of_val(list.blocks.as_slice()))
-                .sum::<usize>()
-            + self.facets.bytes()
+        let walls = self.walls.iter().map(WallList::bytes);
+        self.inner.bytes() + self.outer.bytes() + walls.sum::<usize>() + self.facets.bytes()
     }
 
     fn pack(&self) -> Result<Vec<u8>, CheckpointError> {
@@ -244,23 +217,19 @@ impl<F: Law> WithSimd for Push<'_, F> {
             scenery,
             acting,
         } = self;
-        let Scenery {
-            kinematics,
-            time_step,
-            ..
-        } = scenery;
+        let kinematics = scenery.kinematics;
         let Acting {
             first,
             wrenches,
             halo,
             on_walls,
         } = acting;
-        (lists.inner).push_inner(simd, kinematics, first, wrenches, time_step);
-        (lists.outer).push_outer(simd, kinematics, first, wrenches, halo, time_step);
+        (lists.inner).push_inner(simd, kinematics, first, wrenches);
+        (lists.outer).push_outer(simd, kinematics, first, wrenches, halo);
         let (on_planes, on_meshes) = on_walls.split_at_mut(scenery.faces.len());
         let planes = lists.walls.iter_mut().zip(scenery.faces).zip(on_planes);
         for ((list, face), on_plane) in planes {
-            *on_plane = list.push(simd, face, kinematics, first, wrenches, time_step);
+            *on_plane = list.push(simd, face, kinematics, first, wrenches);
         }
         let sides = Sides {
             first,

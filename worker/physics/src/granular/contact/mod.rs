@@ -21,6 +21,7 @@ pub(super) mod law;
 pub(super) mod lists;
 pub(super) mod pairs;
 pub(super) mod stiffness;
+mod tangents;
 pub(super) mod walls;
 
 use std::ops::Range;
@@ -28,6 +29,7 @@ use std::ops::Range;
 use pulp::Simd;
 
 use super::{
+    ahead::ask,
     facets::{Facets, Pose},
     lanes::{LANES, Lanes, Vectors},
     rows::{Gathered, Row, scatter},
@@ -45,6 +47,8 @@ pub(super) struct Kinematics<'a> {
     pub(super) spins: &'a [Row],
     /// Δt of the step that brought the centres to where they are [s].
     pub(super) last_step: f64,
+    /// Δt of this step [s].
+    pub(super) time_step: f64,
 }
 
 impl Kinematics<'_> {
@@ -59,6 +63,17 @@ impl Kinematics<'_> {
             std::hint::black_box(bits.fold(0, |all, bits| all ^ bits));
         }
     }
+
+    /// Asks for the rows of particles here and there.
+    pub(super) fn ask(&self, particles: &[u32]) {
+        for particle in particles {
+            for rows in [self.centres, self.velocities, self.spins] {
+                if let Some(row) = rows.get(*particle as usize) {
+                    ask(row);
+                }
+            }
+        }
+    }
 }
 
 /// All that the contacts of a step need to know of the scene.
@@ -68,11 +83,10 @@ pub(super) struct Scenery<'a> {
     pub(super) faces: &'a [Face],
     pub(super) facets: &'a Facets,
     pub(super) poses: &'a [Pose],
-    /// Δt [s].
-    pub(super) time_step: f64,
 }
 
-/// Forces [N] and torques [N m] on the particles of a patch. The fourth numbers mean nothing.
+/// Forces [N] and torques [N m] on the particles of a patch, or on those of others in its halo. There
+/// are no torques without friction; the fourth numbers mean nothing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Wrenches {
     pub(super) forces: Vec<Row>,
@@ -90,6 +104,10 @@ pub(super) struct Touch<S: Simd> {
     pub(super) reach: Lanes<S>,
     /// Constant of the normal spring: k_N [N/m] of a linear one.
     pub(super) stiffness: Lanes<S>,
+    /// k_T/k_N of the constants.
+    pub(super) shear_ratio: Lanes<S>,
+    /// tan φ.
+    pub(super) friction: Lanes<S>,
     pub(super) is_touching: S::m64s,
 }
 
@@ -172,15 +190,18 @@ impl Wrenches {
     pub(super) fn clear(&mut self, particles: usize, with_torques: bool) {
         self.forces.clear();
         self.forces.resize(particles, Row::default());
+        self.torques.clear();
         // without friction no torque ever acts
-        if with_torques || self.torques.len() != particles {
-            self.torques.clear();
+        if with_torques {
             self.torques.resize(particles, Row::default());
         }
     }
 }
 
-/// Bits of the touching contacts of a block.
-pub(super) fn touching_lanes(bits: u8) -> impl Iterator<Item = usize> {
-    (0..LANES).filter(move |lane| bits >> lane & 1 == 1)
+/// Blocks and lanes of the touching contacts of a list, whose bits are these.
+fn touching_lanes(bits: &[u8]) -> impl Iterator<Item = (usize, usize)> {
+    bits.iter().enumerate().flat_map(|(block, bits)| {
+        let lanes = (0..LANES).filter(move |lane| bits >> lane & 1 == 1);
+        lanes.map(move |lane| (block, lane))
+    })
 }

@@ -7,15 +7,17 @@
 //!   v = α (v_b − v_a) − (r_a ω_a + r_b ω_b) × n, α = (r_a + r_b)/|d|, v_T = v − (v·n) n (G.6)
 //!
 //! Both spheres of an *inner* block belong to one patch, which adds to both. Of an *outer* block
-//! the second sphere belongs to a later patch: what acts on it is kept in the [`Halo`], for that
-//! patch to fetch.
+//! the second sphere belongs to a later patch: what acts on it is summed in the patch's halo, for
+//! the other to fetch.
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
     Kinematics, Slip, Touch, Wrenches,
     law::{Law, Past, direction},
+    lists::{Observer, Touching, Who},
     stiffness::Springs,
+    tangents::{Tangent, Tangents},
     touching_lanes,
 };
 use crate::granular::{
@@ -44,24 +46,21 @@ pub(in crate::granular) struct PairList<F: Law> {
     pub(in crate::granular) blocks: Vec<PairBlock<F>>,
     /// Bits by lane.
     pub(in crate::granular) touching: Vec<u8>,
+    pub(super) tangents: Tangents,
     /// Candidates, padding not counted.
     pub(in crate::granular) count: usize,
     /// Lanes of the last block that are taken; 0 when it is full or closed.
     pub(in crate::granular) filled: usize,
-}
-
-/// What outer blocks do to the particles of other patches, by block and lane.
-#[derive(Clone, Debug, Default)]
-pub(in crate::granular) struct Halo {
-    pub(in crate::granular) forces: Vec<Row>,
-    pub(in crate::granular) torques: Vec<Row>,
+    /// Rows of the halo for particles b, where these belong to other patches.
+    pub(in crate::granular) places: Vec<[u32; LANES]>,
 }
 
 /// Blocks asked for before their turn, half a microsecond: several times what memory takes. From 4
 /// to 24 all serve alike.
 const BLOCKS_AHEAD: usize = 8;
-/// Blocks of a halo asked for before they are written; 1 to 3 serve alike.
-const HALO_AHEAD: usize = 2;
+/// Blocks whose particles of other patches are asked for before their turn: 1 comes too late, 4 too
+/// early by some per cent.
+const OTHERS_AHEAD: usize = 2;
 
 impl<F: Law> PairList<F> {
     /// Asks for a block, if there is one.
@@ -83,16 +82,16 @@ impl<F: Law> PairList<F> {
         kinematics: Kinematics<'_>,
         first: usize,
         wrenches: &mut Wrenches,
-        time_step: f64,
     ) {
         for index in 0..self.blocks.len() {
             self.ask(index + BLOCKS_AHEAD);
+            let tangent = self.tangents.of(index);
             let (block, touching) = (&mut self.blocks[index], &mut self.touching[index]);
             let (a, b) = (block.a, block.b);
             *touching = block.advance(
                 simd,
                 kinematics,
-                time_step,
+                tangent,
                 *touching,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], torque: [f64; 4]| {
@@ -109,7 +108,7 @@ impl<F: Law> PairList<F> {
         }
     }
 
-    /// Adds the forces of outer blocks to their first particles and keeps those on the second.
+    /// Adds the forces of outer blocks to their first particles and those on the second to the halo.
     #[inline(always)]
     pub(in crate::granular) fn push_outer<S: Simd>(
         &mut self,
@@ -117,30 +116,31 @@ impl<F: Law> PairList<F> {
         kinematics: Kinematics<'_>,
         first: usize,
         wrenches: &mut Wrenches,
-        halo: &mut Halo,
-        time_step: f64,
+        halo: &mut Wrenches,
     ) {
-        halo.fit::<F>(self.blocks.len());
         for index in 0..self.blocks.len() {
             self.ask(index + BLOCKS_AHEAD);
-            halo.ask(index + HALO_AHEAD);
+            if let Some(block) = self.blocks.get(index + OTHERS_AHEAD) {
+                kinematics.ask(&block.b);
+            }
+            let places = self.places[index];
+            let tangent = self.tangents.of(index);
             let (block, touching) = (&mut self.blocks[index], &mut self.touching[index]);
             let a = block.a;
             *touching = block.advance(
                 simd,
                 kinematics,
-                time_step,
+                tangent,
                 *touching,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], torque: [f64; 4]| {
                     let a = a[lane] as usize - first;
                     wrenches.forces[a].subtract(force);
-                    let place = index * LANES + lane;
-                    halo.forces[place] = Row(force);
+                    let place = places[lane] as usize;
+                    halo.forces[place].add(force);
                     if F::IS_ROUGH {
                         let [on_a, on_b] = moments(force, torque);
                         wrenches.torques[a].subtract(on_a);
-                        halo.torques[place] = Row::default();
                         halo.torques[place].subtract(on_b);
                     }
                 },
@@ -150,11 +150,23 @@ impl<F: Law> PairList<F> {
 }
 
 impl<F: Law> PairList<F> {
-    /// Blocks and lanes that touched in the last step.
-    pub(in crate::granular) fn touching(&self) -> impl Iterator<Item = (&PairBlock<F>, usize)> {
-        let blocks = self.blocks.iter().zip(&self.touching);
-        blocks
-            .flat_map(|(block, touching)| touching_lanes(*touching).map(move |lane| (block, lane)))
+    /// Shows what touched in the last step.
+    pub(super) fn see(&self, observer: &mut Observer<'_>) {
+        for (number, lane) in touching_lanes(&self.touching) {
+            let block = &self.blocks[number];
+            observer(Touching {
+                who: Who::Pair([block.a[lane], block.b[lane]]),
+                constant: block.stiffness[lane],
+                shear_ratio: self.tangents.ratio(number, lane),
+                law: &block.law,
+                lane,
+            });
+        }
+    }
+
+    /// Multiplies tan φ of all contacts.
+    pub(super) fn rub(&mut self, factor: f64) {
+        self.tangents.rub(factor);
     }
 
     /// Adds a candidate and returns its place, block by block. Its bit is set when it has a past, so
@@ -170,6 +182,8 @@ impl<F: Law> PairList<F> {
             self.blocks.push(block);
             self.touching.push(0);
         }
+        let number = self.blocks.len() - 1;
+        self.tangents.set(number, lane, springs);
         self.count += 1;
         self.filled = (lane + 1) % LANES;
         if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
@@ -179,7 +193,21 @@ impl<F: Law> PairList<F> {
             block.law.start(lane, springs, &remembered);
             *touching |= u8::from(past.is_some()) << lane;
         }
-        (self.blocks.len() - 1) * LANES + lane
+        number * LANES + lane
+    }
+
+    /// Sets the row of the halo for particle b of a candidate, by the place that [`PairList::add`] gave.
+    pub(super) fn set_place(&mut self, candidate: usize, row: u32) {
+        // padding of the last block adds nothing, anywhere
+        self.places.resize(self.blocks.len(), [row; LANES]);
+        self.places[candidate / LANES][candidate % LANES] = row;
+    }
+
+    /// Memory [bytes].
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.blocks.as_slice())
+            + size_of_val(self.places.as_slice())
+            + self.tangents.bytes()
     }
 
     /// The next candidate begins a block.
@@ -190,45 +218,8 @@ impl<F: Law> PairList<F> {
     pub(super) fn finish(&mut self) {
         self.blocks.shrink_to_fit();
         self.touching.shrink_to_fit();
-    }
-}
-
-impl Halo {
-    /// Asks for the places of a block, if there is one.
-    #[inline(always)]
-    fn ask(&self, block: usize) {
-        let places = block * LANES..(block + 1) * LANES;
-        for rows in [&self.forces, &self.torques] {
-            let rows = rows.get(places.clone()).unwrap_or_default();
-            // one of each line of the cache
-            for row in rows.iter().step_by(2) {
-                ask(row);
-            }
-        }
-    }
-
-    /// Asks for one place, for its reader.
-    #[inline(always)]
-    pub(in crate::granular) fn ask_place(&self, place: usize) {
-        for rows in [&self.forces, &self.torques] {
-            if let Some(row) = rows.get(place) {
-                ask(row);
-            }
-        }
-    }
-
-    /// Forgets what belonged to a list that is no more.
-    pub(in crate::granular) fn clear(&mut self) {
-        self.forces.clear();
-        self.torques.clear();
-    }
-
-    /// Room for the first step of a list; afterwards every step leaves zero where nothing acts.
-    fn fit<F: Law>(&mut self, blocks: usize) {
-        self.forces.resize(blocks * LANES, Row::default());
-        if F::IS_ROUGH {
-            self.torques.resize(blocks * LANES, Row::default());
-        }
+        self.places.shrink_to_fit();
+        self.tangents.finish();
     }
 }
 
@@ -246,14 +237,14 @@ fn moments(force: [f64; 4], torque: [f64; 4]) -> [[f64; 4]; 2] {
 
 impl<F: Law> PairBlock<F> {
     /// Advances the contacts by a step. Gives `act` the force F on b with arm of a, and n × F with
-    /// the arm of b, for every lane of a part in which something touches, or touched in the last
-    /// step; zero where nothing does. Returns which lanes touch.
+    /// the arm of b, for every lane of a part in which something touches, zero where
+    /// nothing does. Returns which lanes touch.
     #[inline(always)]
     fn advance<S: Simd>(
         &mut self,
         simd: S,
         kinematics: Kinematics<'_>,
-        time_step: f64,
+        tangent: Tangent<'_>,
         touched: u8,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
@@ -272,21 +263,20 @@ impl<F: Law> PairBlock<F> {
             if bits::<S>(may_act, 0) == 0 {
                 if touched != 0 {
                     self.law.forget(simd, part);
-                    let lanes = part * S::F64_LANES..(part + 1) * S::F64_LANES;
-                    for lane in lanes {
-                        act(lane, [0.0; 4], [0.0; 4]);
-                    }
                 }
                 continue;
             }
             let inverse = Lanes::splat(simd, 1.0).over(distance);
             let normal = between.scaled(inverse);
             let overlap = reach - distance;
+            let [shear_ratio, friction] = tangent.load(simd, part);
             let touch = Touch {
                 normal,
                 overlap,
                 reach,
                 stiffness: Lanes::load(simd, &self.stiffness, part),
+                shear_ratio,
+                friction,
                 is_touching,
             };
             let mut slip = Slip::none(simd);
@@ -306,7 +296,9 @@ impl<F: Law> PairBlock<F> {
                     }
                 }
             }
-            let push = self.law.advance(simd, part, touch, slip, time_step);
+            let push = self
+                .law
+                .advance(simd, part, touch, slip, kinematics.time_step);
             touching |= bits::<S>(push.acts, part);
             let half = Lanes::splat(simd, 0.5) * overlap;
             let force = Gathered {

@@ -13,7 +13,10 @@ use serde::{Deserialize, Serialize};
 use super::{
     Kinematics, Slip, Touch, Wrenches,
     law::{Law, Past},
+    lists::{Observer, Touching, Who},
     stiffness::Springs,
+    tangents::{Tangent, Tangents},
+    touching_lanes,
 };
 use crate::granular::{
     lanes::{Array, LANES, Lanes, Vectors, bits},
@@ -52,6 +55,7 @@ pub(in crate::granular) struct WallList<F: Law> {
     pub(in crate::granular) blocks: Vec<WallBlock<F>>,
     /// Bits by lane.
     pub(in crate::granular) touching: Vec<u8>,
+    pub(super) tangents: Tangents,
     /// Candidates, padding not counted.
     pub(in crate::granular) count: usize,
 }
@@ -80,17 +84,18 @@ impl<F: Law> WallList<F> {
         kinematics: Kinematics<'_>,
         first: usize,
         wrenches: &mut Wrenches,
-        time_step: f64,
     ) -> [f64; 4] {
         let mut on_plane = [0.0; 4];
-        for (block, touching) in self.blocks.iter_mut().zip(&mut self.touching) {
+        let blocks = self.blocks.iter_mut().zip(&mut self.touching);
+        for (number, (block, touching)) in blocks.enumerate() {
+            let tangent = self.tangents.of(number);
             let particles = block.particles;
             let touched = *touching;
             *touching = block.advance(
                 simd,
                 face,
                 kinematics,
-                time_step,
+                tangent,
                 touched,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], moment: [f64; 4]| {
@@ -110,6 +115,30 @@ impl<F: Law> WallList<F> {
 }
 
 impl<F: Law> WallList<F> {
+    /// Shows what touched in the last step.
+    pub(super) fn see(&self, plane: u32, observer: &mut Observer<'_>) {
+        for (number, lane) in touching_lanes(&self.touching) {
+            let block = &self.blocks[number];
+            observer(Touching {
+                who: Who::Plane([block.particles[lane], plane]),
+                constant: block.stiffness[lane],
+                shear_ratio: self.tangents.ratio(number, lane),
+                law: &block.law,
+                lane,
+            });
+        }
+    }
+
+    /// Multiplies tan φ of all contacts.
+    pub(super) fn rub(&mut self, factor: f64) {
+        self.tangents.rub(factor);
+    }
+
+    /// Memory [bytes].
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.blocks.as_slice()) + self.tangents.bytes()
+    }
+
     /// Adds a candidate, as a list of pairs does.
     pub(super) fn add(&mut self, particle: u32, springs: &Springs, past: Option<&Past>) {
         let lane = self.count % LANES;
@@ -121,6 +150,7 @@ impl<F: Law> WallList<F> {
             self.blocks.push(block);
             self.touching.push(0);
         }
+        self.tangents.set(self.count / LANES, lane, springs);
         self.count += 1;
         if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
             block.particles[lane] = particle;
@@ -141,7 +171,7 @@ impl<F: Law> WallBlock<F> {
         simd: S,
         face: &Face,
         kinematics: Kinematics<'_>,
-        time_step: f64,
+        tangent: Tangent<'_>,
         touched: u8,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
@@ -164,11 +194,14 @@ impl<F: Law> WallBlock<F> {
                 continue;
             }
             let overlap = radius - height;
+            let [shear_ratio, friction] = tangent.load(simd, part);
             let touch = Touch {
                 normal,
                 overlap,
                 reach: radius + radius,
                 stiffness,
+                shear_ratio,
+                friction,
                 is_touching,
             };
             let mut slip = Slip::none(simd);
@@ -187,7 +220,9 @@ impl<F: Law> WallBlock<F> {
                     slip.last_normal = normal;
                 }
             }
-            let push = self.law.advance(simd, part, touch, slip, time_step);
+            let push = self
+                .law
+                .advance(simd, part, touch, slip, kinematics.time_step);
             touching |= bits::<S>(push.acts, part);
             push.against_wall(simd, part, &touch, radius, &mut act);
         }

@@ -86,7 +86,10 @@ impl Clump {
             let load = wrenches.forces[member - first].vector();
             let arm = centres[member - first].vector() - self.centre;
             force += load;
-            torque += wrenches.torques[member - first].vector() + arm.cross(&load);
+            torque += arm.cross(&load);
+            if let Some(own) = wrenches.torques.get(member - first) {
+                torque += own.vector();
+            }
         }
         [force, torque]
     }

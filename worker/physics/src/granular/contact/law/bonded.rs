@@ -20,7 +20,6 @@ use super::{
 };
 use crate::granular::{
     ahead::ask,
-    contact::stiffness::Springs,
     lanes::{Array, Lanes, Vectors},
 };
 
@@ -62,11 +61,11 @@ impl Law for Bonded {
         let was_intact = self.is_intact(simd, part);
         let rest = Lanes::load(simd, &self.rest, part);
         let spring = touch.stiffness * (touch.overlap - rest);
-        let (grown, friction) = self.coulomb.grown(simd, part, &touch, slip, time_step);
+        let grown = self.coulomb.grown(simd, part, &touch, slip, time_step);
 
         let holds = Lanes::load(simd, &self.normal_strength, part);
         let is_torn = holds.below(-spring);
-        let limit = Lanes::load(simd, &self.shear_strength, part) + spring * friction;
+        let limit = Lanes::load(simd, &self.shear_strength, part) + spring * touch.friction;
         let limit = limit.only_if(zero.below(limit), zero);
         let is_sheared = (limit * limit).below(grown.dot(grown));
         let breaks = simd.or_m64s(is_torn, is_sheared);
@@ -77,7 +76,7 @@ impl Law for Bonded {
 
         let pushes = spring.only_if(zero.below(spring), zero);
         let normal = spring.only_if(is_intact, pushes);
-        let limit = pushes * friction;
+        let limit = pushes * touch.friction;
         let sliding = cut(simd, grown, limit);
         let acts = simd.or_m64s(touch.is_touching, is_intact);
         let shear = grown
@@ -125,20 +124,11 @@ impl Lanewise for Bonded {
         }
     }
 
-    fn start(&mut self, lane: usize, springs: &Springs, past: &Past) {
-        self.coulomb.start(lane, springs, past);
-        self.remember(lane, past);
-    }
-
     fn remember(&mut self, lane: usize, past: &Past) {
         self.coulomb.remember(lane, past);
         [self.normal_strength[lane], self.shear_strength[lane]] = past.bond.strength;
         self.rest[lane] = past.bond.rest;
         self.intact[lane] = f64::from(u8::from(past.bond.is_intact));
-    }
-
-    fn rub(&mut self, factor: f64) {
-        self.coulomb.rub(factor);
     }
 
     fn held(&self, lane: usize, spring: &Spring) -> Held {

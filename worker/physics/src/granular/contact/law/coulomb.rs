@@ -14,13 +14,10 @@ use std::marker::PhantomData;
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{
-    Held, Lanewise, Law, Normal, Normals, Past, Push, Slip, Spring, Touch, tangent::Tangent,
-};
+use super::{Held, Lanewise, Law, Normal, Normals, Past, Push, Slip, Spring, Touch};
 use crate::granular::{
     Vector,
-    ahead::{ask, ask_all},
-    contact::stiffness::Springs,
+    ahead::ask_all,
     lanes::{Array, Lanes, Vectors},
 };
 
@@ -31,18 +28,10 @@ use crate::granular::{
 pub(in crate::granular) struct Coulomb<N: Normal, M: Normals> {
     shear: [Array; 3],
     normals: M,
-    tangent: Tangent,
     normal_spring: PhantomData<N>,
 }
 
 impl<N: Normal, M: Normals> Coulomb<N, M> {
-    /// Constant of the shear spring, k_T [N/m] of a linear one, and tan φ.
-    #[inline(always)]
-    pub(super) fn tangent<S: Simd>(&self, simd: S, part: usize, touch: &Touch<S>) -> [Lanes<S>; 2] {
-        let [ratio, friction] = self.tangent.load(simd, part);
-        [touch.stiffness * ratio, friction]
-    }
-
     /// The shear force of the last step, turned with the contact (G.3).
     #[inline(always)]
     pub(super) fn turned<S: Simd>(
@@ -60,7 +49,7 @@ impl<N: Normal, M: Normals> Coulomb<N, M> {
         shear - shear.cross(before.scaled(twist))
     }
 
-    /// The shear force turned and grown (G.3), (G.4), not cut, and tan φ.
+    /// The shear force turned and grown (G.3), (G.4), not cut.
     #[inline(always)]
     pub(super) fn grown<S: Simd>(
         &self,
@@ -69,13 +58,13 @@ impl<N: Normal, M: Normals> Coulomb<N, M> {
         touch: &Touch<S>,
         slip: Slip<S>,
         time_step: f64,
-    ) -> (Vectors<S>, Lanes<S>) {
+    ) -> Vectors<S> {
         let shear = self.turned(simd, part, touch.normal, slip, time_step);
-        let [stiffness, friction] = self.tangent(simd, part, touch);
+        let stiffness = touch.stiffness * touch.shear_ratio;
         let growth = slip
             .velocity
             .scaled(stiffness * Lanes::splat(simd, time_step));
-        (shear - growth, friction)
+        shear - growth
     }
 
     /// Keeps what the next step needs.
@@ -110,9 +99,9 @@ impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
         slip: Slip<S>,
         time_step: f64,
     ) -> Push<S> {
-        let (shear, friction) = self.grown(simd, part, &touch, slip, time_step);
+        let shear = self.grown(simd, part, &touch, slip, time_step);
         let normal = N::force(simd, &touch);
-        let limit = normal * friction;
+        let limit = normal * touch.friction;
         let shear = cut(simd, shear, limit).only_if(touch.is_touching, Vectors::zero(simd));
         self.keep(part, touch.normal, shear);
         Push {
@@ -127,7 +116,6 @@ impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
     fn ask(&self) {
         ask_all(&self.shear);
         self.normals.ask();
-        ask(&self.tangent);
     }
 
     #[inline(always)]
@@ -145,11 +133,6 @@ impl<N: Normal, M: Normals> Lanewise for Coulomb<N, M> {
         }
     }
 
-    fn start(&mut self, lane: usize, springs: &Springs, past: &Past) {
-        (self.tangent).set(lane, [springs.ratio, springs.friction]);
-        self.remember(lane, past);
-    }
-
     fn remember(&mut self, lane: usize, past: &Past) {
         self.normals.set(lane, past.normal);
         for axis in 0..3 {
@@ -157,12 +140,8 @@ impl<N: Normal, M: Normals> Lanewise for Coulomb<N, M> {
         }
     }
 
-    fn rub(&mut self, factor: f64) {
-        self.tangent.rub(factor);
-    }
-
     fn held(&self, lane: usize, spring: &Spring) -> Held {
-        let [ratio, _] = self.tangent.at(lane);
-        Held::spring::<N>(spring, ratio * spring.constant, self.past(lane).shear)
+        let constant = spring.shear_ratio * spring.constant;
+        Held::spring::<N>(spring, constant, self.past(lane).shear)
     }
 }

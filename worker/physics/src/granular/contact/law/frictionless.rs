@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use super::{Held, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch};
 use crate::granular::{
     Vector,
-    contact::stiffness::Springs,
     lanes::{Lanes, Vectors},
 };
 
@@ -50,11 +49,7 @@ impl<N: Normal> Lanewise for Frictionless<N> {
         Past::default()
     }
 
-    fn start(&mut self, _lane: usize, _springs: &Springs, _past: &Past) {}
-
     fn remember(&mut self, _lane: usize, _past: &Past) {}
-
-    fn rub(&mut self, _factor: f64) {}
 
     fn held(&self, _lane: usize, spring: &Spring) -> Held {
         Held::spring::<N>(spring, 0.0, Vector::zeros())

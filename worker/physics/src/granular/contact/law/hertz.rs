@@ -110,11 +110,11 @@ impl Law for HertzMindlin {
         let kept = root.over(before);
         let kept = kept.only_if(root.below(before), Lanes::splat(simd, 1.0));
         let turned = (self.coulomb).turned(simd, part, touch.normal, slip, time_step);
-        let [constant, friction] = self.coulomb.tangent(simd, part, &touch);
+        let constant = touch.stiffness * touch.shear_ratio;
         let stiffness = constant * root * Lanes::splat(simd, time_step);
         let grown = turned.scaled(kept) - slip.velocity.scaled(stiffness);
         let normal = Hertz::force(simd, &touch);
-        let limit = normal * friction;
+        let limit = normal * touch.friction;
         let shear = cut(simd, grown, limit).only_if(touch.is_touching, Vectors::zero(simd));
         self.coulomb.keep(part, touch.normal, shear);
         root.store(&mut self.root, part);
@@ -147,18 +147,9 @@ impl Lanewise for HertzMindlin {
         }
     }
 
-    fn start(&mut self, lane: usize, springs: &Springs, past: &Past) {
-        self.coulomb.start(lane, springs, past);
-        self.root[lane] = past.root;
-    }
-
     fn remember(&mut self, lane: usize, past: &Past) {
         self.coulomb.remember(lane, past);
         self.root[lane] = past.root;
-    }
-
-    fn rub(&mut self, factor: f64) {
-        self.coulomb.rub(factor);
     }
 
     fn held(&self, lane: usize, spring: &Spring) -> Held {

@@ -117,6 +117,7 @@ mod tests {
     fn energy_is_the_integral_of_the_force_and_tangent_its_derivative() {
         let spring = |overlap: f64| Spring {
             constant: 3e5,
+            shear_ratio: 0.0,
             overlap,
             reach: 0.02,
         };

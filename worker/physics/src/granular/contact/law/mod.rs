@@ -13,7 +13,6 @@ mod hertz;
 mod logarithmic;
 pub(in crate::granular) mod normal;
 mod normals;
-mod tangent;
 mod viscous;
 mod viscous_shear;
 
@@ -87,14 +86,13 @@ pub(in crate::granular) struct Bond {
 pub(in crate::granular) trait Lanewise {
     fn past(&self, lane: usize) -> Past;
 
-    /// Sets a lane: what the contact is made of, and what it remembers.
-    fn start(&mut self, lane: usize, springs: &Springs, past: &Past);
+    /// Sets a lane: what the contact has beside its springs, and what it remembers.
+    fn start(&mut self, lane: usize, _springs: &Springs, past: &Past) {
+        self.remember(lane, past);
+    }
 
-    /// Sets what the contact in a lane remembers, and leaves what it is made of.
+    /// Sets what the contact in a lane remembers.
     fn remember(&mut self, lane: usize, past: &Past);
-
-    /// Multiplies tan φ of all lanes.
-    fn rub(&mut self, factor: f64);
 
     /// What the contact in a lane does at this overlap.
     fn held(&self, lane: usize, spring: &Spring) -> Held;
@@ -251,6 +249,8 @@ mod tests {
                         overlap,
                         reach: Lanes::load(simd, &reach, part),
                         stiffness: Lanes::splat(simd, 1e5),
+                        shear_ratio: Lanes::splat(simd, 0.3),
+                        friction: Lanes::splat(simd, 0.5),
                         is_touching: Lanes::splat(simd, 0.0).below(overlap),
                     };
                     let slip = Slip {

@@ -20,6 +20,8 @@ use crate::granular::{
 pub(in crate::granular) struct Spring {
     /// Constant of the spring: k_N [N/m] of a linear one.
     pub(in crate::granular) constant: f64,
+    /// k_T/k_N of the constants.
+    pub(in crate::granular) shear_ratio: f64,
     /// Overlap beyond that without force [m].
     pub(in crate::granular) overlap: f64,
     /// Distance at which the bodies just touch [m].
@@ -77,6 +79,8 @@ impl Spring {
             overlap: splat(self.overlap),
             reach: splat(self.reach),
             stiffness: splat(self.constant),
+            shear_ratio: splat(self.shear_ratio),
+            friction: splat(0.0),
             is_touching: true,
         }
     }

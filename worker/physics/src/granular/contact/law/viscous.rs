@@ -93,10 +93,6 @@ impl<F: Law> Lanewise for Viscous<F> {
         self.law.remember(lane, past);
     }
 
-    fn rub(&mut self, factor: f64) {
-        self.law.rub(factor);
-    }
-
     fn held(&self, lane: usize, spring: &Spring) -> Held {
         let held = self.law.held(lane, spring);
         let scale = spring.dashpot::<F::Normal>();
