@@ -160,7 +160,7 @@ impl<F: Law> FacetList<F> {
             simd,
             scenery,
             &touched,
-            self.tangents.of(number),
+            self.tangents.of::<F>(number),
             *touching,
             #[inline(always)]
             |lane: usize, force: [f64; 4], moment: [f64; 4]| {
@@ -221,7 +221,7 @@ impl<F: Law> FacetList<F> {
                 });
                 self.touching.push(0);
             }
-            self.tangents.set(self.count / LANES, lane, springs);
+            self.tangents.set::<F>(self.count / LANES, lane, springs);
             self.count += 1;
             if let (Some(block), Some(touching)) =
                 (self.blocks.last_mut(), self.touching.last_mut())

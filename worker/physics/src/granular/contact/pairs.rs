@@ -85,7 +85,7 @@ impl<F: Law> PairList<F> {
     ) {
         for index in 0..self.blocks.len() {
             self.ask(index + BLOCKS_AHEAD);
-            let tangent = self.tangents.of(index);
+            let tangent = self.tangents.of::<F>(index);
             let (block, touching) = (&mut self.blocks[index], &mut self.touching[index]);
             let (a, b) = (block.a, block.b);
             *touching = block.advance(
@@ -124,7 +124,7 @@ impl<F: Law> PairList<F> {
                 kinematics.ask(&block.b);
             }
             let places = self.places[index];
-            let tangent = self.tangents.of(index);
+            let tangent = self.tangents.of::<F>(index);
             let (block, touching) = (&mut self.blocks[index], &mut self.touching[index]);
             let a = block.a;
             *touching = block.advance(
@@ -183,7 +183,7 @@ impl<F: Law> PairList<F> {
             self.touching.push(0);
         }
         let number = self.blocks.len() - 1;
-        self.tangents.set(number, lane, springs);
+        self.tangents.set::<F>(number, lane, springs);
         self.count += 1;
         self.filled = (lane + 1) % LANES;
         if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {

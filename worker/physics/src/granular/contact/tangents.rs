@@ -2,11 +2,11 @@
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::stiffness::Springs;
+use super::{law::Law, stiffness::Springs};
 use crate::granular::lanes::{Array, LANES, Lanes};
 
 /// k_T/k_N and tan φ. They belong to a pair of materials; where one pair meets, which is nearly
-/// everywhere, a list has them once.
+/// everywhere, a list has them once, and a list without friction never.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) enum Tangents {
     #[default]
@@ -25,8 +25,9 @@ pub(super) enum Tangent<'a> {
 
 impl Tangents {
     #[inline(always)]
-    pub(super) fn of(&self, block: usize) -> Tangent<'_> {
+    pub(super) fn of<F: Law>(&self, block: usize) -> Tangent<'_> {
         match self {
+            _ if !F::IS_ROUGH => Tangent::One([0.0; 2]),
             Self::Unset => Tangent::One([0.0; 2]),
             Self::One(values) => Tangent::One(*values),
             Self::Each(blocks) => Tangent::Each(&blocks[block]),
@@ -35,9 +36,10 @@ impl Tangents {
 
     /// k_T/k_N of the contact in a lane of a block.
     pub(super) fn ratio(&self, block: usize, lane: usize) -> f64 {
-        match self.of(block) {
-            Tangent::One([ratio, _]) => ratio,
-            Tangent::Each(arrays) => arrays[0][lane],
+        match self {
+            Self::Unset => 0.0,
+            Self::One([ratio, _]) => *ratio,
+            Self::Each(blocks) => blocks[block][0][lane],
         }
     }
 
@@ -60,14 +62,17 @@ impl Tangents {
 
     /// Sets those of a contact in the last block, number `block`.
     #[allow(clippy::float_cmp, reason = "the same materials give the same bits")]
-    pub(super) fn set(&mut self, block: usize, lane: usize, springs: &Springs) {
+    pub(super) fn set<F: Law>(&mut self, block: usize, lane: usize, springs: &Springs) {
+        if !F::IS_ROUGH {
+            return;
+        }
         let values = [springs.ratio, springs.friction];
         match self {
             Self::Unset => *self = Self::One(values),
             Self::One(known) if *known == values => {}
             Self::One(known) => {
                 *self = Self::Each(vec![known.map(|value| [value; LANES]); block + 1]);
-                self.set(block, lane, springs);
+                self.set::<F>(block, lane, springs);
             }
             Self::Each(blocks) => {
                 blocks.resize(block + 1, values.map(|value| [value; LANES]));
@@ -112,6 +117,9 @@ impl Tangent<'_> {
 mod tests {
     #![allow(clippy::float_cmp, reason = "these numbers are moved, not computed")]
     use super::*;
+    use crate::granular::contact::law::{Coulomb, Followed, Frictionless, Linear};
+
+    type Rough = Coulomb<Linear, Followed>;
 
     #[test]
     fn a_list_has_one_tangent_until_two_pairs_of_materials_meet_in_it() {
@@ -122,16 +130,18 @@ mod tests {
             dashpots: [0.0; 2],
         };
         let mut tangents = Tangents::default();
-        tangents.set(0, 0, &springs(0.3));
-        tangents.set(1, 0, &springs(0.3));
+        tangents.set::<Rough>(0, 0, &springs(0.3));
+        tangents.set::<Rough>(1, 0, &springs(0.3));
         assert_eq!(tangents, Tangents::One([0.3, 0.5]));
         assert_eq!(tangents.bytes(), 0);
-        tangents.set(1, 1, &springs(0.25));
-        tangents.set(2, 0, &springs(0.3));
+        tangents.set::<Frictionless<Linear>>(1, 1, &springs(0.25));
+        assert_eq!(tangents, Tangents::One([0.3, 0.5]));
+        tangents.set::<Rough>(1, 1, &springs(0.25));
+        tangents.set::<Rough>(2, 0, &springs(0.3));
         tangents.rub(0.5);
         for (block, lane, expected) in [(0, 0, 0.3), (1, 0, 0.3), (1, 1, 0.25), (2, 0, 0.3)] {
             assert_eq!(tangents.ratio(block, lane), expected);
-            let Tangent::Each([_, frictions]) = tangents.of(block) else {
+            let Tangent::Each([_, frictions]) = tangents.of::<Rough>(block) else {
                 panic!("two pairs of materials met");
             };
             assert_eq!(frictions[lane], 0.25);

@@ -88,7 +88,7 @@ impl<F: Law> WallList<F> {
         let mut on_plane = [0.0; 4];
         let blocks = self.blocks.iter_mut().zip(&mut self.touching);
         for (number, (block, touching)) in blocks.enumerate() {
-            let tangent = self.tangents.of(number);
+            let tangent = self.tangents.of::<F>(number);
             let particles = block.particles;
             let touched = *touching;
             *touching = block.advance(
@@ -150,7 +150,7 @@ impl<F: Law> WallList<F> {
             self.blocks.push(block);
             self.touching.push(0);
         }
-        self.tangents.set(self.count / LANES, lane, springs);
+        self.tangents.set::<F>(self.count / LANES, lane, springs);
         self.count += 1;
         if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
             block.particles[lane] = particle;
