@@ -237,8 +237,8 @@ fn moments(force: [f64; 4], torque: [f64; 4]) -> [[f64; 4]; 2] {
 
 impl<F: Law> PairBlock<F> {
     /// Advances the contacts by a step. Gives `act` the force F on b with arm of a, and n × F with
-    /// the arm of b, for every lane of a part in which something touches, zero where
-    /// nothing does. Returns which lanes touch.
+    /// the arm of b, for every lane of a part in which something touches, or touched in the
+    /// last step; zero where nothing does. Returns which lanes touch.
     #[inline(always)]
     fn advance<S: Simd>(
         &mut self,
@@ -263,6 +263,12 @@ impl<F: Law> PairBlock<F> {
             if bits::<S>(may_act, 0) == 0 {
                 if touched != 0 {
                     self.law.forget(simd, part);
+                    // adds nothing, but the compiler lays the loop out better: without it a bed without
+                    // friction takes 6 to 8 % longer
+                    let lanes = part * S::F64_LANES..(part + 1) * S::F64_LANES;
+                    for lane in lanes {
+                        act(lane, [0.0; 4], [0.0; 4]);
+                    }
                 }
                 continue;
             }
