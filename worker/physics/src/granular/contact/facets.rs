@@ -20,10 +20,8 @@ use serde::{Deserialize, Serialize};
 use super::{
     Scenery, Slip, Touch, Wrenches,
     law::{Law, Past},
-    lists::{Observer, Touching, Who},
     stiffness::Springs,
     tangents::{Tangent, Tangents},
-    touching_lanes,
 };
 use crate::granular::{
     facets::{
@@ -191,25 +189,6 @@ impl<F: Law> FacetList<F> {
 }
 
 impl<F: Law> FacetList<F> {
-    /// Shows what touched in the last step.
-    pub(super) fn see(&self, observer: &mut Observer<'_>) {
-        for (number, lane) in touching_lanes(&self.touching) {
-            let block = &self.blocks[number];
-            observer(Touching {
-                who: Who::Facet([block.particles[lane], block.facets[lane]]),
-                constant: block.stiffness[lane],
-                shear_ratio: self.tangents.ratio(number, lane),
-                law: &block.law,
-                lane,
-            });
-        }
-    }
-
-    /// Multiplies tan φ of all contacts.
-    pub(super) fn rub(&mut self, factor: f64) {
-        self.tangents.rub(factor);
-    }
-
     /// Adds a sphere with its candidates, if it has any.
     pub(super) fn add(&mut self, particle: u32, candidates: &[FacetCandidate]) {
         for (facet, springs, past) in candidates {

@@ -13,9 +13,13 @@ use super::{
     law::{Lanewise, Law, Past},
     pairs::PairList,
     stiffness::Springs,
+    tangents::Tangents,
     walls::WallList,
 };
-use crate::checkpoint::{self, CheckpointError};
+use crate::{
+    checkpoint::{self, CheckpointError},
+    granular::lanes::LANES,
+};
 
 /// What the contacts of a patch act on.
 #[derive(Debug)]
@@ -168,22 +172,52 @@ impl<F: Law> Lists for PatchLists<F> {
     }
 
     fn see(&self, observer: &mut Observer<'_>) {
-        self.inner.see(observer);
-        self.outer.see(observer);
+        for list in [&self.inner, &self.outer] {
+            see(
+                &list.blocks,
+                &list.touching,
+                &list.tangents,
+                observer,
+                |block, lane| {
+                    let who = Who::Pair([block.a[lane], block.b[lane]]);
+                    (who, block.stiffness[lane], &block.law)
+                },
+            );
+        }
         for (plane, list) in (0..).zip(&self.walls) {
-            list.see(plane, observer);
+            see(
+                &list.blocks,
+                &list.touching,
+                &list.tangents,
+                observer,
+                |block, lane| {
+                    let who = Who::Plane([block.particles[lane], plane]);
+                    (who, block.stiffness[lane], &block.law)
+                },
+            );
         }
     }
 
     fn see_facets(&self, observer: &mut Observer<'_>) {
-        self.facets.see(observer);
+        let list = &self.facets;
+        see(
+            &list.blocks,
+            &list.touching,
+            &list.tangents,
+            observer,
+            |block, lane| {
+                let who = Who::Facet([block.particles[lane], block.facets[lane]]);
+                (who, block.stiffness[lane], &block.law)
+            },
+        );
     }
 
     fn rub(&mut self, factor: f64) {
-        self.inner.rub(factor);
-        self.outer.rub(factor);
-        self.walls.iter_mut().for_each(|list| list.rub(factor));
-        self.facets.rub(factor);
+        let walls = self.walls.iter_mut().map(|list| &mut list.tangents);
+        let bodies = [&mut self.inner.tangents, &mut self.outer.tangents];
+        let lists = bodies.into_iter().chain(walls);
+        let lists = lists.chain([&mut self.facets.tangents]);
+        lists.for_each(|tangents| tangents.rub(factor));
     }
 
     fn candidates(&self) -> usize {
@@ -197,6 +231,29 @@ impl<F: Law> Lists for PatchLists<F> {
 
     fn pack(&self) -> Result<Vec<u8>, CheckpointError> {
         postcard::to_stdvec(self).map_err(checkpoint::form)
+    }
+}
+
+/// Shows the contacts of a list that touched in the last step; `of` tells who is in the lane of a
+/// block, the constant of its normal spring, and its law.
+fn see<'a, B, F: Law>(
+    blocks: &'a [B],
+    touching: &[u8],
+    tangents: &Tangents,
+    observer: &mut Observer<'_>,
+    of: impl Fn(&'a B, usize) -> (Who, f64, &'a F),
+) {
+    for (number, (block, bits)) in blocks.iter().zip(touching).enumerate() {
+        for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+            let (who, constant, law) = of(block, lane);
+            observer(Touching {
+                who,
+                constant,
+                shear_ratio: tangents.ratio(number, lane),
+                law,
+                lane,
+            });
+        }
     }
 }
 

@@ -31,7 +31,7 @@ use pulp::Simd;
 use super::{
     ahead::ask,
     facets::{Facets, Pose},
-    lanes::{LANES, Lanes, Vectors},
+    lanes::{Lanes, Vectors},
     rows::{Gathered, Row, scatter},
 };
 use walls::Face;
@@ -196,12 +196,4 @@ impl Wrenches {
             self.torques.resize(particles, Row::default());
         }
     }
-}
-
-/// Blocks and lanes of the touching contacts of a list, whose bits are these.
-fn touching_lanes(bits: &[u8]) -> impl Iterator<Item = (usize, usize)> {
-    bits.iter().enumerate().flat_map(|(block, bits)| {
-        let lanes = (0..LANES).filter(move |lane| bits >> lane & 1 == 1);
-        lanes.map(move |lane| (block, lane))
-    })
 }

@@ -15,10 +15,8 @@ use serde::{Deserialize, Serialize};
 use super::{
     Kinematics, Slip, Touch, Wrenches,
     law::{Law, Past, direction},
-    lists::{Observer, Touching, Who},
     stiffness::Springs,
     tangents::{Tangent, Tangents},
-    touching_lanes,
 };
 use crate::granular::{
     ahead::ask,
@@ -150,25 +148,6 @@ impl<F: Law> PairList<F> {
 }
 
 impl<F: Law> PairList<F> {
-    /// Shows what touched in the last step.
-    pub(super) fn see(&self, observer: &mut Observer<'_>) {
-        for (number, lane) in touching_lanes(&self.touching) {
-            let block = &self.blocks[number];
-            observer(Touching {
-                who: Who::Pair([block.a[lane], block.b[lane]]),
-                constant: block.stiffness[lane],
-                shear_ratio: self.tangents.ratio(number, lane),
-                law: &block.law,
-                lane,
-            });
-        }
-    }
-
-    /// Multiplies tan φ of all contacts.
-    pub(super) fn rub(&mut self, factor: f64) {
-        self.tangents.rub(factor);
-    }
-
     /// Adds a candidate and returns its place, block by block. Its bit is set when it has a past, so
     /// that the past is forgotten in time.
     pub(super) fn add(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>) -> usize {

@@ -45,19 +45,14 @@ impl Tangents {
 
     /// Multiplies tan φ of all contacts.
     pub(super) fn rub(&mut self, factor: f64) {
-        let frictions = match self {
-            Self::Unset => &mut [],
-            Self::One([_, friction]) => std::slice::from_mut(friction),
+        match self {
+            Self::Unset => {}
+            Self::One([_, friction]) => *friction *= factor,
             Self::Each(blocks) => {
-                let blocks = blocks.iter_mut();
-                return blocks
-                    .flat_map(|[_, frictions]| frictions)
-                    .for_each(|friction| *friction *= factor);
+                let frictions = blocks.iter_mut().flat_map(|[_, frictions]| frictions);
+                frictions.for_each(|friction| *friction *= factor);
             }
-        };
-        frictions
-            .iter_mut()
-            .for_each(|friction| *friction *= factor);
+        }
     }
 
     /// Sets those of a contact in the last block, number `block`.

@@ -13,10 +13,8 @@ use serde::{Deserialize, Serialize};
 use super::{
     Kinematics, Slip, Touch, Wrenches,
     law::{Law, Past},
-    lists::{Observer, Touching, Who},
     stiffness::Springs,
     tangents::{Tangent, Tangents},
-    touching_lanes,
 };
 use crate::granular::{
     lanes::{Array, LANES, Lanes, Vectors, bits},
@@ -115,25 +113,6 @@ impl<F: Law> WallList<F> {
 }
 
 impl<F: Law> WallList<F> {
-    /// Shows what touched in the last step.
-    pub(super) fn see(&self, plane: u32, observer: &mut Observer<'_>) {
-        for (number, lane) in touching_lanes(&self.touching) {
-            let block = &self.blocks[number];
-            observer(Touching {
-                who: Who::Plane([block.particles[lane], plane]),
-                constant: block.stiffness[lane],
-                shear_ratio: self.tangents.ratio(number, lane),
-                law: &block.law,
-                lane,
-            });
-        }
-    }
-
-    /// Multiplies tan φ of all contacts.
-    pub(super) fn rub(&mut self, factor: f64) {
-        self.tangents.rub(factor);
-    }
-
     /// Memory [bytes].
     pub(super) fn bytes(&self) -> usize {
         size_of_val(self.blocks.as_slice()) + self.tangents.bytes()
