@@ -1,7 +1,7 @@
 //! What a run has recorded so far, and what tells whether to believe it.
 use serde::{Deserialize, Serialize};
 
-use super::{measure::Measure, observe::Energies, time_step::Critical};
+use super::{measure::Measure, time_step::Critical};
 
 /// Everything a run has to say at its end, beside the state of its bodies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -100,14 +100,14 @@ pub(super) struct Reading {
 }
 
 impl Balance {
-    pub(super) fn add(&mut self, energies: &Energies, work: f64) {
-        let left = energies.kinetic + energies.elastic + energies.gravitational - work;
+    pub(super) fn add(&mut self, reading: &Reading, work: f64) {
+        let left = reading.kinetic + reading.elastic + reading.gravitational - work;
         let lowest = self.lowest.map_or(left, |lowest| lowest.min(left));
         self.lowest = Some(lowest);
         self.created = self.created.max(left - lowest);
         self.scale = self
             .scale
-            .max(energies.kinetic + energies.elastic)
+            .max(reading.kinetic + reading.elastic)
             .max(work.abs());
     }
 

@@ -67,6 +67,7 @@ mod sphere;
 mod stages;
 mod stiffening;
 mod supply;
+mod survey;
 mod tables;
 mod time_step;
 

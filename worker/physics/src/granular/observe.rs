@@ -13,7 +13,7 @@ use super::{
     engine::Engine,
     journal::Reading,
     motion::clump::Clump,
-    time_step::Critical,
+    survey::Sums,
 };
 
 /// A touching contact.
@@ -49,53 +49,9 @@ pub(super) struct Contact {
     pub(super) is_bonded: bool,
 }
 
-/// Sums over bodies and contacts.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Energies {
-    pub(super) kinetic: f64,
-    /// In normal and shear springs.
-    pub(super) elastic: f64,
-    /// In the field of gravity, from the origin.
-    pub(super) gravitational: f64,
-}
-
-/// What is read off a scene after a step.
-#[derive(Clone, Debug)]
-pub(super) struct Look {
-    pub(super) critical: Option<Critical>,
-    pub(super) energies: Energies,
-    pub(super) reading: Reading,
-    /// Largest compression over the smaller radius.
-    pub(super) overlap_ratio: f64,
-}
-
 impl Engine {
-    /// Contacts that touch, in the order of bodies; to be called between the phases.
-    pub(super) fn contacts(&self) -> Vec<Contact> {
-        let mut contacts = Vec::new();
-        self.gather_contacts(&mut contacts);
-        put_in_order(&mut contacts);
-        contacts
-    }
-
-    /// The same in the order of patches, into memory that is there already.
-    pub(super) fn gather_contacts(&self, contacts: &mut Vec<Contact>) {
-        contacts.clear();
-        let seen = self.team.map(self.contact_lists.iter().collect(), |lists| {
-            let (mut bodies, mut facets) = (Vec::new(), Vec::new());
-            lists.see(&mut |touching| bodies.extend(self.contact(&touching)));
-            lists.see_facets(&mut |touching| facets.extend(self.contact(&touching)));
-            [bodies, facets]
-        });
-        for kind in [0, 1] {
-            for seen in &seen {
-                contacts.extend_from_slice(&seen[kind]);
-            }
-        }
-    }
-
     /// A contact as it stands now; `None` for a facet that is not reached any more.
-    fn contact(&self, touching: &Touching<'_>) -> Option<Contact> {
+    pub(super) fn contact(&self, touching: &Touching<'_>) -> Option<Contact> {
         let particles = &self.state.particles;
         let centre = |particle: u32| &particles.centres[particle as usize].0;
         let bodies = self.model.masses.len() as u32;
@@ -222,61 +178,40 @@ impl Engine {
         energy
     }
 
-    /// What is read off bodies and contacts after a step
-    /// that began with the kinetic and gravitational energies `before` [J].
-    pub(super) fn look(&self, contacts: &[Contact], before: [f64; 2]) -> Look {
-        let (critical, (energies, reading, overlap_ratio)) = self.team.both(
-            || self.critical_step(contacts),
-            || {
-                let energies = Energies {
-                    kinetic: 0.5 * (before[0] + self.kinetic_energy()),
-                    elastic: elastic_energy(contacts),
-                    gravitational: before[1],
-                };
-                // of a bond, the change of its overlap
-                let overlaps = contacts
-                    .iter()
-                    .map(|contact| contact.compression.abs() / contact.radius);
-                let reading = self.reading(contacts, &energies);
-                (energies, reading, overlaps.fold(0.0, f64::max))
-            },
-        );
-        Look {
-            critical,
-            energies,
-            reading,
-            overlap_ratio,
-        }
+    /// Kinetic and gravitational energy [J].
+    pub(super) fn energies(&self) -> [f64; 2] {
+        let (kinetic, gravitational) =
+            (self.team).both(|| self.kinetic_energy(), || self.gravitational_energy());
+        [kinetic, gravitational]
     }
 
-    /// What is read off the bodies and their `contacts` for a row of the curve.
-    pub(super) fn reading(&self, contacts: &[Contact], energies: &Energies) -> Reading {
+    /// What is read off the bodies after a step that began with the energies `before`
+    /// ([`Engine::energies`]) and in which contacts added up to `sums`.
+    pub(super) fn reading(&self, sums: &Sums, before: [f64; 2]) -> Reading {
+        let mean_force = sums.force / sums.contacts as f64;
+        let (kinetic, unbalanced) = (self.team).both(
+            || self.kinetic_energy(),
+            || self.unbalanced_force_ratio(mean_force),
+        );
         let is_movable = &self.model.is_movable;
-        let bodies = self.present_bodies();
-        let movable = bodies
-            .filter(|(body, ..)| is_movable[*body as usize])
-            .count();
-        let ends = contacts.iter().flat_map(|contact| contact.bodies);
-        let ends = ends.filter(|body| is_movable.get(*body as usize) == Some(&true));
-        let coordination = ends.count() as f64 / movable as f64;
+        let movable = self.present_bodies();
+        let movable = movable.filter(|(body, ..)| is_movable[*body as usize]);
+        let movable = movable.count();
+        let coordination = sums.movable_ends as f64 / movable as f64;
         Reading {
-            kinetic: energies.kinetic,
-            elastic: energies.elastic,
-            gravitational: energies.gravitational,
-            contacts: contacts.len() as u64,
-            bonds: contacts.iter().filter(|contact| contact.is_bonded).count() as u64,
-            unbalanced: self.unbalanced_force_ratio(contacts),
+            kinetic: 0.5 * (before[0] + kinetic),
+            elastic: sums.elastic,
+            gravitational: before[1],
+            contacts: sums.contacts,
+            bonds: sums.bonds,
+            unbalanced,
             coordination: (movable > 0).then_some(coordination),
         }
     }
 
-    /// Mean resultant force on movable bodies over the mean contact force, after a step.
+    /// Mean resultant force on movable bodies over the mean contact force [N], after a step.
     /// `None` without contacts. Source: Yade's `unbalancedForce`.
-    pub(super) fn unbalanced_force_ratio(&self, contacts: &[Contact]) -> Option<f64> {
-        let forces = contacts
-            .iter()
-            .map(|contact| (contact.normal_force + contact.shear_force).norm());
-        let mean = forces.sum::<f64>() / contacts.len() as f64;
+    fn unbalanced_force_ratio(&self, mean: f64) -> Option<f64> {
         if mean.is_nan() || mean <= 0.0 {
             return None;
         }
@@ -355,10 +290,4 @@ impl Contact {
             ..self
         }
     }
-}
-
-/// In the contacts [J].
-pub(super) fn elastic_energy(contacts: &[Contact]) -> f64 {
-    // the sum of none is -0
-    0.0 + contacts.iter().map(|contact| contact.energy).sum::<f64>()
 }

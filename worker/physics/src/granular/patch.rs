@@ -171,7 +171,7 @@ impl Patch {
     }
 
     /// Ranges of the particles that are no members of these clumps, counted from the patch's first.
-    fn single_spheres(&self, clumps: &[Clump]) -> impl Iterator<Item = Range<usize>> {
+    pub(super) fn single_spheres(&self, clumps: &[Clump]) -> impl Iterator<Item = Range<usize>> {
         let first = self.particles.start;
         let mut next = first;
         let end = self.particles.end..self.particles.end;

@@ -6,13 +6,7 @@ use std::collections::BTreeSet;
 
 use loadframe_api::spec::granular_scene::Cut;
 
-use super::{
-    Vector,
-    engine::Engine,
-    fragments::Fragments,
-    observe::{Contact, elastic_energy},
-    run::Runner,
-};
+use super::{Vector, engine::Engine, fragments::Fragments, observe::Contact, run::Runner};
 use crate::{Recorder, SimulationError};
 
 /// What was taken out.
@@ -103,9 +97,8 @@ impl Engine {
         let torn = contacts
             .iter()
             .filter(|contact| contact.bodies.into_iter().any(is_taken));
-        let torn: Vec<Contact> = torn.copied().collect();
-        removal.energy =
-            self.kinetic_energy() + self.gravitational_energy() - before - elastic_energy(&torn);
+        let torn: f64 = torn.map(|contact| contact.energy).sum();
+        removal.energy = self.kinetic_energy() + self.gravitational_energy() - before - torn;
         removal
     }
 }
@@ -117,8 +110,8 @@ impl Runner<'_> {
         cut: &Cut,
         recorder: &mut dyn Recorder,
     ) -> Result<(), SimulationError> {
-        let contacts = self.engine.contacts();
-        let removal = self.engine.take_out(cut, &contacts);
+        let survey = self.engine.survey(true);
+        let removal = self.engine.take_out(cut, &survey.contacts);
         self.journal.balance.shift(removal.energy);
         self.journal.removed_bodies += removal.bodies;
         self.journal.removed_mass += removal.mass;

@@ -16,11 +16,11 @@ use super::{
     engine::{Engine, State},
     fragments,
     journal::Journal,
-    observe::{Contact, Energies, Look, elastic_energy, put_in_order},
+    observe::put_in_order,
     report, snapshot,
     specimen::Specimen,
+    survey::Survey,
     tables,
-    time_step::Critical,
 };
 use crate::{
     Ending, Interrupt, Recorder, RunContext, SimulationError,
@@ -76,8 +76,6 @@ pub(super) struct Runner<'a> {
     foreseen: f64,
     smallest_radius: f64,
     fingerprint: Fingerprint,
-    /// Memory for those observed.
-    contacts: Vec<Contact>,
 }
 
 pub(super) fn run(
@@ -187,7 +185,6 @@ impl<'a> Runner<'a> {
             foreseen,
             smallest_radius,
             fingerprint: Fingerprint::of(spec)?,
-            contacts: Vec::new(),
         })
     }
 
@@ -196,8 +193,8 @@ impl<'a> Runner<'a> {
         self.engine.list();
         // a push of no time finds out what touches and changes nothing
         self.engine.push(0.0);
-        let mut contacts = self.engine.contacts();
-        let critical = self.engine.critical_step(&contacts);
+        let survey = self.engine.survey(true);
+        let critical = survey.critical;
         self.journal.time_step = match self.spec.time_step_s {
             TimeStep::Given(step) => {
                 if let Some(critical) = critical
@@ -218,10 +215,10 @@ impl<'a> Runner<'a> {
             "{} bodies ({} spheres), {} contacts, time step {:.3e} s",
             self.engine.present_bodies().count(),
             state.particles.len(),
-            contacts.len(),
+            survey.contacts.len(),
             self.journal.time_step
         ));
-        self.show(&mut contacts, critical, recorder)
+        self.show(survey, recorder)
     }
 
     /// Reads off and records a scene between two steps, after something was done to it.
@@ -230,29 +227,21 @@ impl<'a> Runner<'a> {
         recorder: &mut dyn Recorder,
     ) -> Result<(), SimulationError> {
         self.engine.push_still();
-        let mut contacts = self.engine.contacts();
-        let critical = self.engine.critical_step(&contacts);
-        self.show(&mut contacts, critical, recorder)
+        let survey = self.engine.survey(true);
+        self.show(survey, recorder)
     }
 
     fn show(
         &mut self,
-        contacts: &mut [Contact],
-        critical: Option<Critical>,
+        mut survey: Survey,
         recorder: &mut dyn Recorder,
     ) -> Result<(), SimulationError> {
-        self.journal
-            .worst
-            .see_step(self.journal.time_step, critical);
-        let energies = Energies {
-            kinetic: self.engine.kinetic_energy(),
-            elastic: elastic_energy(contacts),
-            gravitational: self.engine.gravitational_energy(),
-        };
-        self.journal.last = self.engine.reading(contacts, &energies);
-        self.record(recorder, contacts, critical)?;
+        let journal = &mut self.journal;
+        journal.worst.see_step(journal.time_step, survey.critical);
+        journal.last = (self.engine).reading(&survey.sums, self.engine.energies());
+        self.record(recorder, &mut survey)?;
         if self.spec.record.snapshot_every_steps > 0 {
-            self.picture(recorder, contacts)?;
+            self.picture(recorder, &mut survey)?;
         }
         Ok(())
     }
@@ -260,11 +249,11 @@ impl<'a> Runner<'a> {
     fn picture(
         &mut self,
         recorder: &mut dyn Recorder,
-        contacts: &mut [Contact],
+        survey: &mut Survey,
     ) -> Result<(), SimulationError> {
-        put_in_order(contacts);
+        put_in_order(&mut survey.contacts);
         let state = &self.engine.state;
-        snapshot::take(&self.engine, contacts, recorder)?;
+        snapshot::take(&self.engine, &survey.contacts, recorder)?;
         let entry = (state.step, state.time);
         // after bodies were taken out, the picture of the same step is taken again
         if self.journal.snapshots.last() != Some(&entry) {
@@ -274,12 +263,11 @@ impl<'a> Runner<'a> {
     }
 
     /// Keeps what an observation says about the quality of the run.
-    fn judge(&mut self, contacts: &[Contact], look: Look) -> Result<(), SimulationError> {
+    fn judge(&mut self, survey: &Survey) -> Result<(), SimulationError> {
         self.check_finite()?;
         let journal = &mut self.journal;
-        let largest = look.overlap_ratio;
-        journal.worst.see_step(journal.time_step, look.critical);
-        journal.last = look.reading;
+        let largest = survey.sums.overlap_ratio;
+        journal.worst.see_step(journal.time_step, survey.critical);
         if let Some(Stage::Settle(settle)) = self.spec.stages.get(journal.stage) {
             let ratio = journal.last.unbalanced;
             journal.is_settled = ratio.is_some_and(|ratio| ratio <= settle.unbalanced_force_ratio);
@@ -305,7 +293,7 @@ impl<'a> Runner<'a> {
             let scene = self.engine.cuboid([None; 2]);
             let scene = self
                 .engine
-                .measure(&scene, None, &self.engine.points(), contacts);
+                .measure(&scene, None, &self.engine.points(), &survey.contacts);
             journal.driving.add(&scene, journal.last.unbalanced);
         }
         if self.engine.model.has_driven_bodies {
@@ -318,7 +306,7 @@ impl<'a> Runner<'a> {
         }
         journal
             .balance
-            .add(&look.energies, self.engine.state.wall_work);
+            .add(&journal.last, self.engine.state.wall_work);
         let created = journal.balance.created_ratio();
         if created > RUNAWAY && !self.spec.allow_unstable {
             return Err(SimulationError::EnergyGrowth {
@@ -335,10 +323,12 @@ impl<'a> Runner<'a> {
     fn record(
         &mut self,
         recorder: &mut dyn Recorder,
-        contacts: &mut [Contact],
-        critical: Option<Critical>,
+        survey: &mut Survey,
     ) -> Result<(), SimulationError> {
-        let ratio = critical.map_or(0.0, |critical| self.journal.time_step / critical.step);
+        let contacts = &mut survey.contacts;
+        let ratio = survey
+            .critical
+            .map_or(0.0, |critical| self.journal.time_step / critical.step);
         let row = tables::curve_row(self.spec, &self.engine, &self.journal, contacts, ratio);
         recorder.point(&row)?;
         self.journal.curve.extend(row);

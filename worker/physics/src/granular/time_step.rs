@@ -12,12 +12,11 @@
 //! Stiffnesses are tangents at the present overlap. With dashpots, whose damping matrix over the
 //! masses has the bound D, built from them as ω² is from the springs, the step must satisfy
 //! ω² Δt² + 2 D Δt < 4 (G.19), since the velocities that damp are those of half a step ago.
-use std::collections::BTreeMap;
-
 use serde::{Deserialize, Serialize};
 
 use super::{
-    contact::stiffness::Side, engine::Engine, motion::clump::Clump, observe::Contact, rows::Row,
+    contact::stiffness::Side, engine::Engine, motion::clump::Clump, observe::Contact, patch::Patch,
+    rows::Row, scene::Model,
 };
 
 /// The critical step and the contact that sets it.
@@ -33,7 +32,7 @@ pub(super) struct Critical {
     pub(super) median: f64,
 }
 
-/// What a body's contacts add up to.
+/// What the contacts of a particle, or a body, add up to.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rows {
     along: [f64; 3],
@@ -43,85 +42,161 @@ struct Rows {
     stiffest: (f64, u32),
 }
 
-impl Engine {
-    /// The critical step of these contacts; `None` when none of them moves anything.
-    pub(super) fn critical_step(&self, contacts: &[Contact]) -> Option<Critical> {
-        let bodies = self.model.masses.len();
-        let mut rows = vec![Rows::default(); bodies];
-        let clumps = self.clumps_by_body();
-        for contact in contacts {
-            for (own, other) in [(0, 1), (1, 0)] {
-                let [body, partner] = [own, other].map(|side| contact.bodies[side]);
-                let place = body as usize;
-                if place >= bodies || !self.model.is_movable[place] {
-                    continue;
-                }
-                let mass = self.model.masses[place];
-                let coupling = match self.model.masses.get(partner as usize) {
-                    Some(other) if self.model.is_movable[partner as usize] => (mass / other).sqrt(),
-                    _ => 0.0,
-                };
-                let particle = if own == 0 {
-                    Some(contact.particles.0)
-                } else {
-                    contact.particles.1
-                };
-                let turning = particle.map_or(0.0, |particle| self.turning(&clumps, particle));
-                let [normal, shear] = contact.stiffness;
-                let [normal_dashpot, shear_dashpot] = contact.dashpots;
-                let row = &mut rows[place];
-                for axis in 0..3 {
-                    let square = contact.normal[axis].powi(2);
-                    let stiffness = normal * square + shear * (1.0 - square);
-                    row.along[axis] += stiffness / mass * (1.0 + coupling);
-                    let damping = normal_dashpot * square + shear_dashpot * (1.0 - square);
-                    row.damped[0][axis] += damping / mass * (1.0 + coupling);
-                    row.about[axis] +=
-                        shear * (1.0 - square) * (1.0 / mass + turning) * (1.0 + coupling);
-                    row.damped[1][axis] +=
-                        shear_dashpot * (1.0 - square) * (1.0 / mass + turning) * (1.0 + coupling);
-                }
-                if normal > row.stiffest.0 {
-                    row.stiffest = (normal, partner);
-                }
-            }
+/// What the contacts of a patch add up to for each particle, before it is divided by masses.
+#[derive(Clone, Debug)]
+pub(super) struct PatchRows {
+    /// Of its particles.
+    own: Vec<Rows>,
+    /// Of particles of later patches that it acts on.
+    others: Vec<Rows>,
+}
+
+impl Rows {
+    /// A contact, with the terms of the other body as a factor.
+    fn add(&mut self, contact: &Contact, factor: f64, partner: u32) {
+        let [normal, shear] = contact.stiffness.map(|stiffness| factor * stiffness);
+        let [normal_dashpot, shear_dashpot] = contact.dashpots.map(|dashpot| factor * dashpot);
+        for axis in 0..3 {
+            let square = contact.normal[axis].powi(2);
+            self.along[axis] += normal * square + shear * (1.0 - square);
+            self.about[axis] += shear * (1.0 - square);
+            self.damped[0][axis] += normal_dashpot * square + shear_dashpot * (1.0 - square);
+            self.damped[1][axis] += shear_dashpot * (1.0 - square);
         }
-        let mut critical: Option<Critical> = None;
-        let mut steps = Vec::new();
-        for (body, row) in (0..).zip(&rows) {
-            let square = row
-                .along
-                .iter()
-                .chain(&row.about)
-                .fold(0.0, |most: f64, next| most.max(*next));
-            let damped = row
-                .damped
-                .as_flattened()
-                .iter()
-                .fold(0.0, |most: f64, next| most.max(*next));
-            let step = if damped > 0.0 {
-                // the root of (G.19)
-                4.0 / (damped + (damped * damped + 4.0 * square).sqrt())
-            } else {
-                2.0 / square.sqrt()
+        if contact.stiffness[0] > self.stiffest.0 {
+            self.stiffest = (contact.stiffness[0], partner);
+        }
+    }
+
+    /// Others, times a factor along the axes and one about them.
+    fn join(&mut self, other: &Self, along: f64, about: f64) {
+        for axis in 0..3 {
+            self.along[axis] += along * other.along[axis];
+            self.about[axis] += about * other.about[axis];
+            self.damped[0][axis] += along * other.damped[0][axis];
+            self.damped[1][axis] += about * other.damped[1][axis];
+        }
+        if other.stiffest.0 > self.stiffest.0 {
+            self.stiffest = other.stiffest;
+        }
+    }
+
+    /// The critical step of a body [s] whose rows, over its mass, these are; `None` for one that
+    /// nothing holds.
+    fn critical_step(&self) -> Option<f64> {
+        let most = |rows: &[f64]| rows.iter().copied().fold(0.0, f64::max);
+        let square = most(&self.along).max(most(&self.about));
+        let damped = most(self.damped.as_flattened());
+        let step = if damped > 0.0 {
+            // the root of (G.19)
+            4.0 / (damped + (damped * damped + 4.0 * square).sqrt())
+        } else {
+            2.0 / square.sqrt()
+        };
+        (square > 0.0).then_some(step)
+    }
+}
+
+impl PatchRows {
+    pub(super) fn new(patch: &Patch) -> Self {
+        Self {
+            own: vec![Rows::default(); patch.particles.len()],
+            others: vec![Rows::default(); patch.others.len()],
+        }
+    }
+
+    /// A contact of the patch whose rows these are.
+    pub(super) fn add(&mut self, contact: &Contact, patch: &Patch, model: &Model) {
+        let is_movable = |body: u32| model.is_movable.get(body as usize) == Some(&true);
+        let [a, b] = contact.bodies;
+        let (particle, other) = contact.particles;
+        for (body, partner, particle) in [(a, b, Some(particle)), (b, a, other)] {
+            let Some(particle) = particle.filter(|_| is_movable(body)) else {
+                continue;
             };
-            if square > 0.0 {
-                steps.push(step);
+            let coupling = if is_movable(partner) {
+                let [own, other] = [body, partner].map(|body| model.masses[body as usize]);
+                (own / other).sqrt()
+            } else {
+                0.0
+            };
+            let row = if patch.particles.contains(&particle) {
+                &mut self.own[particle - patch.particles.start]
+            } else {
+                let place = (patch.others).partition_point(|other| (*other as usize) < particle);
+                &mut self.others[place]
+            };
+            row.add(contact, 1.0 + coupling, partner);
+        }
+    }
+}
+
+impl Engine {
+    /// The critical step of the contacts that these are the rows of; `None` when none of them moves
+    /// anything.
+    pub(super) fn critical_step(&self, rows: Vec<PatchRows>) -> Option<Critical> {
+        let rows = rows.into_iter().map(|rows| (rows.own, rows.others));
+        let (own, others): (Vec<_>, Vec<_>) = rows.unzip();
+        let work = self.state.patches.iter().zip(own);
+        let found = self.team.map(work.collect(), |(patch, mut own)| {
+            for incoming in &patch.incoming {
+                let rows = &others[incoming.patch][incoming.place..];
+                for (particle, row) in incoming.particles.iter().zip(rows) {
+                    own[*particle as usize].join(row, 1.0, 1.0);
+                }
             }
-            if square > 0.0 && critical.is_none_or(|found| step < found.step) {
-                critical = Some(Critical {
-                    step,
-                    body,
-                    partner: row.stiffest.1,
-                    median: step,
-                });
+            self.critical_steps(patch, &own)
+        });
+        let found = || found.iter().flatten();
+        let order = |a: &&Critical, b: &&Critical| {
+            (a.step.total_cmp(&b.step)).then_with(|| a.body.cmp(&b.body))
+        };
+        let critical = found().min_by(order)?;
+        let mut steps: Vec<f64> = found().map(|body| body.step).collect();
+        let middle = steps.len() / 2;
+        Some(Critical {
+            median: *steps.select_nth_unstable_by(middle, f64::total_cmp).1,
+            ..*critical
+        })
+    }
+
+    /// Of each body of a patch that moves and touches something, given the rows of its particles.
+    fn critical_steps(&self, patch: &Patch, rows: &[Rows]) -> Vec<Critical> {
+        let (model, particles) = (&self.model, &self.state.particles);
+        let first = patch.particles.start;
+        let clumps = &self.state.clumps[patch.clumps.clone()];
+        let mut found = Vec::with_capacity(rows.len());
+        let mut add = |body: u32, row: &Rows| {
+            found.extend(row.critical_step().map(|step| Critical {
+                step,
+                body,
+                partner: row.stiffest.1,
+                median: step,
+            }));
+        };
+        for place in patch.single_spheres(clumps).flatten() {
+            let body = particles.owners[first + place];
+            if model.is_movable[body as usize] {
+                let radius = particles.centres[first + place].0[3];
+                let freedom = 1.0 / model.masses[body as usize];
+                let turning = radius.powi(2) / model.sphere_inertias[body as usize];
+                let mut row = Rows::default();
+                row.join(&rows[place], freedom, freedom + turning);
+                add(body, &row);
             }
         }
-        if let Some(critical) = &mut critical {
-            let middle = steps.len() / 2;
-            critical.median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+        for clump in clumps {
+            if model.is_movable[clump.body as usize] {
+                let freedom = 1.0 / clump.mass;
+                let mut row = Rows::default();
+                for member in clump.members() {
+                    let turning = clump.turning(&particles.centres[member]);
+                    row.join(&rows[member - first], freedom, freedom + turning);
+                }
+                add(clump.body, &row);
+            }
         }
-        critical
+        found
     }
 
     /// The critical step of any one contact of a clump's member with its like, at this `speed`
@@ -152,21 +227,6 @@ impl Engine {
             })
         });
         steps.min_by(f64::total_cmp)
-    }
-
-    /// Arm² over inertia of a contact of a particle, at most [1/kg].
-    fn turning(&self, clumps: &BTreeMap<u32, &Clump>, particle: usize) -> f64 {
-        let centre = &self.state.particles.centres[particle];
-        let owner = self.state.particles.owners[particle];
-        match clumps.get(&owner) {
-            Some(clump) => clump.turning(centre),
-            None => centre.0[3].powi(2) / self.model.sphere_inertias[owner as usize],
-        }
-    }
-
-    fn clumps_by_body(&self) -> BTreeMap<u32, &Clump> {
-        let clumps = self.state.clumps.iter();
-        clumps.map(|clump| (clump.body, clump)).collect()
     }
 }
 

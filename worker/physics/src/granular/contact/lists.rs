@@ -84,11 +84,8 @@ pub(in crate::granular) trait Lists: Debug + Send + Sync {
     /// All is listed, at this many planes.
     fn finish(&mut self, planes: usize);
 
-    /// Shows what touched in the last step, but for facets.
+    /// Shows what touched in the last step.
     fn see(&self, observer: &mut Observer<'_>);
-
-    /// Shows the facets that were touched.
-    fn see_facets(&self, observer: &mut Observer<'_>);
 
     /// Multiplies tan φ of all contacts.
     fn rub(&mut self, factor: f64);
@@ -196,9 +193,6 @@ impl<F: Law> Lists for PatchLists<F> {
                 },
             );
         }
-    }
-
-    fn see_facets(&self, observer: &mut Observer<'_>) {
         let list = &self.facets;
         see(
             &list.blocks,

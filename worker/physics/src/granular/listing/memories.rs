@@ -63,7 +63,6 @@ impl Memories {
         };
         for lists in contacts {
             lists.see(&mut keep);
-            lists.see_facets(&mut keep);
         }
         walls.sort_by_key(|(key, _)| *key);
         facets.sort_by_key(|(key, _)| *key);

@@ -112,6 +112,21 @@ impl Runner<'_> {
         (reason.is_recorded || reason.is_pictured || is_due).then_some(reason)
     }
 
+    /// Whether a look wants every contact, and not only what they add up to.
+    fn needs_contacts(&self, reason: Reason) -> bool {
+        let record = &self.spec.record;
+        let stage = self.spec.stages.get(self.journal.stage);
+        // the look itself may end such a stage, and that is recorded
+        let may_end = matches!(stage, Some(Stage::Settle(_) | Stage::Relax(_)));
+        let has_pictures = record.snapshot_every_steps > 0;
+        let has_rows =
+            record.contacts || !record.regions.is_empty() || !self.engine.model.driven.is_empty();
+        stage.is_some_and(Stage::is_quasi_static)
+            || reason.is_pictured
+            || reason.is_recorded && has_rows
+            || may_end && (has_rows || has_pictures)
+    }
+
     pub(super) fn step(&mut self, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
         let Some(reason) = self.reason_to_look() else {
             return self.plain_step();
@@ -124,30 +139,25 @@ impl Runner<'_> {
         } = reason;
         let time_step = self.journal.time_step;
         self.engine.push(time_step);
-        let mut contacts = std::mem::take(&mut self.contacts);
-        self.engine.gather_contacts(&mut contacts);
-        let engine = &self.engine;
-        let before =
-            (engine.team).both(|| engine.kinetic_energy(), || engine.gravitational_energy());
+        let mut survey = self.engine.survey(self.needs_contacts(reason));
+        let before = self.engine.energies();
         self.engine.advance(time_step);
         self.journal.stage_steps += 1;
-        let look = self.engine.look(&contacts, before.into());
-        let critical = look.critical;
         let contacts_before = self.journal.last.contacts;
-        self.judge(&contacts, look)?;
+        self.journal.last = self.engine.reading(&survey.sums, before);
+        self.judge(&survey)?;
         let is_last =
             is_last || (self.journal.is_settled && (self.is_last_stage() || records_ends));
         let is_recorded = is_recorded || is_last;
         let is_pictured = is_pictured || (is_last && self.spec.record.snapshot_every_steps > 0);
         if is_recorded {
-            self.record(recorder, &mut contacts, critical)?;
+            self.record(recorder, &mut survey)?;
         }
         if is_pictured {
-            self.picture(recorder, &mut contacts)?;
+            self.picture(recorder, &mut survey)?;
         }
-        self.contacts = contacts;
         if self.automatic.is_some() {
-            let step = self.automatic_step(critical);
+            let step = self.automatic_step(survey.critical);
             let journal = &mut self.journal;
             let is_falling = step < FALLING * journal.time_step;
             let is_growing = journal.last.contacts as f64 > GROWING * contacts_before as f64;
