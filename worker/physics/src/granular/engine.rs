@@ -373,7 +373,7 @@ impl Engine {
     /// What the contacts of the last step remember.
     pub(super) fn memories(&self) -> Memories {
         if self.model.is_rough {
-            Memories::of(&self.contact_lists, &self.state.particles)
+            Memories::of(&self.team, &self.contact_lists, &self.state.particles)
         } else {
             Memories::default()
         }

@@ -129,24 +129,27 @@ impl Listing<'_> {
         candidates: &Candidates,
         lists: &mut dyn Lists,
     ) {
-        // what touches now comes first, so that blocks of what does not are passed over by one look
-        for wants_touching in [true, false] {
-            for a in range.clone() {
-                for &b in candidates.of(a) {
-                    let other = b as usize;
-                    let past = (self.memories).pair_or_bond(self.model, self.particles, a, other);
-                    let is_bonded = past.is_some_and(|past| past.bond.is_intact);
-                    if (is_bonded || self.is_touching(a, other)) != wants_touching {
-                        continue;
-                    }
-                    let springs = (self.law.springs)(&self.side(a), &self.side(other));
-                    let pair = [a as u32, b];
-                    if range.contains(&other) {
-                        lists.add_inner(pair, &springs, past.as_ref());
-                    } else {
-                        let place = others.partition_point(|other| *other < b) as u32;
-                        lists.add_outer(pair, place, &springs, past.as_ref());
-                    }
+        let past =
+            |a: usize, b: usize| (self.memories).pair_or_bond(self.model, self.particles, a, b);
+        let has_bonds = self.memories.has_bonds();
+        let is_bonded = |a, b| has_bonds && past(a, b).is_some_and(|past| past.bond.is_intact);
+        let pairs = range.clone().flat_map(|a| {
+            let partners = candidates.of(a).iter();
+            partners.map(move |b| (a, *b as usize))
+        });
+        // what is held now comes first, so that blocks of what is not are passed over by one look
+        let (held, apart): (Vec<_>, Vec<_>) =
+            pairs.partition(|&(a, b)| self.is_touching(a, b) || is_bonded(a, b));
+        for pairs in [held, apart] {
+            for (a, b) in pairs {
+                let springs = (self.law.springs)(&self.side(a), &self.side(b));
+                let past = past(a, b);
+                let pair = [a as u32, b as u32];
+                if range.contains(&b) {
+                    lists.add_inner(pair, &springs, past.as_ref());
+                } else {
+                    let place = others.partition_point(|other| (*other as usize) < b) as u32;
+                    lists.add_outer(pair, place, &springs, past.as_ref());
                 }
             }
             lists.close_blocks();

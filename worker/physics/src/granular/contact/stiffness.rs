@@ -11,8 +11,8 @@ pub(in crate::granular) struct Surface {
     /// ν, k_T/k_N of linear springs.
     pub(super) stiffness_ratio: f64,
     poisson_ratio: f64,
-    /// φ [rad].
-    friction_angle: f64,
+    /// tan φ.
+    friction: f64,
     /// c_N and c_T [Pa].
     cohesion: [f64; 2],
     /// β of the dashpots along and across the normal.
@@ -54,7 +54,7 @@ impl Surface {
             youngs_modulus: material.youngs_modulus_pa,
             stiffness_ratio: material.stiffness_ratio,
             poisson_ratio: material.poisson_ratio(),
-            friction_angle: material.friction_angle_rad,
+            friction: material.friction_angle_rad.tan(),
             cohesion: [material.normal_cohesion_pa, material.shear_cohesion_pa],
             damping_ratios: material.damping_ratios(),
         }
@@ -107,9 +107,7 @@ impl Side {
 
     /// tan φ of the smoother surface.
     pub(super) fn friction_with(&self, other: &Self) -> f64 {
-        (self.surface.friction_angle)
-            .min(other.surface.friction_angle)
-            .tan()
+        self.surface.friction.min(other.surface.friction)
     }
 
     /// 2 β √(m* k_N) and 2 β_T √(2/7 m* k_T) [N s/m] of the surface that damps more, beside springs of

@@ -89,7 +89,7 @@ impl Search {
             }
             let local = Row([centre[0], centre[1], centre[2], radius]);
             for level in levels {
-                level.around(&local, |others| {
+                level.around(&local, |others, _| {
                     for &other in others {
                         let facet = &facets.facets[other as usize];
                         // a grain within a vessel is near the balls of all its long triangles, but

@@ -2,13 +2,14 @@
 use super::super::{
     contact::{
         law::{Bond, Past},
-        lists::{Lists, Touching, Who},
+        lists::{Lists, Who},
         stiffness::bond_strength,
     },
     neighbours::grid::is_near,
     particles::Particles,
     scene::Model,
 };
+use crate::parallel::Team;
 
 /// What contacts remember, by particle number of the spec, whatever the order in memory.
 #[derive(Debug)]
@@ -20,6 +21,7 @@ pub(in crate::granular) struct Memories {
     walls: Vec<((u32, u32), Past)>,
     /// Particle, facet and past, sorted.
     facets: Vec<((u32, u32), Past)>,
+    intact_bonds: u64,
     /// Particles with this number and higher ones are new: bonds are made between them.
     newcomers: u32,
 }
@@ -31,68 +33,94 @@ impl Default for Memories {
             pairs: Vec::new(),
             walls: Vec::new(),
             facets: Vec::new(),
+            intact_bonds: 0,
             newcomers: u32::MAX,
         }
     }
+}
+
+/// What the contacts of one patch remember.
+#[derive(Default)]
+struct Part {
+    /// The lower number, the higher one, and the past as seen from the lower.
+    pairs: Vec<(u32, u32, Past)>,
+    walls: Vec<((u32, u32), Past)>,
+    facets: Vec<((u32, u32), Past)>,
+    intact_bonds: u64,
 }
 
 /// Spheres this part of the smaller radius apart touch when bonds are made: places in a spec are
 /// rounded.
 const BOND_REACH: f64 = 1e-6;
 
-impl Memories {
-    /// Of the contacts that touched in the last step.
-    pub(in crate::granular) fn of(contacts: &[Box<dyn Lists>], particles: &Particles) -> Self {
-        let mut pairs: Vec<(u32, u32, Past)> = Vec::new();
-        let (mut walls, mut facets) = (Vec::new(), Vec::new());
+impl Part {
+    fn of(lists: &dyn Lists, particles: &Particles) -> Self {
+        let mut part = Self::default();
         let number = |particle: u32| particles.numbers[particle as usize];
-        let mut keep = |touching: Touching<'_>| {
+        lists.see(&mut |touching| {
             let past = touching.law.past(touching.lane);
             match touching.who {
                 Who::Pair(pair) => {
                     let [a, b] = pair.map(number);
-                    pairs.push(if a < b {
+                    part.intact_bonds += u64::from(past.bond.is_intact);
+                    part.pairs.push(if a < b {
                         (a, b, past)
                     } else {
                         (b, a, past.seen_from_b())
                     });
                 }
-                Who::Plane([particle, plane]) => walls.push(((number(particle), plane), past)),
-                Who::Facet([particle, facet]) => facets.push(((number(particle), facet), past)),
+                Who::Plane([particle, plane]) => {
+                    part.walls.push(((number(particle), plane), past));
+                }
+                Who::Facet([particle, facet]) => {
+                    part.facets.push(((number(particle), facet), past));
+                }
             }
-        };
-        for lists in contacts {
-            lists.see(&mut keep);
-        }
-        walls.sort_by_key(|(key, _)| *key);
-        facets.sort_by_key(|(key, _)| *key);
+        });
+        part
+    }
+}
+
+impl Memories {
+    /// Of the contacts that touched in the last step.
+    pub(in crate::granular) fn of(
+        team: &Team,
+        contacts: &[Box<dyn Lists>],
+        particles: &Particles,
+    ) -> Self {
+        let parts = team.map(contacts.iter().collect(), |lists| {
+            Part::of(lists.as_ref(), particles)
+        });
         // numbers of particles that were taken out are missing
-        let numbers = particles
-            .numbers
-            .iter()
-            .max()
-            .map_or(0, |last| *last as usize + 1);
+        let last = particles.numbers.iter().max();
+        let numbers = last.map_or(0, |last| *last as usize + 1);
         let mut starts = vec![0_u32; numbers + 1];
-        for (low, ..) in &pairs {
+        for (low, ..) in parts.iter().flat_map(|part| &part.pairs) {
             starts[*low as usize + 1] += 1;
         }
         for number in 0..numbers {
             starts[number + 1] += starts[number];
         }
         let mut next = starts.clone();
-        let mut sorted = vec![(0, Past::default()); pairs.len()];
-        for (low, high, past) in pairs {
-            let place = &mut next[low as usize];
-            sorted[*place as usize] = (high, past);
+        let mut pairs = vec![(0, Past::default()); starts[numbers] as usize];
+        for (low, high, past) in parts.iter().flat_map(|part| &part.pairs) {
+            let place = &mut next[*low as usize];
+            pairs[*place as usize] = (*high, *past);
             *place += 1;
         }
-        Self {
+        let mut memories = Self {
             starts,
-            pairs: sorted,
-            walls,
-            facets,
+            pairs,
+            intact_bonds: parts.iter().map(|part| part.intact_bonds).sum(),
             ..Self::default()
+        };
+        for part in parts {
+            memories.walls.extend(part.walls);
+            memories.facets.extend(part.facets);
         }
+        memories.walls.sort_by_key(|(key, _)| *key);
+        memories.facets.sort_by_key(|(key, _)| *key);
+        memories
     }
 
     /// The same when particles of these numbers come in.
@@ -108,8 +136,12 @@ impl Memories {
     }
 
     pub(in crate::granular) fn intact_bonds(&self) -> u64 {
-        let intact = self.pairs.iter().filter(|(_, past)| past.bond.is_intact);
-        intact.count() as u64
+        self.intact_bonds
+    }
+
+    /// Whether there are bonds, or some are about to be made.
+    pub(super) fn has_bonds(&self) -> bool {
+        self.intact_bonds > 0 || self.makes_bonds()
     }
 
     /// All springs have changed, from stiffness to stiffness by 1/`ratio` [-]: bonds get the rest

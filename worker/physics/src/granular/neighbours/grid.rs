@@ -4,6 +4,8 @@
 //! grid of its own whose cells are as wide as the reach of its largest spheres. A sphere looks
 //! around in its own level and in the coarser ones, where 27 cells always reach far enough: a
 //! scene of grains and dust costs no more per sphere than one of equal sizes.
+use std::ops::RangeInclusive;
+
 use super::super::rows::Row;
 use crate::parallel::Team;
 
@@ -34,6 +36,8 @@ pub(in crate::granular) struct Level {
     /// Where each cell's spheres begin in `spheres`.
     starts: Vec<u32>,
     spheres: Vec<u32>,
+    /// Theirs, so that those of neighbouring cells are read one after the other.
+    rows: Vec<Row>,
 }
 
 impl Candidates {
@@ -69,27 +73,29 @@ pub(in crate::granular) fn candidates(
         })
         .collect();
 
-    let members = members.iter().enumerate();
-    let work =
-        members.flat_map(|(own, members)| members.chunks(CHUNK).map(move |some| (own, some)));
-    let mut found = team.map(work.collect(), |(own, some)| {
-        let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(4 * some.len());
-        for (coarser, level) in levels[..=own].iter().enumerate() {
-            let Some(level) = level else { continue };
-            for &sphere in some {
-                let row = spheres[sphere as usize];
-                level.around(&row, |others| {
-                    for &other in others {
-                        if coarser == own && other <= sphere {
-                            continue;
-                        }
-                        if is_near(&row, &spheres[other as usize], skin)
-                            && may_touch(sphere as usize, other as usize)
-                        {
-                            pairs.push([sphere.min(other), sphere.max(other)]);
-                        }
+    let work = levels.iter().enumerate().flat_map(|(own, level)| {
+        let counts = level.iter().map(|level| 0..level.spheres.len());
+        counts.flat_map(move |places| places.step_by(CHUNK).map(move |first| (own, first)))
+    });
+    let mut found = team.map(work.collect(), |(own, first)| {
+        let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(4 * CHUNK);
+        let Some((Some(level), coarser)) = levels[..=own].split_last() else {
+            return pairs;
+        };
+        let end = level.spheres.len().min(first + CHUNK);
+        for place in first..end {
+            let (sphere, row) = (level.spheres[place], level.rows[place]);
+            let mut see = |others: &[u32], rows: &[Row]| {
+                for (other, other_row) in others.iter().zip(rows) {
+                    if is_near(&row, other_row, skin) && may_touch(sphere as usize, *other as usize)
+                    {
+                        pairs.push([sphere.min(*other), sphere.max(*other)]);
                     }
-                });
+                }
+            };
+            level.after(place, &mut see);
+            for level in coarser.iter().flatten() {
+                level.around(&row, &mut see);
             }
         }
         pairs
@@ -177,6 +183,7 @@ impl Level {
             cells,
             starts: vec![0; cells.iter().product::<usize>() + 1],
             spheres: vec![0; members.len()],
+            rows: vec![Row::default(); members.len()],
         };
         let cell_of: Vec<u32> = members
             .iter()
@@ -192,6 +199,7 @@ impl Level {
         for (member, cell) in members.iter().zip(cell_of) {
             let place = &mut next[cell as usize];
             level.spheres[*place as usize] = *member;
+            level.rows[*place as usize] = spheres[*member as usize];
             *place += 1;
         }
         level
@@ -210,20 +218,51 @@ impl Level {
         (place[2] * self.cells[1] + place[1]) * self.cells[0] + place[0]
     }
 
+    /// Cells around one along an axis.
+    fn beside(&self, cell: [usize; 3], axis: usize) -> RangeInclusive<usize> {
+        cell[axis].saturating_sub(1)..=(cell[axis] + 1).min(self.cells[axis] - 1)
+    }
+
     /// Gives `see` the spheres of all cells around `sphere`, a row of cells at a time.
-    pub(in crate::granular) fn around(&self, sphere: &Row, mut see: impl FnMut(&[u32])) {
-        let place = self.place(sphere);
-        let range = |axis: usize| {
-            place[axis].saturating_sub(1)..=(place[axis] + 1).min(self.cells[axis] - 1)
-        };
-        let row = range(0);
-        for z in range(2) {
-            for y in range(1) {
-                let first = self.starts[self.cell([*row.start(), y, z])];
-                let end = self.starts[self.cell([*row.end(), y, z]) + 1];
-                see(&self.spheres[first as usize..end as usize]);
+    pub(in crate::granular) fn around(&self, sphere: &Row, mut see: impl FnMut(&[u32], &[Row])) {
+        let cell = self.place(sphere);
+        for z in self.beside(cell, 2) {
+            for y in self.beside(cell, 1) {
+                self.row(self.beside(cell, 0), y, z, 0, &mut see);
             }
         }
+    }
+
+    /// Of the spheres around the one in this place of the grid, those in later places: so each pair of
+    /// a grid comes once.
+    fn after(&self, place: usize, mut see: impl FnMut(&[u32], &[Row])) {
+        let cell @ [x, y, z] = self.place(&self.rows[place]);
+        let beside = self.beside(cell, 0);
+        self.row(x..=*beside.end(), y, z, place + 1, &mut see);
+        for y in y + 1..=*self.beside(cell, 1).end() {
+            self.row(beside.clone(), y, z, 0, &mut see);
+        }
+        for z in z + 1..=*self.beside(cell, 2).end() {
+            for y in self.beside(cell, 1) {
+                self.row(beside.clone(), y, z, 0, &mut see);
+            }
+        }
+    }
+
+    /// Gives `see` the spheres of a row of cells, from the place `from` on.
+    #[inline(always)]
+    fn row(
+        &self,
+        x: RangeInclusive<usize>,
+        y: usize,
+        z: usize,
+        from: usize,
+        see: &mut impl FnMut(&[u32], &[Row]),
+    ) {
+        let first = self.starts[self.cell([*x.start(), y, z])] as usize;
+        let end = self.starts[self.cell([*x.end(), y, z]) + 1] as usize;
+        let places = first.max(from)..end;
+        see(&self.spheres[places.clone()], &self.rows[places]);
     }
 }
 
