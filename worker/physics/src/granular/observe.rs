@@ -1,9 +1,7 @@
-//! What is read off a scene in the middle of a step, when something is due.
+//! A contact as observers see it.
 //!
 //! Contacts are read between the two phases of a step, where forces belong to the positions they
-//! came from. Kinetic energy at that time is the mean of those half a step before and after.
-use std::collections::BTreeMap;
-
+//! came from.
 use super::{
     Vector,
     contact::{
@@ -11,9 +9,6 @@ use super::{
         lists::{Touching, Who},
     },
     engine::Engine,
-    journal::Reading,
-    motion::clump::Clump,
-    survey::Sums,
 };
 
 /// A touching contact.
@@ -132,136 +127,6 @@ impl Engine {
             is_bonded: held.is_bonded,
         }
     }
-
-    /// Kinetic energy of the half-step velocities [J]; bodies with nothing free are left out.
-    pub(super) fn kinetic_energy(&self) -> f64 {
-        let particles = &self.state.particles;
-        let mut energy = 0.0;
-        for particle in 0..particles.len() {
-            let body = particles.owners[particle] as usize;
-            let inertia = self.model.sphere_inertias[body];
-            if inertia == 0.0 || !self.model.is_movable[body] {
-                continue;
-            }
-            let speed = particles.velocities[particle].vector().norm_squared();
-            energy += 0.5 * self.model.masses[body] * speed;
-            if let Some(spin) = particles.spins.get(particle) {
-                energy += 0.5 * inertia * spin.vector().norm_squared();
-            }
-        }
-        for clump in &self.state.clumps {
-            if self.model.is_movable[clump.body as usize] {
-                let turning = clump.spin.dot(&clump.momentum_of(clump.spin));
-                energy += 0.5 * (clump.mass * clump.velocity.norm_squared() + turning);
-            }
-        }
-        energy
-    }
-
-    /// −m g·x summed over movable bodies [J].
-    pub(super) fn gravitational_energy(&self) -> f64 {
-        let particles = &self.state.particles;
-        let gravity = self.model.gravity;
-        let mut energy = 0.0;
-        for particle in 0..particles.len() {
-            let body = particles.owners[particle] as usize;
-            if self.model.sphere_inertias[body] > 0.0 && self.model.is_movable[body] {
-                energy -=
-                    self.model.masses[body] * gravity.dot(&particles.centres[particle].vector());
-            }
-        }
-        for clump in &self.state.clumps {
-            if self.model.is_movable[clump.body as usize] {
-                energy -= clump.mass * gravity.dot(&clump.centre);
-            }
-        }
-        energy
-    }
-
-    /// Kinetic and gravitational energy [J].
-    pub(super) fn energies(&self) -> [f64; 2] {
-        let (kinetic, gravitational) =
-            (self.team).both(|| self.kinetic_energy(), || self.gravitational_energy());
-        [kinetic, gravitational]
-    }
-
-    /// What is read off the bodies after a step that began with the energies `before`
-    /// ([`Engine::energies`]) and in which contacts added up to `sums`.
-    pub(super) fn reading(&self, sums: &Sums, before: [f64; 2]) -> Reading {
-        let mean_force = sums.force / sums.contacts as f64;
-        let (kinetic, unbalanced) = (self.team).both(
-            || self.kinetic_energy(),
-            || self.unbalanced_force_ratio(mean_force),
-        );
-        let is_movable = &self.model.is_movable;
-        let movable = self.present_bodies();
-        let movable = movable.filter(|(body, ..)| is_movable[*body as usize]);
-        let movable = movable.count();
-        let coordination = sums.movable_ends as f64 / movable as f64;
-        Reading {
-            kinetic: 0.5 * (before[0] + kinetic),
-            elastic: sums.elastic,
-            gravitational: before[1],
-            contacts: sums.contacts,
-            bonds: sums.bonds,
-            unbalanced,
-            coordination: (movable > 0).then_some(coordination),
-        }
-    }
-
-    /// Mean resultant force on movable bodies over the mean contact force [N], after a step.
-    /// `None` without contacts. Source: Yade's `unbalancedForce`.
-    fn unbalanced_force_ratio(&self, mean: f64) -> Option<f64> {
-        if mean.is_nan() || mean <= 0.0 {
-            return None;
-        }
-        let mut resultants: BTreeMap<u32, Vector> = BTreeMap::new();
-        let mut sum = 0.0;
-        let mut count = 0.0;
-        for patch in &self.state.patches {
-            for (particle, force) in patch.particles.clone().zip(&patch.wrenches.forces) {
-                let body = self.state.particles.owners[particle];
-                let place = body as usize;
-                if !self.model.is_movable[place] {
-                    continue;
-                }
-                if self.model.sphere_inertias[place] > 0.0 {
-                    let weight = self.model.masses[place] * self.gravity;
-                    let fixed = self.state.particles.fixed[particle];
-                    let is_fixed = |axis: usize| fixed >> axis & 1 == 1;
-                    sum += free_part(force.vector() + weight, is_fixed).norm();
-                    count += 1.0;
-                } else {
-                    *resultants.entry(body).or_default() += force.vector();
-                }
-            }
-        }
-        for load in &self.loads {
-            // of a sphere it is among the forces
-            if let Some(force) = resultants.get_mut(&load.body) {
-                *force += load.force;
-            }
-        }
-        let mut clumps: Vec<&Clump> = self.state.clumps.iter().collect();
-        // summed in the order of numbers
-        clumps.sort_unstable_by_key(|clump| clump.body);
-        for clump in clumps {
-            if let Some(force) = resultants.get(&clump.body) {
-                let weight = self.model.masses[clump.body as usize] * self.gravity;
-                sum += free_part(force + weight, |axis| clump.fixed[axis]).norm();
-                count += 1.0;
-            }
-        }
-        (count > 0.0).then(|| sum / count / mean)
-    }
-}
-
-/// What of a force moves a body.
-fn free_part(mut force: Vector, is_fixed: impl Fn(usize) -> bool) -> Vector {
-    for axis in (0..3).filter(|axis| is_fixed(*axis)) {
-        force[axis] = 0.0;
-    }
-    force
 }
 
 /// Sorts contacts by their bodies.

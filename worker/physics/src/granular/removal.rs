@@ -79,7 +79,7 @@ impl Engine {
         if removal.bodies == 0 {
             return removal;
         }
-        let before = self.kinetic_energy() + self.gravitational_energy();
+        let before = self.body_sums().energy();
         let bonds = self.intact_bonds();
         let memories = self.memories();
         let state = &mut self.state;
@@ -98,7 +98,7 @@ impl Engine {
             .iter()
             .filter(|contact| contact.bodies.into_iter().any(is_taken));
         let torn: f64 = torn.map(|contact| contact.energy).sum();
-        removal.energy = self.kinetic_energy() + self.gravitational_energy() - before - torn;
+        removal.energy = self.body_sums().energy() - before - torn;
         removal
     }
 }

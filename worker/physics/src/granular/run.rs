@@ -238,7 +238,7 @@ impl<'a> Runner<'a> {
     ) -> Result<(), SimulationError> {
         let journal = &mut self.journal;
         journal.worst.see_step(journal.time_step, survey.critical);
-        journal.last = (self.engine).reading(&survey.sums, self.engine.energies());
+        journal.last = (self.engine).reading(&survey.sums, &self.engine.body_sums());
         self.record(recorder, &mut survey)?;
         if self.spec.record.snapshot_every_steps > 0 {
             self.picture(recorder, &mut survey)?;

@@ -133,7 +133,7 @@ impl Engine {
         if places.is_empty() {
             return (0, 0.0);
         }
-        let before = self.kinetic_energy() + self.gravitational_energy();
+        let before = self.body_sums().energy();
         let memories = self.memories();
         let first = self.reserve.particles.numbers[waiting[0].particles.start];
         let memories = memories.with_newcomers(first);
@@ -150,7 +150,7 @@ impl Engine {
                 .append(&self.reserve.particles, grain.particles.clone(), place);
         }
         self.relist(memories);
-        let energy = self.kinetic_energy() + self.gravitational_energy() - before;
+        let energy = self.body_sums().energy() - before;
         (places.len(), energy)
     }
 }

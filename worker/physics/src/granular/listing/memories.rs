@@ -14,9 +14,11 @@ use crate::parallel::Team;
 /// What contacts remember, by particle number of the spec, whatever the order in memory.
 #[derive(Debug)]
 pub(in crate::granular) struct Memories {
-    /// For each particle, the partners with higher numbers that it touched.
+    /// For each particle, where the entries of those with higher numbers that it touched begin.
     starts: Vec<u32>,
-    pairs: Vec<(u32, Past)>,
+    entries: Vec<Entry>,
+    /// Of each patch.
+    pairs: Vec<Pairs>,
     /// Particle, plane and past, sorted.
     walls: Vec<((u32, u32), Past)>,
     /// Particle, facet and past, sorted.
@@ -26,10 +28,29 @@ pub(in crate::granular) struct Memories {
     newcomers: u32,
 }
 
+/// Pairs of a patch.
+#[derive(Debug, Default)]
+struct Pairs {
+    /// The lower number first.
+    numbers: Vec<[u32; 2]>,
+    /// As seen from the lower one.
+    pasts: Vec<Past>,
+}
+
+/// Where the past of a pair is.
+#[derive(Clone, Copy, Debug, Default)]
+struct Entry {
+    /// The higher number of the pair.
+    high: u32,
+    patch: u32,
+    place: u32,
+}
+
 impl Default for Memories {
     fn default() -> Self {
         Self {
             starts: Vec::new(),
+            entries: Vec::new(),
             pairs: Vec::new(),
             walls: Vec::new(),
             facets: Vec::new(),
@@ -39,11 +60,10 @@ impl Default for Memories {
     }
 }
 
-/// What the contacts of one patch remember.
+/// What the contacts of a patch remember.
 #[derive(Default)]
 struct Part {
-    /// The lower number, the higher one, and the past as seen from the lower.
-    pairs: Vec<(u32, u32, Past)>,
+    pairs: Pairs,
     walls: Vec<((u32, u32), Past)>,
     facets: Vec<((u32, u32), Past)>,
     intact_bonds: u64,
@@ -56,6 +76,8 @@ const BOND_REACH: f64 = 1e-6;
 impl Part {
     fn of(lists: &dyn Lists, particles: &Particles) -> Self {
         let mut part = Self::default();
+        part.pairs.numbers.reserve(lists.candidates());
+        part.pairs.pasts.reserve(lists.candidates());
         let number = |particle: u32| particles.numbers[particle as usize];
         lists.see(&mut |touching| {
             let past = touching.law.past(touching.lane);
@@ -63,10 +85,12 @@ impl Part {
                 Who::Pair(pair) => {
                     let [a, b] = pair.map(number);
                     part.intact_bonds += u64::from(past.bond.is_intact);
-                    part.pairs.push(if a < b {
-                        (a, b, past)
+                    let is_low_first = a < b;
+                    part.pairs.numbers.push([a.min(b), a.max(b)]);
+                    part.pairs.pasts.push(if is_low_first {
+                        past
                     } else {
-                        (b, a, past.seen_from_b())
+                        past.seen_from_b()
                     });
                 }
                 Who::Plane([particle, plane]) => {
@@ -95,26 +119,33 @@ impl Memories {
         let last = particles.numbers.iter().max();
         let numbers = last.map_or(0, |last| *last as usize + 1);
         let mut starts = vec![0_u32; numbers + 1];
-        for (low, ..) in parts.iter().flat_map(|part| &part.pairs) {
+        for [low, _] in parts.iter().flat_map(|part| &part.pairs.numbers) {
             starts[*low as usize + 1] += 1;
         }
         for number in 0..numbers {
             starts[number + 1] += starts[number];
         }
         let mut next = starts.clone();
-        let mut pairs = vec![(0, Past::default()); starts[numbers] as usize];
-        for (low, high, past) in parts.iter().flat_map(|part| &part.pairs) {
-            let place = &mut next[*low as usize];
-            pairs[*place as usize] = (*high, *past);
-            *place += 1;
+        let mut entries = vec![Entry::default(); starts[numbers] as usize];
+        for (patch, part) in (0..).zip(&parts) {
+            for (place, [low, high]) in (0..).zip(&part.pairs.numbers) {
+                let entry = &mut next[*low as usize];
+                entries[*entry as usize] = Entry {
+                    high: *high,
+                    patch,
+                    place,
+                };
+                *entry += 1;
+            }
         }
         let mut memories = Self {
             starts,
-            pairs,
+            entries,
             intact_bonds: parts.iter().map(|part| part.intact_bonds).sum(),
             ..Self::default()
         };
         for part in parts {
+            memories.pairs.push(part.pairs);
             memories.walls.extend(part.walls);
             memories.facets.extend(part.facets);
         }
@@ -149,12 +180,12 @@ impl Memories {
     /// no motion could relieve while it grew with the springs, and they would break.
     pub(in crate::granular) fn keep_bond_forces(&mut self, particles: &Particles, ratio: f64) {
         let places = self.places(particles);
-        for (low, ends) in self.starts.windows(2).enumerate() {
-            let Some(a) = places[low] else { continue };
-            for (high, past) in &mut self.pairs[ends[0] as usize..ends[1] as usize] {
-                let Some(b) = places[*high as usize].filter(|_| past.bond.is_intact) else {
-                    continue;
-                };
+        let pairs = self.pairs.iter_mut();
+        for (numbers, past) in pairs.flat_map(|pairs| pairs.numbers.iter().zip(&mut pairs.pasts)) {
+            let [Some(a), Some(b)] = numbers.map(|number| places[number as usize]) else {
+                continue;
+            };
+            if past.bond.is_intact {
                 let [a, b] = [a, b].map(|place| &particles.centres[place as usize]);
                 let overlap = a.overlap(b);
                 let rest = &mut past.bond.rest;
@@ -181,15 +212,12 @@ impl Memories {
             return Vec::new();
         }
         let places = self.places(particles);
-        let lows = self.starts.windows(2).enumerate();
-        let pairs = lows.flat_map(|(low, ends)| {
-            let partners = &self.pairs[ends[0] as usize..ends[1] as usize];
-            let bonded = partners.iter().filter(|(_, past)| past.bond.is_intact);
-            bonded.map(move |(high, _)| [low, *high as usize])
-        });
+        let pairs = self.pairs.iter();
+        let pairs = pairs.flat_map(|pairs| pairs.numbers.iter().zip(&pairs.pasts));
         pairs
-            .filter_map(|pair| {
-                let [Some(a), Some(b)] = pair.map(|number| places[number]) else {
+            .filter(|(_, past)| past.bond.is_intact)
+            .filter_map(|(numbers, _)| {
+                let [Some(a), Some(b)] = numbers.map(|number| places[number as usize]) else {
                     return None;
                 };
                 let [one, other] = [a, b].map(|place| &particles.centres[place as usize]);
@@ -203,9 +231,9 @@ impl Memories {
         let (low, high) = (a.min(b), a.max(b));
         let range =
             *self.starts.get(low as usize)? as usize..*self.starts.get(low as usize + 1)? as usize;
-        let (_, past) = self.pairs[range]
-            .iter()
-            .find(|(partner, _)| *partner == high)?;
+        let mut entries = self.entries[range].iter();
+        let entry = entries.find(|entry| entry.high == high)?;
+        let past = &self.pairs[entry.patch as usize].pasts[entry.place as usize];
         Some(if a == low { *past } else { past.seen_from_b() })
     }
 

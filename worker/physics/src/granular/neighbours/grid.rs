@@ -57,8 +57,13 @@ pub(in crate::granular) fn candidates(
 ) -> Candidates {
     let largest = spheres.iter().map(|sphere| sphere.0[3]).fold(0.0, f64::max);
     let level_of = |sphere: &Row| {
-        let halvings = (largest / sphere.0[3]).log2();
-        (halvings as usize).min(FINEST)
+        let ratio = largest / sphere.0[3];
+        // most are as large as that, and a logarithm takes its time
+        if ratio < 2.0 {
+            0
+        } else {
+            (ratio.log2() as usize).min(FINEST)
+        }
     };
     let mut members: Vec<Vec<u32>> = vec![Vec::new(); FINEST + 1];
     for (sphere, number) in spheres.iter().zip(0..) {

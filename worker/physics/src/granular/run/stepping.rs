@@ -14,8 +14,8 @@ pub(super) const STEPS_PER_LOOK: u64 = 256;
 const FALLING: f64 = 0.95;
 const GROWING: f64 = 1.05;
 pub(super) const MOST_HALVINGS: u32 = 4;
-/// Particle steps between looks for interrupts: some milliseconds of work.
-const WORK_PER_INTERRUPT_LOOK: u64 = 50_000;
+/// Particle steps between looks for interrupts: some hundredths of a second.
+const WORK_PER_INTERRUPT_LOOK: u64 = 1_000_000;
 /// Steps between looks for interrupts, at least: calling the threads together takes some part of one.
 const STEPS_PER_INTERRUPT_LOOK: u64 = 16;
 
@@ -140,11 +140,11 @@ impl Runner<'_> {
         let time_step = self.journal.time_step;
         self.engine.push(time_step);
         let mut survey = self.engine.survey(self.needs_contacts(reason));
-        let before = self.engine.energies();
+        let before = self.engine.body_sums();
         self.engine.advance(time_step);
         self.journal.stage_steps += 1;
         let contacts_before = self.journal.last.contacts;
-        self.journal.last = self.engine.reading(&survey.sums, before);
+        self.journal.last = self.engine.reading(&survey.sums, &before);
         self.judge(&survey)?;
         let is_last =
             is_last || (self.journal.is_settled && (self.is_last_stage() || records_ends));
