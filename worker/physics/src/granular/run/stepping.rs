@@ -14,10 +14,12 @@ pub(super) const STEPS_PER_LOOK: u64 = 256;
 const FALLING: f64 = 0.95;
 const GROWING: f64 = 1.05;
 pub(super) const MOST_HALVINGS: u32 = 4;
-/// Particle steps between looks for interrupts: some hundredths of a second.
-const WORK_PER_INTERRUPT_LOOK: u64 = 1_000_000;
-/// Steps between looks for interrupts, at least: calling the threads together takes some part of one.
-const STEPS_PER_INTERRUPT_LOOK: u64 = 16;
+/// Steps between looks for interrupts, where that is so much work [particle steps] at least, some
+/// milliseconds, and at most, some hundredths of a second: each calls the threads together anew.
+const STEPS_PER_INTERRUPT_LOOK: u64 = 64;
+const WORK_PER_INTERRUPT_LOOK: [u64; 2] = [50_000, 1_000_000];
+/// Steps between looks for interrupts, at least.
+const LEAST_STEPS_PER_INTERRUPT_LOOK: u64 = 16;
 
 /// What a step is looked at for.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +41,11 @@ impl Runner<'_> {
 
     /// Work between looks for interrupts.
     pub(super) fn work_uninterrupted(&self) -> u64 {
-        WORK_PER_INTERRUPT_LOOK.max(STEPS_PER_INTERRUPT_LOOK * self.work_of_step())
+        let [least, most] = WORK_PER_INTERRUPT_LOOK;
+        let step = self.work_of_step();
+        (STEPS_PER_INTERRUPT_LOOK * step)
+            .clamp(least, most)
+            .max(LEAST_STEPS_PER_INTERRUPT_LOOK * step)
     }
 
     /// What a stage does to the scene of this moment.
