@@ -23,6 +23,9 @@ use crate::parallel::Team;
 /// Particles of a patch, at most: enough work to share out (about 0.1 ms), few enough to stay in a
 /// core's own cache together with their contacts.
 const PATCH: usize = 2048;
+/// Work that a candidate makes in a step, in that of a particle: contacts are with the first of their
+/// two particles, so that early patches have more of them.
+const WORK_OF_CANDIDATE: usize = 2;
 
 /// Sorts particles and clumps along a curve through space, members with their clump.
 pub(super) fn sort(particles: &mut Particles, clumps: &mut Vec<Clump>) {
@@ -94,7 +97,7 @@ impl Listing<'_> {
         let candidates = candidates(team, centres, self.skin, stretched, |a, b| {
             self.may_touch(a, b)
         });
-        let ranges = cut(self.particles.len(), clumps);
+        let ranges = cut(&candidates, clumps);
         let filled = team.map(ranges, |(particles, clumps)| {
             let mut lists = (self.law.lists)();
             let others = others(particles.clone(), &candidates);
@@ -261,17 +264,24 @@ fn partly_fixed(particles: &Particles, range: Range<usize>) -> Vec<PartlyFixed> 
         .collect()
 }
 
-/// Ranges of particles and clumps of each patch; no clump is cut.
-fn cut(particles: usize, clumps: &[Clump]) -> Vec<(Range<usize>, Range<usize>)> {
+/// Ranges of particles and clumps of each patch, with about equal work; no clump is cut.
+fn cut(candidates: &Candidates, clumps: &[Clump]) -> Vec<(Range<usize>, Range<usize>)> {
+    let particles = candidates.spheres();
     let mut patches = Vec::new();
     // an even number of equals, so that two threads have the same to do
     let count = match particles.div_ceil(PATCH) {
         1 => 1,
         count => count.next_multiple_of(2),
     };
+    let total = particles + WORK_OF_CANDIDATE * candidates.before(particles);
+    let work_before = |particle: usize| particle + WORK_OF_CANDIDATE * candidates.before(particle);
     let (mut first, mut first_clump, mut clump) = (0, 0, 0);
     while first < particles {
-        let mut end = ((patches.len() + 1) * particles / count).max(first + 1);
+        let share = (patches.len() + 1) * total / count;
+        let mut end = first + 1;
+        while end < particles && work_before(end) < share {
+            end += 1;
+        }
         while clump < clumps.len() && (clumps[clump].first as usize) < end {
             end = end.max(clumps[clump].members().end);
             clump += 1;

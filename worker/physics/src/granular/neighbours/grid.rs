@@ -44,6 +44,15 @@ impl Candidates {
     pub(in crate::granular) fn of(&self, sphere: usize) -> &[u32] {
         &self.partners[self.starts[sphere] as usize..self.starts[sphere + 1] as usize]
     }
+
+    /// Candidates of all spheres before this one.
+    pub(in crate::granular) fn before(&self, sphere: usize) -> usize {
+        self.starts[sphere] as usize
+    }
+
+    pub(in crate::granular) fn spheres(&self) -> usize {
+        self.starts.len() - 1
+    }
 }
 
 /// Every pair of spheres whose surfaces are closer than `skin` [m] and that `may_touch` allows, and
