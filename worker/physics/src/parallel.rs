@@ -5,6 +5,7 @@
 //! the same chunks. A plain parallel sum would change its bits with the thread count.
 mod passes;
 
+use passes::Order;
 use rayon::prelude::*;
 
 use crate::SimulationError;
@@ -82,8 +83,27 @@ impl Team {
         items: Vec<T>,
         work: impl Fn(T) -> R + Sync + Send,
     ) -> Vec<R> {
+        self.map_in(Order::Forth, items, work)
+    }
+
+    /// The same, but each thread begins with its last: after [`Team::map`] over the same items what
+    /// belongs to those is still in its caches.
+    pub(crate) fn map_back<T: Send, R: Send>(
+        &self,
+        items: Vec<T>,
+        work: impl Fn(T) -> R + Sync + Send,
+    ) -> Vec<R> {
+        self.map_in(Order::Back, items, work)
+    }
+
+    fn map_in<T: Send, R: Send>(
+        &self,
+        order: Order,
+        items: Vec<T>,
+        work: impl Fn(T) -> R + Sync + Send,
+    ) -> Vec<R> {
         match &self.pool {
-            Some(pool) if items.len() > 1 => pool.install(|| passes::shared(items, &work)),
+            Some(pool) if items.len() > 1 => pool.install(|| passes::shared(items, order, &work)),
             _ => items.into_iter().map(work).collect(),
         }
     }

@@ -297,7 +297,7 @@ impl Engine {
         let (halos, rotation, loads) = (&self.halos, self.model.rotation, &self.loads);
         let patches = &mut state.patches[range];
         let work = shares(&mut state.particles, &mut state.clumps, patches);
-        let speeds = self.team.map(work, |(patch, bodies)| {
+        let speeds = self.team.map_back(work, |(patch, bodies)| {
             patch.advance(bodies, halos, &drive, rotation, loads)
         });
         speeds.into_iter().fold(0.0, f64::max)

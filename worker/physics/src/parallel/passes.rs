@@ -50,6 +50,14 @@ fn await_work(is_over: impl Fn() -> bool) {
     }
 }
 
+/// The order in which a thread does its own items. What was done last is still in its caches, so that
+/// a pass over the same items begins there.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Order {
+    Forth,
+    Back,
+}
+
 /// Items that no thread has begun, those for each thread apart.
 struct Waiting<T>(Vec<Mutex<VecDeque<(usize, T)>>>);
 
@@ -63,12 +71,16 @@ impl<T> Waiting<T> {
     }
 
     /// The next of a thread's own, else the last of another's.
-    fn next(&self, thread: usize) -> Option<(usize, T)> {
-        let own = open(&self.0[thread]).pop_front();
+    fn next(&self, thread: usize, order: Order) -> Option<(usize, T)> {
+        let [next, last] = match order {
+            Order::Forth => [VecDeque::pop_front, VecDeque::pop_back],
+            Order::Back => [VecDeque::pop_back, VecDeque::pop_front],
+        };
+        let own = next(&mut open(&self.0[thread]));
         let threads = self.0.len();
         own.or_else(|| {
             let mut others = (1..threads).map(|next| &self.0[(thread + next) % threads]);
-            others.find_map(|other| open(other).pop_back())
+            others.find_map(|other| last(&mut open(other)))
         })
     }
 }
@@ -80,7 +92,11 @@ fn open<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// Does `work` on every item, by all threads of the pool that this one is of; the answers are in the
 /// order of the items.
-pub(super) fn shared<T: Send, R: Send>(items: Vec<T>, work: &(impl Fn(T) -> R + Sync)) -> Vec<R> {
+pub(super) fn shared<T: Send, R: Send>(
+    items: Vec<T>,
+    order: Order,
+    work: &(impl Fn(T) -> R + Sync),
+) -> Vec<R> {
     let threads = rayon::current_num_threads();
     let helpers = threads.min(items.len()).saturating_sub(1);
     let answers: Vec<Mutex<Option<R>>> = items.iter().map(|_| Mutex::new(None)).collect();
@@ -88,7 +104,7 @@ pub(super) fn shared<T: Send, R: Send>(items: Vec<T>, work: &(impl Fn(T) -> R + 
     let at_work = AtomicUsize::new(helpers);
     let go = || {
         let thread = rayon::current_thread_index().unwrap_or_default();
-        while let Some((place, item)) = waiting.next(thread) {
+        while let Some((place, item)) = waiting.next(thread, order) {
             let answer = work(item);
             *open(&answers[place]) = Some(answer);
         }
@@ -116,7 +132,7 @@ mod tests {
     #[test]
     fn every_thread_takes_its_own_first_and_then_the_last_of_others() {
         let waiting = Waiting::new(vec!['a', 'b', 'c', 'd', 'e'], 2);
-        let taken = |thread| waiting.next(thread);
+        let taken = |thread| waiting.next(thread, Order::Forth);
         assert_eq!(taken(1), Some((2, 'c')));
         assert_eq!(taken(0), Some((0, 'a')));
         assert_eq!(taken(0), Some((1, 'b')));
@@ -126,10 +142,24 @@ mod tests {
     }
 
     #[test]
+    fn on_the_way_back_every_thread_begins_with_its_last() {
+        let waiting = Waiting::new(vec!['a', 'b', 'c', 'd'], 2);
+        let taken = |thread| waiting.next(thread, Order::Back);
+        assert_eq!(taken(1), Some((3, 'd')));
+        assert_eq!(taken(0), Some((1, 'b')));
+        assert_eq!(taken(0), Some((0, 'a')));
+        assert_eq!(taken(0), Some((2, 'c')));
+        assert_eq!(taken(1), None);
+    }
+
+    #[test]
     fn a_pass_that_panics_tells_of_it() -> Result<(), Box<dyn std::error::Error>> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;
-        let pass =
-            || pool.install(|| attended(|| shared(vec![1, 2, 3], &|item| assert!(item < 3))));
+        let pass = || {
+            pool.install(|| {
+                attended(|| shared(vec![1, 2, 3], Order::Forth, &|item| assert!(item < 3)))
+            })
+        };
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(pass)).is_err());
         Ok(())
     }
