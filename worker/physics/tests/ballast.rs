@@ -261,8 +261,8 @@ fn breakable_grains_tell_their_fragments_at_four_moments() {
         {"semi_axes_m": [0.024, 0.024, 0.024]}}, "member_radius_m": 0.0085,
         "lattice": "simple_cubic"}}}});
     let aggregate = &mut job["spec"]["materials"]["aggregate"];
-    aggregate["normal_cohesion_pa"] = json!(5e6);
-    aggregate["shear_cohesion_pa"] = json!(5e6);
+    aggregate["normal_cohesion_pa"] = json!(3e6);
+    aggregate["shear_cohesion_pa"] = json!(3e6);
     let (report, record) = run(&job);
     let text = std::str::from_utf8(&record.files["fragment_moments.csv"]).expect("text");
     let moments: Vec<&str> = text
