@@ -20,7 +20,7 @@ use super::{
 };
 use crate::parallel::Team;
 
-/// Particles of a patch, at most: enough work to share out (about 0.1 ms), few enough to stay in a
+/// Particles of a mean patch, at most: enough work to share out (about 0.1 ms), few enough to stay in a
 /// core's own cache together with their contacts.
 const PATCH: usize = 2048;
 /// Work that a candidate makes in a step, in that of a particle: contacts are with the first of their
