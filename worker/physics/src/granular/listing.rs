@@ -273,8 +273,8 @@ fn cut(candidates: &Candidates, clumps: &[Clump]) -> Vec<(Range<usize>, Range<us
         1 => 1,
         count => count.next_multiple_of(2),
     };
-    let total = particles + WORK_OF_CANDIDATE * candidates.before(particles);
     let work_before = |particle: usize| particle + WORK_OF_CANDIDATE * candidates.before(particle);
+    let total = work_before(particles);
     let (mut first, mut first_clump, mut clump) = (0, 0, 0);
     while first < particles {
         let share = (patches.len() + 1) * total / count;
