@@ -280,14 +280,11 @@ impl Engine {
 
     /// Contacts per movable body, of those `is_within`.
     fn coordination(&self, is_within: &[bool], contacts: &[Contact]) -> Option<f64> {
-        let is_movable = &self.model.is_movable;
         let is_counted =
-            |body: usize| is_within.get(body) == Some(&true) && is_movable.get(body) == Some(&true);
-        let bodies = (0..is_within.len())
-            .filter(|body| is_counted(*body))
-            .count();
+            |body: &u32| is_within.get(*body as usize) == Some(&true) && self.model.can_move(*body);
+        let bodies = (0..is_within.len() as u32).filter(is_counted).count();
         let ends = contacts.iter().flat_map(|contact| contact.bodies);
-        let ends = ends.filter(|body| is_counted(*body as usize)).count();
+        let ends = ends.filter(is_counted).count();
         (bodies > 0).then(|| ends as f64 / bodies as f64)
     }
 }

@@ -133,6 +133,11 @@ impl Model {
         self.surfaces = surfaces.map(|surface| surface.stiffened(factor)).collect();
     }
 
+    /// Whether a contact may move what is at its end; walls have numbers beyond those of bodies.
+    pub(super) fn can_move(&self, body: u32) -> bool {
+        self.is_movable.get(body as usize) == Some(&true)
+    }
+
     /// Of a body at a dashpot [1/kg]: 0 for one that cannot move, and where there are none.
     pub(super) fn inverse_mass(&self, body: usize) -> f64 {
         if self.is_viscous && self.is_movable[body] {

@@ -54,7 +54,7 @@ pub(super) struct Survey {
 impl Sums {
     fn add(&mut self, contact: &Contact, model: &Model) {
         let ends = contact.bodies.iter();
-        let ends = ends.filter(|body| model.is_movable.get(**body as usize) == Some(&true));
+        let ends = ends.filter(|body| model.can_move(**body));
         self.contacts += 1;
         self.bonds += u64::from(contact.is_bonded);
         self.movable_ends += ends.count() as u64;

@@ -107,14 +107,13 @@ impl PatchRows {
 
     /// A contact of the patch whose rows these are.
     pub(super) fn add(&mut self, contact: &Contact, patch: &Patch, model: &Model) {
-        let is_movable = |body: u32| model.is_movable.get(body as usize) == Some(&true);
         let [a, b] = contact.bodies;
         let (particle, other) = contact.particles;
         for (body, partner, particle) in [(a, b, Some(particle)), (b, a, other)] {
-            let Some(particle) = particle.filter(|_| is_movable(body)) else {
+            let Some(particle) = particle.filter(|_| model.can_move(body)) else {
                 continue;
             };
-            let coupling = if is_movable(partner) {
+            let coupling = if model.can_move(partner) {
                 let [own, other] = [body, partner].map(|body| model.masses[body as usize]);
                 (own / other).sqrt()
             } else {
