@@ -89,8 +89,8 @@ impl Search {
             }
             let local = Row([centre[0], centre[1], centre[2], radius]);
             for level in levels {
-                level.around(&local, |others, _| {
-                    for &other in others {
+                level.around(&local, |others, balls| {
+                    for (&other, ball) in others.iter().zip(balls) {
                         let facet = &facets.facets[other as usize];
                         // a grain within a vessel is near the balls of all its long triangles, but
                         // to the planes of few
@@ -98,9 +98,9 @@ impl Search {
                         if height.abs() > reach {
                             continue;
                         }
-                        let ball = self.balls[other as usize].0;
-                        let way = minus(&centre, &[ball[0], ball[1], ball[2]]);
-                        if length(&way) > reach + ball[3] {
+                        let [x, y, z, ball] = ball.0;
+                        let way = minus(&centre, &[x, y, z]);
+                        if length(&way) > reach + ball {
                             continue;
                         }
                         let closest = closest_point(&facet.corners, &centre).position;

@@ -85,13 +85,13 @@ impl Part {
                 Who::Pair(pair) => {
                     let [a, b] = pair.map(number);
                     part.intact_bonds += u64::from(past.bond.is_intact);
-                    let is_low_first = a < b;
-                    part.pairs.numbers.push([a.min(b), a.max(b)]);
-                    part.pairs.pasts.push(if is_low_first {
-                        past
+                    let (numbers, past) = if a < b {
+                        ([a, b], past)
                     } else {
-                        past.seen_from_b()
-                    });
+                        ([b, a], past.seen_from_b())
+                    };
+                    part.pairs.numbers.push(numbers);
+                    part.pairs.pasts.push(past);
                 }
                 Who::Plane([particle, plane]) => {
                     part.walls.push(((number(particle), plane), past));
