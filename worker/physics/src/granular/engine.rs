@@ -15,7 +15,7 @@ use super::{
     },
     neighbours::skin::Skin,
     particles::Particles,
-    patch::{BodyLoad, Patch},
+    patch::{BodyLoad, Patch, on_wall},
     scene::{Model, build},
     shares::{share, shares},
     specimen::Specimen,
@@ -276,11 +276,18 @@ impl Engine {
         });
     }
 
-    /// Finds out what touches between two steps, when something was done to the scene.
+    /// Finds out what touches, and what acts on bodies, between two steps; nothing moves.
     pub(super) fn push_still(&mut self) {
         self.push(0.0);
+        let state = &mut self.state;
         // shear forces were turned to the present normals
-        self.state.last_step = 0.0;
+        state.last_step = 0.0;
+        let owners = &state.particles.owners;
+        for patch in &mut state.patches {
+            let clumps = &state.clumps[patch.clumps.clone()];
+            let owners = &owners[patch.particles.clone()];
+            patch.gather(&self.halos, &self.loads, clumps, owners);
+        }
     }
 
     /// The second phase: the forces move the bodies.
@@ -310,7 +317,7 @@ impl Engine {
         state.speed_bound = speed_square.sqrt();
         let mut wall_way = 0.0_f64;
         for (plane, face) in state.faces.iter_mut().enumerate() {
-            let force = forces(&state.patches, plane);
+            let force = on_wall(&state.patches, plane);
             face.motion
                 .accelerate(&drive, &[force[0], force[1], force[2]]);
             state.wall_work -= work(&force, &face.motion.velocity) * time_step;
@@ -323,7 +330,7 @@ impl Engine {
         let meshes = state.poses.iter_mut().zip(&self.model.facets.meshes);
         for (wall, (pose, mesh)) in (state.faces.len()..).zip(meshes) {
             if pose.motion.is_moving() || pose.is_turning() {
-                let force = forces(&state.patches, wall);
+                let force = on_wall(&state.patches, wall);
                 pose.motion
                     .accelerate(&drive, &[force[0], force[1], force[2]]);
                 let power = work(&force, &pose.motion.velocity) + force[3];
@@ -341,7 +348,7 @@ impl Engine {
 
     /// Force of all bodies on a wall, planes before meshes, in the last step [N].
     pub(super) fn wall_force(&self, wall: usize) -> [f64; 3] {
-        let [x, y, z, _] = forces(&self.state.patches, wall);
+        let [x, y, z, _] = on_wall(&self.state.patches, wall);
         [x, y, z]
     }
 
@@ -429,17 +436,6 @@ impl Engine {
         state.lists += 1;
         (self.halos).resize_with(state.patches.len(), Wrenches::default);
     }
-}
-
-/// Force of all bodies on a wall in the last step [N], and the power of its turning [W].
-fn forces(patches: &[Patch], wall: usize) -> [f64; 4] {
-    let mut sum = [0.0; 4];
-    for patch in patches {
-        for (sum, part) in sum.iter_mut().zip(patch.wall_forces[wall]) {
-            *sum += part;
-        }
-    }
-    sum
 }
 
 /// F·v [W].

@@ -109,9 +109,8 @@ impl Patch {
         rotation: Rotation,
         loads: &[BodyLoad],
     ) -> f64 {
-        self.fetch(halos);
+        self.gather(halos, loads, bodies.clumps, bodies.owners);
         let first = self.particles.start;
-        self.load_spheres(&bodies, loads);
         // before the members move: their arms are those of the forces
         for clumps in bodies.clumps.chunks_mut(LANES) {
             let mut turns = Turns::new(drive.time_step);
@@ -184,11 +183,20 @@ impl Patch {
         gaps.filter(|gap| !gap.is_empty())
     }
 
-    /// Adds the loads on bodies that are spheres; few bodies have one.
-    fn load_spheres(&mut self, bodies: &Bodies<'_>, loads: &[BodyLoad]) {
+    /// Completes the wrenches on its particles: what earlier patches do to them, and the loads on its
+    /// bodies that are spheres. `clumps` and `owners`, the body of each particle, are its own.
+    pub(super) fn gather(
+        &mut self,
+        halos: &[Wrenches],
+        loads: &[BodyLoad],
+        clumps: &[Clump],
+        owners: &[u32],
+    ) {
+        self.fetch(halos);
+        // few bodies have one
         for load in loads {
-            let is_clump = bodies.clumps.iter().any(|clump| clump.body == load.body);
-            let place = bodies.owners.iter().position(|owner| *owner == load.body);
+            let is_clump = clumps.iter().any(|clump| clump.body == load.body);
+            let place = owners.iter().position(|owner| *owner == load.body);
             if let Some(place) = place.filter(|_| !is_clump) {
                 let [x, y, z] = load.force.into();
                 self.wrenches.forces[place].add([x, y, z, 0.0]);
@@ -210,4 +218,15 @@ impl Patch {
             }
         }
     }
+}
+
+/// Force of all bodies on a wall in the last step [N], and the power of its turning [W].
+pub(super) fn on_wall(patches: &[Patch], wall: usize) -> [f64; 4] {
+    let mut sum = [0.0; 4];
+    for patch in patches {
+        for (sum, part) in sum.iter_mut().zip(patch.wall_forces[wall]) {
+            *sum += part;
+        }
+    }
+    sum
 }

@@ -190,9 +190,7 @@ impl<'a> Runner<'a> {
 
     /// Chooses the first time step and records the state before it.
     fn begin(&mut self, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
-        self.engine.list();
-        // a push of no time finds out what touches and changes nothing
-        self.engine.push(0.0);
+        self.engine.push_still();
         let survey = self.engine.survey(true);
         let critical = survey.critical;
         self.journal.time_step = match self.spec.time_step_s {

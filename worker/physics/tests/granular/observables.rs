@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 
 use serde_json::{Value, json};
 
-use super::{assert_close, run, scene::Record, submission};
+use super::{assert_close, determinism::rain, run, scene::Record, submission};
 
 const RADIUS: f64 = 0.01;
 const SIDE: usize = 4;
@@ -240,4 +240,27 @@ fn regions_without_inside_or_with_a_taken_name_are_refused() {
             "/spec/record/regions/1/high_m"
         ]
     );
+}
+
+/// A state that is recorded before it moves says what the step from there says: what acts on bodies
+/// across the borders of patches counts in both. Without friction no force depends on the motion.
+#[test]
+fn a_still_state_is_as_unbalanced_as_the_step_from_it() {
+    let mut spec = rain(17, 0.0, 1, false);
+    for body in spec["bodies"].as_array_mut().expect("bodies") {
+        for place in body["position_m"].as_array_mut().expect("a place") {
+            // closer, so that neighbours touch
+            *place = json!(0.88 * place.as_f64().expect("a number"));
+        }
+    }
+    spec["stages"] = json!([{"run": {"steps": 1}}, {"cut": {"axis": "z", "above_m": 0.3}}, {"run": {"steps": 1}}]);
+    spec["record"] = json!({"every_steps": 1});
+    let (_, record) = run(&spec);
+    let ratios = record.column("unbalanced_force_ratio");
+    assert_eq!(record.column("step"), [0.0, 1.0, 1.0, 2.0]);
+    assert!(ratios[0] > 0.1, "{ratios:?}");
+    assert!(record.column("contacts")[0] > 1000.0);
+    for still in [0, 2] {
+        assert_close(ratios[still], ratios[still + 1], 1e-12);
+    }
 }
