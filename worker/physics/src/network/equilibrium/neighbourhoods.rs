@@ -34,6 +34,9 @@ const NEARLY_BALANCED: f64 = 3.0;
 const RINGS: usize = 5;
 /// Parts of more than this share of the free nodes together cost as much as the whole.
 const LARGEST_SHARE: f64 = 0.15;
+/// More nodes far from equilibrium than this share of the free ones are hardly ever so close together
+/// that their parts would be small: to list those would be in vain.
+const MOST_FAR: f64 = LARGEST_SHARE / 12.0;
 /// Newton iterations for a part: most need four.
 const ITERATIONS: u32 = 30;
 
@@ -91,11 +94,15 @@ impl Neighbourhoods {
     /// Lists the nodes whose resultant exceeds `force` [N] and those around them; returns false
     /// when they are too many.
     fn gather(&mut self, assembly: &Assembly, here: &Configuration, force: f64) -> bool {
-        let most = (LARGEST_SHARE * assembly.free().len() as f64) as usize;
-        self.numbers.resize(assembly.places(), NONE);
-        self.is_waiting.resize(assembly.places(), false);
+        let [most, most_far] =
+            [LARGEST_SHARE, MOST_FAR].map(|share| (share * assembly.free().len() as f64) as usize);
         self.members.clear();
         here.list_beyond(assembly, force, &mut self.members);
+        if self.members.len() > most_far {
+            return false;
+        }
+        self.numbers.resize(assembly.places(), NONE);
+        self.is_waiting.resize(assembly.places(), false);
         for member in &self.members {
             self.is_waiting[*member as usize] = true;
         }
