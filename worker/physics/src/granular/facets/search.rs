@@ -22,8 +22,6 @@ pub(in crate::granular) struct Search {
     reach: f64,
     /// Levels of each mesh.
     levels: Vec<Vec<Level>>,
-    /// Balls around facets: middle and radius, in the frame of the mesh.
-    balls: Vec<Row>,
 }
 
 impl Search {
@@ -33,6 +31,7 @@ impl Search {
             return;
         }
         self.reach = SPARE * reach;
+        // around each facet: middle and radius, in the frame of its mesh
         let ball = |facet: &super::Facet| {
             let [lower, upper] = bounds(&facet.corners);
             let middle = std::array::from_fn(|axis| 0.5 * (lower[axis] + upper[axis]));
@@ -43,13 +42,14 @@ impl Search {
             let [x, y, z] = middle;
             Row([x, y, z, far.fold(0.0, f64::max)])
         };
-        self.balls = facets.facets.iter().map(ball).collect();
-        let levels = facets.meshes.iter().map(|mesh| self.levels_of(mesh));
+        let balls: Vec<Row> = facets.facets.iter().map(ball).collect();
+        let levels = facets.meshes.iter();
+        let levels = levels.map(|mesh| self.levels_of(mesh, &balls));
         self.levels = levels.collect();
     }
 
-    fn levels_of(&self, mesh: &Mesh) -> Vec<Level> {
-        let radius = |facet: usize| self.balls[facet].0[3];
+    fn levels_of(&self, mesh: &Mesh, balls: &[Row]) -> Vec<Level> {
+        let radius = |facet: usize| balls[facet].0[3];
         let largest = mesh.facets.clone().map(radius).fold(0.0, f64::max);
         let mut members: Vec<Vec<u32>> = vec![Vec::new(); FINEST + 1];
         for facet in mesh.facets.clone() {
@@ -61,7 +61,7 @@ impl Search {
         filled
             .map(|(level, members)| {
                 let widest = largest / (1_u64 << level) as f64;
-                Level::new(&self.balls, members, widest + self.reach)
+                Level::new(balls, members, widest + self.reach)
             })
             .collect()
     }
