@@ -41,6 +41,15 @@ pub(super) fn rain(side: usize, friction: f64, steps: u64, with_clumps: bool) ->
     })
 }
 
+/// Multiplies all places by a factor, so that neighbours touch.
+pub(super) fn draw_together(spec: &mut Value, factor: f64) {
+    for body in spec["bodies"].as_array_mut().expect("bodies") {
+        for place in body["position_m"].as_array_mut().expect("a place") {
+            *place = json!(factor * place.as_f64().expect("a number"));
+        }
+    }
+}
+
 #[test]
 fn results_have_the_same_bits_on_any_number_of_threads() {
     for (friction, with_clumps) in [(0.5, true), (0.0, false)] {
@@ -63,12 +72,7 @@ fn results_have_the_same_bits_on_any_number_of_threads() {
 #[test]
 fn a_large_bed_has_the_same_bits_on_any_number_of_threads() {
     let mut spec = rain(33, 0.5, 20, false);
-    for body in spec["bodies"].as_array_mut().expect("bodies") {
-        for place in body["position_m"].as_array_mut().expect("a place") {
-            // closer, so that neighbours touch
-            *place = json!(0.92 * place.as_f64().expect("a number"));
-        }
-    }
+    draw_together(&mut spec, 0.92);
     spec["record"]["every_steps"] = json!(10);
     let (expected, record) = run(&spec);
     assert!(

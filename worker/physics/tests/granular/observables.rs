@@ -3,7 +3,13 @@ use std::f64::consts::PI;
 
 use serde_json::{Value, json};
 
-use super::{assert_close, determinism::rain, run, scene::Record, submission};
+use super::{
+    assert_close,
+    determinism::{draw_together, rain},
+    run,
+    scene::Record,
+    submission,
+};
 
 const RADIUS: f64 = 0.01;
 const SIDE: usize = 4;
@@ -247,12 +253,7 @@ fn regions_without_inside_or_with_a_taken_name_are_refused() {
 #[test]
 fn a_still_state_is_as_unbalanced_as_the_step_from_it() {
     let mut spec = rain(17, 0.0, 1, false);
-    for body in spec["bodies"].as_array_mut().expect("bodies") {
-        for place in body["position_m"].as_array_mut().expect("a place") {
-            // closer, so that neighbours touch
-            *place = json!(0.88 * place.as_f64().expect("a number"));
-        }
-    }
+    draw_together(&mut spec, 0.88);
     spec["stages"] = json!([{"run": {"steps": 1}}, {"cut": {"axis": "z", "above_m": 0.3}}, {"run": {"steps": 1}}]);
     spec["record"] = json!({"every_steps": 1});
     let (_, record) = run(&spec);
