@@ -10,7 +10,7 @@ use std::{ops::Range, sync::OnceLock};
 use super::{
     Laws, Network, Row, Vector,
     blocks::{Block, Blocks},
-    equilibrium::multigrid::mesh::Mesh,
+    equilibrium::multigrid::{at_rest::AtRest, mesh::Mesh},
     field::Field,
     incidence::Incidence,
     law::{BondLaw, StrainLaw},
@@ -46,6 +46,7 @@ pub(crate) struct Assembly {
     dimensions: usize,
     incidence: OnceLock<Incidence>,
     mesh: OnceLock<Option<Mesh>>,
+    at_rest: OnceLock<Option<AtRest>>,
 }
 
 /// How a bond responds at some displacements, (6) and (7).
@@ -123,6 +124,7 @@ impl Assembly {
             dimensions,
             incidence: OnceLock::new(),
             mesh: OnceLock::new(),
+            at_rest: OnceLock::new(),
             positions: Field::default(),
             places,
             blocks,
@@ -253,28 +255,36 @@ impl Assembly {
 
     /// The cells over the nodes, made when first asked for; `None` when there would be too few.
     pub(crate) fn mesh(&self) -> Option<&Mesh> {
-        let mesh = self.mesh.get_or_init(|| {
-            let mean = |places: Range<usize>| {
-                let count = places.len() as f64;
-                self.positions.axis(1)[places].iter().sum::<f64>() / count
-            };
-            let Range { start, end } = self.free();
-            let after = self.places.nodes[end..].iter();
-            let top = after.take_while(|node| **node != NONE).count();
-            let heights = [mean(0..start), mean(end..end + top)];
-            let length = self
-                .slots()
-                .map(|slot| self.rest_lengths[slot])
-                .sum::<f64>();
-            Mesh::new(
-                &self.positions,
-                &self.rows(),
-                heights,
-                length / self.bonds() as f64,
-                &self.strips,
-            )
-        });
-        mesh.as_ref()
+        self.mesh.get_or_init(|| self.cells(usize::MAX)).as_ref()
+    }
+
+    /// Cells over the nodes with not more corners than so many.
+    pub(crate) fn cells(&self, most_corners: usize) -> Option<Mesh> {
+        let mean = |places: Range<usize>| {
+            let count = places.len() as f64;
+            self.positions.axis(1)[places].iter().sum::<f64>() / count
+        };
+        let Range { start, end } = self.free();
+        let after = self.places.nodes[end..].iter();
+        let top = after.take_while(|node| **node != NONE).count();
+        let heights = [mean(0..start), mean(end..end + top)];
+        let length = self
+            .slots()
+            .map(|slot| self.rest_lengths[slot])
+            .sum::<f64>();
+        Mesh::new(
+            &self.positions,
+            &self.rows(),
+            heights,
+            length / self.bonds() as f64,
+            &self.strips,
+            most_corners,
+        )
+    }
+
+    /// The long waves of a network of few cells with all bonds at rest, found when first asked for.
+    pub(crate) fn at_rest(&self) -> Option<&AtRest> {
+        self.at_rest.get_or_init(|| AtRest::new(self)).as_ref()
     }
 
     /// The places of the free nodes row by row; nodes of no row are rows of one.

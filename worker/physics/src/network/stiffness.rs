@@ -32,6 +32,25 @@ impl<T: Real> Stiffness<T> {
         }
     }
 
+    /// All bonds of an assembly, whether they act or not, neither stretched nor turned: K = e/l₀ n nᵀ.
+    pub(crate) fn at_rest(assembly: &Assembly) -> Self {
+        let mut stiffness = Self::zeros(assembly.ends.len(), assembly.dimensions());
+        for slot in assembly.slots() {
+            let [first, second] =
+                assembly.ends[slot].map(|end| assembly.positions.at(end as usize));
+            let Some(direction) = (first - second).try_normalize(0.0) else {
+                continue;
+            };
+            let root = (assembly.laws.of(slot).slope(0.0) / assembly.rest_lengths[slot]).sqrt();
+            for (axial, component) in stiffness.axial.iter_mut().zip(direction.iter()) {
+                if let Some(axial) = axial.get_mut(slot) {
+                    *axial = T::new(root * component);
+                }
+            }
+        }
+        stiffness
+    }
+
     /// xx, yy, xy, zz, xz, yz of the K of the bond in a slot; compressed, of a n nᵀ (7) alone, which
     /// is positive.
     pub(crate) fn positive(&self, slot: usize) -> [T; 6] {

@@ -54,6 +54,7 @@ impl Assembly {
             incidence: OnceLock::new(),
             // too small to have long waves
             mesh: OnceLock::from(None),
+            at_rest: OnceLock::from(None),
             slots: slots_of(&bonds, origins.len()),
             places,
             blocks,

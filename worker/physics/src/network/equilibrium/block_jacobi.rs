@@ -16,9 +16,13 @@ use crate::{
 pub(super) struct BlockJacobi<T> {
     /// xx, yy, xy, and in space zz, xz, yz.
     inverses: [Vec<T>; 6],
+    /// 1 where they are not zero.
+    mobility: Vec<T>,
     spill: Spill<T, 6>,
     /// Mean over the directions of what the blocks multiply, summed over the nodes [mm/N].
     compliance: f64,
+    /// Stiffness of the free nodes along x and y, summed [N/mm].
+    stiffness: f64,
 }
 
 /// Places of the diagonal among them.
@@ -38,8 +42,10 @@ impl<T: Real> BlockJacobi<T> {
         };
         Self {
             inverses: [0, 1, 2, 3, 4, 5].map(zeros),
+            mobility: zeros(0),
             spill: Spill::new(&assembly.strips, parts),
             compliance: 0.0,
+            stiffness: 0.0,
         }
     }
 
@@ -63,6 +69,13 @@ impl<T: Real> BlockJacobi<T> {
                 );
                 0.0
             });
+        self.stiffness = strips.sum(team, (), |strip, ()| {
+            let free = strip.within(&assembly.free());
+            wide(
+                #[inline(always)]
+                || sum(&self.inverses[0][free.clone()]) + sum(&self.inverses[1][free.clone()]),
+            )
+        });
         let blocks = AtPlaces(self.inverses.each_mut().map(Vec::as_mut_slice));
         let diagonals = strips.sum(team, blocks, |strip, AtPlaces(blocks)| {
             wide(
@@ -84,6 +97,10 @@ impl<T: Real> BlockJacobi<T> {
             DIAGONAL.map(|part| sum(blocks[part])).iter().sum()
         });
         self.compliance = diagonals / 3.0;
+        let xx = &self.inverses[0];
+        for (mobility, xx) in self.mobility.iter_mut().zip(xx) {
+            *mobility = T::new(f64::from(u8::from(*xx > T::zero())));
+        }
     }
 
     /// Sets `moved` to about the displacements that relieve `forces`, both from place `start` on
@@ -115,6 +132,16 @@ impl<T: Real> BlockJacobi<T> {
             mz[node] = zz[node].mul_add(z, yz[node].mul_add(y, xz[node] * x));
         }
         dot(fx, mx) + dot(fy, my) + dot(fz, mz)
+    }
+
+    /// Stiffness of the free nodes along x and y, summed [N/mm].
+    pub(super) fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// 1 at the places of nodes that move, 0 at others.
+    pub(super) fn mobility(&self) -> &[T] {
+        &self.mobility
     }
 
     /// The squared preconditioned norm of a residual with magnitude `force` at every node.

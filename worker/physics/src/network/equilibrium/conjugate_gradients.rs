@@ -56,39 +56,44 @@ pub(super) struct Equations<'a, T> {
     pub(super) team: &'a Team,
 }
 
-/// The part of the preconditioner that sees long waves, once it is worth its cost.
+/// The part of the preconditioner that sees long waves.
 #[derive(Debug)]
 pub(super) struct Waves<'a> {
     assembly: &'a Assembly,
     grids: Option<Multigrid<'a>>,
-    /// Iterations of one step without it.
+    /// Iterations of one step before the grids are built with the present stiffness.
     patience: usize,
 }
 
-/// Iterations after which the grids pay, for a network of few cells. PET tests to rupture take 0.64 s
-/// so at A_cc 100 and 3.1 s at 1e4; with grids after 40 iterations 0.72 and 3.7 s, after 15 0.84 and
-/// 4.1 s; without any a test at 1e4 takes a fifth more iterations (43 156 for 35 220).
+/// Iterations after which a grid at rest serves so badly that grids of the present stiffness pay, though
+/// they cost as much as dozens of iterations. From 40 to 200 all serve alike.
 const PATIENCE: usize = 100;
-/// With more corners they are known to pay from the start.
-const MANY_CORNERS: usize = 500;
 
 impl<'a> Waves<'a> {
     pub(super) fn new(assembly: &'a Assembly) -> Self {
-        let patience = match assembly.mesh() {
-            None => usize::MAX,
-            Some(mesh) if mesh.corners() > MANY_CORNERS => 0,
-            Some(_) => PATIENCE,
+        let grids = Multigrid::at_rest(assembly);
+        let patience = match (assembly.mesh(), &grids) {
+            (None, _) => usize::MAX,
+            (_, None) => 0,
+            (_, Some(_)) => PATIENCE,
         };
         Self {
             assembly,
-            grids: None,
+            grids,
             patience,
+        }
+    }
+
+    /// Takes note of how stiff the nodes are now.
+    pub(super) fn follow<T: Real>(&mut self, nodes: &BlockJacobi<T>) {
+        if let Some(grids) = &mut self.grids {
+            grids.follow(nodes);
         }
     }
 
     /// After so many iterations of a step: whether the preconditioner changed.
     fn look<T: Real>(&mut self, iterations: usize, stiffness: &Stiffness<T>) -> bool {
-        if iterations < self.patience || self.grids.is_some() {
+        if iterations < self.patience {
             return false;
         }
         self.grids = Multigrid::new(self.assembly, stiffness);
@@ -160,7 +165,7 @@ pub(super) fn newton_step<T: Real>(
         let length = T::new(norm / curvature);
         let mut next_norm = advance(equations, length, search, product, step, residual);
         if let Some(grids) = &mut waves.grids {
-            next_norm += grids.correct(residual, product, team);
+            next_norm += grids.correct(equations.nodes, residual, product, team);
         }
         let turn = T::new(next_norm / norm);
         norm = next_norm;
@@ -211,7 +216,7 @@ pub(super) fn precondition<T: Real>(
             norm
         });
     if let Some(grids) = &mut waves.grids {
-        norm += grids.correct(residual, moved, team);
+        norm += grids.correct(nodes, residual, moved, team);
     }
     norm
 }

@@ -295,6 +295,7 @@ impl Iteration<'_, '_> {
     ) -> Result<bool, Interrupt> {
         let (assembly, here) = (self.assembly, self.here);
         memory.nodes.follow(assembly, stiffness, self.team);
+        self.waves.follow(&memory.nodes);
         let unit = scale_to_one(assembly, &here.resultants, &mut memory.force, self.team);
         let norm = self.begin(stiffness, memory);
         let previous_norm = std::mem::replace(&mut self.norm, norm * unit * unit);

@@ -51,7 +51,9 @@ impl Level {
         let mut cells = vec![[[0.0; 6]; PAIRS]; mesh.corners()];
         let free = assembly.free();
         for slot in 0..assembly.ends.len() {
-            if !assembly.acts(slot) {
+            let block = stiffness.positive(slot).map(|part| part.wide() as f32);
+            // a bond that does not act has no stiffness
+            if block.iter().all(|part| *part == 0.0) {
                 continue;
             }
             let ends = assembly.ends[slot].map(|end| end as usize);
@@ -72,7 +74,6 @@ impl Level {
                     (corner, weights(at.map(|v| v as f32)))
                 }
             };
-            let block = stiffness.positive(slot).map(|part| part.wide() as f32);
             for (pair, (a, b)) in pairs().enumerate() {
                 let factor = change[a] * change[b];
                 for part in 0..6 {

@@ -1,12 +1,15 @@
 //! Cells over a network, and the interpolation between their corners and the nodes.
-use std::ops::Range;
+use std::{array, ops::Range};
 
-use super::band::{BLOCK, Band};
+use super::{
+    band::{BLOCK, Band},
+    level::Vectors,
+};
 use crate::{
     network::{
         Row, Vector,
         field::{Field, Real},
-        strips::{AtPlaces, OfStrips, Strips},
+        strips::{AtPlaces, OfStrips, Strips, again},
     },
     parallel::Team,
     wide::wide,
@@ -59,13 +62,15 @@ struct Piece {
 
 impl Mesh {
     /// Cells over the free nodes at these `positions` [mm] between jaws at these `heights` [mm];
-    /// `rows` are all of them, with the places of their nodes. `None` where too few would do.
+    /// `rows` are all of them, with the places of their nodes. Cells are as small as is worth while, but
+    /// have not more than `most_corners`. `None` where too few would do.
     pub(crate) fn new(
         positions: &Field<f64>,
         rows: &[(Range<usize>, Row)],
         heights: [f64; 2],
         mean_length: f64,
         strips: &Strips,
+        most_corners: usize,
     ) -> Option<Self> {
         let extent = |axis: usize| {
             let values = positions.axis(axis);
@@ -77,9 +82,12 @@ impl Mesh {
         };
         let ranges = [extent(0), heights];
         let side = CELL * mean_length;
-        let cells = ranges.map(|[from, to]| cells((to - from) / side));
+        let mut cells = ranges.map(|[from, to]| cells((to - from) / side));
         if cells[1] < FEWEST_CELLS || cells[0] == 0 {
             return None;
+        }
+        while (cells[0] + 1) * (cells[1] + 1) > most_corners {
+            cells = cells.map(|cells| cells.div_ceil(2));
         }
         let mut mesh = Self {
             cells,
@@ -190,39 +198,32 @@ impl Mesh {
             .collect()
     }
 
-    /// Sets `sums` to the forces on the corners that do the work of `forces` on the nodes.
-    pub(super) fn restrict<T: Real>(
+    /// Sets the first components of `sums` to the forces on the corners that do the work of `forces` on
+    /// the nodes.
+    pub(super) fn restrict<T: Real, const C: usize>(
         &self,
         forces: &Field<T>,
         shares: &mut Shares,
-        sums: &mut [Vec<f32>; 3],
+        sums: &mut Vectors,
         team: &Team,
     ) {
         let above = self.planes()[0];
+        let forces: [&[T]; C] = first(forces.components());
         self.strips
             .each(team, OfStrips(shares), |strip, OfStrips(shares)| {
                 let Bands { bands, corners } = &self.bands[strip.number];
                 let shares = &mut shares[0];
                 shares.fill(0.0);
-                let mut parts = [[0.0; BLOCK]; 4];
+                let (x, others) = shares.split_at_mut(corners.len());
+                let (y, z) = others.split_at_mut(corners.len());
+                let mut shares: [&mut [f32]; C] = first([x, y, z]);
+                let mut parts = [[[0.0; BLOCK]; 4]; C];
                 wide(
                     #[inline(always)]
                     || {
-                        let components = shares.chunks_mut(corners.len().max(1));
-                        for (forces, sums) in forces.components().into_iter().zip(components) {
-                            if forces.is_empty() {
-                                continue;
-                            }
-                            for band in bands {
-                                band.restrict(
-                                    &self.at,
-                                    forces,
-                                    corners.start,
-                                    sums,
-                                    above,
-                                    &mut parts,
-                                );
-                            }
+                        for band in bands {
+                            let first = corners.start;
+                            band.restrict(&self.at, forces, first, &mut shares, above, &mut parts);
                         }
                     },
                 );
@@ -232,7 +233,7 @@ impl Mesh {
         }
         for (Bands { corners, .. }, shares) in self.bands.iter().zip(shares) {
             let components = shares.chunks(corners.len().max(1));
-            for (sums, shares) in sums.iter_mut().zip(components) {
+            for (sums, shares) in sums.iter_mut().zip(components).take(C) {
                 for (sum, share) in sums[corners.clone()].iter_mut().zip(shares) {
                     *sum += *share;
                 }
@@ -240,37 +241,39 @@ impl Mesh {
         }
     }
 
-    /// Adds the displacements interpolated from the `corners` to those of the nodes, as far as
-    /// `shares` say for each place.
-    pub(super) fn prolong<T: Real>(
+    /// Adds the displacements interpolated from the first components at the `corners` to those of the
+    /// nodes, times their `mobility`.
+    pub(super) fn prolong<T: Real, const C: usize>(
         &self,
-        corners: &[Vec<f32>; 3],
-        shares: &[f32],
+        corners: &Vectors,
+        mobility: &[T],
         moved: &mut Field<T>,
         team: &Team,
     ) {
         let above = self.planes()[0];
         let outputs = AtPlaces(moved.components_mut());
         self.strips.each(team, outputs, |strip, AtPlaces(moved)| {
-            let first = strip.places.start;
-            let mut parts = [[0.0; BLOCK]; 4];
+            let start = strip.places.start;
+            let mut moved: [&mut [T]; C] = first(again(moved));
+            let mut parts = [[[0.0; BLOCK]; 4]; C];
             wide(
                 #[inline(always)]
                 || {
-                    for (moved, corners) in moved.iter_mut().zip(corners) {
-                        if moved.is_empty() {
-                            continue;
-                        }
-                        for band in &self.bands[strip.number].bands {
-                            band.prolong(
-                                &self.at, corners, above, shares, first, moved, &mut parts,
-                            );
-                        }
+                    for band in &self.bands[strip.number].bands {
+                        band.prolong(
+                            &self.at, corners, above, mobility, start, &mut moved, &mut parts,
+                        );
                     }
                 },
             );
         });
     }
+}
+
+/// The first of three.
+fn first<S: Default, const C: usize>(three: [S; 3]) -> [S; C] {
+    let mut three = three.into_iter();
+    array::from_fn(|_| three.next().unwrap_or_default())
 }
 
 impl Piece {
@@ -341,7 +344,7 @@ mod tests {
 
     fn mesh(positions: &Field<f64>, rows: &[(Range<usize>, Row)]) -> Mesh {
         let strips = Blocks::new(&[], positions.axis(0).len()).strips;
-        Mesh::new(positions, rows, [-5.0, 400.0], 10.0, &strips).expect("enough cells")
+        Mesh::new(positions, rows, [-5.0, 400.0], 10.0, &strips, usize::MAX).expect("enough cells")
     }
 
     #[test]
@@ -358,7 +361,7 @@ mod tests {
         let corners = [0, 1, 2].map(|_| (0..across * up).map(corner).collect::<Vec<f32>>());
         let places = positions.axis(0).len();
         let mut moved: Field<f64> = Field::zeros(places, 2);
-        mesh.prolong(&corners, &vec![1.0; places], &mut moved, &Team::alone());
+        mesh.prolong::<_, 2>(&corners, &vec![1.0_f64; places], &mut moved, &Team::alone());
         for place in 0..places {
             let [x, y] = [0, 1].map(|axis| positions.axis(axis)[place]);
             // some roundings of single precision, of numbers of order ten
@@ -374,11 +377,11 @@ mod tests {
         let wave = |place: usize| Vector::new((0.3 * place as f64).sin(), 0.5, 0.0);
         let forces: Field<f64> = Field::of(&(0..places).map(wave).collect::<Vec<_>>(), 2);
         let mut sums = [0, 1, 2].map(|_| vec![0.0; mesh.corners()]);
-        mesh.restrict(&forces, &mut mesh.shares(), &mut sums, &Team::alone());
+        mesh.restrict::<_, 2>(&forces, &mut mesh.shares(), &mut sums, &Team::alone());
         let corner = |corner: usize| (0.9 * corner as f32).cos();
         let corners = [0, 1, 2].map(|_| (0..mesh.corners()).map(corner).collect::<Vec<f32>>());
         let mut moved: Field<f64> = Field::zeros(places, 2);
-        mesh.prolong(&corners, &vec![1.0; places], &mut moved, &Team::alone());
+        mesh.prolong::<_, 2>(&corners, &vec![1.0_f64; places], &mut moved, &Team::alone());
         let at_nodes = moved.dot(&forces, 0..places);
         let pairs = sums.iter().zip(&corners).take(2);
         let at_corners: f64 = pairs.map(|(sums, corners)| dot(sums, corners)).sum();
