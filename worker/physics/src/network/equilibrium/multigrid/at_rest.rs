@@ -2,8 +2,9 @@
 //!
 //! A handful of cells takes half the iterations away, and the stiffness of each counts for little: one
 //! that is a whole test old serves nearly as well as the present one, if it is as stiff on the whole
-//! (on PET to rupture 209 iterations for 188; 409 without a grid). Along z a network at rest has no
-//! stiffness of the kind that tension gives it, so there the grid finds nothing.
+//! (28 steps of a PET test to rupture took 209 iterations so, 188 with the present stiffness, 409
+//! without a grid). Along z a network at rest has no stiffness of the kind that tension gives it, so
+//! there the grid finds nothing.
 use super::{dense::Inverse, level::Level, mesh::Mesh};
 use crate::network::{assembly::Assembly, field::sum, stiffness::Stiffness};
 
