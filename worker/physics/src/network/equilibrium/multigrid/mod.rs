@@ -1,4 +1,4 @@
-//! Corrections in long waves for the preconditioner of large networks.
+//! Corrections in long waves for the preconditioner.
 //!
 //! A node relaxed against its neighbours moves an error by one bond, so what is left after some
 //! iterations are long waves. They are found on grids: the displacement of a node is interpolated
@@ -329,6 +329,7 @@ mod tests {
         });
         for place in assembly.free() {
             let [first, second] = moved.each_ref().map(|moved| moved.at(place));
+            // some roundings of single precision
             assert!((first - 4.0 * second).norm() <= 1e-5 * first.norm());
         }
     }
