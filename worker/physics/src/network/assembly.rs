@@ -1,10 +1,7 @@
 //! A network packed for the solvers: which bonds act, and the kernels' view of them.
 //!
 //! Nodes have [`places`](super::places) and bonds slots in [`blocks`](super::blocks); both stay the
-//! same when bonds break, because a bond that is broken or carries no load just does nothing. A
-//! [`part`] of an assembly is an assembly as well.
-mod part;
-
+//! same when bonds break, because a bond that is broken or carries no load just does nothing.
 use std::{ops::Range, sync::OnceLock};
 
 use super::{

@@ -40,6 +40,8 @@ mod places;
 mod response;
 mod rounded;
 pub(crate) mod rupture;
+#[cfg(test)]
+mod sample;
 mod stiffness;
 mod strips;
 

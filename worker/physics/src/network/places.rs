@@ -16,7 +16,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 pub(crate) struct Places {
     /// Number in the network of the node at each place, or [`NONE`].
     pub(crate) nodes: Vec<u32>,
-    /// Place of each node of the network; empty for a part of it.
+    /// Place of each node of the network.
     pub(crate) of: Vec<u32>,
     /// From the first to the last free node.
     pub(crate) free: Range<usize>,
@@ -36,18 +36,6 @@ impl Places {
         places.take_held(network, Hold::Bottom);
         places.take_free(network);
         places.take_held(network, Hold::Top);
-        places.fill_up();
-        places
-    }
-
-    /// The places of these `nodes`, the first of them `free`.
-    pub(crate) fn part(nodes: Vec<u32>, free: usize) -> Self {
-        let mut places = Self {
-            nodes,
-            of: Vec::new(),
-            free: 0..free,
-            rows: Vec::new(),
-        };
         places.fill_up();
         places
     }

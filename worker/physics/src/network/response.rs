@@ -77,31 +77,87 @@ impl<'a> Ends<'a> {
         }
     }
 
-    /// From the second end of a bond to the first [mm], the length of that, and the strain, (4)-(5).
+    /// See [`stretch`].
     #[inline(always)]
     fn stretch<const D: usize>(&self, bond: usize) -> ([f64; 3], f64, f64) {
-        let [first, second] = &self.places;
-        let [moved_first, moved_second] = &self.moves;
-        let x = first[0][bond] - second[0][bond];
-        let y = first[1][bond] - second[1][bond];
-        let wx = moved_first[0][bond] - moved_second[0][bond];
-        let wy = moved_first[1][bond] - moved_second[1][bond];
-        let (mut z, mut wz) = (0.0, 0.0);
-        if D == 3 {
-            z = first[2][bond] - second[2][bond];
-            wz = moved_first[2][bond] - moved_second[2][bond];
-        }
-        let (px, py, pz) = (x + wx, y + wy, z + wz);
-        let mut square = px * px + py * py;
-        let mut elongation = wx * (x + px) + wy * (y + py);
-        if D == 3 {
-            square += pz * pz;
-            elongation += wz * (z + pz);
-        }
-        let rest = self.rest_lengths[bond];
-        let length = square.sqrt();
-        let strain = (elongation + self.excess[bond]) / ((length + rest) * rest);
-        ([px, py, pz], length, strain)
+        let between = |[first, second]: [[&[f64]; 3]; 2], axis: usize| {
+            if axis < D {
+                first[axis][bond] - second[axis][bond]
+            } else {
+                0.0
+            }
+        };
+        let (places, moves) = (self.places, self.moves);
+        stretch::<D>(
+            [between(places, 0), between(places, 1), between(places, 2)],
+            [between(moves, 0), between(moves, 1), between(moves, 2)],
+            self.rest_lengths[bond],
+            self.excess[bond],
+        )
+    }
+}
+
+/// From the second end of a bond to the first [mm], the length of that, and the strain, (4)-(5),
+/// given the same at the start, how far the first end moved more than the second, l₀ and the excess
+/// |X|² − l₀².
+#[inline(always)]
+pub(crate) fn stretch<const D: usize>(
+    [x, y, z]: [f64; 3],
+    [wx, wy, wz]: [f64; 3],
+    rest: f64,
+    excess: f64,
+) -> ([f64; 3], f64, f64) {
+    let (px, py, pz) = (x + wx, y + wy, z + wz);
+    let mut square = px * px + py * py;
+    let mut elongation = wx * (x + px) + wy * (y + py);
+    if D == 3 {
+        square += pz * pz;
+        elongation += wz * (z + pz);
+    }
+    let length = square.sqrt();
+    let strain = (elongation + excess) / ((length + rest) * rest);
+    ([px, py, pz], length, strain)
+}
+
+/// What a bond does, in terms of kernels.
+pub(crate) struct Reaction<T> {
+    /// l₀ φ(u) [N mm].
+    pub(crate) energy: f64,
+    /// T [N].
+    pub(crate) tension: f64,
+    /// Force on the first end over the vector from the second end to it [N/mm].
+    pub(crate) pull: f64,
+    /// b [N/mm].
+    pub(crate) transverse: T,
+    /// √(a − b) [√(N/mm)].
+    pub(crate) root: T,
+    /// One over the length, zero for a bond without [1/mm].
+    pub(crate) inverse: f64,
+}
+
+/// The reaction of a bond of this length and strain, (6) and (7), times `act`.
+#[inline(always)]
+pub(crate) fn react<T: Real, L: StrainLaw>(
+    law: &L,
+    act: f64,
+    length: f64,
+    strain: f64,
+    rest: f64,
+) -> Reaction<T> {
+    let tension = act * law.tension(strain);
+    let inverse = if length > NO_LENGTH * rest {
+        1.0 / length
+    } else {
+        0.0
+    };
+    Reaction {
+        energy: act * rest * law.energy(strain),
+        tension,
+        // the first end is pulled towards the second
+        pull: -tension * inverse,
+        transverse: T::new(tension * inverse),
+        root: T::new(act * law.axial_excess(strain) * inverse).sqrt(),
+        inverse,
     }
 }
 
@@ -152,28 +208,19 @@ pub(crate) fn respond<const D: usize, T: Real, L: StrainLaw>(
         let energies = &mut energies[..count];
         for bond in 0..count {
             let ([px, py, pz], length, strain) = ends.stretch::<D>(bond);
-            let rest = ends.rest_lengths[bond];
             let act = f64::from(acts[bond]);
             let law = law(start + bond);
-            let tension = act * law.tension(strain);
-            let inverse = if length > NO_LENGTH * rest {
-                1.0 / length
-            } else {
-                0.0
-            };
-            energies[bond] = act * rest * law.energy(strain);
-            tensions[bond] = tension;
-            transverse[bond] = T::new(tension * inverse);
-            let root = T::new(act * law.axial_excess(strain) * inverse).sqrt();
-            ax[bond] = T::new(px * inverse) * root;
-            ay[bond] = T::new(py * inverse) * root;
-            // the first end is pulled towards the second
-            let pull = -tension * inverse;
-            fx[bond] = px * pull;
-            fy[bond] = py * pull;
+            let reaction = react::<T, L>(&law, act, length, strain, ends.rest_lengths[bond]);
+            energies[bond] = reaction.energy;
+            tensions[bond] = reaction.tension;
+            transverse[bond] = reaction.transverse;
+            ax[bond] = T::new(px * reaction.inverse) * reaction.root;
+            ay[bond] = T::new(py * reaction.inverse) * reaction.root;
+            fx[bond] = px * reaction.pull;
+            fy[bond] = py * reaction.pull;
             if D == 3 {
-                az[bond] = T::new(pz * inverse) * root;
-                fz[bond] = pz * pull;
+                az[bond] = T::new(pz * reaction.inverse) * reaction.root;
+                fz[bond] = pz * reaction.pull;
             }
         }
         energy += sum(energies);

@@ -26,7 +26,7 @@ pub(super) struct BlockJacobi<T> {
 }
 
 /// Places of the diagonal among them.
-const DIAGONAL: [usize; 3] = [0, 1, 3];
+pub(super) const DIAGONAL: [usize; 3] = [0, 1, 3];
 
 /// Part of its trace added to a block's diagonal. Without it a node on nearly parallel bonds, such
 /// as a dangling one, is thrown far aside by a tiny force; with much more the block is no longer
@@ -144,9 +144,10 @@ impl<T: Real> BlockJacobi<T> {
         &self.mobility
     }
 
-    /// The squared preconditioned norm of a residual with magnitude `force` at every node.
-    pub(super) fn uniform_norm(&self, force: f64) -> f64 {
-        self.compliance * force * force
+    /// Mean over the directions of what the blocks multiply, summed over the nodes [mm/N]: times the
+    /// square of a force, the squared preconditioned norm of such a residual at every node.
+    pub(super) fn compliance(&self) -> f64 {
+        self.compliance
     }
 }
 

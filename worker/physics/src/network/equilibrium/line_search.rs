@@ -1,11 +1,5 @@
 //! How far to go along a descent direction.
-use super::work::Meter;
-use crate::{
-    Interrupt,
-    network::{assembly::Assembly, configuration::Configuration, field::Field, strips::AtPlaces},
-    parallel::Team,
-    wide::wide,
-};
+use crate::Interrupt;
 
 /// Part of the decrease promised by the slope that a step must keep (Armijo's rule); the usual
 /// small value, so that a full Newton step is refused only when it truly overshoots.
@@ -23,114 +17,119 @@ const SHORTENING: [f64; 2] = [0.1, 0.5];
 /// 0.5⁴⁰ is below the rounding of a displacement.
 const TRIALS: usize = 40;
 
-/// A line to search along.
-pub(super) struct Line<'a> {
-    pub(super) assembly: &'a Assembly,
-    pub(super) start: &'a Configuration,
-    pub(super) direction: &'a Field<f64>,
-    /// Largest multiple of the direction.
-    pub(super) longest: f64,
-    pub(super) team: &'a Team,
+/// What is known of a point on the line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    /// E [N mm].
+    pub(super) energy: f64,
+    /// dE by the multiple of the direction gone [N mm].
+    pub(super) slope: f64,
 }
 
-impl Line<'_> {
-    /// Sets `trial` to a point on the line with sufficiently less energy and returns true, or
-    /// returns false when there is none.
-    ///
-    /// # Errors
-    /// The interrupt that ended it early.
-    pub(super) fn descend(
-        &self,
-        trial: &mut Configuration,
-        meter: &mut Meter<'_>,
-    ) -> Result<bool, Interrupt> {
-        let slope = self.slope(self.start);
-        if slope >= 0.0 {
-            return Ok(false);
-        }
-        let mut length = self.longest.min(1.0);
-        for _ in 0..TRIALS {
-            self.place(trial, length, meter)?;
-            if self.descends(trial, length, slope) {
-                self.lengthen(trial, length, slope, meter)?;
-                return Ok(true);
-            }
-            let secant = slope / (slope - self.slope(trial));
+/// Goes from `start` at most `longest` times the direction, to where there is sufficiently less
+/// energy: `at` goes that far and says what is there. Returns false when there is no such point.
+///
+/// # Errors
+/// The interrupt that ended it early.
+pub(super) fn descend(
+    start: Point,
+    longest: f64,
+    mut at: impl FnMut(f64) -> Result<Point, Interrupt>,
+) -> Result<bool, Interrupt> {
+    if start.slope >= 0.0 {
+        return Ok(false);
+    }
+    let mut length = longest.min(1.0);
+    for _ in 0..TRIALS {
+        let mut trial = at(length)?;
+        if !descends(start, trial, length) {
+            let secant = start.slope / (start.slope - trial.slope);
             length *= if secant.is_finite() {
                 secant.clamp(SHORTENING[0], SHORTENING[1])
             } else {
                 SHORTENING[0]
             };
+            continue;
         }
-        Ok(false)
-    }
-
-    /// Goes on from an accepted point while it pays.
-    fn lengthen(
-        &self,
-        trial: &mut Configuration,
-        accepted: f64,
-        slope: f64,
-        meter: &mut Meter<'_>,
-    ) -> Result<(), Interrupt> {
-        let mut accepted = accepted;
-        while accepted < self.longest && self.slope(trial) < STILL_STEEP * slope {
-            let length = (LENGTHENING * accepted).min(self.longest);
-            self.place(trial, length, meter)?;
-            if !self.descends(trial, length, slope) {
-                return self.place(trial, accepted, meter);
+        // on from there while it pays
+        while length < longest && trial.slope < STILL_STEEP * start.slope {
+            let farther = (LENGTHENING * length).min(longest);
+            trial = at(farther)?;
+            if !descends(start, trial, farther) {
+                at(length)?;
+                break;
             }
-            accepted = length;
+            length = farther;
         }
-        Ok(())
+        return Ok(true);
     }
+    Ok(false)
+}
 
-    fn place(
-        &self,
-        trial: &mut Configuration,
-        length: f64,
-        meter: &mut Meter<'_>,
-    ) -> Result<(), Interrupt> {
-        meter.spend(self.assembly.bonds())?;
-        let (start, direction) = (&self.start.displacements, self.direction);
-        let trials = AtPlaces(trial.displacements.components_mut());
-        let strips = &self.assembly.strips;
-        strips.each(self.team, trials, |strip, AtPlaces(trials)| {
-            let [start, direction] =
-                [start, direction].map(|field| field.panel(strip.places.clone()));
-            for (trial, (start, direction)) in trials.iter_mut().zip(start.iter().zip(direction)) {
-                for (trial, (start, direction)) in trial.iter_mut().zip(start.iter().zip(direction))
-                {
-                    *trial = start + direction * length;
-                }
-            }
-        });
-        trial.update(self.assembly, self.team);
-        Ok(())
-    }
+/// Armijo's rule.
+fn descends(start: Point, trial: Point, length: f64) -> bool {
+    let promised = start.slope * length;
+    let noise = ENERGY_ROUND_OFF * start.energy;
+    let change = if promised.abs() < noise {
+        // the trapezoidal rule on the slopes, free of the cancellation in the energies
+        0.5 * (start.slope + trial.slope) * length
+    } else {
+        trial.energy - start.energy
+    };
+    change <= SUFFICIENT_DECREASE * promised
+}
 
-    /// Armijo's rule.
-    fn descends(&self, trial: &Configuration, length: f64, slope: f64) -> bool {
-        let promised = slope * length;
-        let noise = ENERGY_ROUND_OFF * self.start.energy;
-        let change = if promised.abs() < noise {
-            // the trapezoidal rule on the slopes, free of the cancellation in the energies
-            0.5 * (slope + self.slope(trial)) * length
-        } else {
-            trial.energy - self.start.energy
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where the search along a line with this energy and slope ends, and after how many looks.
+    fn end(longest: f64, of: impl Fn(f64) -> [f64; 2]) -> (Option<f64>, usize) {
+        let point = |length| {
+            let [energy, slope] = of(length);
+            Point { energy, slope }
         };
-        change <= SUFFICIENT_DECREASE * promised
+        let (mut here, mut looks) = (0.0, 0);
+        let went = descend(point(0.0), longest, |length| {
+            (here, looks) = (length, looks + 1);
+            Ok(point(length))
+        });
+        (matches!(went, Ok(true)).then_some(here), looks)
     }
 
-    /// dE/d length.
-    fn slope(&self, at: &Configuration) -> f64 {
-        let free = self.assembly.free();
-        -self.assembly.strips.sum(self.team, (), |strip, ()| {
-            let places = strip.within(&free);
-            wide(
-                #[inline(always)]
-                || at.resultants.dot(self.direction, places.clone()),
-            )
-        })
+    fn is_near(found: Option<f64>, expected: f64) -> bool {
+        found.is_some_and(|found| (found - expected).abs() < 1e-12)
+    }
+
+    #[test]
+    fn a_full_step_to_the_bottom_is_taken_at_once() {
+        let (length, looks) = end(9.0, |x| [(x - 1.0).powi(2), 2.0 * (x - 1.0)]);
+        assert!(is_near(length, 1.0) && looks == 1, "{length:?}, {looks}");
+    }
+
+    #[test]
+    fn a_step_too_far_ends_at_the_secant_of_the_slopes() {
+        let (length, looks) = end(9.0, |x| [(x - 0.25).powi(2), 2.0 * (x - 0.25)]);
+        assert!(is_near(length, 0.25) && looks == 2, "{length:?}, {looks}");
+    }
+
+    #[test]
+    fn a_short_step_is_lengthened_while_the_way_is_steep_and_no_farther_than_allowed() {
+        let slope = |x: f64| [-x, -1.0];
+        assert!(is_near(end(10.0, slope).0, 10.0));
+        // beyond 5 it goes up so far that 16 is no gain
+        let (length, _) = end(
+            100.0,
+            |x| {
+                if x < 5.0 { [-x, -1.0] } else { [x - 10.0, 1.0] }
+            },
+        );
+        assert!(is_near(length, 4.0), "{length:?}");
+    }
+
+    #[test]
+    fn uphill_there_is_nothing_to_find() {
+        assert!(end(1.0, |x| [x, 1.0]).0.is_none());
+        assert!(end(1.0, |_| [f64::NAN, f64::NAN]).0.is_none());
     }
 }

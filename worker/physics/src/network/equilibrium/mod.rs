@@ -15,6 +15,7 @@
 mod block_jacobi;
 mod conjugate_gradients;
 mod continuation;
+mod forcing;
 mod line_search;
 pub(crate) mod multigrid;
 mod neighbourhoods;

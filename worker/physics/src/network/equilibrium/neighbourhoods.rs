@@ -7,22 +7,19 @@
 //! falls by as much as that of the parts.
 //!
 //! Source: nonlinear elimination, [LanzkronRoseWilkes1996].
-use super::{
-    Search,
-    newton_cg::{Memory, descend},
-    work::Meter,
-};
+mod pocket;
+mod rows;
+
+use super::{Search, work::Meter};
 use crate::{
     Interrupt,
     network::{
-        Vector,
         assembly::Assembly,
         configuration::{Configuration, Residual},
-        field::Field,
         places::NONE,
     },
-    parallel::Team,
 };
+use pocket::{Pocket, WAITING};
 
 /// A node counts as far from equilibrium when its resultant is this part of the largest: what is
 /// nearer is for the step of the whole.
@@ -45,12 +42,10 @@ const ITERATIONS: u32 = 30;
 pub(super) struct Neighbourhoods {
     /// Nodes of the parts, the far ones first.
     members: Vec<u32>,
-    /// Nodes of one part.
-    part: Vec<u32>,
-    /// Of each place: whether it is among the members and in no part yet.
-    is_waiting: Vec<bool>,
-    /// Of each place: its number in a part under construction.
+    /// Of each place: [`WAITING`] when it is among the members and in no part yet, its number in a
+    /// part under construction, else [`NONE`].
     numbers: Vec<u32>,
+    pocket: Pocket,
 }
 
 impl Neighbourhoods {
@@ -65,7 +60,6 @@ impl Neighbourhoods {
         assembly: &Assembly,
         here: &mut Configuration,
         residual: &Residual,
-        team: &Team,
         meter: &mut Meter<'_>,
     ) -> Result<bool, Interrupt> {
         if residual.largest < NEARLY_BALANCED * search.force_limit
@@ -73,21 +67,12 @@ impl Neighbourhoods {
         {
             return Ok(false);
         }
-        let search = Search {
-            iteration_limit: ITERATIONS.min(search.iteration_limit),
-            ..*search
-        };
-        // the counts of iterations are those of the whole; bond evaluations count all
-        let counted = meter.work;
-        for index in 0..self.members.len() {
-            if self.connect(assembly, self.members[index]) {
-                self.balance(&search, assembly, here, meter)?;
+        for member in &self.members {
+            if self.numbers[*member as usize] == WAITING {
+                self.pocket.grow(assembly, *member, &mut self.numbers);
+                self.pocket.balance(search, assembly, here, meter)?;
             }
         }
-        meter.work.newton_iterations = counted.newton_iterations;
-        meter.work.conjugate_gradient_iterations = counted.conjugate_gradient_iterations;
-        meter.spend(assembly.bonds())?;
-        here.update(assembly, team);
         Ok(true)
     }
 
@@ -102,10 +87,10 @@ impl Neighbourhoods {
             return false;
         }
         self.numbers.resize(assembly.places(), NONE);
-        self.is_waiting.resize(assembly.places(), false);
         for member in &self.members {
-            self.is_waiting[*member as usize] = true;
+            self.numbers[*member as usize] = WAITING;
         }
+        let (incidence, free) = (assembly.incidence(), assembly.free());
         let mut ring = 0;
         'rings: for _ in 0..RINGS {
             let end = self.members.len();
@@ -114,9 +99,14 @@ impl Neighbourhoods {
                     break 'rings;
                 }
                 let node = self.members[index] as usize;
-                for neighbour in assembly.free_neighbours(node) {
-                    if !self.is_waiting[neighbour as usize] {
-                        self.is_waiting[neighbour as usize] = true;
+                for (slot, neighbour) in incidence.around(node) {
+                    let number = &mut self.numbers[neighbour as usize];
+                    // most were met before
+                    if *number == NONE
+                        && assembly.acts(slot as usize)
+                        && free.contains(&(neighbour as usize))
+                    {
+                        *number = WAITING;
                         self.members.push(neighbour);
                     }
                 }
@@ -126,68 +116,12 @@ impl Neighbourhoods {
         let is_little = self.members.len() <= most;
         if !is_little {
             for member in &self.members {
-                self.is_waiting[*member as usize] = false;
+                self.numbers[*member as usize] = NONE;
             }
         }
         is_little
     }
-
-    /// Takes `first` and all members connected with it as the part; returns false when it was in
-    /// another.
-    fn connect(&mut self, assembly: &Assembly, first: u32) -> bool {
-        if !std::mem::take(&mut self.is_waiting[first as usize]) {
-            return false;
-        }
-        self.part.clear();
-        self.part.push(first);
-        let mut next = 0;
-        while let Some(node) = self.part.get(next) {
-            for neighbour in assembly.free_neighbours(*node as usize) {
-                if std::mem::take(&mut self.is_waiting[neighbour as usize]) {
-                    self.part.push(neighbour);
-                }
-            }
-            next += 1;
-        }
-        self.part.sort_unstable();
-        true
-    }
-
-    /// Brings the part to equilibrium, or nearer to it.
-    fn balance(
-        &mut self,
-        search: &Search,
-        assembly: &Assembly,
-        here: &mut Configuration,
-        meter: &mut Meter<'_>,
-    ) -> Result<(), Interrupt> {
-        let part = assembly.part(&self.part, &mut self.numbers);
-        let displacement = |place| match part.node(place) as u32 {
-            NONE => Vector::zeros(),
-            whole => here.displacements.at(whole as usize),
-        };
-        let start: Vec<Vector> = (0..part.places()).map(displacement).collect();
-        // a part is too small to be shared
-        let alone = Team::alone();
-        let start = Field::of(&start, part.dimensions());
-        let mut inside = Configuration::new(&part, start, &alone);
-        let mut there = inside.clone();
-        let mut memory = Memory::of_part(&part);
-        descend(
-            search,
-            &part,
-            &mut inside,
-            &mut there,
-            &mut memory,
-            &alone,
-            meter,
-        )?;
-        let components = here.displacements.components_mut().into_iter();
-        for (whole, moved) in components.zip(inside.displacements.components()) {
-            for (place, moved) in self.part.iter().zip(moved) {
-                whole[*place as usize] = *moved;
-            }
-        }
-        Ok(())
-    }
 }
+
+#[cfg(test)]
+mod tests;

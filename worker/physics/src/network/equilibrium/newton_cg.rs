@@ -14,7 +14,8 @@ use super::{
     block_jacobi::BlockJacobi,
     conjugate_gradients::{Equations, Scratch, Solved, Stop, Waves, newton_step, precondition},
     continuation::descend_by_stages,
-    line_search::Line,
+    forcing::{DOUBLE, NEAR, SINGLE, away, relative_residual, stop},
+    line_search::{self, Point},
     neighbourhoods::Neighbourhoods,
     work::Meter,
 };
@@ -33,23 +34,6 @@ use crate::{
     wide::wide,
 };
 
-/// Residual of a Newton step relative to the force it balances, when still far from equilibrium.
-/// Closer to it the step is solved more exactly, see [`relative_residual`].
-const LOOSEST_RESIDUAL: f64 = 0.3;
-/// The last step need not be solved beyond this part of the force limit.
-const SHARE_OF_LIMIT: f64 = 0.1;
-/// Largest resultant over the limit below which this may be the last step: it is solved to the end,
-/// because what it leaves, long waves above all, stays. At A_cc 5 the Poisson ratio of PET is 3 % off
-/// so and 8 % otherwise.
-const NEAR: f64 = 50.0;
-/// Farthest a node goes at once along a direction that curves downwards, in step caps: a buckle
-/// turns a bond, which bends the way.
-const FARTHEST_AWAY: f64 = 0.05;
-/// Conjugate gradient iterations per step and free node: exact arithmetic needs three, one per
-/// unknown; more means that the matrix is singular to working precision.
-const ITERATIONS_PER_NODE: usize = 3;
-const LEAST_ITERATIONS: usize = 100;
-
 /// Parts are balanced again without a step of the whole when that made the largest resultant fall
 /// to this part of itself.
 const PARTS_AGAIN: f64 = 0.5;
@@ -62,16 +46,6 @@ enum Precision {
     Double,
 }
 
-impl Precision {
-    /// To what part of itself a residual can fall in one step.
-    fn tightest_residual(self) -> f64 {
-        match self {
-            Self::Single => 1e-4,
-            Self::Double => 1e-6,
-        }
-    }
-}
-
 /// A Newton iteration: where it starts, how far it goes.
 struct Iteration<'a, 'b> {
     search: &'b Search,
@@ -79,8 +53,8 @@ struct Iteration<'a, 'b> {
     team: &'b Team,
     here: &'b Configuration,
     waves: &'b mut Waves<'a>,
-    /// Part of itself that the residual is to fall to.
-    relative: f64,
+    /// Part of itself that the residual can fall to.
+    tightest: f64,
     /// Preconditioned norm of the resultants, squared, as the last iteration found it.
     norm: f64,
 }
@@ -151,19 +125,11 @@ pub(super) struct Memory<T> {
     direction: Field<f64>,
     nodes: BlockJacobi<T>,
     scratch: Scratch<T>,
-    /// `None` for a neighbourhood itself.
-    neighbourhoods: Option<Neighbourhoods>,
+    neighbourhoods: Neighbourhoods,
 }
 
 impl<T: Real> Memory<T> {
     fn new(assembly: &Assembly) -> Self {
-        Self {
-            neighbourhoods: Some(Neighbourhoods::default()),
-            ..Self::of_part(assembly)
-        }
-    }
-
-    pub(super) fn of_part(assembly: &Assembly) -> Self {
         let zeros = Field::zeros(assembly.places(), assembly.dimensions());
         Self {
             force: zeros.clone(),
@@ -171,7 +137,7 @@ impl<T: Real> Memory<T> {
             direction: Field::zeros(assembly.places(), assembly.dimensions()),
             nodes: BlockJacobi::zeros(assembly),
             scratch: Scratch::new(assembly),
-            neighbourhoods: None,
+            neighbourhoods: Neighbourhoods::default(),
         }
     }
 
@@ -234,18 +200,26 @@ pub(super) fn descend(
     let mut iterations = 0;
     // residual below which parts are worth balancing, again if they just were
     let mut worth_parts = f64::INFINITY;
+    // parts change sums by differences: what is returned is summed anew
+    let mut is_patched = false;
     let mut precision = Precision::Single;
     let mut waves = Waves::new(assembly);
     loop {
         let residual = here.residual(assembly, search.force_limit);
         if residual.verdict != Verdict::Unbalanced || iterations == search.iteration_limit {
-            return Ok(residual);
+            if !std::mem::take(&mut is_patched) {
+                return Ok(residual);
+            }
+            here.update(assembly, team);
+            continue;
         }
         if residual.largest < worth_parts
-            && let Some(parts) = single.neighbourhoods.as_mut()
-            && parts.relax(search, assembly, here, &residual, team, meter)?
+            && single
+                .neighbourhoods
+                .relax(search, assembly, here, &residual, meter)?
         {
             worth_parts = PARTS_AGAIN * residual.largest;
+            is_patched = true;
             continue;
         }
         worth_parts = f64::INFINITY;
@@ -257,7 +231,10 @@ pub(super) fn descend(
             team,
             here,
             waves: &mut waves,
-            relative: precision.tightest_residual(),
+            tightest: match precision {
+                Precision::Single => SINGLE,
+                Precision::Double => DOUBLE,
+            },
             norm: if residual.largest < NEAR * search.force_limit {
                 f64::INFINITY
             } else {
@@ -275,6 +252,7 @@ pub(super) fn descend(
         previous_norm = iteration.norm;
         if accepted {
             std::mem::swap(here, there);
+            is_patched = false;
         } else if precision == Precision::Single {
             precision = Precision::Double;
         } else {
@@ -299,31 +277,24 @@ impl Iteration<'_, '_> {
         let unit = scale_to_one(assembly, &here.resultants, &mut memory.force, self.team);
         let norm = self.begin(stiffness, memory);
         let previous_norm = std::mem::replace(&mut self.norm, norm * unit * unit);
-        let stop = Stop {
-            relative: relative_residual(self.norm, previous_norm, self.relative).powi(2),
-            // few nodes above the limit can hide in a small norm: go on by the loosest measure
-            absolute: memory
-                .nodes
-                .uniform_norm(SHARE_OF_LIMIT * self.search.force_limit / unit)
-                .min(LOOSEST_RESIDUAL.powi(2) * norm),
-            iterations: LEAST_ITERATIONS + ITERATIONS_PER_NODE * assembly.free().len(),
-        };
+        let relative = relative_residual(self.norm, previous_norm, self.tightest);
+        let (compliance, nodes) = (memory.nodes.compliance(), assembly.free().len());
+        let stop = stop(self.search, relative, unit, norm, compliance, nodes);
         let solved = self.solve(stiffness, memory, norm, stop, meter)?;
         if solved == Solved::Step && self.follow(memory, unit, there, meter)? {
             return Ok(true);
         }
         // the direction found to curve downwards leads away from the saddle, however flat that is
-        let away = match solved {
+        let downwards = match solved {
             Solved::Step => None,
             Solved::CurvesDown(length) => Some((length, memory.scratch.search.clone())),
         };
         let upwards = stiffness.without_buckling();
         let norm = self.begin(&upwards, memory);
         self.solve(&upwards, memory, norm, stop, meter)?;
-        if let Some((length, direction)) = away {
+        if let Some((length, direction)) = downwards {
             let reach = direction.longest_square().wide().sqrt() * unit;
-            let length = length.min(FARTHEST_AWAY * self.search.step_cap / reach);
-            if length.is_finite() {
+            if let Some(length) = away(self.search, length, reach) {
                 memory.step.add(T::new(length), &direction);
             }
         }
@@ -377,15 +348,54 @@ impl Iteration<'_, '_> {
             )
         };
         let longest_square = strips.fold(self.team, along, go, f64::max);
-        let line = Line {
-            assembly: self.assembly,
-            start: self.here,
-            longest: self.search.step_cap / longest_square.sqrt(),
-            direction: &memory.direction,
-            team: self.team,
+        let (assembly, team, start) = (self.assembly, self.team, self.here);
+        let direction = &memory.direction;
+        let point = |at: &Configuration| Point {
+            energy: at.energy,
+            slope: slope(assembly, at, direction, team),
         };
-        line.descend(there, meter)
+        let longest = self.search.step_cap / longest_square.sqrt();
+        line_search::descend(point(start), longest, |length| {
+            meter.spend(assembly.bonds())?;
+            go_along(assembly, start, direction, length, there, team);
+            Ok(point(there))
+        })
     }
+}
+
+/// dE by the multiple of `direction` gone [N mm].
+fn slope(assembly: &Assembly, at: &Configuration, direction: &Field<f64>, team: &Team) -> f64 {
+    let free = assembly.free();
+    -assembly.strips.sum(team, (), |strip, ()| {
+        let places = strip.within(&free);
+        wide(
+            #[inline(always)]
+            || at.resultants.dot(direction, places.clone()),
+        )
+    })
+}
+
+/// Sets `there` to what is `length` times `direction` away from `here`.
+fn go_along(
+    assembly: &Assembly,
+    here: &Configuration,
+    direction: &Field<f64>,
+    length: f64,
+    there: &mut Configuration,
+    team: &Team,
+) {
+    let displacements = AtPlaces(there.displacements.components_mut());
+    let strips = &assembly.strips;
+    strips.each(team, displacements, |strip, AtPlaces(there)| {
+        let [start, direction] =
+            [&here.displacements, direction].map(|field| field.panel(strip.places.clone()));
+        for (there, (start, direction)) in there.iter_mut().zip(start.iter().zip(direction)) {
+            for (there, (start, direction)) in there.iter_mut().zip(start.iter().zip(direction)) {
+                *there = start + direction * length;
+            }
+        }
+    });
+    there.update(assembly, team);
 }
 
 /// Sets `scaled` to the resultants of the free nodes over the largest component among them;
@@ -434,10 +444,4 @@ fn scale_to_one<T: Real>(
         );
     });
     unit
-}
-
-/// How exactly to solve a step: as the residual fell by the last step, so it is worth falling by
-/// this one ([EisenstatWalker1996], choice 2). `norm` is squared.
-fn relative_residual(norm: f64, previous_norm: f64, tightest: f64) -> f64 {
-    (norm / previous_norm).clamp(tightest, LOOSEST_RESIDUAL)
 }

@@ -3,63 +3,31 @@ use super::*;
 use crate::{
     SimulationError,
     network::{
-        Bonds, Hold, Laws, Network, Vector, assembly::Assembly, configuration::Configuration,
-        field::Field, law::BondLaw, load_path::parts,
+        Vector,
+        assembly::Assembly,
+        configuration::Configuration,
+        field::Field,
+        sample::{assembled, squares, stretch},
     },
 };
 
 /// Nodes along each side.
 const SIDE: u32 = 150;
 
-/// Squares with a diagonal between two sides that are held; every 97th diagonal leads far away, up
-/// or down.
+/// Squares out of the plane; every 97th diagonal leads far away, up or down.
 fn net() -> Assembly {
-    let node = |column: u32, row: u32| row * SIDE + column;
-    let mut ends = Vec::new();
-    for (row, column) in (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (row, column))) {
-        for (right, up) in [(1, 0), (0, 1), (1, 1)] {
-            if column + right == SIDE || row + up == SIDE {
-                continue;
-            }
-            let here = node(column, row);
-            let there = node(column + right, row + up);
-            let far = (here * 7919 + 12_345) % (SIDE * SIDE);
-            let is_far = right + up == 2 && here % 97 == 0 && far != here;
-            ends.push([here, if is_far { far } else { there }]);
+    let mut network = squares(SIDE);
+    for [first, second] in &mut network.bonds.ends {
+        let far = (*first * 7919 + 12_345) % (SIDE * SIDE);
+        if *second == *first + SIDE + 1 && *first % 97 == 0 && far != *first {
+            *second = far;
         }
     }
-    let place = |node: u32| {
-        let shake = (f64::from(node) * 0.7).sin();
-        Vector::new(f64::from(node % SIDE), f64::from(node / SIDE), 0.2 * shake)
-    };
-    let network = Network {
-        positions: (0..SIDE * SIDE).map(place).collect(),
-        holds: (0..SIDE * SIDE)
-            .map(|node| match node / SIDE {
-                0 => Hold::Bottom,
-                row if row + 1 == SIDE => Hold::Top,
-                _ => Hold::Free,
-            })
-            .collect(),
-        bonds: Bonds {
-            rest_lengths: ends
-                .iter()
-                .map(|[a, b]| 0.9 * (place(*a) - place(*b)).norm())
-                .collect(),
-            strengths: vec![f64::INFINITY; ends.len()],
-            laws: Laws::Same(BondLaw {
-                modulus: 1.0,
-                friction_modulus: 0.5,
-                compression_stiffness: 0.3,
-            }),
-            ends,
-        },
-        rows: Vec::new(),
-    };
-    let intact = vec![true; network.bonds.len()];
-    let mut assembly = Assembly::new(&network);
-    assembly.load(&network, &intact, &parts(&network, &intact));
-    assembly
+    for (node, position) in (0_u32..).zip(&mut network.positions) {
+        position.z = 0.2 * (f64::from(node) * 0.7).sin();
+    }
+    stretch(&mut network, 0.9);
+    assembled(&network)
 }
 
 fn wave(places: usize, length: f64) -> Field<f64> {

@@ -157,52 +157,17 @@ impl<'a> Multigrid<'a> {
 mod tests {
     use super::*;
     use crate::network::{
-        Bonds, Hold, Laws, Network, Vector, configuration::Configuration, law::BondLaw,
-        load_path::parts, strips::Spill,
+        Vector,
+        configuration::Configuration,
+        sample::{assembled, squares, stretch},
+        strips::Spill,
     };
 
-    /// Squares with one diagonal, so many nodes a side, under a little tension, held at two sides.
+    /// So many nodes a side, under a little tension.
     fn net(side: u32) -> Assembly {
-        let node = |column: u32, row: u32| row * side + column;
-        let mut ends = Vec::new();
-        for row in 0..side {
-            for column in 0..side {
-                for (right, up) in [(1, 0), (0, 1), (1, 1)] {
-                    if column + right < side && row + up < side {
-                        ends.push([node(column, row), node(column + right, row + up)]);
-                    }
-                }
-            }
-        }
-        let place = |node: u32| Vector::new(f64::from(node % side), f64::from(node / side), 0.0);
-        let positions: Vec<Vector> = (0..side * side).map(place).collect();
-        let length = |ends: &[u32; 2]| (place(ends[1]) - place(ends[0])).norm();
-        let law = BondLaw {
-            modulus: 1.0,
-            friction_modulus: 0.0,
-            compression_stiffness: 1.0,
-        };
-        let network = Network {
-            holds: (0..side * side)
-                .map(|node| match node / side {
-                    0 => Hold::Bottom,
-                    row if row + 1 == side => Hold::Top,
-                    _ => Hold::Free,
-                })
-                .collect(),
-            bonds: Bonds {
-                rest_lengths: ends.iter().map(|ends| 0.99 * length(ends)).collect(),
-                strengths: vec![f64::INFINITY; ends.len()],
-                laws: Laws::Same(law),
-                ends,
-            },
-            positions,
-            rows: Vec::new(),
-        };
-        let intact = vec![true; network.bonds.len()];
-        let mut assembly = Assembly::new(&network);
-        assembly.load(&network, &intact, &parts(&network, &intact));
-        assembly
+        let mut network = squares(side);
+        stretch(&mut network, 0.99);
+        assembled(&network)
     }
 
     fn configuration(assembly: &Assembly) -> Configuration<f64> {
