@@ -351,9 +351,16 @@ impl Assembly {
     /// The state of the bond in a slot whose ends are displaced by `first` and `second`, (4)-(7).
     #[inline]
     pub(crate) fn respond(&self, slot: usize, first: &Vector, second: &Vector) -> BondState {
-        if !self.acts(slot) {
-            return BondState::default();
+        if self.acts(slot) {
+            self.respond_intact(slot, first, second)
+        } else {
+            BondState::default()
         }
+    }
+
+    /// The same, as if the bond acted.
+    #[inline]
+    pub(crate) fn respond_intact(&self, slot: usize, first: &Vector, second: &Vector) -> BondState {
         let ends = self.ends[slot].map(|place| self.positions.at(place as usize));
         let span = ends[1] - ends[0];
         let shift = second - first;

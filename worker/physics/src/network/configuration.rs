@@ -2,6 +2,7 @@
 use crate::{parallel::Team, wide::wide};
 
 use super::{
+    Vector,
     assembly::{Assembly, BondState},
     blocks::BLOCK,
     field::{self, Field, Real},
@@ -24,6 +25,9 @@ pub(crate) struct Configuration<T = f32> {
     /// Sum of the bond forces on every node [N], held ones included.
     pub(crate) resultants: Field<f64>,
     pub(crate) stiffness: Stiffness<T>,
+    /// Whether energy and resultants were changed by differences since they were summed: what
+    /// rounding leaves of them depends on the way then.
+    pub(crate) is_patched: bool,
     spill: Spill<f64, 3>,
 }
 
@@ -64,15 +68,48 @@ impl<T: Real> Configuration<T> {
             tensions: vec![0.0; slots],
             resultants: Field::zeros(assembly.places(), dimensions),
             stiffness: Stiffness::zeros(slots, dimensions),
+            is_patched: false,
             spill: Spill::new(&assembly.strips, dimensions),
         };
         configuration.update(assembly, team);
         configuration
     }
 
+    /// The network with these displacements of its nodes.
+    pub(crate) fn of(assembly: &Assembly, displacements: &[Vector], team: &Team) -> Self {
+        let displacements = assembly.pick(displacements);
+        Self::new(
+            assembly,
+            Field::of(&displacements, assembly.dimensions()),
+            team,
+        )
+    }
+
     /// Makes everything follow the displacements, (4)-(7).
     pub(crate) fn update(&mut self, assembly: &Assembly, team: &Team) {
         with_laws(assembly, Update(self, team));
+        self.is_patched = false;
+    }
+
+    /// Leaves out the bonds that acted and act no more: much less work than to update everything.
+    pub(crate) fn let_go(&mut self, assembly: &Assembly) {
+        for slot in (0..assembly.ends.len()).filter(|slot| !assembly.acts(*slot)) {
+            let tension = std::mem::take(&mut self.tensions[slot]);
+            if tension != 0.0 {
+                let ends = assembly.ends[slot].map(|place| place as usize);
+                let [first, second] = ends.map(|place| self.displacements.at(place));
+                let bond = assembly.respond_intact(slot, &first, &second);
+                self.energy -= bond.energy;
+                let pull = tension * bond.direction;
+                let sums = self.resultants.components_mut().into_iter().zip(&pull);
+                for (sums, pull) in sums.filter(|(sums, _)| !sums.is_empty()) {
+                    sums[ends[0]] -= pull;
+                    sums[ends[1]] += pull;
+                }
+            }
+            self.stiffness.clear(slot);
+        }
+        self.is_patched = true;
     }
 
     /// The state of the bond in a slot.

@@ -1,4 +1,6 @@
 //! Which bonds break at an equilibrium.
+use super::blocks::BLOCK;
+use crate::wide::wide;
 
 /// The rule of a breaking round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,6 +11,26 @@ pub(crate) enum BreakingRule {
     WeakestFirst,
     /// None.
     Never,
+}
+
+/// The slots in which the tension exceeds the strength.
+pub(crate) fn over_strength(tensions: &[f64], strengths: &[f64]) -> Vec<usize> {
+    let mut over = Vec::new();
+    wide(
+        #[inline(always)]
+        || {
+            let blocks = tensions.chunks(BLOCK).zip(strengths.chunks(BLOCK));
+            for (block, (tensions, strengths)) in blocks.enumerate() {
+                let slots = || (block * BLOCK..).zip(tensions.iter().zip(strengths));
+                // in most blocks there is none
+                let count: u64 = slots().map(|(_, (t, s))| u64::from(t > s)).sum();
+                if count > 0 {
+                    over.extend(slots().filter(|(_, (t, s))| t > s).map(|(slot, _)| slot));
+                }
+            }
+        },
+    );
+    over
 }
 
 /// A bond under tension: its number in the network, tension [N] and strength [N].
@@ -77,6 +99,18 @@ mod tests {
     #[test]
     fn the_weakest_is_the_lowest_number_among_equal_ratios() {
         assert_eq!(broken(BreakingRule::WeakestFirst), [2]);
+    }
+
+    #[test]
+    fn every_slot_over_strength_is_seen() {
+        let strengths: Vec<f64> = (0..200).map(f64::from).collect();
+        let mut tensions = strengths.clone();
+        for slot in [0, 63, 64, 199] {
+            tensions[slot] += 1e-9;
+        }
+        tensions[100] = f64::NAN;
+        tensions[101] = -1e9;
+        assert_eq!(over_strength(&tensions, &strengths), [0, 63, 64, 199]);
     }
 
     #[test]

@@ -51,6 +51,14 @@ impl<T: Real> Stiffness<T> {
         stiffness
     }
 
+    /// Makes that of the bond in a slot nothing.
+    pub(crate) fn clear(&mut self, slot: usize) {
+        self.transverse[slot] = T::zero();
+        for axial in self.axial.iter_mut().filter(|axial| !axial.is_empty()) {
+            axial[slot] = T::zero();
+        }
+    }
+
     /// xx, yy, xy, zz, xz, yz of the K of the bond in a slot; compressed, of a n nᵀ (7) alone, which
     /// is positive.
     pub(crate) fn positive(&self, slot: usize) -> [T; 6] {
@@ -61,9 +69,21 @@ impl<T: Real> Stiffness<T> {
         positive_block([x, y, z], self.transverse[slot])
     }
 
-    /// Without the transverse part of compressed bonds, which makes H indefinite: K = a n nᵀ.
-    pub(crate) fn without_buckling(&self) -> Self {
-        let mut positive = self.clone();
+    /// Sets `positive` to this without the transverse part of compressed bonds, which makes H
+    /// indefinite: K = a n nᵀ.
+    pub(crate) fn without_buckling(&self, positive: &mut Self) {
+        let source = [
+            &self.axial[0],
+            &self.axial[1],
+            &self.axial[2],
+            &self.transverse,
+        ];
+        let [sx, sy, sz] = &mut positive.axial;
+        let copies = [sx, sy, sz, &mut positive.transverse];
+        for (copy, source) in copies.into_iter().zip(source) {
+            copy.clear();
+            copy.extend_from_slice(source);
+        }
         let [sx, sy, sz] = positive.axial.each_mut().map(Vec::as_mut_slice);
         let transverse = positive.transverse.as_mut_slice();
         wide(
@@ -76,7 +96,6 @@ impl<T: Real> Stiffness<T> {
                 }
             },
         );
-        positive
     }
 
     /// Sets `product` to H p for a nodal field p (7), which must vanish at held nodes; returns

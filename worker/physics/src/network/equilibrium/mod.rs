@@ -24,6 +24,7 @@ mod node_step;
 mod parallel;
 mod sequential;
 pub(crate) mod work;
+mod workspace;
 
 use super::{
     Vector,
@@ -31,8 +32,8 @@ use super::{
     configuration::{Configuration, Residual, Verdict},
 };
 use crate::{Interrupt, parallel::Team};
-pub(crate) use newton_cg::Workspace;
 use work::Meter;
+pub(crate) use workspace::Workspace;
 
 /// The way to equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq)]

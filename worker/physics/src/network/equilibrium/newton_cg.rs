@@ -18,6 +18,7 @@ use super::{
     line_search::{self, Point},
     neighbourhoods::Neighbourhoods,
     work::Meter,
+    workspace::Workspace,
 };
 use crate::{
     Interrupt,
@@ -25,7 +26,7 @@ use crate::{
         Vector,
         assembly::Assembly,
         blocks::BLOCK,
-        configuration::{Configuration, Residual, Verdict, energy_at},
+        configuration::{Configuration, Residual, Verdict},
         field::{Field, Real, largest, longest_square},
         stiffness::Stiffness,
         strips::{AtPlaces, Strip},
@@ -59,62 +60,6 @@ struct Iteration<'a, 'b> {
     norm: f64,
 }
 
-/// Memory that equilibria of one assembly use one after the other.
-#[derive(Debug, Default)]
-pub(crate) struct Workspace {
-    memory: Option<Memory<f32>>,
-    /// The start of the next equilibrium, if it is known already.
-    start: Option<Configuration>,
-    spare: Vec<Configuration>,
-    /// Displacements of a guess.
-    guess: Field<f64>,
-}
-
-impl Workspace {
-    /// Takes back the memory of an equilibrium that is not needed any more.
-    pub(crate) fn take_back(&mut self, settled: Settled) {
-        self.spare.push(settled.configuration);
-    }
-
-    /// Whether the first of two guesses of the displacements of every node of the network has less
-    /// energy than the second. The next equilibrium must be searched from the one that has less.
-    pub(crate) fn choose(
-        &mut self,
-        assembly: &Assembly,
-        guesses: [&[Vector]; 2],
-        team: &Team,
-    ) -> bool {
-        let mut chosen = self.configuration(assembly, guesses[0], team);
-        let mut second = std::mem::take(&mut self.guess);
-        second.resize(assembly.places(), assembly.dimensions());
-        assembly.pick_into(guesses[1], &mut second);
-        let is_first = chosen.energy < energy_at(assembly, &second, team);
-        if !is_first {
-            std::mem::swap(&mut chosen.displacements, &mut second);
-            chosen.update(assembly, team);
-        }
-        self.start = Some(chosen);
-        self.guess = second;
-        is_first
-    }
-
-    /// The network at `displacements`.
-    fn configuration(
-        &mut self,
-        assembly: &Assembly,
-        displacements: &[Vector],
-        team: &Team,
-    ) -> Configuration {
-        let Some(mut configuration) = self.spare.pop() else {
-            let displacements = Field::of(&assembly.pick(displacements), assembly.dimensions());
-            return Configuration::new(assembly, displacements, team);
-        };
-        assembly.pick_into(displacements, &mut configuration.displacements);
-        configuration.update(assembly, team);
-        configuration
-    }
-}
-
 /// Memory that iterations use one after the other.
 #[derive(Debug)]
 pub(super) struct Memory<T> {
@@ -125,6 +70,8 @@ pub(super) struct Memory<T> {
     direction: Field<f64>,
     nodes: BlockJacobi<T>,
     scratch: Scratch<T>,
+    /// The stiffness of a step without buckling.
+    upwards: Stiffness<T>,
     neighbourhoods: Neighbourhoods,
 }
 
@@ -137,6 +84,7 @@ impl<T: Real> Memory<T> {
             direction: Field::zeros(assembly.places(), assembly.dimensions()),
             nodes: BlockJacobi::zeros(assembly),
             scratch: Scratch::new(assembly),
+            upwards: Stiffness::default(),
             neighbourhoods: Neighbourhoods::default(),
         }
     }
@@ -200,14 +148,12 @@ pub(super) fn descend(
     let mut iterations = 0;
     // residual below which parts are worth balancing, again if they just were
     let mut worth_parts = f64::INFINITY;
-    // parts change sums by differences: what is returned is summed anew
-    let mut is_patched = false;
     let mut precision = Precision::Single;
     let mut waves = Waves::new(assembly);
     loop {
         let residual = here.residual(assembly, search.force_limit);
         if residual.verdict != Verdict::Unbalanced || iterations == search.iteration_limit {
-            if !std::mem::take(&mut is_patched) {
+            if !here.is_patched {
                 return Ok(residual);
             }
             here.update(assembly, team);
@@ -219,7 +165,6 @@ pub(super) fn descend(
                 .relax(search, assembly, here, &residual, meter)?
         {
             worth_parts = PARTS_AGAIN * residual.largest;
-            is_patched = true;
             continue;
         }
         worth_parts = f64::INFINITY;
@@ -252,9 +197,10 @@ pub(super) fn descend(
         previous_norm = iteration.norm;
         if accepted {
             std::mem::swap(here, there);
-            is_patched = false;
         } else if precision == Precision::Single {
             precision = Precision::Double;
+        } else if here.is_patched {
+            here.update(assembly, team);
         } else {
             // neither Hessian leads down: this is as far as the arithmetic goes
             return Ok(residual);
@@ -289,9 +235,11 @@ impl Iteration<'_, '_> {
             Solved::Step => None,
             Solved::CurvesDown(length) => Some((length, memory.scratch.search.clone())),
         };
-        let upwards = stiffness.without_buckling();
+        let mut upwards = std::mem::take(&mut memory.upwards);
+        stiffness.without_buckling(&mut upwards);
         let norm = self.begin(&upwards, memory);
         self.solve(&upwards, memory, norm, stop, meter)?;
+        memory.upwards = upwards;
         if let Some((length, direction)) = downwards {
             let reach = direction.longest_square().wide().sqrt() * unit;
             if let Some(length) = away(self.search, length, reach) {

@@ -11,12 +11,12 @@ use crate::{
     network::{
         Network, Vector,
         assembly::Assembly,
-        configuration::Verdict,
+        configuration::{Configuration, Verdict},
         equilibrium::{Method, Search, Settled, Workspace, work::Meter},
         field::Field,
         law::{BondLaw, StrainLaw},
         load_path::{Part, parts},
-        rupture::{BreakingRule, Candidate, breaking},
+        rupture::{BreakingRule, Candidate, breaking, over_strength},
     },
     parallel::Team,
 };
@@ -90,9 +90,7 @@ impl From<Interrupt> for Halt {
 }
 
 impl Loaded {
-    fn new(specimen: &Specimen, state: &State) -> Self {
-        let network = &specimen.network;
-        let intact = state.intact(network.bonds.len());
+    fn new(network: &Network, intact: Vec<bool>) -> Self {
         let parts = parts(network, &intact);
         let mut assembly = Assembly::new(network);
         assembly.load(network, &intact, &parts);
@@ -132,14 +130,26 @@ impl<'a> Experiment<'a> {
         state: State,
         team: Team,
     ) -> Self {
+        let network = &specimen.network;
+        let (intact, broken) = state.intact(network.bonds.len());
+        let mut loaded = Loaded::new(network, intact);
+        let mut workspace = Workspace::default();
+        // resumed between two rounds: go on from the same numbers as if it had not been suspended
+        if !broken.is_empty() {
+            let last = Configuration::of(&loaded.assembly, &state.displacements, &team);
+            loaded.follow(network, broken);
+            if spec.accuracy.knobs().solver == Solver::NewtonCg {
+                workspace.go_on(&loaded.assembly, last);
+            }
+        }
         Self {
             spec,
             team,
             knobs: spec.accuracy.knobs(),
-            step_cap: STEP_CAP * specimen.network.bonds.mean_rest_length(),
-            loaded: Loaded::new(&specimen, &state),
+            step_cap: STEP_CAP * network.bonds.mean_rest_length(),
+            loaded,
             settled: None,
-            workspace: Workspace::default(),
+            workspace,
             specimen,
             state,
         }
@@ -177,8 +187,12 @@ impl<'a> Experiment<'a> {
         }
         let assembly = &self.loaded.assembly;
         let search = self.search();
-        if let Some(settled) = self.settled.take() {
-            self.workspace.take_back(settled);
+        match self.settled.take() {
+            Some(last) if self.state.round > 0 && search.method == Method::NewtonCg => {
+                self.workspace.go_on(assembly, last.configuration);
+            }
+            Some(last) => self.workspace.take_back(last),
+            None => (),
         }
         let settled = search.run(assembly, &start, &self.team, &mut self.workspace, meter)?;
         self.check_finite(&settled).map_err(Halt::Failed)?;
@@ -302,20 +316,16 @@ impl<'a> Experiment<'a> {
             Breaking::None => BreakingRule::Never,
         };
         let assembly = &self.loaded.assembly;
-        let tensions = settled.configuration.tensions.iter();
-        let over = tensions
-            .zip(&self.loaded.strengths)
-            .enumerate()
-            .filter(|(_, (tension, strength))| tension > strength);
-        let mut candidates: Vec<Candidate> = over
-            .filter_map(|(slot, (tension, strength))| {
-                Some(Candidate {
-                    bond: assembly.bond_in(slot)?,
-                    tension: *tension,
-                    strength: *strength,
-                })
+        let (tensions, strengths) = (&settled.configuration.tensions, &self.loaded.strengths);
+        let of_slot = |slot: usize| {
+            Some(Candidate {
+                bond: assembly.bond_in(slot)?,
+                tension: tensions[slot],
+                strength: strengths[slot],
             })
-            .collect();
+        };
+        let over = over_strength(tensions, strengths);
+        let mut candidates: Vec<Candidate> = over.into_iter().filter_map(of_slot).collect();
         candidates.sort_unstable_by_key(|candidate| candidate.bond);
         let broken = breaking(rule, candidates.into_iter());
         let (step, round) = (self.state.step, self.state.round + 1);

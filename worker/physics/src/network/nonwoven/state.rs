@@ -133,12 +133,16 @@ impl State {
         }
     }
 
-    /// Whether each of `bonds` is intact.
-    pub(super) fn intact(&self, bonds: usize) -> Vec<bool> {
+    /// Whether each of `bonds` was intact before the last breaking round of this step, and what broke
+    /// in it.
+    pub(super) fn intact(&self, bonds: usize) -> (Vec<bool>, &[Event]) {
+        let is_last = |event: &&Event| (event.step, event.round) == (self.step, self.round);
+        let last = self.events.iter().rev().take_while(is_last).count();
+        let (before, last) = self.events.split_at(self.events.len() - last);
         let mut intact = vec![true; bonds];
-        for event in &self.events {
+        for event in before {
             intact[event.bond as usize] = false;
         }
-        intact
+        (intact, last)
     }
 }

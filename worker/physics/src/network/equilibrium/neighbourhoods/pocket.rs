@@ -304,6 +304,7 @@ impl Pocket {
     fn tell(&self, whole: &mut Configuration) {
         let (here, free) = (&self.here, self.free);
         whole.energy += here.energy - self.energy;
+        whole.is_patched = true;
         for (axis, moved) in whole.displacements.components_mut().into_iter().enumerate() {
             if moved.is_empty() {
                 continue;
