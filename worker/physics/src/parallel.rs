@@ -39,6 +39,7 @@ impl Team {
     }
 
     /// One thread, the caller's.
+    #[cfg(test)]
     pub(crate) fn alone() -> Self {
         Self { pool: None }
     }

@@ -87,17 +87,34 @@ impl Search {
                 newton_cg::solve(self, assembly, displacements, team, workspace, meter)
             }
             Method::Sequential => {
-                sequential::solve(self, assembly, assembly.pick(displacements), meter)
+                let start = assembly.pick(displacements);
+                let end = sequential::solve(self, assembly, start, meter)?;
+                self.relaxed(assembly, &end, team, workspace, meter)
             }
-            Method::Parallel { relaxation_factor } => parallel::solve(
-                self,
-                relaxation_factor,
-                assembly,
-                assembly.pick(displacements),
-                team,
-                meter,
-            ),
+            Method::Parallel { relaxation_factor } => {
+                let start = assembly.pick(displacements);
+                let end = parallel::solve(self, relaxation_factor, assembly, start, team, meter)?;
+                self.relaxed(assembly, &end, team, workspace, meter)
+            }
         }
+    }
+
+    /// Where a relaxation ended with these displacements of every place.
+    fn relaxed(
+        &self,
+        assembly: &Assembly,
+        displacements: &[Vector],
+        team: &Team,
+        workspace: &mut Workspace,
+        meter: &mut Meter<'_>,
+    ) -> Result<Settled, Interrupt> {
+        meter.spend(assembly.bonds())?;
+        let configuration = workspace.at(assembly, displacements, team);
+        let residual = configuration.residual(assembly, self.force_limit);
+        Ok(Settled {
+            configuration,
+            residual,
+        })
     }
 }
 
@@ -129,7 +146,12 @@ mod tests {
     use super::*;
     use crate::{
         SimulationError, Uninterrupted,
-        network::{Bonds, Hold, Laws, Network, law::BondLaw, load_path::parts},
+        network::{
+            Bonds, Hold, Laws, Network,
+            law::BondLaw,
+            load_path::parts,
+            sample::{assembled, squares, stretch},
+        },
     };
 
     /// The mechanism found in a node just beside the line between two jaws 10 mm apart, not moved
@@ -187,6 +209,43 @@ mod tests {
     #[test]
     fn a_node_that_stretched_bonds_pull_back_is_not() -> Result<(), SimulationError> {
         assert_eq!(mechanism(4.0)?, None);
+        Ok(())
+    }
+
+    #[test]
+    fn memory_does_not_grow_from_equilibrium_to_equilibrium() -> Result<(), SimulationError> {
+        let mut network = squares(4);
+        stretch(&mut network, 0.9);
+        let assembly = assembled(&network);
+        let team = Team::new(1)?;
+        let start = vec![Vector::zeros(); network.positions.len()];
+        let methods = [
+            Method::NewtonCg,
+            Method::Sequential,
+            Method::Parallel {
+                relaxation_factor: 0.3,
+            },
+        ];
+        for method in methods {
+            let search = Search {
+                method,
+                iteration_limit: 1000,
+                force_limit: 1e-6,
+                step_cap: 1.0,
+            };
+            let mut workspace = Workspace::default();
+            let mut meter = Meter::new(work::Work::default(), &Uninterrupted);
+            let mut spare = Vec::new();
+            for _ in 0..3 {
+                let settled = search
+                    .run(&assembly, &start, &team, &mut workspace, &mut meter)
+                    .expect("nothing interrupts");
+                assert_eq!(settled.residual.verdict, Verdict::Balanced);
+                workspace.take_back(settled);
+                spare.push(workspace.spare.len());
+            }
+            assert_eq!(spare, [spare[0]; 3], "{method:?}");
+        }
         Ok(())
     }
 }

@@ -5,17 +5,17 @@
 //!
 //! Source: [Zilka2022] section 2.3.1, figure 8; the factor ω is ours.
 use super::{
-    Search, Settled,
+    Search,
     node_step::{NodeStep, node_step},
     work::Meter,
 };
 use crate::{
     Interrupt,
-    network::{Vector, assembly::Assembly, configuration::Configuration, field::Field},
+    network::{Vector, assembly::Assembly},
     parallel::Team,
 };
 
-/// See [`Search::run`].
+/// Displacements of every place, near equilibrium; see [`Search::run`].
 pub(super) fn solve(
     search: &Search,
     relaxation_factor: f64,
@@ -23,7 +23,7 @@ pub(super) fn solve(
     mut displacements: Vec<Vector>,
     team: &Team,
     meter: &mut Meter<'_>,
-) -> Result<Settled, Interrupt> {
+) -> Result<Vec<Vector>, Interrupt> {
     let incidence = assembly.incidence();
     let (limit, cap) = (search.force_limit, search.step_cap);
     let mut awake: Vec<u32> = assembly.free().map(|node| node as u32).collect();
@@ -75,12 +75,5 @@ pub(super) fn solve(
                 .filter(|node| is_awake[*node as usize]),
         );
     }
-    meter.spend(assembly.bonds())?;
-    let displacements = Field::of(&displacements, assembly.dimensions());
-    let configuration = Configuration::new(assembly, displacements, team);
-    let residual = configuration.residual(assembly, search.force_limit);
-    Ok(Settled {
-        configuration,
-        residual,
-    })
+    Ok(displacements)
 }

@@ -5,24 +5,23 @@
 //! this changes no result.
 //!
 //! Source: [Zilka2022] section 2.3, figure 7.
-use super::{Search, Settled, node_step::node_step, work::Meter};
+use super::{Search, node_step::node_step, work::Meter};
 use crate::{
     Interrupt,
-    network::{Vector, assembly::Assembly, configuration::Configuration, field::Field},
-    parallel::Team,
+    network::{Vector, assembly::Assembly},
 };
 
 /// Moves of one node per visit, the thesis' `i_bodMAX`. Nodes need a few; the bound is there for
 /// those that jump between the branches of the bond law.
 const MOVES_PER_VISIT: usize = 50;
 
-/// See [`Search::run`].
+/// Displacements of every place, near equilibrium; see [`Search::run`].
 pub(super) fn solve(
     search: &Search,
     assembly: &Assembly,
     mut displacements: Vec<Vector>,
     meter: &mut Meter<'_>,
-) -> Result<Settled, Interrupt> {
+) -> Result<Vec<Vector>, Interrupt> {
     let incidence = assembly.incidence();
     let mut is_awake = vec![true; assembly.places()];
     for _ in 0..search.iteration_limit {
@@ -62,12 +61,5 @@ pub(super) fn solve(
             break;
         }
     }
-    meter.spend(assembly.bonds())?;
-    let displacements = Field::of(&displacements, assembly.dimensions());
-    let configuration = Configuration::new(assembly, displacements, &Team::alone());
-    let residual = configuration.residual(assembly, search.force_limit);
-    Ok(Settled {
-        configuration,
-        residual,
-    })
+    Ok(displacements)
 }

@@ -56,6 +56,22 @@ impl Workspace {
         is_first
     }
 
+    /// The assembly at these displacements of its places.
+    pub(super) fn at(
+        &mut self,
+        assembly: &Assembly,
+        displacements: &[Vector],
+        team: &Team,
+    ) -> Configuration {
+        let displacements = Field::of(displacements, assembly.dimensions());
+        let Some(mut configuration) = self.spare.pop() else {
+            return Configuration::new(assembly, displacements, team);
+        };
+        configuration.displacements = displacements;
+        configuration.update(assembly, team);
+        configuration
+    }
+
     /// The network at `displacements`.
     pub(super) fn configuration(
         &mut self,
