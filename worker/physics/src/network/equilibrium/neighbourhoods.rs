@@ -24,8 +24,10 @@ use pocket::{Pocket, WAITING};
 /// A node counts as far from equilibrium when its resultant is this part of the largest: what is
 /// nearer is for the step of the whole.
 const SHARE_OF_WORST: f64 = 0.1;
-/// Largest resultant over the limit below which a step of the whole does it all.
-const NEARLY_BALANCED: f64 = 3.0;
+/// And when it is beyond this part of the limit: less is not worth a part, and together as much as
+/// long waves may leave. At a half, six tests of PET to 10 % at A_cc 10 take a quarter fewer conjugate
+/// gradient iterations and are off by up to 0.6 % instead of 0.3 % in the Poisson ratio.
+const SHARE_OF_LIMIT: f64 = 0.2;
 /// Bonds from a node far from equilibrium to the nodes at rest: with fewer too much of its force is
 /// handed on to them, with more the part costs as much as it saves. From 4 to 7 all serve alike.
 const RINGS: usize = 5;
@@ -62,9 +64,8 @@ impl Neighbourhoods {
         residual: &Residual,
         meter: &mut Meter<'_>,
     ) -> Result<bool, Interrupt> {
-        if residual.largest < NEARLY_BALANCED * search.force_limit
-            || !self.gather(assembly, here, SHARE_OF_WORST * residual.largest)
-        {
+        let far = SHARE_OF_WORST * residual.largest;
+        if !self.gather(assembly, here, far.max(SHARE_OF_LIMIT * search.force_limit)) {
             return Ok(false);
         }
         for member in &self.members {
