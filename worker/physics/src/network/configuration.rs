@@ -43,6 +43,8 @@ pub(crate) struct Residual {
     pub(crate) largest: f64,
     /// The free node it acts on.
     pub(crate) node: usize,
+    /// Root mean square of the resultants of the free nodes [N].
+    pub(crate) mean: f64,
     pub(crate) verdict: Verdict,
 }
 
@@ -122,10 +124,12 @@ impl<T: Real> Configuration<T> {
     /// The largest resultant, and whether `force_limit` [N] or round-off bounds all of them.
     pub(crate) fn residual(&self, assembly: &Assembly, force_limit: f64) -> Residual {
         let (mut largest, mut node) = (0.0, assembly.free().start);
+        let mut total = 0.0;
         self.see_squares(
             assembly,
             #[inline(always)]
             |start, squares| {
+                total += field::sum(squares);
                 // most blocks have none that is larger
                 if field::largest(squares) <= largest && !squares.iter().any(|s| s.is_nan()) {
                     return;
@@ -149,6 +153,7 @@ impl<T: Real> Configuration<T> {
         Residual {
             largest,
             node,
+            mean: (total / assembly.free().len() as f64).sqrt(),
             verdict,
         }
     }

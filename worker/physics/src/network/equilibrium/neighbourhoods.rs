@@ -28,6 +28,17 @@ const SHARE_OF_WORST: f64 = 0.1;
 /// long waves may leave. At a half, six tests of PET to 10 % at A_cc 10 take a quarter fewer conjugate
 /// gradient iterations and are off by up to 0.6 % instead of 0.3 % in the Poisson ratio.
 const SHARE_OF_LIMIT: f64 = 0.2;
+/// Root mean square of the resultants over the limit below which long waves are found: what is left
+/// are single nodes, mostly soft ones, for which a step of the whole takes as many iterations as for
+/// everything (wide nets 75, to move sixteen nodes of 750 000). From 0.1 to 0.3 all serve alike;
+/// the larger, the more of long waves stays at a low accuracy.
+const CALM: f64 = 0.15;
+/// Then only what is beyond this part of the limit is far from equilibrium. From 0.6 to 0.95 all serve
+/// alike.
+const SHARE_OF_LIMIT_WHEN_CALM: f64 = 0.8;
+/// Parts are balanced again without a step of the whole when that made the largest resultant fall to
+/// this part of itself, or to the second when all else is calm.
+const AGAIN: [f64; 2] = [0.5, 0.9];
 /// Bonds from a node far from equilibrium to the nodes at rest: with fewer too much of its force is
 /// handed on to them, with more the part costs as much as it saves. From 4 to 7 all serve alike.
 const RINGS: usize = 5;
@@ -51,8 +62,8 @@ pub(super) struct Neighbourhoods {
 }
 
 impl Neighbourhoods {
-    /// Balances what is about the nodes farthest from equilibrium, if that is little; returns
-    /// whether anything moved.
+    /// Balances what is about the nodes farthest from equilibrium, if that is little; returns the
+    /// largest resultant [N] below which that is worth doing again, `None` when nothing moved.
     ///
     /// # Errors
     /// The interrupt that ended it early.
@@ -63,10 +74,16 @@ impl Neighbourhoods {
         here: &mut Configuration,
         residual: &Residual,
         meter: &mut Meter<'_>,
-    ) -> Result<bool, Interrupt> {
-        let far = SHARE_OF_WORST * residual.largest;
-        if !self.gather(assembly, here, far.max(SHARE_OF_LIMIT * search.force_limit)) {
-            return Ok(false);
+    ) -> Result<Option<f64>, Interrupt> {
+        let is_calm = residual.mean < CALM * search.force_limit;
+        let (share, again) = if is_calm {
+            (SHARE_OF_LIMIT_WHEN_CALM, AGAIN[1])
+        } else {
+            (SHARE_OF_LIMIT, AGAIN[0])
+        };
+        let far = (SHARE_OF_WORST * residual.largest).max(share * search.force_limit);
+        if !self.gather(assembly, here, far) {
+            return Ok(None);
         }
         for member in &self.members {
             if self.numbers[*member as usize] == WAITING {
@@ -74,7 +91,7 @@ impl Neighbourhoods {
                 self.pocket.balance(search, assembly, here, meter)?;
             }
         }
-        Ok(true)
+        Ok(Some(again * residual.largest))
     }
 
     /// Lists the nodes whose resultant exceeds `force` [N] and those around them; returns false

@@ -35,10 +35,6 @@ use crate::{
     wide::wide,
 };
 
-/// Parts are balanced again without a step of the whole when that made the largest resultant fall
-/// to this part of itself.
-const PARTS_AGAIN: f64 = 0.5;
-
 /// Arithmetic of the Newton step. The energy and its slope are always double: a step in single
 /// precision points nearly the same way at half the memory traffic.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,13 +155,12 @@ pub(super) fn descend(
             here.update(assembly, team);
             continue;
         }
-        if residual.largest < worth_parts
-            && single
-                .neighbourhoods
-                .relax(search, assembly, here, &residual, meter)?
-        {
-            worth_parts = PARTS_AGAIN * residual.largest;
-            continue;
+        if residual.largest < worth_parts {
+            let neighbourhoods = &mut single.neighbourhoods;
+            if let Some(again) = neighbourhoods.relax(search, assembly, here, &residual, meter)? {
+                worth_parts = again;
+                continue;
+            }
         }
         worth_parts = f64::INFINITY;
         iterations += 1;

@@ -26,8 +26,11 @@ fn meter() -> Meter<'static> {
     Meter::new(Work::default(), &Uninterrupted)
 }
 
-/// In equilibrium at 5 % strain but for one node, which is aside by this [mm].
-fn pushed(assembly: &Assembly, push: Vector) -> Result<Configuration, SimulationError> {
+/// In equilibrium at 5 % strain but for some nodes, which are aside by this [mm].
+fn pushed(
+    assembly: &Assembly,
+    pushes: &[(usize, Vector)],
+) -> Result<Configuration, SimulationError> {
     let team = Team::new(1)?;
     let nodes = 0..SIDE * SIDE;
     let stretched = nodes.map(|node| Vector::new(0.0, 0.05 * f64::from(node / SIDE), 0.0));
@@ -44,7 +47,9 @@ fn pushed(assembly: &Assembly, push: Vector) -> Result<Configuration, Simulation
         .expect("nothing interrupts");
     let mut here = settled.configuration;
     assembly.put(&here.displacements, &mut displacements);
-    displacements[PUSHED] += push;
+    for (node, push) in pushes {
+        displacements[*node] += push;
+    }
     assembly.pick_into(&displacements, &mut here.displacements);
     here.update(assembly, &team);
     Ok(here)
@@ -55,6 +60,7 @@ fn relax(assembly: &Assembly, here: &mut Configuration) -> bool {
     Neighbourhoods::default()
         .relax(&SEARCH, assembly, here, &residual, &mut meter())
         .expect("nothing interrupts")
+        .is_some()
 }
 
 /// What is between two of the same numbers, at most.
@@ -69,7 +75,7 @@ fn apart<T: Copy + Into<f64>>(a: &[T], b: &[T]) -> f64 {
 /// Lets the surroundings of a pushed node relax: all that is known of the whole must be as if
 /// summed anew.
 fn check(assembly: &Assembly, push: Vector) -> Result<(), SimulationError> {
-    let start = pushed(assembly, push)?;
+    let start = pushed(assembly, &[(PUSHED, push)])?;
     let mut here = start.clone();
     assert!(relax(assembly, &mut here));
     assert!(here.energy < start.energy);
@@ -171,4 +177,42 @@ fn what_is_out_of_balance_everywhere_is_left_to_the_whole() {
     let energy = here.energy;
     assert!(!relax(&assembly, &mut here));
     assert_eq!(here.energy.to_bits(), energy.to_bits());
+}
+
+#[test]
+fn where_all_else_is_calm_only_what_is_near_the_limit_is_in_a_part() -> Result<(), SimulationError>
+{
+    const OTHER: usize = 10 * 61 + 10;
+    let assembly = assembled(&bulged());
+    let [most, less] = [2e-3, 5e-4].map(|x| Vector::new(x, 0.0, 0.0));
+    let start = pushed(&assembly, &[(PUSHED, most), (OTHER, less)])?;
+    let largest = start.residual(&assembly, 0.0).largest;
+    let search = Search {
+        force_limit: largest / 2.0,
+        ..SEARCH
+    };
+    let residual = start.residual(&assembly, search.force_limit);
+    let far = |mean: f64| {
+        let residual = Residual { mean, ..residual };
+        let mut parts = Neighbourhoods::default();
+        let again = parts
+            .relax(
+                &search,
+                &assembly,
+                &mut start.clone(),
+                &residual,
+                &mut meter(),
+            )
+            .expect("nothing interrupts");
+        let members = parts.members.iter();
+        let nodes: Vec<usize> = members
+            .map(|place| assembly.node(*place as usize))
+            .collect();
+        let is_member = [PUSHED, OTHER].map(|node| nodes.contains(&node));
+        (is_member, again.expect("few nodes are far") / largest)
+    };
+    assert!(residual.mean < 0.1 * search.force_limit);
+    assert_eq!(far(residual.mean), ([true, false], AGAIN[1]));
+    assert_eq!(far(search.force_limit), ([true, true], AGAIN[0]));
+    Ok(())
 }
