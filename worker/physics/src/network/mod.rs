@@ -119,15 +119,7 @@ impl Laws {
         }
     }
 
-    /// All of them changed in one way.
-    pub(crate) fn map(&self, mut change: impl FnMut(BondLaw) -> BondLaw) -> Self {
-        match self {
-            Self::Same(law) => Self::Same(change(*law)),
-            Self::Each(laws) => Self::Each(laws.iter().map(|law| change(*law)).collect()),
-        }
-    }
-
-    /// The largest of a parameter among them.
+    /// The largest of a parameter among them, at least zero.
     pub(crate) fn most(&self, parameter: impl Fn(&BondLaw) -> f64) -> f64 {
         match self {
             Self::Same(law) => parameter(law),
