@@ -7,10 +7,15 @@
 //! Source: VTK file formats, [`VtkUsersGuide2010`] section 19.3.
 use std::io::{self, Write};
 
-use flate2::{Compression, write::ZlibEncoder};
+use flate2::{Compress, Compression, FlushCompress, Status};
 
 /// Bytes of an uncompressed block; what VTK itself uses.
 const BLOCK: usize = 32_768;
+/// A block that shrinks to more than this part of itself is not worth the time: those that follow are
+/// stored as they are. Digits of measured numbers do not shrink, indices and zeros do.
+const WORTH: f64 = 0.85;
+/// Of so many blocks one is tried again.
+const TRIED: usize = 8;
 
 /// Points alone, each a cell of its own.
 pub(crate) struct Points<'a> {
@@ -96,24 +101,91 @@ impl<'a> Array<'a> {
         )
     }
 
-    /// The array's appended data.
-    fn encode(&self) -> io::Result<Vec<u8>> {
-        let bytes: Vec<u8> = match self.values {
-            Values::Floats(values) => values.iter().flat_map(|v| v.to_le_bytes()).collect(),
-            Values::Bytes(values) => values.to_vec(),
-            Values::Indices(values) => values.iter().flat_map(|v| v.to_le_bytes()).collect(),
+    /// Adds the array's appended data to `data`.
+    fn encode(&self, data: &mut Vec<u8>) -> io::Result<()> {
+        let length = match self.values {
+            Values::Floats(values) => size_of_val(values),
+            Values::Bytes(values) => size_of_val(values),
+            Values::Indices(values) => size_of_val(values),
         };
-        let mut blocks = Vec::new();
-        for block in bytes.chunks(BLOCK) {
-            let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
-            encoder.write_all(block)?;
-            blocks.push(encoder.finish()?);
+        let blocks = length.div_ceil(BLOCK);
+        for number in [blocks, BLOCK, length % BLOCK] {
+            data.extend((number as u64).to_le_bytes());
         }
-        let head = [blocks.len(), BLOCK, bytes.len() % BLOCK];
-        let sizes = head.into_iter().chain(blocks.iter().map(Vec::len));
-        let mut encoded: Vec<u8> = sizes.flat_map(|size| (size as u64).to_le_bytes()).collect();
-        encoded.extend(blocks.concat());
-        Ok(encoded)
+        let sizes = data.len();
+        data.resize(sizes + blocks * size_of::<u64>(), 0);
+        let mut packer = Packer::new();
+        let mut block = Vec::with_capacity(BLOCK);
+        for number in 0..blocks {
+            block.clear();
+            match self.values {
+                Values::Floats(values) => {
+                    block.extend(part(values, number).iter().flat_map(|v| v.to_le_bytes()));
+                }
+                Values::Bytes(values) => block.extend(part(values, number)),
+                Values::Indices(values) => {
+                    block.extend(part(values, number).iter().flat_map(|v| v.to_le_bytes()));
+                }
+            }
+            let start = data.len();
+            packer.pack(number, &block, data)?;
+            let size = (data.len() - start) as u64;
+            let own = sizes + number * size_of::<u64>();
+            data[own..][..size_of::<u64>()].copy_from_slice(&size.to_le_bytes());
+        }
+        Ok(())
+    }
+}
+
+/// The values of a block.
+fn part<T>(values: &[T], block: usize) -> &[T] {
+    let count = BLOCK / size_of::<T>();
+    let start = block * count;
+    &values[start..values.len().min(start + count)]
+}
+
+/// Packs the blocks of an array, where that pays.
+struct Packer {
+    shrink: Compress,
+    store: Compress,
+    pays: bool,
+    buffer: Vec<u8>,
+}
+
+impl Packer {
+    fn new() -> Self {
+        let with_header = true;
+        Self {
+            shrink: Compress::new(Compression::fast(), with_header),
+            store: Compress::new(Compression::none(), with_header),
+            pays: true,
+            buffer: vec![0; 2 * BLOCK],
+        }
+    }
+
+    /// Adds a block to `packed`.
+    fn pack(&mut self, number: usize, block: &[u8], packed: &mut Vec<u8>) -> io::Result<()> {
+        let is_tried = self.pays || number.is_multiple_of(TRIED);
+        let coder = if is_tried {
+            &mut self.shrink
+        } else {
+            &mut self.store
+        };
+        coder.reset();
+        let start = packed.len();
+        loop {
+            let (read, written) = (coder.total_in(), coder.total_out());
+            let rest = &block[read as usize..];
+            let status = coder.compress(rest, &mut self.buffer, FlushCompress::Finish)?;
+            packed.extend(&self.buffer[..(coder.total_out() - written) as usize]);
+            if status == Status::StreamEnd {
+                break;
+            }
+        }
+        if is_tried {
+            self.pays = (packed.len() - start) as f64 <= WORTH * block.len() as f64;
+        }
+        Ok(())
     }
 }
 
@@ -224,7 +296,7 @@ fn write_poly_data(
         writeln!(out, "      <{section}>")?;
         for array in arrays {
             array.declare(out, data.len())?;
-            data.extend(array.encode()?);
+            array.encode(&mut data)?;
         }
         writeln!(out, "      </{section}>")?;
     }
@@ -256,5 +328,63 @@ impl Series {
             )?;
         }
         writeln!(out, "  </Collection>\n</VTKFile>")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Read;
+
+    use flate2::read::ZlibDecoder;
+
+    use super::*;
+
+    /// The bytes of an array, and those of each packed block.
+    fn unpacked(data: &[u8]) -> (Vec<u8>, Vec<usize>) {
+        let number = |index: usize| {
+            let bytes = data[8 * index..][..8].try_into().expect("eight bytes");
+            u64::from_le_bytes(bytes) as usize
+        };
+        let sizes: Vec<usize> = (0..number(0)).map(|block| number(3 + block)).collect();
+        let mut bytes = Vec::new();
+        let mut rest = &data[8 * (3 + sizes.len())..];
+        for size in &sizes {
+            let (block, others) = rest.split_at(*size);
+            ZlibDecoder::new(block)
+                .read_to_end(&mut bytes)
+                .expect("a zlib stream");
+            rest = others;
+        }
+        assert!(rest.is_empty());
+        (bytes, sizes)
+    }
+
+    #[test]
+    fn what_does_not_shrink_is_stored_and_what_does_is_found_again() {
+        let of_block = BLOCK / 8;
+        let noise = (0..10 * of_block).map(|i| (i as f64).sqrt().sin());
+        let values: Vec<f64> = noise.chain(vec![0.0; 20 * of_block + 5]).collect();
+        let mut data = Vec::new();
+        let array = Array::scalars("some", &values);
+        array.encode(&mut data).expect("memory takes all");
+        let (bytes, sizes) = unpacked(&data);
+        let expected: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        assert!(bytes == expected);
+        assert_eq!(sizes.len(), 31);
+        // stored noise takes its own size and a few bytes, zeros hardly any once they are tried
+        let grown = sizes[..10]
+            .iter()
+            .filter(|size| **size > BLOCK + BLOCK / 1000);
+        assert!(grown.count() <= 2);
+        let stored = sizes[10..].iter().filter(|size| **size > BLOCK / 50);
+        assert!(stored.count() < TRIED);
+    }
+
+    #[test]
+    fn an_array_of_nothing_has_no_blocks() {
+        let mut data = Vec::new();
+        let array = Array::bytes("none", &[]);
+        array.encode(&mut data).expect("memory takes all");
+        assert_eq!(data, [0, BLOCK as u64, 0].map(u64::to_le_bytes).concat());
     }
 }
