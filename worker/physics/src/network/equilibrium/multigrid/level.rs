@@ -1,18 +1,20 @@
 //! One grid of the hierarchy: the stiffness between the corners of its cells.
+use std::array;
+
 use super::{
     super::block_jacobi::invert,
     mesh::{Corners, Mesh, offsets, weight_differences, weights},
 };
 use crate::{
-    network::{assembly::Assembly, field::Real, stiffness::Stiffness},
+    network::{assembly::Assembly, blocks::LANES, field::Real, stiffness::Stiffness},
     wide::wide,
 };
 
 /// xx, yy, xy, zz, xz, yz of a symmetric block.
 pub(super) type Block = [f32; 6];
 
-/// The stiffness of a cell between its corners, pair by pair as [`pairs`] lists them.
-type Cell = [Block; PAIRS];
+/// The stiffness of a cell between its corners, pair by pair.
+type Cell = [Block; PAIRS.len()];
 
 /// A vector at every corner, one array per component.
 pub(super) type Vectors = [Vec<f32>; 3];
@@ -22,7 +24,20 @@ pub(super) type Vectors = [Vec<f32>; 3];
 /// relaxation positive.
 const RELAXATION: f32 = 0.45;
 /// Pairs of corners of a cell, each with itself included.
-const PAIRS: usize = 10;
+const PAIRS: [(usize, usize); 10] = [
+    (0, 0),
+    (0, 1),
+    (0, 2),
+    (0, 3),
+    (1, 1),
+    (1, 2),
+    (1, 3),
+    (2, 2),
+    (2, 3),
+    (3, 3),
+];
+/// Bonds added to their cells at once.
+const AT_ONCE: usize = 128;
 /// Relaxations before, and after, the coarser correction.
 const SWEEPS: usize = 2;
 
@@ -48,7 +63,8 @@ impl Level {
         assembly: &Assembly,
         stiffness: &Stiffness<T>,
     ) -> Self {
-        let mut cells = vec![[[0.0; 6]; PAIRS]; mesh.corners()];
+        let mut cells = vec![Parts([[0.0; LANES]; 6]); mesh.corners()];
+        let mut shares = Vec::with_capacity(AT_ONCE);
         let free = assembly.free();
         for slot in 0..assembly.ends.len() {
             let block = stiffness.positive(slot).map(|part| part.wide() as f32);
@@ -74,14 +90,23 @@ impl Level {
                     (corner, weights(at.map(|v| v as f32)))
                 }
             };
-            for (pair, (a, b)) in pairs().enumerate() {
-                let factor = change[a] * change[b];
-                for part in 0..6 {
-                    cells[corner][pair][part] += factor * block[part];
-                }
+            let mut factors = [0.0; LANES];
+            for (factor, (a, b)) in factors.iter_mut().zip(PAIRS) {
+                *factor = change[a] * change[b];
+            }
+            shares.push(Share {
+                corner,
+                factors,
+                block,
+            });
+            if shares.len() == AT_ONCE {
+                add_shares(&shares, &mut cells);
+                shares.clear();
             }
         }
-        Self::new(mesh.planes(), cells)
+        add_shares(&shares, &mut cells);
+        let pairs = |Parts(parts): &Parts| array::from_fn(|pair| parts.map(|part| part[pair]));
+        Self::new(mesh.planes(), cells.iter().map(pairs).collect())
     }
 
     /// From the stiffness of its cells, by their first corner.
@@ -91,7 +116,7 @@ impl Level {
         let zeros = || [0; 6].map(|_: i32| vec![0.0_f32; corners]);
         let mut diagonal = zeros();
         let mut links: Vec<(usize, [Vec<f32>; 6])> = Vec::new();
-        for (pair, (a, b)) in pairs().enumerate() {
+        for (pair, (a, b)) in PAIRS.into_iter().enumerate() {
             let apart = offsets[b] - offsets[a];
             let into = if apart == 0 {
                 &mut diagonal
@@ -149,7 +174,7 @@ impl Level {
             return None;
         }
         let planes = self.coarser_planes();
-        let mut cells = vec![[[0.0; 6]; PAIRS]; planes[0] * planes[1]];
+        let mut cells = vec![[[0.0; 6]; PAIRS.len()]; planes[0] * planes[1]];
         for (corner, cell) in self.cells.iter().enumerate() {
             let at = [corner % self.planes[0], corner / self.planes[0]];
             let above = [0, 1].map(|axis| at[axis] >> u8::from(halved[axis]));
@@ -289,16 +314,50 @@ impl Level {
     }
 }
 
-/// The pairs of a cell's corners, each with itself included.
-fn pairs() -> impl Iterator<Item = (usize, usize)> {
-    (0..4).flat_map(|a| (a..4).map(move |b| (a, b)))
+/// The stiffness of a cell part by part, each for all pairs: whole vectors, none across two lines of
+/// memory.
+#[derive(Clone)]
+#[repr(align(64))]
+struct Parts([[f32; LANES]; 6]);
+
+/// What a bond adds to its cell.
+struct Share {
+    /// First corner of the cell.
+    corner: usize,
+    /// Part of the block that each pair has.
+    factors: [f32; LANES],
+    block: Block,
+}
+
+/// Adds what bonds have to their cells, those of one cell in a row at once.
+fn add_shares(shares: &[Share], cells: &mut [Parts]) {
+    wide(
+        #[inline(always)]
+        || {
+            let mut next = 0;
+            while next < shares.len() {
+                let corner = shares[next].corner;
+                let mut sums = cells[corner].0;
+                while next < shares.len() && shares[next].corner == corner {
+                    let Share { factors, block, .. } = &shares[next];
+                    for (sums, part) in sums.iter_mut().zip(block) {
+                        for (sum, factor) in sums.iter_mut().zip(factors) {
+                            *sum = factor.mul_add(*part, *sum);
+                        }
+                    }
+                    next += 1;
+                }
+                cells[corner].0 = sums;
+            }
+        },
+    );
 }
 
 /// Adds Wᵀ K W to a cell, K of a cell within it.
 fn add_projected(cell: &Cell, weights: &[Corners; 4], into: &mut Cell) {
     // K W first
     let mut half = [[[0.0_f32; 6]; 4]; 4];
-    for (block, (a, b)) in cell.iter().zip(pairs()) {
+    for (block, (a, b)) in cell.iter().zip(PAIRS) {
         for other in 0..4 {
             for part in 0..6 {
                 half[a][other][part] += block[part] * weights[b][other];
@@ -308,7 +367,7 @@ fn add_projected(cell: &Cell, weights: &[Corners; 4], into: &mut Cell) {
             }
         }
     }
-    for (block, (a, b)) in into.iter_mut().zip(pairs()) {
+    for (block, (a, b)) in into.iter_mut().zip(PAIRS) {
         for own in 0..4 {
             for part in 0..6 {
                 block[part] += weights[own][a] * half[own][b][part];
