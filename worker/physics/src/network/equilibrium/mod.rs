@@ -32,6 +32,7 @@ use super::{
     configuration::{Configuration, Residual, Verdict},
 };
 use crate::{Interrupt, parallel::Team};
+pub(crate) use neighbourhoods::calm;
 use work::Meter;
 pub(crate) use workspace::Workspace;
 
@@ -56,6 +57,8 @@ pub(crate) struct Search {
     pub(crate) force_limit: f64,
     /// Farthest a node may move at once [mm].
     pub(crate) step_cap: f64,
+    /// [`calm`].
+    pub(crate) calm: f64,
 }
 
 /// Where a search ended.
@@ -185,6 +188,7 @@ mod tests {
             iteration_limit: 0,
             force_limit: 1e-6,
             step_cap: 1.0,
+            calm: calm(1e4),
         };
         let start = vec![Vector::zeros(); 3];
         let mut meter = Meter::new(work::Work::default(), &Uninterrupted);
@@ -232,6 +236,7 @@ mod tests {
                 iteration_limit: 1000,
                 force_limit: 1e-6,
                 step_cap: 1.0,
+                calm: calm(1e4),
             };
             let mut workspace = Workspace::default();
             let mut meter = Meter::new(work::Work::default(), &Uninterrupted);

@@ -12,7 +12,7 @@ use crate::{
         Network, Vector,
         assembly::Assembly,
         configuration::{Configuration, Verdict},
-        equilibrium::{Method, Search, Settled, Workspace, work::Meter},
+        equilibrium::{Method, Search, Settled, Workspace, calm, work::Meter},
         field::Field,
         law::{BondLaw, StrainLaw},
         load_path::{Part, parts},
@@ -292,6 +292,7 @@ impl<'a> Experiment<'a> {
             iteration_limit: knobs.iteration_limit.unwrap_or(iterations),
             force_limit: in_tension.tension(strain) / knobs.force_accuracy,
             step_cap: self.step_cap,
+            calm: calm(knobs.force_accuracy),
         }
     }
 

@@ -20,6 +20,7 @@ const SEARCH: Search = Search {
     iteration_limit: 100,
     force_limit: 1e-8,
     step_cap: 1.0,
+    calm: CALM,
 };
 
 fn meter() -> Meter<'static> {
