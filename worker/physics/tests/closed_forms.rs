@@ -255,3 +255,93 @@ fn parts_that_hang_on_one_jaw_carry_nothing_and_follow_it() {
     assert!((moved[3 * 2 + 1] - 1.0).abs() < 1e-6 && moved[3 * 3 + 1] == 0.0);
     assert!(report.warnings.iter().any(|w| w.code == "unloaded_bonds"));
 }
+
+#[test]
+fn a_bond_of_nearly_no_length_is_strained_like_its_neighbour() {
+    // the same tension in both, so the same strain: the way over the sum of the rest lengths
+    for short in [1e-8, 1e-4] {
+        let nodes = [
+            ([0.0; 3], Jaw::Bottom),
+            ([0.0, short, 0.0], Jaw::Free),
+            ([0.0, 10.0, 0.0], Jaw::Top),
+        ];
+        let mut spec = explicit(&nodes, vec![bond(0, 1), bond(1, 2)], LAW);
+        spec.test.max_strain = 0.2;
+        let (report, record) = run(&spec);
+        assert!(report.quality["unconverged_steps"].ok);
+        for (strain, force) in record
+            .column("nominal_strain")
+            .iter()
+            .zip(record.column("force_n"))
+        {
+            assert_close(force, 2.0 * strain + 3.0 * strain * strain);
+        }
+    }
+}
+
+#[test]
+fn nodes_in_the_same_place_know_nothing_of_each_other() {
+    let nodes = [
+        ([0.0; 3], Jaw::Bottom),
+        ([0.0, 5.0, 0.0], Jaw::Free),
+        ([0.0, 5.0, 0.0], Jaw::Free),
+        ([0.0, 10.0, 0.0], Jaw::Top),
+    ];
+    let bonds = vec![bond(0, 1), bond(1, 3), bond(0, 2), bond(2, 3)];
+    let mut spec = explicit(&nodes, bonds, LAW);
+    spec.test.max_strain = 0.1;
+    let (report, _) = run(&spec);
+    assert_close(value(&report, "max_force"), 2.0 * (2.0 * 0.1 + 3.0 * 0.01));
+}
+
+#[test]
+fn an_island_stays_where_it_is_and_carries_nothing() {
+    let nodes = [
+        ([0.0; 3], Jaw::Bottom),
+        ([0.0, 10.0, 0.0], Jaw::Top),
+        ([5.0, 4.0, 0.0], Jaw::Free),
+        ([7.0, 4.0, 0.0], Jaw::Free),
+        ([6.0, 6.0, 0.0], Jaw::Free),
+    ];
+    let bonds = vec![bond(0, 1), bond(2, 3), bond(3, 4), bond(4, 2)];
+    let mut spec = explicit(&nodes, bonds, LAW);
+    spec.test.max_strain = 0.1;
+    spec.output.snapshot_every_steps = 10;
+    let (report, record) = run(&spec);
+    assert_close(value(&report, "max_force"), 2.0 * 0.1 + 3.0 * 0.01);
+    let moved = scene::floats(&record.files["snapshots/step_00010.vtp"], "displacement_mm");
+    assert_eq!(moved[3 * 2..], [0.0; 9]);
+}
+
+#[test]
+fn bonds_without_strength_part_at_the_first_step() {
+    let mut spec = two_bars();
+    if let loadframe_api::spec::nonwoven_tensile::Fabric::Network(network) = &mut spec.fabric {
+        for bond in &mut network.bonds {
+            bond.strength_n = Some(0.0);
+        }
+    }
+    let (report, record) = run(&spec);
+    assert_eq!(report.stop_reason, "no_load_path");
+    assert_eq!(value(&report, "broken_bonds"), 2.0);
+    assert_eq!(record.column("force_n"), [0.0, 0.0]);
+}
+
+#[test]
+fn steps_of_a_millionth_follow_equation_1_too() {
+    let nodes = [
+        ([0.0; 3], Jaw::Bottom),
+        ([0.0, 3.0, 0.0], Jaw::Free),
+        ([0.0, 10.0, 0.0], Jaw::Top),
+    ];
+    let mut spec = explicit(&nodes, vec![bond(0, 1), bond(1, 2)], LAW);
+    (spec.test.strain_step, spec.test.max_strain) = (1e-6, 1e-5);
+    let (_, record) = run(&spec);
+    let forces = record.column("force_n");
+    assert_eq!(forces.len(), 11);
+    for (step, force) in forces.iter().enumerate() {
+        let strain = 1e-6 * step as f64;
+        // rounding of places of 10 mm
+        assert!((force - (2.0 * strain + 3.0 * strain * strain)).abs() < 1e-15);
+    }
+}
