@@ -35,8 +35,8 @@ const CALM: f64 = 0.15;
 /// A_cc below which it is less in proportion: what is small beside such a limit is not small beside the
 /// forces. At A_cc 5 the modulus of PET would be off by 1.4 % instead of 0.2 %.
 const ACCURATE: f64 = 50.0;
-/// Then only what is beyond this part of the limit is far from equilibrium. From 0.6 to 0.95 all serve
-/// alike.
+/// When all is calm only what is beyond this part of the limit is far from equilibrium. From 0.6 to
+/// 0.95 all serve alike.
 const SHARE_OF_LIMIT_WHEN_CALM: f64 = 0.8;
 /// Parts are balanced again without a step of the whole when that made the largest resultant fall to
 /// this part of itself, or to the second when all else is calm.
