@@ -30,13 +30,14 @@ const SHARE_OF_WORST: f64 = 0.1;
 const SHARE_OF_LIMIT: f64 = 0.2;
 /// Root mean square of the resultants over the limit below which long waves are found: what is left
 /// are single nodes, mostly soft ones, for which a step of the whole takes as many iterations as for
-/// everything (wide nets 75, to move sixteen nodes of 750 000). From 0.1 to 0.3 all serve alike.
+/// everything (wide nets 75, to move sixteen nodes of 750 000). From 0.15 to 0.3 all serve alike; at
+/// 0.1 PET tests take a tenth more iterations.
 const CALM: f64 = 0.15;
 /// A_cc below which it is less in proportion: what is small beside such a limit is not small beside the
 /// forces. At A_cc 5 the modulus of PET would be off by 1.4 % instead of 0.2 %.
 const ACCURATE: f64 = 50.0;
-/// When all is calm only what is beyond this part of the limit is far from equilibrium. From 0.6 to
-/// 0.95 all serve alike.
+/// When all is calm only what is beyond this part of the limit is far from equilibrium. 0.8 and
+/// 0.95 serve alike; at 0.6 PET tests take a tenth more iterations.
 const SHARE_OF_LIMIT_WHEN_CALM: f64 = 0.8;
 /// Parts are balanced again without a step of the whole when that made the largest resultant fall to
 /// this part of itself, or to the second when all else is calm.
