@@ -1,7 +1,7 @@
 //! Beds of spheres for benchmarks, and a clock that runs along.
 use std::{fs, io, time::Instant};
 
-use loadframe_api::{JobSpec, Submission};
+use loadframe_api::{JobSpec, Report, Submission};
 use loadframe_physics::{Ending, Recorder, RunContext, Uninterrupted, simulate};
 use serde_json::{Value, json};
 
@@ -11,14 +11,15 @@ const STEP_S: f64 = 2e-5;
 pub(crate) const PIECES: u64 = 9;
 
 /// Notes the time at every point of the curve and keeps the tables.
-pub(crate) struct Clock {
+pub(crate) struct Clock<'a> {
     start: Instant,
-    /// Step, processor time and wall time.
+    /// Step, processor time and wall time without what is done between pieces.
     pub(crate) times: Vec<[f64; 3]>,
     bodies: String,
+    between: Box<dyn FnMut() + 'a>,
 }
 
-impl Recorder for Clock {
+impl Recorder for Clock<'_> {
     fn columns(&mut self, _names: &[&str]) -> io::Result<()> {
         Ok(())
     }
@@ -26,6 +27,9 @@ impl Recorder for Clock {
     fn point(&mut self, values: &[f64]) -> io::Result<()> {
         let wall = self.start.elapsed().as_secs_f64();
         self.times.push([values[0], self.processor_time(), wall]);
+        let pause = Instant::now();
+        (self.between)();
+        self.start += pause.elapsed();
         Ok(())
     }
 
@@ -55,12 +59,13 @@ impl Recorder for Clock {
     }
 }
 
-impl Clock {
-    fn new() -> Self {
+impl<'a> Clock<'a> {
+    fn new(between: impl FnMut() + 'a) -> Self {
         Self {
             start: Instant::now(),
             times: Vec::new(),
             bodies: String::new(),
+            between: Box::new(between),
         }
     }
 
@@ -106,13 +111,22 @@ fn job(spec: &Value) -> JobSpec {
     }
 }
 
-pub(crate) fn run(spec: &Value, threads: usize) -> (Clock, loadframe_api::Report) {
+pub(crate) fn run(spec: &Value, threads: usize) -> (Clock<'static>, Report) {
+    run_pausing(spec, threads, || ())
+}
+
+/// A run that does something else between pieces.
+pub(crate) fn run_pausing<'a>(
+    spec: &Value,
+    threads: usize,
+    between: impl FnMut() + 'a,
+) -> (Clock<'a>, Report) {
     let context = RunContext {
         threads,
         interrupt: &Uninterrupted,
         checkpoint: None,
     };
-    let mut clock = Clock::new();
+    let mut clock = Clock::new(between);
     match simulate(&job(spec), context, &mut clock) {
         Ok(Ending::Finished(report)) => (clock, report),
         Ok(ending) => panic!("{ending:?}"),
@@ -155,7 +169,7 @@ pub(crate) fn settled() -> (Vec<[f64; 4]>, f64) {
     (spheres, width)
 }
 
-impl Clock {
+impl Clock<'_> {
     /// Particle steps per second of the last pieces, by processor or by wall time, sorted.
     pub(crate) fn rates(&self, column: usize, particles: usize) -> Vec<f64> {
         let times = &self.times[self.times.len() - PIECES as usize - 1..];

@@ -3,9 +3,12 @@
 //! `BED=file.xyzr WIDTH=1.0 [DEPTH=1.0] cargo bench --bench granular` takes a bed of spheres as
 //! lines `x y z r` between five planes, `STEPS`, `THREADS` as you like; without `BED` it settles
 //! a small one of its own. Friction with memory, rotation and searches are included. Prints one
-//! JSON line for each friction setting.
+//! JSON line for each friction setting. With `TURNS=60` it tells instead what two threads gain, from
+//! so many pieces by turns.
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
+#[path = "../beds/mod.rs"]
 mod beds;
+mod turns;
 
 use std::fs;
 
@@ -34,6 +37,11 @@ fn main() {
         Err(_) => settled(),
     };
     let depth = setting("DEPTH", width);
+    let rounds = setting("TURNS", 0.0) as usize;
+    if rounds > 0 {
+        turns::compare(&spheres, [width, depth], rounds);
+        return;
+    }
     let steps = setting("STEPS", 9000.0) as u64 / PIECES * PIECES;
     let threads = setting("THREADS", 1.0) as usize;
     for friction in [0.5, 0.0] {

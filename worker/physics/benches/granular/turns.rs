@@ -1,0 +1,102 @@
+//! What two threads gain, whatever else the machine does.
+//!
+//! A processor that others share is slower in one second than in the next, by more than what is
+//! to be told. So the same bed runs three times at once, a piece of [`PIECE`] steps each by turns: on
+//! one thread, on two, and as two jobs of one thread side by side, which wait for nothing and tell what
+//! two cores give at that moment.
+use std::{
+    sync::{Condvar, Mutex, PoisonError},
+    thread,
+};
+
+use serde_json::json;
+
+use super::{
+    WARM,
+    beds::{bed, run_pausing},
+};
+
+/// Steps of a piece: a tenth of a second or so for 20 000 spheres.
+const PIECE: u64 = 250;
+/// Who runs at the same time, turn by turn: jobs, with the threads of each.
+const TURNS: [&[usize]; 3] = [&[1], &[2], &[1, 1]];
+
+/// Which turn it is, counted from the start, and how many jobs have ended theirs.
+#[derive(Default)]
+struct Rota {
+    now: Mutex<(usize, usize)>,
+    changed: Condvar,
+}
+
+impl Rota {
+    fn begin(&self, turn: usize) {
+        let now = self.now.lock().unwrap_or_else(PoisonError::into_inner);
+        let now = self.changed.wait_while(now, |now| now.0 != turn);
+        drop(now.unwrap_or_else(PoisonError::into_inner));
+    }
+
+    fn end(&self, turn: usize) {
+        let mut now = self.now.lock().unwrap_or_else(PoisonError::into_inner);
+        now.1 += 1;
+        if now.1 == TURNS[turn % TURNS.len()].len() {
+            *now = (turn + 1, 0);
+            self.changed.notify_all();
+        }
+    }
+}
+
+/// Prints quartiles of the rates by wall time and of their ratios to the piece of one thread beside.
+pub(crate) fn compare(spheres: &[[f64; 4]], [width, depth]: [f64; 2], rounds: usize) {
+    let warm = WARM.div_ceil(PIECE) as usize;
+    let mut spec = bed(spheres, width, depth, 0.5);
+    spec["stages"] = json!([{"run": {"steps": PIECE * (warm + rounds) as u64}}]);
+    spec["record"] = json!({"every_steps": PIECE, "bodies": []});
+    let rota = Rota::default();
+    // particle steps per second, piece by piece
+    let job = |own: usize, threads: usize| {
+        let mut next = own;
+        let (clock, _) = run_pausing(&spec, threads, || {
+            if next > own {
+                rota.end(next - TURNS.len());
+            }
+            rota.begin(next);
+            next += TURNS.len();
+        });
+        rota.end(own + (warm + rounds) * TURNS.len());
+        let seconds = clock.times.windows(2).map(|pair| pair[1][2] - pair[0][2]);
+        let rates = seconds.map(|seconds| PIECE as f64 * spheres.len() as f64 / seconds);
+        rates.skip(warm).collect::<Vec<f64>>()
+    };
+    let job = &job;
+    let rates: Vec<Vec<f64>> = thread::scope(|scope| {
+        let jobs = (0..).zip(TURNS).map(|(own, jobs)| {
+            let jobs = jobs.iter().map(|threads| scope.spawn(move || job(own, *threads)));
+            jobs.collect::<Vec<_>>()
+        });
+        let jobs: Vec<_> = jobs.collect();
+        let turns = jobs.into_iter().map(|jobs| {
+            let jobs = jobs.into_iter().map(|job| job.join().expect("the job runs"));
+            let sum = |all: Vec<f64>, job: Vec<f64>| all.iter().zip(job).map(|(a, b)| a + b).collect();
+            jobs.reduce(sum).expect("a turn has a job")
+        });
+        turns.collect()
+    });
+    let gain = |turn: usize| {
+        let pieces = rates[turn].iter().zip(&rates[0]);
+        quartiles(pieces.map(|(rate, alone)| rate / alone).collect())
+    };
+    println!(
+        "{}",
+        json!({
+            "particles": spheres.len(), "pieces": rounds,
+            "particle_steps_per_s": {"one_thread": quartiles(rates[0].clone()), "two_threads": quartiles(rates[1].clone()), "two_jobs": quartiles(rates[2].clone())},
+            "times_one_thread": {"two_threads": gain(1), "two_jobs": gain(2)},
+        })
+    );
+}
+
+fn quartiles(mut numbers: Vec<f64>) -> [f64; 3] {
+    numbers.sort_by(f64::total_cmp);
+    let last = numbers.len() - 1;
+    [1, 2, 3].map(|quarter| numbers[last * quarter / 4])
+}
