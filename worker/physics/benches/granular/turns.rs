@@ -67,29 +67,30 @@ pub(crate) fn compare(spheres: &[[f64; 4]], [width, depth]: [f64; 2], rounds: us
         let rates = seconds.map(|seconds| PIECE as f64 * spheres.len() as f64 / seconds);
         rates.skip(warm).collect::<Vec<f64>>()
     };
+    let mut rates = vec![vec![0.0; rounds]; TURNS.len()];
     let job = &job;
-    let rates: Vec<Vec<f64>> = thread::scope(|scope| {
-        let jobs = (0..).zip(TURNS).map(|(own, jobs)| {
-            let jobs = jobs.iter().map(|threads| scope.spawn(move || job(own, *threads)));
-            jobs.collect::<Vec<_>>()
-        });
-        let jobs: Vec<_> = jobs.collect();
-        let turns = jobs.into_iter().map(|jobs| {
-            let jobs = jobs.into_iter().map(|job| job.join().expect("the job runs"));
-            let sum = |all: Vec<f64>, job: Vec<f64>| all.iter().zip(job).map(|(a, b)| a + b).collect();
-            jobs.reduce(sum).expect("a turn has a job")
-        });
-        turns.collect()
+    thread::scope(|scope| {
+        let jobs = (0..).zip(TURNS);
+        let jobs = jobs.flat_map(|(own, jobs)| jobs.iter().map(move |threads| (own, *threads)));
+        let running = jobs.map(|(own, threads)| (own, scope.spawn(move || job(own, threads))));
+        // all begin before the first is waited for
+        for (own, job) in running.collect::<Vec<_>>() {
+            let of_job = job.join().expect("the job runs");
+            for (sum, rate) in rates[own].iter_mut().zip(of_job) {
+                *sum += rate;
+            }
+        }
     });
     let gain = |turn: usize| {
         let pieces = rates[turn].iter().zip(&rates[0]);
         quartiles(pieces.map(|(rate, alone)| rate / alone).collect())
     };
+    let [one_thread, two_threads, two_jobs] = [0, 1, 2].map(|turn| quartiles(rates[turn].clone()));
     println!(
         "{}",
         json!({
             "particles": spheres.len(), "pieces": rounds,
-            "particle_steps_per_s": {"one_thread": quartiles(rates[0].clone()), "two_threads": quartiles(rates[1].clone()), "two_jobs": quartiles(rates[2].clone())},
+            "particle_steps_per_s": {"one_thread": one_thread, "two_threads": two_threads, "two_jobs": two_jobs},
             "times_one_thread": {"two_threads": gain(1), "two_jobs": gain(2)},
         })
     );
