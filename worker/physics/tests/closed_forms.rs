@@ -2,7 +2,9 @@
 #![allow(clippy::float_cmp, reason = "some results are exact")]
 mod scene;
 
-use loadframe_api::spec::nonwoven_tensile::{Bond, Breaking, Jaw, NetworkBond};
+use loadframe_api::spec::nonwoven_tensile::{
+    Bond, Breaking, Fabric, Jaw, NetworkBond, NonwovenTensile,
+};
 use scene::{bond, explicit, run, value};
 
 const LAW: Bond = Bond {
@@ -23,16 +25,31 @@ fn assert_close(found: f64, expected: f64) {
     );
 }
 
+/// A network of bonds of [`LAW`], strained as far as that.
+fn stretched(
+    nodes: &[([f64; 3], Jaw)],
+    bonds: Vec<NetworkBond>,
+    max_strain: f64,
+) -> NonwovenTensile {
+    let mut spec = explicit(nodes, bonds, LAW);
+    spec.test.max_strain = max_strain;
+    spec
+}
+
+/// Tension of a bond of [`LAW`] at this strain [N].
+fn equation_1(strain: f64) -> f64 {
+    2.0 * strain + 3.0 * strain * strain
+}
+
 #[test]
 fn a_single_bond_follows_equation_1_at_every_step() {
     let nodes = [([0.0; 3], Jaw::Bottom), ([0.0, 10.0, 0.0], Jaw::Top)];
-    let mut spec = explicit(&nodes, vec![bond(0, 1)], LAW);
-    spec.test.max_strain = 0.25;
+    let spec = stretched(&nodes, vec![bond(0, 1)], 0.25);
     let (report, record) = run(&spec);
     let strains = record.column("nominal_strain");
     assert_eq!(strains.len(), 26);
     for (strain, force) in strains.iter().zip(record.column("force_n")) {
-        assert_close(force, 2.0 * strain + 3.0 * strain * strain);
+        assert_close(force, equation_1(*strain));
     }
     assert_eq!(
         record.column("force_n"),
@@ -69,8 +86,7 @@ fn springs_in_series_share_the_force() {
         with_modulus(bond(1, 2), 2.0),
         with_modulus(bond(2, 3), 3.0),
     ];
-    let mut spec = explicit(&nodes, bonds, LAW);
-    spec.test.max_strain = 0.1;
+    let mut spec = stretched(&nodes, bonds, 0.1);
     spec.output.snapshot_every_steps = 10;
     let (_, record) = run(&spec);
     for (strain, force) in record
@@ -98,7 +114,7 @@ fn bars_at_an_angle_pull_by_their_component() {
     (spec.test.strain_step, spec.test.max_strain) = (0.25, 0.25);
     let (_, record) = run(&spec);
     let strain = (34.0_f64.sqrt() - 5.0) / 5.0;
-    let tension = 2.0 * strain + 3.0 * strain * strain;
+    let tension = equation_1(strain);
     let expected = 2.0 * tension * 5.0 / 34.0_f64.sqrt();
     assert_close(record.column("force_n")[1], expected);
     assert_close(record.column("force_bottom_jaw_n")[1], expected);
@@ -124,7 +140,7 @@ fn a_cross_bar_is_compressed_as_the_sides_are_pulled_in() {
     let side = 50.0_f64.sqrt();
     let tension = |w: f64, h: f64| {
         let strain = (w.hypot(h) - side) / side;
-        2.0 * strain + 3.0 * strain * strain
+        equation_1(strain)
     };
     let h = 6.0;
     let imbalance = |w: f64| 2.0 * tension(w, h) * w / w.hypot(h) - 0.5 * (5.0 - w) / 5.0;
@@ -160,8 +176,7 @@ fn a_stretched_network_pulls_before_the_test_begins() {
         rest_length_mm: Some(8.0),
         ..bond(0, 1)
     };
-    let mut spec = explicit(&nodes, vec![short], LAW);
-    spec.test.max_strain = 0.01;
+    let spec = stretched(&nodes, vec![short], 0.01);
     let (_, record) = run(&spec);
     assert_close(record.column("force_n")[0], 2.0 * 0.25 + 3.0 * 0.0625);
 }
@@ -246,8 +261,7 @@ fn parts_that_hang_on_one_jaw_carry_nothing_and_follow_it() {
         ([-3.0, 2.0, 0.0], Jaw::Free),
     ];
     let bonds = vec![bond(0, 1), bond(1, 2), bond(0, 3)];
-    let mut spec = explicit(&nodes, bonds, LAW);
-    spec.test.max_strain = 0.1;
+    let mut spec = stretched(&nodes, bonds, 0.1);
     spec.output.snapshot_every_steps = 10;
     let (report, record) = run(&spec);
     assert_close(value(&report, "max_force"), 2.0 * 0.1 + 3.0 * 0.01);
@@ -265,8 +279,7 @@ fn a_bond_of_nearly_no_length_is_strained_like_its_neighbour() {
             ([0.0, short, 0.0], Jaw::Free),
             ([0.0, 10.0, 0.0], Jaw::Top),
         ];
-        let mut spec = explicit(&nodes, vec![bond(0, 1), bond(1, 2)], LAW);
-        spec.test.max_strain = 0.2;
+        let spec = stretched(&nodes, vec![bond(0, 1), bond(1, 2)], 0.2);
         let (report, record) = run(&spec);
         assert!(report.quality["unconverged_steps"].ok);
         for (strain, force) in record
@@ -274,7 +287,7 @@ fn a_bond_of_nearly_no_length_is_strained_like_its_neighbour() {
             .iter()
             .zip(record.column("force_n"))
         {
-            assert_close(force, 2.0 * strain + 3.0 * strain * strain);
+            assert_close(force, equation_1(*strain));
         }
     }
 }
@@ -288,8 +301,7 @@ fn nodes_in_the_same_place_know_nothing_of_each_other() {
         ([0.0, 10.0, 0.0], Jaw::Top),
     ];
     let bonds = vec![bond(0, 1), bond(1, 3), bond(0, 2), bond(2, 3)];
-    let mut spec = explicit(&nodes, bonds, LAW);
-    spec.test.max_strain = 0.1;
+    let spec = stretched(&nodes, bonds, 0.1);
     let (report, _) = run(&spec);
     assert_close(value(&report, "max_force"), 2.0 * (2.0 * 0.1 + 3.0 * 0.01));
 }
@@ -304,8 +316,7 @@ fn an_island_stays_where_it_is_and_carries_nothing() {
         ([6.0, 6.0, 0.0], Jaw::Free),
     ];
     let bonds = vec![bond(0, 1), bond(2, 3), bond(3, 4), bond(4, 2)];
-    let mut spec = explicit(&nodes, bonds, LAW);
-    spec.test.max_strain = 0.1;
+    let mut spec = stretched(&nodes, bonds, 0.1);
     spec.output.snapshot_every_steps = 10;
     let (report, record) = run(&spec);
     assert_close(value(&report, "max_force"), 2.0 * 0.1 + 3.0 * 0.01);
@@ -316,7 +327,7 @@ fn an_island_stays_where_it_is_and_carries_nothing() {
 #[test]
 fn bonds_without_strength_part_at_the_first_step() {
     let mut spec = two_bars();
-    if let loadframe_api::spec::nonwoven_tensile::Fabric::Network(network) = &mut spec.fabric {
+    if let Fabric::Network(network) = &mut spec.fabric {
         for bond in &mut network.bonds {
             bond.strength_n = Some(0.0);
         }
@@ -342,6 +353,6 @@ fn steps_of_a_millionth_follow_equation_1_too() {
     for (step, force) in forces.iter().enumerate() {
         let strain = 1e-6 * step as f64;
         // rounding of places of 10 mm
-        assert!((force - (2.0 * strain + 3.0 * strain * strain)).abs() < 1e-15);
+        assert!((force - equation_1(strain)).abs() < 1e-15);
     }
 }
