@@ -170,14 +170,19 @@ pub(crate) fn settled() -> (Vec<[f64; 4]>, f64) {
 }
 
 impl Clock<'_> {
-    /// Particle steps per second of the last pieces, by processor or by wall time, sorted.
-    pub(crate) fn rates(&self, column: usize, particles: usize) -> Vec<f64> {
-        let times = &self.times[self.times.len() - PIECES as usize - 1..];
-        let pieces = times.windows(2);
+    /// Particle steps per second of every piece, by processor or by wall time.
+    pub(crate) fn pieces(&self, column: usize, particles: usize) -> Vec<f64> {
+        let pieces = self.times.windows(2);
         let rate = |pair: &[[f64; 3]]| {
             (pair[1][0] - pair[0][0]) * particles as f64 / (pair[1][column] - pair[0][column])
         };
-        let mut rates: Vec<f64> = pieces.map(rate).collect();
+        pieces.map(rate).collect()
+    }
+
+    /// Those of the last pieces, sorted.
+    pub(crate) fn rates(&self, column: usize, particles: usize) -> Vec<f64> {
+        let mut pieces = self.pieces(column, particles);
+        let mut rates = pieces.split_off(pieces.len() - PIECES as usize);
         rates.sort_by(f64::total_cmp);
         rates
     }

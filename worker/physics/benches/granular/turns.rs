@@ -10,6 +10,7 @@ use std::{
 };
 
 use serde_json::json;
+use statrs::statistics::{Data, OrderStatistics};
 
 use super::{
     WARM,
@@ -63,9 +64,7 @@ pub(crate) fn compare(spheres: &[[f64; 4]], [width, depth]: [f64; 2], rounds: us
             next += TURNS.len();
         });
         rota.end(own + (warm + rounds) * TURNS.len());
-        let seconds = clock.times.windows(2).map(|pair| pair[1][2] - pair[0][2]);
-        let rates = seconds.map(|seconds| PIECE as f64 * spheres.len() as f64 / seconds);
-        rates.skip(warm).collect::<Vec<f64>>()
+        clock.pieces(2, spheres.len()).split_off(warm)
     };
     let mut rates = vec![vec![0.0; rounds]; TURNS.len()];
     let job = &job;
@@ -96,8 +95,7 @@ pub(crate) fn compare(spheres: &[[f64; 4]], [width, depth]: [f64; 2], rounds: us
     );
 }
 
-fn quartiles(mut numbers: Vec<f64>) -> [f64; 3] {
-    numbers.sort_by(f64::total_cmp);
-    let last = numbers.len() - 1;
-    [1, 2, 3].map(|quarter| numbers[last * quarter / 4])
+fn quartiles(numbers: Vec<f64>) -> [f64; 3] {
+    let mut numbers = Data::new(numbers);
+    [0.25, 0.5, 0.75].map(|part| numbers.quantile(part))
 }
