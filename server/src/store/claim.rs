@@ -2,10 +2,10 @@
 use loadframe_api::worker::{CheckpointInfo, ClaimRequest, Lease};
 use loadframe_api::{FileEntry, JobKind};
 use serde_json::value::RawValue;
-use sqlx::FromRow;
 use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
+use super::row::row;
 use super::state::Life;
 use super::words::{json, variant};
 use super::writer::Change;
@@ -17,18 +17,19 @@ const HEARTBEAT_S: f64 = 1.0;
 /// and so often within a lease that one may be lost.
 const HEARTBEATS_A_LEASE: f64 = 4.0;
 
-/// The job that a worker gets.
-#[derive(FromRow)]
-struct Given {
-    attempt: i64,
-    id: Uuid,
-    token: Uuid,
-    number: u32,
-    job: Uuid,
-    kind: String,
-    spec: String,
-    spec_sha256: String,
-    has_checkpoint: bool,
+row! {
+    /// The job that a worker gets.
+    struct Given {
+        attempt: i64,
+        id: Uuid,
+        token: Uuid,
+        number: u32,
+        job: Uuid,
+        kind: String,
+        spec: String,
+        spec_sha256: String,
+        has_checkpoint: bool,
+    }
 }
 
 impl Store {

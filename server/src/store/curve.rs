@@ -1,10 +1,10 @@
 //! Curves: points in the order they were computed, in blocks of about 100 kB.
 use loadframe_api::CurveView;
 use loadframe_api::worker::CurveBlock;
-use sqlx::FromRow;
 use uuid::Uuid;
 
 use super::lease::Held;
+use super::row::row;
 use super::words::{json, parsed};
 use super::writer::Change;
 use super::{Result, Store, StoreError};
@@ -17,11 +17,13 @@ const MOST_COLUMNS: usize = 200;
 /// Fast; the numbers of a simulation gain little from more.
 const COMPRESSION: i32 = 1;
 
-#[derive(Debug, FromRow)]
-struct Block {
-    first: i64,
-    count: i64,
-    data: Vec<u8>,
+row! {
+    #[derive(Debug)]
+    struct Block {
+        first: i64,
+        count: i64,
+        data: Vec<u8>,
+    }
 }
 
 impl Change {
@@ -101,12 +103,13 @@ impl Change {
     }
 }
 
-#[derive(FromRow)]
-struct Curve {
-    attempt: Option<i64>,
-    number: u32,
-    columns: String,
-    complete: bool,
+row! {
+    struct Curve {
+        attempt: Option<i64>,
+        number: u32,
+        columns: String,
+        complete: bool,
+    }
 }
 
 impl Store {

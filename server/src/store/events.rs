@@ -2,26 +2,26 @@
 use std::collections::HashMap;
 
 use loadframe_api::{Event, JobDeleted, JobView, PointsReady, ProgressNow};
-use sqlx::FromRow;
 use tokio::sync::watch;
 use uuid::Uuid;
 
+use super::row::row;
 use super::words::json;
 use super::writer::EventType;
 use super::{Result, Store};
 
-#[derive(FromRow)]
-struct EventRow {
-    seq: i64,
-    job: Uuid,
-    #[sqlx(rename = "type")]
-    kind: String,
-    /// The rest is null for a job that is gone.
-    progress: Option<f64>,
-    phase: Option<String>,
-    eta_s: Option<f64>,
-    number: Option<u32>,
-    points: Option<i64>,
+row! {
+    struct EventRow {
+        seq: i64,
+        job: Uuid,
+        kind: String,
+        /// The rest is null for a job that is gone.
+        progress: Option<f64>,
+        phase: Option<String>,
+        eta_s: Option<f64>,
+        number: Option<u32>,
+        points: Option<i64>,
+    }
 }
 
 impl Store {
@@ -51,7 +51,7 @@ impl Store {
             names.collect::<Vec<_>>()
         });
         let rows: Vec<EventRow> = sqlx::query_as(
-            "SELECT e.seq, e.job, e.type, j.progress, j.phase, j.eta_s, a.number, a.points
+            "SELECT e.seq, e.job, e.type AS kind, j.progress, j.phase, j.eta_s, a.number, a.points
              FROM events e LEFT JOIN jobs j ON j.id = e.job
              LEFT JOIN attempts a ON a.seq = (SELECT seq FROM attempts b WHERE b.job = j.seq
                 AND e.type = 'points' ORDER BY b.points DESC, b.seq DESC LIMIT 1)

@@ -5,9 +5,9 @@ use loadframe_api::{
     ReasonCode, Timestamp,
 };
 use serde::Deserialize;
-use sqlx::FromRow;
 use uuid::Uuid;
 
+use super::row::row;
 use super::words::{json, parsed, variant, word};
 use super::{JobFilter, Result, Store, StoreError};
 
@@ -36,32 +36,34 @@ macro_rules! select_jobs {
     };
 }
 
-/// A job's row with what belongs to it.
-#[derive(Debug, FromRow)]
-pub(super) struct JobRow {
-    seq: i64,
-    id: Uuid,
-    kind: String,
-    name: String,
-    notes: String,
-    tags: String,
-    priority: i32,
-    status: String,
-    outcome: Option<String>,
-    reason: String,
-    reason_code: String,
-    progress: f64,
-    phase: String,
-    eta_s: Option<f64>,
-    attempt: u32,
-    created_at: i64,
-    started_at: Option<i64>,
-    finished_at: Option<i64>,
-    updated_at: i64,
-    spec_sha256: String,
-    summary: Option<String>,
-    position: Option<i64>,
-    attempts: String,
+row! {
+    /// A job's row with what belongs to it.
+    #[derive(Debug)]
+    pub(super) struct JobRow {
+        seq: i64,
+        id: Uuid,
+        kind: String,
+        name: String,
+        notes: String,
+        tags: String,
+        priority: i32,
+        status: String,
+        outcome: Option<String>,
+        reason: String,
+        reason_code: String,
+        progress: f64,
+        phase: String,
+        eta_s: Option<f64>,
+        attempt: u32,
+        created_at: i64,
+        started_at: Option<i64>,
+        finished_at: Option<i64>,
+        updated_at: i64,
+        spec_sha256: String,
+        summary: Option<String>,
+        position: Option<i64>,
+        attempts: String,
+    }
 }
 
 /// An attempt as the statement writes it.

@@ -1,9 +1,9 @@
 //! What a worker says while it holds a lease: that it lives, how far it is, what it computed.
 use loadframe_api::worker::{Command, ProgressReport};
-use sqlx::FromRow;
 use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
+use super::row::row;
 use super::state::Life;
 use super::writer::{Change, EventType};
 use super::{LeaseKey, Result, Store, StoreError, log};
@@ -12,20 +12,22 @@ use crate::queue::Asked;
 /// Longest phase [characters].
 const LONGEST_PHASE: usize = 500;
 
-/// An attempt under its lease.
-#[derive(Debug, FromRow)]
-pub(super) struct Held {
-    /// The attempt's row.
-    pub(super) seq: i64,
-    pub(super) token: Uuid,
-    pub(super) number: u32,
-    pub(super) worker: Uuid,
-    pub(super) ended_at: Option<i64>,
-    pub(super) ended_by: Option<String>,
-    pub(super) columns: String,
-    pub(super) points: i64,
-    /// The job's id.
-    pub(super) job: Uuid,
+row! {
+    /// An attempt under its lease.
+    #[derive(Debug)]
+    pub(super) struct Held {
+        /// The attempt's row.
+        pub(super) seq: i64,
+        pub(super) token: Uuid,
+        pub(super) number: u32,
+        pub(super) worker: Uuid,
+        pub(super) ended_at: Option<i64>,
+        pub(super) ended_by: Option<String>,
+        pub(super) columns: String,
+        pub(super) points: i64,
+        /// The job's id.
+        pub(super) job: Uuid,
+    }
 }
 
 impl Held {

@@ -9,6 +9,7 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, S
 use tokio::sync::{mpsc, watch};
 
 use super::blobs::Blobs;
+use super::migrations::migrations;
 use super::tokens::Believed;
 use super::writer::{Announcements, Writer};
 use super::{Inner, Result, Store, StoreError, StoreOptions};
@@ -56,8 +57,9 @@ impl Store {
             .disable_statement_logging();
         let mut connection = database.connect().await?;
         // `run` makes this future one that the compiler cannot see to be `Send`
-        let migrations = sqlx::migrate!("../migrations");
-        migrations.run_direct(None, &mut connection, false).await?;
+        migrations()
+            .run_direct(None, &mut connection, false)
+            .await?;
         let last: Option<i64> = sqlx::query_scalar("SELECT MAX(seq) FROM events")
             .fetch_one(&mut connection)
             .await?;

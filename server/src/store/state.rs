@@ -4,27 +4,29 @@
 //! Every update carries its condition, so that a stale writer changes nothing: the job's row must
 //! still have the version that was read, and an attempt that ends must be live under its token.
 use loadframe_api::{AttemptEnd, JobOutcome, JobStatus, ReasonCode};
-use sqlx::FromRow;
 use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
+use super::row::row;
 use super::words::{variant, word};
 use super::writer::{Change, EventType};
 use super::{Result, StoreError};
 use crate::queue::{Asked, Input, Refusal, State, Step, keeps_checkpoint, transition};
 
-/// A job's row, as far as its life goes.
-#[derive(Debug, FromRow)]
-pub(super) struct Life {
-    pub(super) seq: i64,
-    pub(super) id: Uuid,
-    status: String,
-    outcome: Option<String>,
-    asked: Option<String>,
-    losses: u32,
-    /// Number of the last attempt.
-    attempt: u32,
-    version: i64,
+row! {
+    /// A job's row, as far as its life goes.
+    #[derive(Debug)]
+    pub(super) struct Life {
+        pub(super) seq: i64,
+        pub(super) id: Uuid,
+        status: String,
+        outcome: Option<String>,
+        asked: Option<String>,
+        losses: u32,
+        /// Number of the last attempt.
+        attempt: u32,
+        version: i64,
+    }
 }
 
 /// What ends an attempt, and on which condition.

@@ -2,9 +2,9 @@
 use std::time::Duration;
 
 use loadframe_api::Timestamp;
-use sqlx::FromRow;
 use uuid::Uuid;
 
+use super::row::row;
 use super::state::{Ending, Life};
 use super::writer::{Change, EventType};
 use super::{Result, Store, StoreError, millis};
@@ -19,15 +19,17 @@ const REMEMBERED: i64 = 7 * 24 * 3600 * 1000;
 /// Log lines that the reason of a quarantine quotes.
 const LINES_QUOTED: u32 = 5;
 
-/// A live attempt that time has caught up with.
-#[derive(Debug, FromRow)]
-struct Overdue {
-    seq: i64,
-    token: Uuid,
-    job: Uuid,
-    worker_name: String,
-    host: String,
-    expired: bool,
+row! {
+    /// A live attempt that time has caught up with.
+    #[derive(Debug)]
+    struct Overdue {
+        seq: i64,
+        token: Uuid,
+        job: Uuid,
+        worker_name: String,
+        host: String,
+        expired: bool,
+    }
 }
 
 impl Store {

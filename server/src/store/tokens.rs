@@ -7,9 +7,9 @@ use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use loadframe_api::{Timestamp, sha256_hex};
 use rand::Rng;
-use sqlx::FromRow;
 use uuid::Uuid;
 
+use super::row::row;
 use super::{NewToken, Result, Store, StoreError, TokenView};
 
 /// What a token begins with, so that people and secret scanners know it.
@@ -25,12 +25,13 @@ const MOST_BELIEVED: usize = 1000;
 #[derive(Debug, Default)]
 pub(super) struct Believed(Mutex<HashMap<String, Instant>>);
 
-#[derive(FromRow)]
-struct TokenRow {
-    id: Uuid,
-    name: String,
-    created_at: i64,
-    revoked_at: Option<i64>,
+row! {
+    struct TokenRow {
+        id: Uuid,
+        name: String,
+        created_at: i64,
+        revoked_at: Option<i64>,
+    }
 }
 
 impl Believed {

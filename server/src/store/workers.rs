@@ -1,9 +1,9 @@
 //! Worker processes: who is there, how fast they are, and the queue in numbers.
 use loadframe_api::worker::ClaimRequest;
 use loadframe_api::{Calibration, Timestamp, WorkerView};
-use sqlx::FromRow;
 use uuid::Uuid;
 
+use super::row::row;
 use super::writer::Change;
 use super::{Counts, Result, Store};
 
@@ -14,15 +14,16 @@ const HEARD_EVERY: i64 = 1_000;
 /// A worker is taken for gone when it was silent for a lease and this long [ms].
 const GRACE: i64 = 5_000;
 
-#[derive(FromRow)]
-struct WorkerRow {
-    id: Uuid,
-    name: String,
-    host: String,
-    threads: u32,
-    engine_version: String,
-    last_seen_at: i64,
-    job: Option<Uuid>,
+row! {
+    struct WorkerRow {
+        id: Uuid,
+        name: String,
+        host: String,
+        threads: u32,
+        engine_version: String,
+        last_seen_at: i64,
+        job: Option<Uuid>,
+    }
 }
 
 impl Change {

@@ -1,16 +1,16 @@
-//! New trials side by side: every specimen of each is a test of a [`Plan`](crate::plan::Plan).
+//! New trials side by side: every specimen of each is a test of a [`Plan`](loadframe_harness::plan::Plan).
 use std::io::{self, Write};
 
 use indexmap::IndexMap;
 use loadframe_api::JobSpec;
-use serde::{Deserialize, Serialize};
-
-use super::trials::Setting;
-use crate::{
+use loadframe_harness::{
     Ending, Interrupt, Recorder, RunContext, SimulationError,
     checkpoint::CheckpointError,
     plan::{Conclusion, Curve, CurveKeeper, SavedReport, Share, Tests},
 };
+use serde::{Deserialize, Serialize};
+
+use super::trials::Setting;
 
 /// What is kept of a specimen.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -1,8 +1,8 @@
 //! What is known of the parameters: intervals, and which the data cannot tell apart.
+use loadframe_harness::statistics::Sample;
 use nalgebra::DMatrix;
 
 use super::trials::{Halt, Trials};
-use crate::statistics::Sample;
 
 /// Condition index of derivatives, their columns scaled to length 1, from which parameters are not
 /// told apart: the threshold of strong collinearity in [BelsleyKuhWelsch1980].

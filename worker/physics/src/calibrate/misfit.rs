@@ -3,8 +3,7 @@ use loadframe_api::{
     Report,
     spec::calibrate::{Measured, MeasuredCurve},
 };
-
-use crate::{SimulationError, curve::interpolate, plan::Curve};
+use loadframe_harness::{SimulationError, curve::interpolate, plan::Curve};
 
 /// A measured number.
 #[derive(Clone, Copy, Debug)]

@@ -15,8 +15,8 @@ mod tables;
 mod trials;
 
 use loadframe_api::spec::calibrate::{Calibrate, Template};
+use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
 
-use crate::{Ending, Interrupt, Recorder, RunContext, SimulationError};
 use coordinates::Coordinate;
 use misfit::Targets;
 use trials::{Halt, Setting, Trials};

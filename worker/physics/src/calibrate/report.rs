@@ -1,16 +1,16 @@
 //! Results of a calibration, and whether to believe them.
 use indexmap::IndexMap;
 use loadframe_api::{QualityCheck, Quantity, Report, Warning};
+use loadframe_harness::{
+    SimulationError,
+    plan::{joint_warnings, mean, values, worst_quality},
+};
 
 use super::{
     confidence::{Confidence, LARGEST_CONDITION},
     misfit::means,
     search::StopReason,
     trials::{Best, Trials},
-};
-use crate::{
-    SimulationError,
-    plan::{joint_warnings, mean, values, worst_quality},
 };
 
 /// Part of its range within which a parameter is at the end of it.

@@ -12,9 +12,9 @@ use basin::{
     CostFunction, DenseMatrix, Executor, Jacobian, Residual, TerminationCode,
     TrustRegionReflective,
 };
+use loadframe_harness::SimulationError;
 
 use super::trials::{Halt, Trials};
-use crate::SimulationError;
 
 /// Radius of the first step: a factor of e^0.5 in a parameter on a logarithmic scale, half the range
 /// on a linear one.

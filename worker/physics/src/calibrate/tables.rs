@@ -1,13 +1,13 @@
 //! The files a calibration leaves behind.
 use std::io::{self, Write};
 
+use loadframe_harness::{Recorder, csv, plan::Curve, statistics::Sample};
 use serde_json::json;
 
 use super::{
     report::{fitted, name},
     trials::{Best, Trials},
 };
-use crate::{Recorder, csv, plan::Curve, statistics::Sample};
 
 /// Gives the best curve and all tables to the recorder.
 pub(super) fn write(trials: &mut Trials<'_>, best: &Best) -> io::Result<()> {

@@ -8,17 +8,17 @@ use std::borrow::Cow;
 use indexmap::IndexMap;
 use loadframe_api::Report;
 use loadframe_api::spec::calibrate::{Calibrate, Template};
+use loadframe_harness::{
+    Interrupt, Recorder, RunContext, SimulationError,
+    checkpoint::{self, Fingerprint},
+    plan::{Conclusion, Curve, Plan, SavedReport},
+};
 use serde::{Deserialize, Serialize};
 
 use super::{
     batch::{Batch, BatchRecorder, Tested},
     coordinates::Coordinate,
     misfit::{Targets, means},
-};
-use crate::{
-    Interrupt, Recorder, RunContext, SimulationError,
-    checkpoint::{self, Fingerprint},
-    plan::{Conclusion, Curve, Plan, SavedReport},
 };
 
 /// Why a search is not gone on with.

@@ -1,0 +1,38 @@
+//! Tests of ballast: a scene, read in the terms of its test.
+//!
+//! The spec's [`Script`] is a scene with stages; the engine runs it like any other. Between the
+//! engine and the job's recorder sits a [`Tester`]: it reads force and way of the loading wall and
+//! the state of the bed from the scene's curve, and makes the test's own curve of them. When the
+//! engine is done, [`cycles`] finds peaks, residuals and stiffnesses, [`oedometer`] void ratio and
+//! modulus, [`report`] the summary, [`tables`] the files. A resumed run hears the whole curve again,
+//! so that nothing here needs to be kept in a checkpoint.
+mod cycles;
+mod moments;
+mod oedometer;
+mod report;
+mod tables;
+mod tester;
+#[cfg(test)]
+mod tests;
+
+use loadframe_api::spec::ballast::{Apparatus, Ballast};
+use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
+
+use tester::Tester;
+
+/// Runs the test of `spec`.
+///
+/// # Errors
+/// What made a result impossible, see [`SimulationError`].
+pub fn run<A: Apparatus>(
+    spec: &Ballast<A>,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<Ending, SimulationError> {
+    let script = spec.script();
+    let mut tester = Tester::new(&script, recorder);
+    Ok(match super::run(&script.scene, context, &mut tester)? {
+        Ending::Finished(report) => Ending::Finished(tester.conclude(report)?),
+        ending => ending,
+    })
+}

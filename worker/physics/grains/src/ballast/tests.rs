@@ -1,0 +1,150 @@
+//! Readings of made-up curves.
+#![allow(clippy::float_cmp, reason = "these numbers are exact")]
+use loadframe_api::{
+    JobSpec, Submission,
+    spec::ballast::{Phase, Script},
+};
+use loadframe_harness::{Recorder, Unrecorded};
+
+use super::{
+    cycles::{self, place_in_cycles},
+    oedometer,
+    tester::Tester,
+};
+
+/// An oedometer test of two cycles of 1 s.
+fn script() -> Script {
+    let body = r#"{"kind": "ballast_oedometer", "spec": {"version": 1,
+        "materials": {"aggregate": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e8}},
+        "test": {"peak_force_n": 1000, "cycles": 2, "period_s": 1}, "output": {"slices": 1}}}"#;
+    match Submission::from_slice(body.as_bytes())
+        .expect("a valid job")
+        .spec
+    {
+        JobSpec::BallastOedometer(spec) => spec.script(),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Columns that a scene would have.
+const COLUMNS: [&str; 11] = [
+    "time_s",
+    "stage",
+    "plate_displacement_z_m",
+    "plate_force_z_n",
+    "coordination_number",
+    "unbalanced_force_ratio",
+    "step_over_critical",
+    "bed_inertial_number",
+    "bed_mean_stress_pa",
+    "slice_1_porosity",
+    "bed_porosity",
+];
+
+/// Hears a bed that follows F = 10⁶ u + 100 N going down, and half as stiff again coming up, from
+/// where it came to rest at 0.2 m; the second cycle goes the way of the first unloading.
+fn heard<'a>(script: &'a Script, recorder: &'a mut Unrecorded) -> Tester<'a> {
+    let load = script.phases.iter().position(|phase| *phase == Phase::Load);
+    let load = load.expect("it is loaded");
+    let mut tester = Tester::new(script, recorder);
+    tester.columns(&COLUMNS).expect("it keeps nothing");
+    let mut hear = |time: f64, stage: usize, way: f64, force: f64| {
+        let displacement = 0.2 - way - script.wall_height;
+        let row = [
+            time,
+            stage as f64,
+            displacement,
+            force,
+            4.0,
+            0.0,
+            0.4,
+            0.0,
+            0.0,
+            0.4,
+            0.7,
+        ];
+        tester.point(&row).expect("it keeps nothing");
+    };
+    hear(5.0, load - 1, 0.0, 100.0);
+    for cycle in [0.0, 1.0] {
+        for part in 1..=100 {
+            let time = f64::from(part) / 100.0;
+            let force = 100.0 + 900.0 * (1.0 - (std::f64::consts::TAU * time).cos()) / 2.0;
+            let going_down = cycle == 0.0 && part <= 50;
+            let way = if going_down {
+                (force - 100.0) / 1e6
+            } else {
+                9e-4 - (1000.0 - force) / 1.5e6
+            };
+            hear(5.0 + cycle + time, load, way, force);
+        }
+    }
+    tester
+}
+
+#[test]
+fn cycles_are_read_from_where_they_begin() {
+    let script = script();
+    let mut recorder = Unrecorded;
+    let tester = heard(&script, &mut recorder);
+    let cycles = cycles::of(&tester);
+    assert_eq!(cycles.len(), 2);
+    let first = &cycles[0];
+    assert_eq!(first.start, 0.0);
+    assert!((first.peak - 9e-4).abs() < 1e-15, "{first:?}");
+    assert!((first.end - 3e-4).abs() < 1e-15, "{first:?}");
+    assert!((first.peak_force - 1000.0).abs() < 1e-9, "{first:?}");
+    let stiffness = first.unloading_stiffness.expect("there is a branch");
+    assert!((stiffness / 1.5e6 - 1.0).abs() < 1e-9, "{stiffness}");
+    let stiffness = first.loading_stiffness.expect("there is a branch");
+    assert!((stiffness / 1e6 - 1.0).abs() < 1e-9, "{stiffness}");
+    // trapezium below the way down less the one below the way up
+    let work = 0.5 * 1100.0 * 9e-4 - 0.5 * 1100.0 * 6e-4;
+    assert!((first.dissipated - work).abs() < 1e-12, "{first:?}");
+    let second = &cycles[1];
+    assert!(
+        (second.start - 3e-4).abs() < 1e-15 && second.dissipated.abs() < 1e-12,
+        "{second:?}"
+    );
+}
+
+#[test]
+fn an_end_of_a_cycle_belongs_to_it_and_a_step_beyond_the_last_too() {
+    let script = script();
+    assert_eq!(place_in_cycles(&script, 0.5), (0, 0.5));
+    assert_eq!(place_in_cycles(&script, 1.0), (0, 1.0));
+    assert_eq!(place_in_cycles(&script, 1.25), (1, 0.25));
+    assert_eq!(place_in_cycles(&script, 2.001).0, 1);
+}
+
+#[test]
+fn moduli_of_a_linear_bed_are_its_modulus() {
+    let script = script();
+    let mut recorder = Unrecorded;
+    let tester = heard(&script, &mut recorder);
+    let oedometer = oedometer::of(&tester).expect("an oedometer");
+    assert!((oedometer.height - 0.2).abs() < 1e-15);
+    // E = k h/A
+    let area = script.loaded_area;
+    for step in &oedometer.steps {
+        let expected = if step.is_loading { 1e6 } else { 1.5e6 } * 0.2 / area;
+        assert!((step.modulus / expected - 1.0).abs() < 1e-6, "{step:?}");
+    }
+    // from an eighth of the peak: below it the bed was seated
+    assert_eq!(
+        oedometer
+            .steps
+            .iter()
+            .filter(|step| step.is_loading)
+            .count(),
+        3
+    );
+    assert_eq!(
+        oedometer
+            .steps
+            .iter()
+            .filter(|step| !step.is_loading)
+            .count(),
+        3
+    );
+}

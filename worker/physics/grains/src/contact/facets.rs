@@ -1,0 +1,350 @@
+//! Contacts of a sphere and facets.
+//!
+//! The sphere is a, the facet b: n points from the centre to the nearest point of the triangle, at a
+//! distance d; δ = r − d. A facet is like a plane ([`walls`](super::walls)), with the sphere's radius
+//! as its own and (G.7). By Yade's rule it has twice that radius in the stiffness, and slip is that
+//! of the surfaces in the middle of the overlap:
+//!
+//!   v = v_b − v_a − (r − δ/2) ω_a × n (G.20)
+//!
+//! Candidates are listed by sphere, so that one sphere's facets are looked at together and features
+//! that they share count once ([`once`](super::super::facets::once)). Where they are is found one by
+//! one: most end at their distance from the triangle's plane. The law then works in vectors, each as
+//! soon as all spheres in it were looked at.
+//!
+//! Source: of (G.20) Yade's `Ig2_Facet_Sphere_ScGeom`.
+use loadframe_api::surface::{Point, along, dot};
+use pulp::Simd;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Scenery, Slip, Touch, Wrenches,
+    law::{Law, Past},
+    stiffness::Springs,
+    tangents::{Tangent, Tangents},
+};
+use crate::{
+    facets::{
+        FacetRule,
+        once::{Near, last_heir},
+    },
+    lanes::{Array, LANES, Lanes, Vectors, bits},
+    rows::{Row, gather},
+};
+
+/// Candidates in vectors; what fills up the last block belongs to no sphere.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+#[repr(align(64))]
+pub(crate) struct FacetBlock<F: Law> {
+    pub(crate) particles: [u32; LANES],
+    pub(crate) facets: [u32; LANES],
+    /// Constant of the normal spring: k_N [N/m] of a linear one.
+    pub(crate) stiffness: Array,
+    pub(crate) law: F,
+}
+
+/// Candidates of a patch's spheres and which of them touched in the last step.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub(crate) struct FacetList<F: Law> {
+    /// How many facets are near each sphere that has any.
+    visitors: Vec<u32>,
+    /// Candidates of one sphere after those of another, without a gap.
+    pub(crate) blocks: Vec<FacetBlock<F>>,
+    /// Bits by lane.
+    pub(crate) touching: Vec<u8>,
+    pub(super) tangents: Tangents,
+    /// Candidates, padding not counted.
+    pub(crate) count: usize,
+    /// What the sphere at work reaches.
+    #[serde(skip)]
+    near: Vec<Near>,
+    /// What counts of that in blocks that wait for their last sphere, by slot.
+    #[serde(skip)]
+    reached: Vec<Near>,
+}
+
+/// A facet near a sphere, what they are made of, and what they remember.
+pub(crate) type FacetCandidate = (u32, Springs, Option<Past>);
+
+/// What the contacts of a patch with facets act on.
+#[derive(Debug)]
+pub(super) struct Sides<'a> {
+    /// First particle of the patch.
+    pub(super) first: usize,
+    /// On its particles.
+    pub(super) wrenches: &'a mut Wrenches,
+    /// On each mesh [N]; the fourth number is the power of its turning [W].
+    pub(super) on_meshes: &'a mut [[f64; 4]],
+}
+
+/// The facets of a block that are touched, as the law wants them.
+#[derive(Clone, Debug, Default)]
+struct Touched {
+    /// 1 where it touches, else 0.
+    touches: Array,
+    normal: [Array; 3],
+    overlap: Array,
+    /// Of the wall at the place of contact [m/s].
+    velocity: [Array; 3],
+    /// Factor α on the velocities.
+    approach: Array,
+    /// Arm of the sphere's spin [m].
+    arm: Array,
+}
+
+impl<F: Law> FacetList<F> {
+    /// Adds the forces on both sides.
+    #[inline(always)]
+    pub(super) fn push<S: Simd>(&mut self, simd: S, scenery: Scenery<'_>, mut sides: Sides<'_>) {
+        let (mut slot, mut pushed) = (0, 0);
+        for visitor in 0..self.visitors.len() {
+            slot = self.look(scenery, self.visitors[visitor], slot);
+            let is_last = slot == self.count;
+            let whole = if is_last {
+                self.blocks.len()
+            } else {
+                slot / LANES
+            };
+            for block in pushed..whole {
+                self.push_block(simd, scenery, block, &mut sides);
+            }
+            pushed = whole;
+        }
+    }
+
+    /// Finds out which facets a sphere touches, so many of whose candidates begin at `slot`; returns
+    /// where they end.
+    fn look(&mut self, scenery: Scenery<'_>, candidates: u32, slot: usize) -> usize {
+        let particle = self.blocks[slot / LANES].particles[slot % LANES];
+        let sphere = &scenery.kinematics.centres[particle as usize];
+        let end = slot + candidates as usize;
+        self.near.clear();
+        for slot in slot..end {
+            let facet = self.blocks[slot / LANES].facets[slot % LANES];
+            let near = (scenery.facets).reach(scenery.poses, sphere, slot as u32, facet);
+            self.near.extend(near);
+        }
+        if scenery.facets.rule == FacetRule::Once && self.near.len() > 1 {
+            (scenery.facets).settle(scenery.poses, &mut self.near, sphere.0[3]);
+            if F::IS_ROUGH {
+                hand_over(&self.near, &mut self.blocks, &mut self.touching);
+            }
+        }
+        let counting = self.near.iter().filter(|near| near.heir.is_none());
+        self.reached.extend(counting);
+        end
+    }
+
+    /// Adds the forces of a block's contacts, the first of those reached.
+    #[inline(always)]
+    fn push_block<S: Simd>(
+        &mut self,
+        simd: S,
+        scenery: Scenery<'_>,
+        number: usize,
+        sides: &mut Sides<'_>,
+    ) {
+        let next = (number + 1) * LANES;
+        let end = (self.reached).partition_point(|near| (near.slot as usize) < next);
+        let (block, touching) = (&mut self.blocks[number], &mut self.touching[number]);
+        if end == 0 && *touching == 0 {
+            return;
+        }
+        let (particles, facets) = (block.particles, block.facets);
+        let touched = scenery.touched(&particles, &self.reached[..end]);
+        *touching = block.advance(
+            simd,
+            scenery,
+            &touched,
+            self.tangents.of::<F>(number),
+            *touching,
+            #[inline(always)]
+            |lane: usize, force: [f64; 4], moment: [f64; 4]| {
+                if touched.touches[lane] == 0.0 {
+                    return;
+                }
+                let particle = particles[lane] as usize;
+                let own = particle - sides.first;
+                sides.wrenches.forces[own].subtract(force);
+                if F::IS_ROUGH {
+                    sides.wrenches.torques[own].subtract(moment);
+                }
+                let facet = &scenery.facets.facets[facets[lane] as usize];
+                let on_mesh = &mut sides.on_meshes[facet.mesh as usize];
+                for axis in 0..3 {
+                    on_mesh[axis] += force[axis];
+                }
+                let pose = &scenery.poses[facet.mesh as usize];
+                if pose.is_turning() {
+                    let place = touched.place(&scenery.kinematics.centres[particle], lane);
+                    let velocity = pose.turning_velocity(&place);
+                    on_mesh[3] += dot(&[force[0], force[1], force[2]], &velocity);
+                }
+            },
+        );
+        self.reached.drain(..end);
+    }
+}
+
+impl<F: Law> FacetList<F> {
+    /// Adds a sphere with its candidates, if it has any.
+    pub(super) fn add(&mut self, particle: u32, candidates: &[FacetCandidate]) {
+        for (facet, springs, past) in candidates {
+            let lane = self.count % LANES;
+            if lane == 0 {
+                self.blocks.push(FacetBlock {
+                    particles: [particle; LANES],
+                    ..FacetBlock::default()
+                });
+                self.touching.push(0);
+            }
+            self.tangents.set::<F>(self.count / LANES, lane, springs);
+            self.count += 1;
+            if let (Some(block), Some(touching)) =
+                (self.blocks.last_mut(), self.touching.last_mut())
+            {
+                block.particles[lane] = particle;
+                block.facets[lane] = *facet;
+                block.stiffness[lane] = springs.normal;
+                block.law.start(lane, springs, &past.unwrap_or_default());
+                *touching |= u8::from(past.is_some()) << lane;
+            }
+        }
+        if !candidates.is_empty() {
+            self.visitors.push(candidates.len() as u32);
+        }
+    }
+
+    pub(super) fn finish(&mut self) {
+        self.visitors.shrink_to_fit();
+        self.blocks.shrink_to_fit();
+        self.touching.shrink_to_fit();
+        self.tangents.finish();
+    }
+
+    /// Memory [bytes].
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.visitors.as_slice())
+            + size_of_val(self.blocks.as_slice())
+            + self.tangents.bytes()
+    }
+}
+
+/// What takes a contact's place takes over what it remembers.
+fn hand_over<F: Law>(near: &[Near], blocks: &mut [FacetBlock<F>], touching: &mut [u8]) {
+    for place in 0..near.len() {
+        let heir = last_heir(near, place);
+        let [own, next] = [place, heir].map(|place| near[place].slot as usize);
+        let bit = |slot: usize| 1_u8 << (slot % LANES);
+        let is_taken = |touching: &[u8], slot: usize| touching[slot / LANES] & bit(slot) != 0;
+        if heir == place || !is_taken(touching, own) || is_taken(touching, next) {
+            continue;
+        }
+        let past = blocks[own / LANES].law.past(own % LANES);
+        blocks[next / LANES].law.remember(next % LANES, &past);
+        touching[next / LANES] |= bit(next);
+    }
+}
+
+impl Scenery<'_> {
+    /// What a block's particles touch.
+    fn touched(&self, particles: &[u32; LANES], reached: &[Near]) -> Touched {
+        let mut touched = Touched::default();
+        for near in reached {
+            let lane = near.slot as usize % LANES;
+            let radius = self.kinematics.centres[particles[lane] as usize].0[3];
+            let overlap = radius - near.distance;
+            touched.touches[lane] = 1.0;
+            touched.overlap[lane] = overlap;
+            (touched.approach[lane], touched.arm[lane]) = match self.facets.rule {
+                FacetRule::Once => ((radius + radius) / (radius + radius - overlap), radius),
+                FacetRule::Each => (1.0, radius - 0.5 * overlap),
+            };
+            let pose = &self.poses[self.facets.facets[near.facet as usize].mesh as usize];
+            let velocity = if pose.is_turning() {
+                let turning = pose.turning_velocity(&near.point);
+                along(&turning, &pose.motion.velocity, 1.0)
+            } else {
+                pose.motion.velocity
+            };
+            for (axis, velocity) in velocity.into_iter().enumerate() {
+                touched.normal[axis][lane] = near.normal[axis];
+                touched.velocity[axis][lane] = velocity;
+            }
+        }
+        touched
+    }
+}
+
+impl Touched {
+    /// Where the sphere touches in this lane [m].
+    fn place(&self, sphere: &Row, lane: usize) -> Point {
+        let [x, y, z, radius] = sphere.0;
+        let normal = [0, 1, 2].map(|axis: usize| self.normal[axis][lane]);
+        along(&[x, y, z], &normal, radius - self.overlap[lane])
+    }
+}
+
+impl<F: Law> FacetBlock<F> {
+    /// Advances the contacts by a step. Gives `act` the force on the facet and its moment about the
+    /// particle's centre. Returns which lanes touch.
+    #[inline(always)]
+    fn advance<S: Simd>(
+        &mut self,
+        simd: S,
+        scenery: Scenery<'_>,
+        touched: &Touched,
+        tangent: Tangent<'_>,
+        before: u8,
+        mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
+    ) -> u8 {
+        let kinematics = scenery.kinematics;
+        let none = Lanes::splat(simd, 0.0);
+        let mut touching = 0;
+        for part in 0..LANES / S::F64_LANES {
+            let is_touching = none.below(Lanes::load(simd, &touched.touches, part));
+            if bits::<S>(is_touching, 0) == 0 {
+                if before != 0 {
+                    self.law.forget(simd, part);
+                }
+                continue;
+            }
+            let radius = gather(simd, kinematics.centres, &self.particles, part).fourth;
+            let normal = Vectors::load(simd, &touched.normal, part);
+            let overlap = Lanes::load(simd, &touched.overlap, part);
+            let [shear_ratio, friction] = tangent.load(simd, part);
+            let touch = Touch {
+                normal,
+                overlap,
+                reach: radius + radius,
+                stiffness: Lanes::load(simd, &self.stiffness, part),
+                shear_ratio,
+                friction,
+                is_touching,
+            };
+            let mut slip = Slip::none(simd);
+            if F::FEELS_SPEED {
+                let velocity = gather(simd, kinematics.velocities, &self.particles, part).vector;
+                let wall = Vectors::load(simd, &touched.velocity, part);
+                let relative = wall - velocity;
+                slip.approach = relative.dot(normal);
+                if F::IS_ROUGH {
+                    let spin = gather(simd, kinematics.spins, &self.particles, part).vector;
+                    let approach = Lanes::load(simd, &touched.approach, part);
+                    let arm = Lanes::load(simd, &touched.arm, part);
+                    let velocity = relative.scaled(approach) - spin.scaled(arm).cross(normal);
+                    slip.velocity = velocity - normal.scaled(velocity.dot(normal));
+                    slip.spins = spin;
+                }
+            }
+            let push = self
+                .law
+                .advance(simd, part, touch, slip, kinematics.time_step);
+            touching |= bits::<S>(push.acts, part);
+            push.against_wall(simd, part, &touch, radius, &mut act);
+        }
+        touching
+    }
+}

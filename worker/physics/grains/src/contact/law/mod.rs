@@ -1,0 +1,308 @@
+//! Laws of contact: what springs, friction and bonds make of overlap and slip.
+//!
+//! A law is a type of its own, one file each, chosen once for a scene: [`Frictionless`] remembers
+//! nothing and turns nothing, [`Coulomb`] remembers its shear force (and turns it by the normal of the
+//! last step, [`Kept`] or [`Followed`]), [`HertzMindlin`] the overlap it
+//! belongs to as well, [`Bonded`] holds together until it breaks. Each stands on a spring along the
+//! [`normal`]: [`Linear`], [`Logarithmic`] or [`Hertz`]. [`Viscous`] is a dashpot beside any of them,
+//! [`ViscousShear`] one across the normal beside those with friction.
+mod bonded;
+mod coulomb;
+mod frictionless;
+mod hertz;
+mod logarithmic;
+pub(crate) mod normal;
+mod normals;
+mod viscous;
+mod viscous_shear;
+
+use std::fmt::Debug;
+
+use loadframe_harness::checkpoint::CheckpointError;
+use pulp::Simd;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use super::{
+    Push, Slip, Touch,
+    lists::{Lists, PatchLists},
+    stiffness::{Side, Springs},
+};
+use crate::Vector;
+
+pub(crate) use bonded::Bonded;
+pub(crate) use coulomb::Coulomb;
+pub(crate) use frictionless::Frictionless;
+pub(crate) use hertz::{Hertz, HertzMindlin};
+pub(crate) use logarithmic::Logarithmic;
+pub(crate) use normal::{Linear, Normal, Spring};
+pub(crate) use normals::{Followed, Kept, Normals, direction};
+pub(crate) use viscous::Viscous;
+pub(crate) use viscous_shear::ViscousShear;
+
+/// What a contact remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Past {
+    /// n₀, from a to b.
+    pub(crate) normal: Vector,
+    /// F_T on b [N].
+    pub(crate) shear: Vector,
+    /// √δ that the shear force belongs to, where that matters [√m].
+    pub(crate) root: f64,
+    /// The bond between the bodies, also after it broke.
+    pub(crate) bond: Bond,
+}
+
+/// What a contact does, as observers see it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct ContactForces {
+    /// F_N of the spring [N].
+    pub(crate) spring_force: f64,
+    /// F_N of spring and dashpot [N].
+    pub(crate) force: f64,
+    /// F_T of the spring on b [N].
+    pub(crate) spring_shear: Vector,
+    /// F_T of spring and dashpot on b [N].
+    pub(crate) shear: Vector,
+    /// Tangents k_N, k_T [N/m].
+    pub(crate) stiffness: [f64; 2],
+    /// c_N and c_T of the dashpots [N s/m].
+    pub(crate) dashpots: [f64; 2],
+    /// Compression of the spring [m], negative where a bond is stretched.
+    pub(crate) compression: f64,
+    /// Whether an intact bond holds the bodies together.
+    pub(crate) is_bonded: bool,
+}
+
+/// A bond and what is left of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Bond {
+    pub(crate) is_intact: bool,
+    /// a_N and a_T [N].
+    pub(crate) strength: [f64; 2],
+    /// Overlap without force [m].
+    pub(crate) rest: f64,
+}
+
+/// The law of a block one contact at a time: what lists and observers need of it between steps.
+pub(crate) trait Lanewise {
+    fn past(&self, lane: usize) -> Past;
+
+    /// Sets a lane: what the contact has beside its springs, and what it remembers.
+    fn start(&mut self, lane: usize, _springs: &Springs, past: &Past) {
+        self.remember(lane, past);
+    }
+
+    /// Sets what the contact in a lane remembers.
+    fn remember(&mut self, lane: usize, past: &Past);
+
+    /// What the contact in a lane does at this overlap.
+    fn forces(&self, lane: usize, spring: &Spring) -> ContactForces;
+}
+
+/// A law for the contacts of a block.
+pub(crate) trait Law:
+    Lanewise + Clone + Debug + Default + Send + Sync + Serialize + DeserializeOwned + 'static
+{
+    /// The spring along the normal.
+    type Normal: Normal;
+
+    /// Whether there are shear forces.
+    const IS_ROUGH: bool;
+
+    /// Whether the normals of the last step are to be found from velocities.
+    const FOLLOWS_NORMALS: bool;
+
+    /// Whether velocities matter.
+    const FEELS_SPEED: bool = Self::IS_ROUGH;
+
+    /// Lanes in which something may act, given those that touch.
+    #[inline(always)]
+    fn acting<S: Simd>(&self, _simd: S, _part: usize, touching: S::m64s) -> S::m64s {
+        touching
+    }
+
+    /// Forces of a contact in this step; of no meaning where it does not act.
+    fn advance<S: Simd>(
+        &mut self,
+        simd: S,
+        part: usize,
+        touch: Touch<S>,
+        slip: Slip<S>,
+        time_step: f64,
+    ) -> Push<S>;
+
+    /// Asks for the memory of the block, which comes next.
+    fn ask(&self);
+
+    /// Nothing acts in this part of the block.
+    fn forget<S: Simd>(&mut self, simd: S, part: usize);
+}
+
+/// Lists that were read from a checkpoint, or why they cannot be.
+pub(crate) type Unpacked = Result<Box<dyn Lists>, CheckpointError>;
+
+/// A law as all see it that do not work through its blocks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chosen {
+    /// Constants of the springs between two bodies.
+    pub(crate) springs: fn(&Side, &Side) -> Springs,
+    /// ∫ F_N dδ [J], given the square of F_N.
+    pub(crate) energy: fn(&Spring, f64) -> f64,
+    /// Stiffness [N/m] of a contact that a body may come to, at a speed [m/s].
+    pub(crate) foreseen: fn(&Side, f64) -> f64,
+    /// The lists of a patch without contacts.
+    pub(crate) lists: fn() -> Box<dyn Lists>,
+    /// Reads what [`Lists::pack`] wrote.
+    pub(crate) unpack: fn(&[u8]) -> Unpacked,
+}
+
+impl Chosen {
+    pub(crate) fn of<F: Law>() -> Self {
+        Self {
+            springs: F::Normal::springs,
+            energy: F::Normal::energy,
+            foreseen: F::Normal::foreseen,
+            lists: || Box::new(PatchLists::<F>::default()),
+            unpack: |bytes| Ok(Box::new(PatchLists::<F>::unpack(bytes)?)),
+        }
+    }
+}
+
+impl ContactForces {
+    /// A normal spring alone, with what shears it: the constant of k_T and the force on b.
+    fn spring<N: Normal>(spring: &Spring, shear_constant: f64, shear: Vector) -> Self {
+        let force = spring.force::<N>();
+        Self {
+            spring_force: force,
+            force,
+            spring_shear: shear,
+            shear,
+            stiffness: [N::tangent(spring), N::shear(shear_constant, spring)],
+            compression: spring.overlap,
+            ..Self::default()
+        }
+    }
+
+    /// In the shear spring [J].
+    pub(crate) fn shear_energy(&self) -> f64 {
+        let stiffness = self.stiffness[1];
+        if stiffness > 0.0 {
+            0.5 * self.spring_shear.norm_squared() / stiffness
+        } else {
+            0.0
+        }
+    }
+}
+
+impl Past {
+    /// The same contact with its bodies in the other order.
+    pub(crate) fn seen_from_b(&self) -> Self {
+        Self {
+            normal: -self.normal,
+            shear: -self.shear,
+            ..*self
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{Array, LANES, Lanes, Vectors};
+    use pulp::{Arch, Scalar, WithSimd};
+
+    /// Some steps of one block of contacts, all different; the last step in bits.
+    struct Block<F: Law>(F);
+
+    impl<F: Law> WithSimd for Block<F> {
+        type Output = Vec<u64>;
+
+        fn with_simd<S: Simd>(mut self, simd: S) -> Vec<u64> {
+            let number = |place: usize| ((place * 7919 + 3) % 1000) as f64 / 1000.0;
+            let array =
+                |row: usize| -> Array { std::array::from_fn(|lane| number(LANES * row + lane)) };
+            for lane in 0..LANES {
+                let springs = Springs {
+                    normal: 1e5 * (1.0 + number(lane)),
+                    ratio: 0.3,
+                    friction: 0.5,
+                    dashpots: [7.0, 3.0],
+                };
+                let past = Past {
+                    normal: Vector::new(0.0, 0.6, 0.8),
+                    ..Past::default()
+                };
+                self.0.start(lane, &springs, &past);
+            }
+            let mut bits = Vec::new();
+            for step in 1..9 {
+                let row = |row: usize| array(20 * step + row);
+                let (reach, vectors) = ([0.02; LANES], [row(1), row(2), row(3)]);
+                for part in 0..LANES / S::F64_LANES {
+                    let small = Lanes::splat(simd, 1e-3);
+                    // some lanes do not touch
+                    let overlap =
+                        (Lanes::load(simd, &row(0), part) - Lanes::splat(simd, 0.2)) * small;
+                    let normal = Vectors::load(simd, &vectors, part);
+                    let touch = Touch {
+                        normal: normal
+                            .scaled(Lanes::splat(simd, 1.0).over(normal.dot(normal).sqrt())),
+                        overlap,
+                        reach: Lanes::load(simd, &reach, part),
+                        stiffness: Lanes::splat(simd, 1e5),
+                        shear_ratio: Lanes::splat(simd, 0.3),
+                        friction: Lanes::splat(simd, 0.5),
+                        is_touching: Lanes::splat(simd, 0.0).below(overlap),
+                    };
+                    let slip = Slip {
+                        approach: Lanes::load(simd, &row(4), part),
+                        velocity: Vectors::load(simd, &[row(5), row(6), row(7)], part),
+                        spins: Vectors::load(simd, &[row(8), row(9), row(10)], part),
+                        last_normal: Vectors::load(simd, &[row(11), row(12), row(13)], part),
+                    };
+                    let push = self.0.advance(simd, part, touch, slip, 1e-5);
+                    let nothing = Vectors::zero(simd);
+                    let mut out = [[0.0; LANES]; 4];
+                    let force = push.normal.only_if(push.acts, nothing.x);
+                    force.store(&mut out[0], part);
+                    for (column, shear) in
+                        out[1..]
+                            .iter_mut()
+                            .zip([push.shear.x, push.shear.y, push.shear.z])
+                    {
+                        shear.store(column, part);
+                    }
+                    let lanes = part * S::F64_LANES..(part + 1) * S::F64_LANES;
+                    bits.extend(lanes.flat_map(|lane| out.map(|column| column[lane].to_bits())));
+                }
+            }
+            bits
+        }
+    }
+
+    fn assert_same_bits<F: Law>() {
+        let block = || Block(F::default());
+        let expected = Simd::vectorize(Scalar::new(), block());
+        assert!(expected.iter().any(|bits| *bits != 0));
+        assert_eq!(Arch::new().dispatch(block()), expected);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(simd) = pulp::x86::V3::try_new() {
+            assert_eq!(Simd::vectorize(simd, block()), expected);
+        }
+    }
+
+    #[test]
+    fn every_law_gives_the_same_bits_in_every_width() {
+        assert_same_bits::<Frictionless<Linear>>();
+        assert_same_bits::<Frictionless<Logarithmic>>();
+        assert_same_bits::<Coulomb<Linear, Followed>>();
+        assert_same_bits::<Coulomb<Linear, Kept>>();
+        assert_same_bits::<Coulomb<Logarithmic, Kept>>();
+        assert_same_bits::<HertzMindlin>();
+        assert_same_bits::<Bonded>();
+        assert_same_bits::<Viscous<HertzMindlin>>();
+        assert_same_bits::<Viscous<Frictionless<Hertz>>>();
+        assert_same_bits::<ViscousShear<Coulomb<Linear, Followed>>>();
+        assert_same_bits::<Viscous<ViscousShear<HertzMindlin>>>();
+    }
+}

@@ -1,0 +1,290 @@
+//! The contacts of a patch, whatever their law.
+//!
+//! [`Lists`] is all that the engine knows of them: a few calls a step. What is generic over the law
+//! is behind it, so that the rest of the engine is compiled once and not for every law.
+use std::fmt::Debug;
+
+use loadframe_harness::checkpoint::{self, CheckpointError};
+use pulp::{Arch, Simd, WithSimd};
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Scenery, Wrenches,
+    facets::{FacetCandidate, FacetList, Sides},
+    law::{Lanewise, Law, Past},
+    pairs::PairList,
+    stiffness::Springs,
+    tangents::Tangents,
+    walls::WallList,
+};
+use crate::lanes::LANES;
+
+/// What the contacts of a patch act on.
+#[derive(Debug)]
+pub(crate) struct Acting<'a> {
+    /// First particle of the patch.
+    pub(crate) first: usize,
+    /// On its particles.
+    pub(crate) wrenches: &'a mut Wrenches,
+    /// On particles of later patches, by their place in the halo.
+    pub(crate) halo: &'a mut Wrenches,
+    /// On each wall, planes before meshes [N]; the fourth number is the power of a mesh's turning [W].
+    pub(crate) on_walls: &'a mut [[f64; 4]],
+}
+
+/// Who touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Who {
+    /// Two particles.
+    Pair([u32; 2]),
+    /// A particle and a plane.
+    Plane([u32; 2]),
+    /// A particle and a facet.
+    Facet([u32; 2]),
+}
+
+/// A contact that touched in the last step.
+#[derive(Clone, Copy)]
+pub(crate) struct Touching<'a> {
+    pub(crate) who: Who,
+    /// Constant of the normal spring: k_N [N/m] of a linear one.
+    pub(crate) constant: f64,
+    /// k_T/k_N of the constants.
+    pub(crate) shear_ratio: f64,
+    /// Its law, and its lane there.
+    pub(crate) law: &'a dyn Lanewise,
+    pub(crate) lane: usize,
+}
+
+/// Who looks at contacts.
+pub(crate) type Observer<'a> = dyn FnMut(Touching<'_>) + 'a;
+
+/// Candidates for contact of a patch's particles, and what they remember.
+pub(crate) trait Lists: Debug + Send + Sync {
+    /// Works through the contacts in the widest vectors of this machine.
+    fn push(&mut self, scenery: Scenery<'_>, acting: Acting<'_>);
+
+    /// Adds a pair within the patch.
+    fn add_inner(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>);
+
+    /// Adds a pair with a particle of a later patch, which has this place in the halo.
+    fn add_outer(&mut self, pair: [u32; 2], place: u32, springs: &Springs, past: Option<&Past>);
+
+    /// The next pair begins a block.
+    fn close_blocks(&mut self);
+
+    /// Adds a particle at a plane.
+    fn add_plane(&mut self, plane: usize, particle: u32, springs: &Springs, past: Option<&Past>);
+
+    /// Adds the facets near a particle.
+    fn add_facets(&mut self, particle: u32, candidates: &[FacetCandidate]);
+
+    /// All is listed, at this many planes.
+    fn finish(&mut self, planes: usize);
+
+    /// Shows what touched in the last step.
+    fn see(&self, observer: &mut Observer<'_>);
+
+    /// Multiplies tan φ of all contacts.
+    fn rub(&mut self, factor: f64);
+
+    /// Candidates, those at planes not counted.
+    fn candidates(&self) -> usize;
+
+    /// Memory of the lists [bytes].
+    fn bytes(&self) -> usize;
+
+    /// For a checkpoint.
+    ///
+    /// # Errors
+    /// When they do not serialize.
+    fn pack(&self) -> Result<Vec<u8>, CheckpointError>;
+}
+
+/// The lists of a patch under one law.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub(super) struct PatchLists<F: Law> {
+    /// Contacts within the patch.
+    inner: PairList<F>,
+    /// Contacts with particles of later patches.
+    outer: PairList<F>,
+    /// Contacts by plane.
+    walls: Vec<WallList<F>>,
+    /// Contacts with the facets of all meshes.
+    facets: FacetList<F>,
+}
+
+impl<F: Law> PatchLists<F> {
+    /// Reads what [`Lists::pack`] wrote.
+    ///
+    /// # Errors
+    /// When the bytes are those of something else.
+    pub(super) fn unpack(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        postcard::from_bytes(bytes).map_err(checkpoint::form)
+    }
+}
+
+impl<F: Law> Lists for PatchLists<F> {
+    fn push(&mut self, scenery: Scenery<'_>, acting: Acting<'_>) {
+        Arch::new().dispatch(Push {
+            lists: self,
+            scenery,
+            acting,
+        });
+    }
+
+    fn add_inner(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>) {
+        self.inner.add(pair, springs, past);
+    }
+
+    fn add_outer(&mut self, pair: [u32; 2], place: u32, springs: &Springs, past: Option<&Past>) {
+        let candidate = self.outer.add(pair, springs, past);
+        self.outer.set_place(candidate, place);
+    }
+
+    fn close_blocks(&mut self) {
+        self.inner.close_block();
+        self.outer.close_block();
+    }
+
+    fn add_plane(&mut self, plane: usize, particle: u32, springs: &Springs, past: Option<&Past>) {
+        if self.walls.len() <= plane {
+            self.walls.resize_with(plane + 1, WallList::default);
+        }
+        self.walls[plane].add(particle, springs, past);
+    }
+
+    fn add_facets(&mut self, particle: u32, candidates: &[FacetCandidate]) {
+        self.facets.add(particle, candidates);
+    }
+
+    fn finish(&mut self, planes: usize) {
+        self.inner.finish();
+        self.outer.finish();
+        self.facets.finish();
+        self.walls.resize_with(planes, WallList::default);
+    }
+
+    fn see(&self, observer: &mut Observer<'_>) {
+        for list in [&self.inner, &self.outer] {
+            see(
+                &list.blocks,
+                &list.touching,
+                &list.tangents,
+                observer,
+                |block, lane| {
+                    let who = Who::Pair([block.a[lane], block.b[lane]]);
+                    (who, block.stiffness[lane], &block.law)
+                },
+            );
+        }
+        for (plane, list) in (0..).zip(&self.walls) {
+            see(
+                &list.blocks,
+                &list.touching,
+                &list.tangents,
+                observer,
+                |block, lane| {
+                    let who = Who::Plane([block.particles[lane], plane]);
+                    (who, block.stiffness[lane], &block.law)
+                },
+            );
+        }
+        let list = &self.facets;
+        see(
+            &list.blocks,
+            &list.touching,
+            &list.tangents,
+            observer,
+            |block, lane| {
+                let who = Who::Facet([block.particles[lane], block.facets[lane]]);
+                (who, block.stiffness[lane], &block.law)
+            },
+        );
+    }
+
+    fn rub(&mut self, factor: f64) {
+        let walls = self.walls.iter_mut().map(|list| &mut list.tangents);
+        let bodies = [&mut self.inner.tangents, &mut self.outer.tangents];
+        let lists = bodies.into_iter().chain(walls);
+        let lists = lists.chain([&mut self.facets.tangents]);
+        lists.for_each(|tangents| tangents.rub(factor));
+    }
+
+    fn candidates(&self) -> usize {
+        self.inner.count + self.outer.count + self.facets.count
+    }
+
+    fn bytes(&self) -> usize {
+        let walls = self.walls.iter().map(WallList::bytes);
+        self.inner.bytes() + self.outer.bytes() + walls.sum::<usize>() + self.facets.bytes()
+    }
+
+    fn pack(&self) -> Result<Vec<u8>, CheckpointError> {
+        postcard::to_stdvec(self).map_err(checkpoint::form)
+    }
+}
+
+/// Shows the contacts of a list that touched in the last step; `of` tells who is in the lane of a
+/// block, the constant of its normal spring, and its law.
+fn see<'a, B, F: Law>(
+    blocks: &'a [B],
+    touching: &[u8],
+    tangents: &Tangents,
+    observer: &mut Observer<'_>,
+    of: impl Fn(&'a B, usize) -> (Who, f64, &'a F),
+) {
+    for (number, (block, bits)) in blocks.iter().zip(touching).enumerate() {
+        for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+            let (who, constant, law) = of(block, lane);
+            observer(Touching {
+                who,
+                constant,
+                shear_ratio: tangents.ratio(number, lane),
+                law,
+                lane,
+            });
+        }
+    }
+}
+
+/// The first phase of a step for one patch.
+struct Push<'a, F: Law> {
+    lists: &'a mut PatchLists<F>,
+    scenery: Scenery<'a>,
+    acting: Acting<'a>,
+}
+
+impl<F: Law> WithSimd for Push<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            lists,
+            scenery,
+            acting,
+        } = self;
+        let kinematics = scenery.kinematics;
+        let Acting {
+            first,
+            wrenches,
+            halo,
+            on_walls,
+        } = acting;
+        (lists.inner).push_inner(simd, kinematics, first, wrenches);
+        (lists.outer).push_outer(simd, kinematics, first, wrenches, halo);
+        let (on_planes, on_meshes) = on_walls.split_at_mut(scenery.faces.len());
+        let planes = lists.walls.iter_mut().zip(scenery.faces).zip(on_planes);
+        for ((list, face), on_plane) in planes {
+            *on_plane = list.push(simd, face, kinematics, first, wrenches);
+        }
+        let sides = Sides {
+            first,
+            wrenches,
+            on_meshes,
+        };
+        (lists.facets).push(simd, scenery, sides);
+    }
+}

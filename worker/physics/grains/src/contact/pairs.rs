@@ -1,0 +1,321 @@
+//! Contacts of two spheres.
+//!
+//! d = x_b − x_a, n = d/|d|, δ = r_a + r_b − |d| (G.5). Slip uses the branch vectors of the
+//! spheres as if they just touched, which keeps a contact that is wound up and unwound from
+//! creeping (granular ratcheting, [GarciaRojo2005]):
+//!
+//!   v = α (v_b − v_a) − (r_a ω_a + r_b ω_b) × n, α = (r_a + r_b)/|d|, v_T = v − (v·n) n (G.6)
+//!
+//! Both spheres of an *inner* block belong to one patch, which adds to both. Of an *outer* block
+//! the second sphere belongs to a later patch: what acts on it is summed in the patch's halo, for
+//! the other to fetch.
+use pulp::Simd;
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Kinematics, Slip, Touch, Wrenches,
+    law::{Law, Past, direction},
+    stiffness::Springs,
+    tangents::{Tangent, Tangents},
+};
+use crate::{
+    ahead::ask,
+    lanes::{Array, LANES, Lanes, Vectors, bits},
+    rows::{Gathered, Row, gather, scatter},
+};
+
+/// Candidates in vectors; the last ones of a list may be padding, which never touches.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+#[repr(align(64))]
+pub(crate) struct PairBlock<F: Law> {
+    /// Particles a; padding is a particle against itself.
+    pub(crate) a: [u32; LANES],
+    pub(crate) b: [u32; LANES],
+    /// Constant of the normal spring: k_N [N/m] of a linear one.
+    pub(crate) stiffness: Array,
+    pub(crate) law: F,
+}
+
+/// Candidates and which of them touched in the last step.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub(crate) struct PairList<F: Law> {
+    pub(crate) blocks: Vec<PairBlock<F>>,
+    /// Bits by lane.
+    pub(crate) touching: Vec<u8>,
+    pub(super) tangents: Tangents,
+    /// Candidates, padding not counted.
+    pub(crate) count: usize,
+    /// Lanes of the last block that are taken; 0 when it is full or closed.
+    pub(crate) filled: usize,
+    /// Rows of the halo for particles b, where these belong to other patches.
+    pub(crate) places: Vec<[u32; LANES]>,
+}
+
+/// Blocks asked for before their turn, half a microsecond: several times what memory takes. From 4
+/// to 24 all serve alike.
+const BLOCKS_AHEAD: usize = 8;
+/// Blocks whose particles of other patches are asked for before their turn: 1 comes too late, 4 too
+/// early by some per cent.
+const OTHERS_AHEAD: usize = 2;
+
+impl<F: Law> PairList<F> {
+    /// Asks for a block, if there is one.
+    #[inline(always)]
+    fn ask(&self, index: usize) {
+        if let Some(block) = self.blocks.get(index) {
+            // both ends are in one line
+            ask(&block.a);
+            ask(&block.stiffness);
+            block.law.ask();
+        }
+    }
+
+    /// Adds the forces of inner blocks to both particles. The patch begins with particle `first`.
+    #[inline(always)]
+    pub(crate) fn push_inner<S: Simd>(
+        &mut self,
+        simd: S,
+        kinematics: Kinematics<'_>,
+        first: usize,
+        wrenches: &mut Wrenches,
+    ) {
+        for index in 0..self.blocks.len() {
+            self.ask(index + BLOCKS_AHEAD);
+            let tangent = self.tangents.of::<F>(index);
+            let (block, touching) = (&mut self.blocks[index], &mut self.touching[index]);
+            let (a, b) = (block.a, block.b);
+            *touching = block.advance(
+                simd,
+                kinematics,
+                tangent,
+                *touching,
+                #[inline(always)]
+                |lane: usize, force: [f64; 4], torque: [f64; 4]| {
+                    let (a, b) = (a[lane] as usize - first, b[lane] as usize - first);
+                    wrenches.forces[a].subtract(force);
+                    wrenches.forces[b].add(force);
+                    if F::IS_ROUGH {
+                        let [on_a, on_b] = moments(force, torque);
+                        wrenches.torques[a].subtract(on_a);
+                        wrenches.torques[b].subtract(on_b);
+                    }
+                },
+            );
+        }
+    }
+
+    /// Adds the forces of outer blocks to their first particles and those on the second to the halo.
+    #[inline(always)]
+    pub(crate) fn push_outer<S: Simd>(
+        &mut self,
+        simd: S,
+        kinematics: Kinematics<'_>,
+        first: usize,
+        wrenches: &mut Wrenches,
+        halo: &mut Wrenches,
+    ) {
+        for index in 0..self.blocks.len() {
+            self.ask(index + BLOCKS_AHEAD);
+            if let Some(block) = self.blocks.get(index + OTHERS_AHEAD) {
+                kinematics.ask(&block.b);
+            }
+            let places = self.places[index];
+            let tangent = self.tangents.of::<F>(index);
+            let (block, touching) = (&mut self.blocks[index], &mut self.touching[index]);
+            let a = block.a;
+            *touching = block.advance(
+                simd,
+                kinematics,
+                tangent,
+                *touching,
+                #[inline(always)]
+                |lane: usize, force: [f64; 4], torque: [f64; 4]| {
+                    let a = a[lane] as usize - first;
+                    wrenches.forces[a].subtract(force);
+                    let place = places[lane] as usize;
+                    halo.forces[place].add(force);
+                    if F::IS_ROUGH {
+                        let [on_a, on_b] = moments(force, torque);
+                        wrenches.torques[a].subtract(on_a);
+                        halo.torques[place].subtract(on_b);
+                    }
+                },
+            );
+        }
+    }
+}
+
+impl<F: Law> PairList<F> {
+    /// Adds a candidate and returns its place, block by block. Its bit is set when it has a past, so
+    /// that the past is forgotten in time.
+    pub(super) fn add(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>) -> usize {
+        let lane = self.filled;
+        if lane == 0 {
+            let block = PairBlock {
+                a: [pair[0]; LANES],
+                b: [pair[0]; LANES],
+                ..PairBlock::default()
+            };
+            self.blocks.push(block);
+            self.touching.push(0);
+        }
+        let number = self.blocks.len() - 1;
+        self.tangents.set::<F>(number, lane, springs);
+        self.count += 1;
+        self.filled = (lane + 1) % LANES;
+        if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
+            [block.a[lane], block.b[lane]] = pair;
+            block.stiffness[lane] = springs.normal;
+            let remembered = past.copied().unwrap_or_default();
+            block.law.start(lane, springs, &remembered);
+            *touching |= u8::from(past.is_some()) << lane;
+        }
+        number * LANES + lane
+    }
+
+    /// Sets the row of the halo for particle b of a candidate, by the place that [`PairList::add`] gave.
+    pub(super) fn set_place(&mut self, candidate: usize, row: u32) {
+        // padding of the last block adds nothing, anywhere
+        self.places.resize(self.blocks.len(), [row; LANES]);
+        self.places[candidate / LANES][candidate % LANES] = row;
+    }
+
+    /// Memory [bytes].
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.blocks.as_slice())
+            + size_of_val(self.places.as_slice())
+            + self.tangents.bytes()
+    }
+
+    /// The next candidate begins a block.
+    pub(super) fn close_block(&mut self) {
+        self.filled = 0;
+    }
+
+    pub(super) fn finish(&mut self) {
+        self.blocks.shrink_to_fit();
+        self.touching.shrink_to_fit();
+        self.places.shrink_to_fit();
+        self.tangents.finish();
+    }
+}
+
+/// Moments (r − δ/2) n × F about both centres; the arms ride in the fourth numbers.
+#[inline(always)]
+fn moments(force: [f64; 4], torque: [f64; 4]) -> [[f64; 4]; 2] {
+    let [arm_a, arm_b] = [force[3], torque[3]];
+    let (mut on_a, mut on_b) = (torque, torque);
+    for axis in 0..4 {
+        on_a[axis] *= arm_a;
+        on_b[axis] *= arm_b;
+    }
+    [on_a, on_b]
+}
+
+impl<F: Law> PairBlock<F> {
+    /// Advances the contacts by a step. Gives `act` the force F on b with arm of a, and n × F with
+    /// the arm of b, for every lane of a part in which something touches, or touched in the
+    /// last step; zero where nothing does. Returns which lanes touch.
+    #[inline(always)]
+    fn advance<S: Simd>(
+        &mut self,
+        simd: S,
+        kinematics: Kinematics<'_>,
+        tangent: Tangent<'_>,
+        touched: u8,
+        mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
+    ) -> u8 {
+        let mut touching = 0;
+        for part in 0..LANES / S::F64_LANES {
+            let a = gather(simd, kinematics.centres, &self.a, part);
+            let b = gather(simd, kinematics.centres, &self.b, part);
+            let between = b.vector - a.vector;
+            let reach = a.fourth + b.fourth;
+            let distance = between.dot(between).sqrt();
+            let is_near = distance.at_most(reach);
+            // equal centres have no normal; they are told of elsewhere
+            let is_apart = Lanes::splat(simd, 0.0).below(distance);
+            let is_touching = simd.and_m64s(is_near, is_apart);
+            let may_act = self.law.acting(simd, part, is_touching);
+            if bits::<S>(may_act, 0) == 0 {
+                if touched != 0 {
+                    self.law.forget(simd, part);
+                    // adds nothing, but the compiler lays the loop out better: without it a bed without
+                    // friction takes 6 to 8 % longer
+                    let lanes = part * S::F64_LANES..(part + 1) * S::F64_LANES;
+                    for lane in lanes {
+                        act(lane, [0.0; 4], [0.0; 4]);
+                    }
+                }
+                continue;
+            }
+            let inverse = Lanes::splat(simd, 1.0).over(distance);
+            let normal = between.scaled(inverse);
+            let overlap = reach - distance;
+            let [shear_ratio, friction] = tangent.load(simd, part);
+            let touch = Touch {
+                normal,
+                overlap,
+                reach,
+                stiffness: Lanes::load(simd, &self.stiffness, part),
+                shear_ratio,
+                friction,
+                is_touching,
+            };
+            let mut slip = Slip::none(simd);
+            if F::FEELS_SPEED {
+                let velocities = self.sides(simd, kinematics.velocities, part);
+                let relative = velocities[1] - velocities[0];
+                slip.approach = relative.dot(normal);
+                if F::IS_ROUGH {
+                    let spins = self.sides(simd, kinematics.spins, part);
+                    let branches = spins[0].scaled(a.fourth) + spins[1].scaled(b.fourth);
+                    let velocity = relative.scaled(reach * inverse) - branches.cross(normal);
+                    slip.velocity = velocity - normal.scaled(velocity.dot(normal));
+                    slip.spins = spins[0] + spins[1];
+                    if F::FOLLOWS_NORMALS {
+                        let way = relative.scaled(Lanes::splat(simd, kinematics.last_step));
+                        slip.last_normal = direction(simd, between - way, inverse);
+                    }
+                }
+            }
+            let push = self
+                .law
+                .advance(simd, part, touch, slip, kinematics.time_step);
+            touching |= bits::<S>(push.acts, part);
+            let half = Lanes::splat(simd, 0.5) * overlap;
+            let force = Gathered {
+                vector: normal.scaled(push.normal) + push.shear,
+                fourth: a.fourth - half,
+            };
+            let torque = Gathered {
+                vector: normal.cross(push.shear),
+                fourth: b.fourth - half,
+            };
+            // a lane that does not act holds numbers without meaning, perhaps not even finite
+            let columns = [
+                force.masked(simd, push.acts),
+                torque.masked(simd, push.acts),
+            ];
+            scatter(
+                simd,
+                columns,
+                part,
+                #[inline(always)]
+                |lane, [force, torque]| act(lane, force, torque),
+            );
+        }
+        touching
+    }
+
+    /// A vector of both particles.
+    #[inline(always)]
+    fn sides<S: Simd>(&self, simd: S, rows: &[Row], part: usize) -> [Vectors<S>; 2] {
+        [
+            gather(simd, rows, &self.a, part).vector,
+            gather(simd, rows, &self.b, part).vector,
+        ]
+    }
+}

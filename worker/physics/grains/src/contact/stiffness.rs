@@ -1,0 +1,142 @@
+//! What two bodies bring to a contact: materials, radii, masses.
+use loadframe_api::spec::granular_scene::{Material, hertz::Solid, step_with_dashpot};
+
+/// A material as contacts see it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface {
+    /// ρ [kg/m³].
+    pub(crate) density: f64,
+    /// E [Pa].
+    pub(super) youngs_modulus: f64,
+    /// ν, k_T/k_N of linear springs.
+    pub(super) stiffness_ratio: f64,
+    poisson_ratio: f64,
+    /// tan φ.
+    friction: f64,
+    /// c_N and c_T [Pa].
+    cohesion: [f64; 2],
+    /// β of the dashpots along and across the normal.
+    damping_ratios: [f64; 2],
+}
+
+/// A body at a contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Side {
+    pub(crate) surface: Surface,
+    /// Of the sphere [m]; a wall has that of the sphere it touches.
+    pub(crate) radius: f64,
+    pub(crate) is_flat: bool,
+    /// Of its body [1/kg]; 0 for one that does not move.
+    pub(crate) inverse_mass: f64,
+}
+
+/// What a contact is made of: constants of the law's springs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Springs {
+    /// k_N [N/m] of a linear spring.
+    pub(crate) normal: f64,
+    /// k_T/k_N of the constants.
+    pub(crate) ratio: f64,
+    /// tan φ.
+    pub(crate) friction: f64,
+    /// c_N and c_T [N s/m] beside linear springs.
+    pub(crate) dashpots: [f64; 2],
+}
+
+/// What two spheres that stick set against motion across the normal, over m*: with I = 2/5 m r² a
+/// force there moves the point of contact by 1/m* (1 + 5/2).
+const STICKING: f64 = 2.0 / 7.0;
+
+impl Surface {
+    pub(crate) fn new(material: &Material) -> Self {
+        Self {
+            density: material.density_kg_per_m3,
+            youngs_modulus: material.youngs_modulus_pa,
+            stiffness_ratio: material.stiffness_ratio,
+            poisson_ratio: material.poisson_ratio(),
+            friction: material.friction_angle_rad.tan(),
+            cohesion: [material.normal_cohesion_pa, material.shear_cohesion_pa],
+            damping_ratios: material.damping_ratios(),
+        }
+    }
+
+    /// The same with `factor` times the modulus.
+    pub(crate) fn stiffened(&self, factor: f64) -> Self {
+        Self {
+            youngs_modulus: factor * self.youngs_modulus,
+            ..*self
+        }
+    }
+
+    /// k_N of two spheres of this material with radius r [m].
+    pub(crate) fn half_stiffness(&self, radius: f64) -> f64 {
+        self.youngs_modulus * radius
+    }
+
+    /// A critical step of one contact without dashpots [s], shortened by those of this surface:
+    /// 2/ω becomes 2/ω (√(1 + β²) − β). A push across the normal moves the point of contact
+    /// `mobility` times as much as it moves the mass.
+    pub(crate) fn damped_step(&self, step: f64, mobility: f64) -> f64 {
+        let [along, across] = self.damping_ratios;
+        step * step_with_dashpot(along.max(across * (STICKING * mobility).sqrt()))
+    }
+
+    pub(super) fn solid(&self) -> Solid {
+        Solid {
+            youngs_modulus: self.youngs_modulus,
+            poisson_ratio: self.poisson_ratio,
+        }
+    }
+}
+
+impl Side {
+    /// A wall of this surface, where this sphere touches it.
+    pub(crate) fn wall(&self, surface: Surface) -> Self {
+        Self {
+            surface,
+            radius: self.radius,
+            is_flat: true,
+            inverse_mass: 0.0,
+        }
+    }
+
+    /// 1/r of the surface [1/m].
+    pub(super) fn curvature(&self) -> f64 {
+        if self.is_flat { 0.0 } else { 1.0 / self.radius }
+    }
+
+    /// tan φ of the smoother surface.
+    pub(super) fn friction_with(&self, other: &Self) -> f64 {
+        self.surface.friction.min(other.surface.friction)
+    }
+
+    /// 2 β √(m* k_N) and 2 β_T √(2/7 m* k_T) [N s/m] of the surface that damps more, beside springs of
+    /// these stiffnesses [N/m].
+    pub(super) fn dashpots_with(&self, other: &Self, stiffness: [f64; 2]) -> [f64; 2] {
+        let inverse_mass = self.inverse_mass + other.inverse_mass;
+        let dashpot = |way: usize, stiffness: f64| {
+            let [own, others] = [self, other].map(|side| side.surface.damping_ratios[way]);
+            let ratio = own.max(others);
+            if ratio > 0.0 && inverse_mass > 0.0 {
+                2.0 * ratio * (stiffness / inverse_mass).sqrt()
+            } else {
+                0.0
+            }
+        };
+        [
+            dashpot(0, stiffness[0]),
+            dashpot(1, STICKING * stiffness[1]),
+        ]
+    }
+}
+
+/// Strengths a = c r² [N] of a bond between two surfaces, of the smaller radius [m] and the weaker
+/// material, for the normal and the shear direction (T 3.34); `None` when it would not hold.
+pub(crate) fn bond_strength(a: (Surface, f64), b: (Surface, f64)) -> Option<[f64; 2]> {
+    let radius = a.1.min(b.1);
+    let strength = [0, 1].map(|way| a.0.cohesion[way].min(b.0.cohesion[way]) * radius * radius);
+    strength
+        .iter()
+        .any(|strength| *strength > 0.0)
+        .then_some(strength)
+}

@@ -1,0 +1,58 @@
+//! What every simulation is run in: the ways in and out that do not know any mechanics.
+//!
+//! A run is given a [`RunContext`] and a [`Recorder`]. It tells the recorder points of its curve,
+//! files (through [`csv`] and [`vtk`]), progress and checkpoints ([`checkpoint`]), and ends with an
+//! [`Ending`] or a [`SimulationError`]. [`plan`] carries out a job of several tests side by side and
+//! joins their reports; [`statistics`] is about what differs between them. [`rng`] gives the named
+//! random streams of a seed, [`curve`] reads values off a curve.
+pub mod checkpoint;
+pub mod csv;
+pub mod curve;
+mod error;
+pub mod plan;
+mod recorder;
+pub mod rng;
+pub mod statistics;
+pub mod vtk;
+
+use std::fmt;
+
+use loadframe_api::Report;
+
+pub use checkpoint::CheckpointError;
+pub use error::SimulationError;
+pub use recorder::{Interrupt, InterruptSource, Recorder, Uninterrupted, Unrecorded};
+pub use statistics::{Sample, Welch};
+
+/// How a simulation ended.
+#[derive(Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is one per run")]
+pub enum Ending {
+    /// It ran to its own end; all files are with the recorder.
+    Finished(Report),
+    /// It was asked to give up.
+    Cancelled,
+    /// It was asked to stop, and its checkpoint is with the recorder.
+    Suspended,
+}
+
+/// What a run is given beside its spec.
+#[derive(Clone, Copy)]
+pub struct RunContext<'a> {
+    /// Threads to use; the result does not depend on it.
+    pub threads: usize,
+    pub interrupt: &'a dyn InterruptSource,
+    /// Bytes an earlier run of the same spec gave to [`Recorder::checkpoint`].
+    pub checkpoint: Option<&'a [u8]>,
+}
+
+impl fmt::Debug for RunContext<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let checkpoint_bytes = self.checkpoint.map(<[u8]>::len);
+        formatter
+            .debug_struct("RunContext")
+            .field("threads", &self.threads)
+            .field("checkpoint_bytes", &checkpoint_bytes)
+            .finish_non_exhaustive()
+    }
+}

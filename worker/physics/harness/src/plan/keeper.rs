@@ -1,0 +1,92 @@
+//! A recorder that keeps the curve that passes through it.
+use std::io::{self, Write};
+
+use serde::{Deserialize, Serialize};
+
+use crate::Recorder;
+
+/// A curve in one piece of memory.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    pub columns: Vec<String>,
+    /// Row after row.
+    values: Vec<f64>,
+}
+
+impl Curve {
+    /// The points, each with one value for each column.
+    pub fn rows(&self) -> impl Iterator<Item = &[f64]> + Clone {
+        self.values.chunks_exact(self.columns.len().max(1))
+    }
+
+    /// Place of a column.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column == name)
+    }
+}
+
+/// Keeps the leading columns of a curve on its way to another recorder.
+#[allow(
+    missing_debug_implementations,
+    reason = "it borrows a recorder, which need not have one"
+)]
+pub struct CurveKeeper<'a> {
+    recorder: &'a mut dyn Recorder,
+    /// Columns kept at most.
+    width: usize,
+    curve: Curve,
+}
+
+impl<'a> CurveKeeper<'a> {
+    pub fn new(recorder: &'a mut dyn Recorder, width: usize) -> Self {
+        Self {
+            recorder,
+            width,
+            curve: Curve::default(),
+        }
+    }
+
+    /// What was kept.
+    pub fn into_curve(self) -> Curve {
+        self.curve
+    }
+}
+
+impl Recorder for CurveKeeper<'_> {
+    fn columns(&mut self, names: &[&str]) -> io::Result<()> {
+        let kept = names.iter().take(self.width);
+        self.curve.columns = kept.map(|name| (*name).to_owned()).collect();
+        self.curve.values.clear();
+        self.recorder.columns(names)
+    }
+
+    fn point(&mut self, values: &[f64]) -> io::Result<()> {
+        let kept = values.iter().take(self.width);
+        self.curve.values.extend(kept);
+        self.recorder.point(values)
+    }
+
+    fn file(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        self.recorder.file(name, write)
+    }
+
+    fn progress(&mut self, fraction: f64, phase: &str) {
+        self.recorder.progress(fraction, phase);
+    }
+
+    fn log(&mut self, message: &str) {
+        self.recorder.log(message);
+    }
+
+    fn checkpoint_due(&self) -> bool {
+        self.recorder.checkpoint_due()
+    }
+
+    fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.recorder.checkpoint(bytes)
+    }
+}

@@ -1,0 +1,256 @@
+//! Three ways from displacements that are not in equilibrium to displacements that are.
+//!
+//! Equilibrium means that the resultant of every free node is within
+//! F_lim = (e ε + f_r ε²)/A_cc (8) of [Zilka2022] eq. 3-4, or within what rounding alone explains.
+//!
+//! - [`newton_cg`] descends the energy of the whole network (default), its steps found by
+//!   [`conjugate_gradients`] with [`block_jacobi`] for short waves and [`multigrid`] for long ones,
+//!   the worst [`neighbourhoods`] first, by way of easier problems where it takes long
+//!   ([`continuation`]);
+//! - [`sequential`] moves node after node into its own balance, the thesis' relaxation;
+//! - [`parallel`] computes all moves before it makes any, the thesis' variant.
+//!
+//! The relaxations stop on the same limit, yet their error is larger: what they leave are long
+//! waves with tiny resultants. The difference of the two jaw forces shows it.
+mod block_jacobi;
+mod conjugate_gradients;
+mod continuation;
+mod forcing;
+mod line_search;
+pub(crate) mod multigrid;
+mod neighbourhoods;
+mod newton_cg;
+mod node_step;
+mod parallel;
+mod sequential;
+pub(crate) mod work;
+mod workspace;
+
+use loadframe_harness::Interrupt;
+use loadframe_numerics::Team;
+
+use super::{
+    Vector,
+    assembly::Assembly,
+    configuration::{Configuration, Residual, Verdict},
+};
+pub(crate) use neighbourhoods::calm;
+use work::Meter;
+pub(crate) use workspace::Workspace;
+
+/// The way to equilibrium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Method {
+    NewtonCg,
+    Sequential,
+    /// ω, the part of its own step a node moves.
+    Parallel {
+        relaxation_factor: f64,
+    },
+}
+
+/// A method and where it ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Search {
+    pub(crate) method: Method,
+    /// Sweeps or Newton iterations.
+    pub(crate) iteration_limit: u32,
+    /// F_lim [N], (8).
+    pub(crate) force_limit: f64,
+    /// Farthest a node may move at once [mm].
+    pub(crate) step_cap: f64,
+    /// [`calm`].
+    pub(crate) calm: f64,
+}
+
+/// Where a search ended.
+#[derive(Debug)]
+pub(crate) struct Settled {
+    pub(crate) configuration: Configuration,
+    pub(crate) residual: Residual,
+}
+
+impl Search {
+    /// Moves the free nodes of `assembly` from `displacements` of all nodes of its network towards
+    /// equilibrium. A search that does not get there says so in the verdict of its residual.
+    ///
+    /// # Errors
+    /// The interrupt that ended it early.
+    pub(crate) fn run(
+        &self,
+        assembly: &Assembly,
+        displacements: &[Vector],
+        team: &Team,
+        workspace: &mut Workspace,
+        meter: &mut Meter<'_>,
+    ) -> Result<Settled, Interrupt> {
+        meter.work.equilibria += 1;
+        match self.method {
+            Method::NewtonCg if assembly.strips.count() > 1 => team
+                .gather(|| newton_cg::solve(self, assembly, displacements, team, workspace, meter)),
+            Method::NewtonCg => {
+                newton_cg::solve(self, assembly, displacements, team, workspace, meter)
+            }
+            Method::Sequential => {
+                let start = assembly.pick(displacements);
+                let end = sequential::solve(self, assembly, start, meter)?;
+                self.relaxed(assembly, &end, team, workspace, meter)
+            }
+            Method::Parallel { relaxation_factor } => {
+                let start = assembly.pick(displacements);
+                let end = parallel::solve(self, relaxation_factor, assembly, start, team, meter)?;
+                self.relaxed(assembly, &end, team, workspace, meter)
+            }
+        }
+    }
+
+    /// Where a relaxation ended with these displacements of every place.
+    fn relaxed(
+        &self,
+        assembly: &Assembly,
+        displacements: &[Vector],
+        team: &Team,
+        workspace: &mut Workspace,
+        meter: &mut Meter<'_>,
+    ) -> Result<Settled, Interrupt> {
+        meter.spend(assembly.bonds())?;
+        let configuration = workspace.at(assembly, displacements, team);
+        let residual = configuration.residual(assembly, self.force_limit);
+        Ok(Settled {
+            configuration,
+            residual,
+        })
+    }
+}
+
+impl Settled {
+    /// The free node that keeps an unbalanced assembly from equilibrium although nothing resists
+    /// its motion along its resultant: it belongs to a mechanism, or buckles.
+    pub(crate) fn mechanism(&self, assembly: &Assembly) -> Option<usize> {
+        /// Stiffness along the resultant below which a node counts as unresisted, relative to the
+        /// stiffness of its stiffest bond.
+        const UNRESISTED: f64 = 1e-9;
+        if self.residual.verdict != Verdict::Unbalanced {
+            return None;
+        }
+        let node = self.residual.node;
+        let along = self.configuration.resultants.at(node).normalize();
+        let (mut resistance, mut stiffest) = (0.0, 0.0_f64);
+        for bond in assembly.incidence().of(node) {
+            let state = self.configuration.bond(assembly, *bond as usize);
+            let square = state.direction.dot(&along).powi(2);
+            resistance += state.axial * square + state.transverse * (1.0 - square);
+            stiffest = stiffest.max(state.axial);
+        }
+        (resistance <= UNRESISTED * stiffest).then(|| assembly.node(node))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        Bonds, Hold, Laws, Network,
+        law::BondLaw,
+        load_path::parts,
+        sample::{assembled, squares, stretch},
+    };
+    use loadframe_harness::{SimulationError, Uninterrupted};
+
+    /// The mechanism found in a node just beside the line between two jaws 10 mm apart, not moved
+    /// from there, between bonds of this rest length.
+    fn mechanism(rest_length: f64) -> Result<Option<usize>, SimulationError> {
+        let law = BondLaw {
+            modulus: 1.0,
+            friction_modulus: 0.0,
+            compression_stiffness: 1.0,
+        };
+        let network = Network {
+            positions: vec![
+                Vector::zeros(),
+                Vector::new(0.1, 5.0, 0.0),
+                Vector::new(0.0, 10.0, 0.0),
+            ],
+            holds: vec![Hold::Bottom, Hold::Free, Hold::Top],
+            bonds: Bonds {
+                ends: vec![[0, 1], [1, 2]],
+                rest_lengths: vec![rest_length; 2],
+                laws: Laws::Same(law),
+                strengths: vec![f64::INFINITY; 2],
+            },
+            rows: Vec::new(),
+        };
+        let intact = [true; 2];
+        let mut assembly = Assembly::new(&network);
+        assembly.load(&network, &intact, &parts(&network, &intact));
+        let search = Search {
+            method: Method::NewtonCg,
+            iteration_limit: 0,
+            force_limit: 1e-6,
+            step_cap: 1.0,
+            calm: calm(1e4),
+        };
+        let start = vec![Vector::zeros(); 3];
+        let mut meter = Meter::new(work::Work::default(), &Uninterrupted);
+        let settled = search
+            .run(
+                &assembly,
+                &start,
+                &Team::new(1)?,
+                &mut Workspace::default(),
+                &mut meter,
+            )
+            .expect("nothing interrupts");
+        Ok(settled.mechanism(&assembly))
+    }
+
+    #[test]
+    fn a_node_that_compressed_bonds_push_aside_is_a_mechanism() -> Result<(), SimulationError> {
+        assert_eq!(mechanism(8.0)?, Some(1));
+        Ok(())
+    }
+
+    #[test]
+    fn a_node_that_stretched_bonds_pull_back_is_not() -> Result<(), SimulationError> {
+        assert_eq!(mechanism(4.0)?, None);
+        Ok(())
+    }
+
+    #[test]
+    fn memory_does_not_grow_from_equilibrium_to_equilibrium() -> Result<(), SimulationError> {
+        let mut network = squares(4);
+        stretch(&mut network, 0.9);
+        let assembly = assembled(&network);
+        let team = Team::new(1)?;
+        let start = vec![Vector::zeros(); network.positions.len()];
+        let methods = [
+            Method::NewtonCg,
+            Method::Sequential,
+            Method::Parallel {
+                relaxation_factor: 0.3,
+            },
+        ];
+        for method in methods {
+            let search = Search {
+                method,
+                iteration_limit: 1000,
+                force_limit: 1e-6,
+                step_cap: 1.0,
+                calm: calm(1e4),
+            };
+            let mut workspace = Workspace::default();
+            let mut meter = Meter::new(work::Work::default(), &Uninterrupted);
+            let mut spare = Vec::new();
+            for _ in 0..3 {
+                let settled = search
+                    .run(&assembly, &start, &team, &mut workspace, &mut meter)
+                    .expect("nothing interrupts");
+                assert_eq!(settled.residual.verdict, Verdict::Balanced);
+                workspace.take_back(settled);
+                spare.push(workspace.spare.len());
+            }
+            assert_eq!(spare, [spare[0]; 3], "{method:?}");
+        }
+        Ok(())
+    }
+}

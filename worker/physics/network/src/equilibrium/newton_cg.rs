@@ -1,0 +1,388 @@
+//! Newton's method on the energy, each step solved by conjugate gradients.
+//!
+//! The energy is C¹ with kinks in its slope, and not convex where bonds are compressed. A step
+//! follows the true Hessian as long as it curves upwards along all search directions; otherwise it
+//! is solved again without the transverse stiffness of compressed bonds, which leaves a positive
+//! matrix, and goes some way along the direction that was found to curve downwards
+//! ([NocedalWright2006] chapter 7 truncates there instead; on networks after the force maximum this
+//! gives steps too short to be of use). Steps are capped, and kept only when the
+//! energy falls. Steps are found in single precision, and in double where single leads no further;
+//! energy and forces, which decide, are always double. Before each step the few nodes that are far
+//! worse than the others are balanced by themselves ([`super::neighbourhoods`]).
+use loadframe_harness::Interrupt;
+use loadframe_numerics::{Team, wide};
+
+use super::{
+    Search, Settled,
+    block_jacobi::BlockJacobi,
+    conjugate_gradients::{Equations, Scratch, Solved, Stop, Waves, newton_step, precondition},
+    continuation::descend_by_stages,
+    forcing::{DOUBLE, NEAR, SINGLE, away, relative_residual, stop},
+    line_search::{self, Point},
+    neighbourhoods::Neighbourhoods,
+    work::Meter,
+    workspace::Workspace,
+};
+use crate::{
+    Vector,
+    assembly::Assembly,
+    blocks::BLOCK,
+    configuration::{Configuration, Residual, Verdict},
+    field::{Field, Real, largest, longest_square},
+    stiffness::Stiffness,
+    strips::{AtPlaces, Strip},
+};
+
+/// Arithmetic of the Newton step. The energy and its slope are always double: a step in single
+/// precision points nearly the same way at half the memory traffic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Precision {
+    Single,
+    Double,
+}
+
+/// A Newton iteration: where it starts, how far it goes.
+struct Iteration<'a, 'b> {
+    search: &'b Search,
+    assembly: &'a Assembly,
+    team: &'b Team,
+    here: &'b Configuration,
+    waves: &'b mut Waves<'a>,
+    /// Part of itself that the residual can fall to.
+    tightest: f64,
+    /// Preconditioned norm of the resultants, squared, as the last iteration found it.
+    norm: f64,
+}
+
+/// Memory that iterations use one after the other.
+#[derive(Debug)]
+pub(super) struct Memory<T> {
+    /// The resultants of the free nodes over the largest component among them: numbers of order
+    /// one stay within the range of single precision.
+    force: Field<T>,
+    step: Field<T>,
+    direction: Field<f64>,
+    nodes: BlockJacobi<T>,
+    scratch: Scratch<T>,
+    /// The stiffness of a step without buckling.
+    upwards: Stiffness<T>,
+    neighbourhoods: Neighbourhoods,
+}
+
+impl<T: Real> Memory<T> {
+    fn new(assembly: &Assembly) -> Self {
+        let zeros = Field::zeros(assembly.places(), assembly.dimensions());
+        Self {
+            force: zeros.clone(),
+            step: zeros,
+            direction: Field::zeros(assembly.places(), assembly.dimensions()),
+            nodes: BlockJacobi::zeros(assembly),
+            scratch: Scratch::new(assembly),
+            upwards: Stiffness::default(),
+            neighbourhoods: Neighbourhoods::default(),
+        }
+    }
+
+    /// The equations of a step, and where to solve them.
+    fn equations<'a>(
+        &'a mut self,
+        assembly: &'a Assembly,
+        stiffness: &'a Stiffness<T>,
+        team: &'a Team,
+    ) -> (Equations<'a, T>, &'a mut Field<T>, &'a mut Scratch<T>) {
+        let equations = Equations {
+            assembly,
+            stiffness,
+            nodes: &self.nodes,
+            force: &self.force,
+            team,
+        };
+        (equations, &mut self.step, &mut self.scratch)
+    }
+}
+
+/// See [`Search::run`].
+pub(super) fn solve(
+    search: &Search,
+    assembly: &Assembly,
+    displacements: &[Vector],
+    team: &Team,
+    workspace: &mut Workspace,
+    meter: &mut Meter<'_>,
+) -> Result<Settled, Interrupt> {
+    let start = workspace.start.take();
+    let mut here = start.unwrap_or_else(|| workspace.configuration(assembly, displacements, team));
+    // every step sets all of it
+    let mut there = workspace.spare.pop().unwrap_or_else(|| here.clone());
+    let memory = workspace.memory.take();
+    let mut single = memory.unwrap_or_else(|| Memory::new(assembly));
+    let (from, to) = (&mut here, &mut there);
+    let settled = descend_by_stages(search, assembly, from, to, &mut single, team, meter);
+    workspace.memory = Some(single);
+    workspace.spare.push(there);
+    let residual = settled?;
+    Ok(Settled {
+        configuration: here,
+        residual,
+    })
+}
+
+/// Moves `here` to equilibrium; `there` and `single` are memory.
+pub(super) fn descend(
+    search: &Search,
+    assembly: &Assembly,
+    here: &mut Configuration,
+    there: &mut Configuration,
+    single: &mut Memory<f32>,
+    team: &Team,
+    meter: &mut Meter<'_>,
+) -> Result<Residual, Interrupt> {
+    // nothing is known of how residuals fall: the first step is a loose one
+    let mut previous_norm = 0.0;
+    let mut iterations = 0;
+    // residual below which parts are worth balancing, again if they just were
+    let mut worth_parts = f64::INFINITY;
+    let mut precision = Precision::Single;
+    let mut waves = Waves::new(assembly);
+    loop {
+        let residual = here.residual(assembly, search.force_limit);
+        if residual.verdict != Verdict::Unbalanced || iterations == search.iteration_limit {
+            if !here.is_patched {
+                return Ok(residual);
+            }
+            here.update(assembly, team);
+            continue;
+        }
+        if residual.largest < worth_parts {
+            let neighbourhoods = &mut single.neighbourhoods;
+            if let Some(again) = neighbourhoods.relax(search, assembly, here, &residual, meter)? {
+                worth_parts = again;
+                continue;
+            }
+        }
+        worth_parts = f64::INFINITY;
+        iterations += 1;
+        meter.work.newton_iterations += 1;
+        let mut iteration = Iteration {
+            search,
+            assembly,
+            team,
+            here,
+            waves: &mut waves,
+            tightest: match precision {
+                Precision::Single => SINGLE,
+                Precision::Double => DOUBLE,
+            },
+            norm: if residual.largest < NEAR * search.force_limit {
+                f64::INFINITY
+            } else {
+                previous_norm
+            },
+        };
+        let accepted = match precision {
+            Precision::Single => iteration.go(&here.stiffness, single, there, meter)?,
+            Precision::Double => {
+                let exact: Configuration<f64> =
+                    Configuration::new(assembly, here.displacements.clone(), team);
+                iteration.go(&exact.stiffness, &mut Memory::new(assembly), there, meter)?
+            }
+        };
+        previous_norm = iteration.norm;
+        if accepted {
+            std::mem::swap(here, there);
+        } else if precision == Precision::Single {
+            precision = Precision::Double;
+        } else if here.is_patched {
+            here.update(assembly, team);
+        } else {
+            // neither Hessian leads down: this is as far as the arithmetic goes
+            return Ok(residual);
+        }
+    }
+}
+
+impl Iteration<'_, '_> {
+    /// Sets `there` to where a step leads; returns false when none leads down.
+    fn go<T: Real>(
+        &mut self,
+        stiffness: &Stiffness<T>,
+        memory: &mut Memory<T>,
+        there: &mut Configuration,
+        meter: &mut Meter<'_>,
+    ) -> Result<bool, Interrupt> {
+        let (assembly, here) = (self.assembly, self.here);
+        memory.nodes.follow(assembly, stiffness, self.team);
+        self.waves.follow(&memory.nodes);
+        let unit = scale_to_one(assembly, &here.resultants, &mut memory.force, self.team);
+        let norm = self.begin(stiffness, memory);
+        let previous_norm = std::mem::replace(&mut self.norm, norm * unit * unit);
+        let relative = relative_residual(self.norm, previous_norm, self.tightest);
+        let (compliance, nodes) = (memory.nodes.compliance(), assembly.free().len());
+        let stop = stop(self.search, relative, unit, norm, compliance, nodes);
+        let solved = self.solve(stiffness, memory, norm, stop, meter)?;
+        if solved == Solved::Step && self.follow(memory, unit, there, meter)? {
+            return Ok(true);
+        }
+        // the direction found to curve downwards leads away from the saddle, however flat that is
+        let downwards = match solved {
+            Solved::Step => None,
+            Solved::CurvesDown(length) => Some((length, memory.scratch.search.clone())),
+        };
+        let mut upwards = std::mem::take(&mut memory.upwards);
+        stiffness.without_buckling(&mut upwards);
+        let norm = self.begin(&upwards, memory);
+        self.solve(&upwards, memory, norm, stop, meter)?;
+        memory.upwards = upwards;
+        if let Some((length, direction)) = downwards {
+            let reach = direction.longest_square().wide().sqrt() * unit;
+            if let Some(length) = away(self.search, length, reach) {
+                memory.step.add(T::new(length), &direction);
+            }
+        }
+        self.follow(memory, unit, there, meter)
+    }
+
+    /// Searches along the preconditioned resultants first; returns their squared norm.
+    fn begin<T: Real>(&mut self, stiffness: &Stiffness<T>, memory: &mut Memory<T>) -> f64 {
+        let (equations, _, scratch) = memory.equations(self.assembly, stiffness, self.team);
+        precondition(&equations, self.waves, equations.force, &mut scratch.search)
+    }
+
+    fn solve<T: Real>(
+        &mut self,
+        stiffness: &Stiffness<T>,
+        memory: &mut Memory<T>,
+        norm: f64,
+        stop: Stop,
+        meter: &mut Meter<'_>,
+    ) -> Result<Solved, Interrupt> {
+        let (equations, step, scratch) = memory.equations(self.assembly, stiffness, self.team);
+        newton_step(&equations, self.waves, norm, step, scratch, stop, meter)
+    }
+
+    /// Goes along a step, in units of `unit`, as far as the energy falls.
+    fn follow<T: Real>(
+        &self,
+        memory: &mut Memory<T>,
+        unit: f64,
+        there: &mut Configuration,
+        meter: &mut Meter<'_>,
+    ) -> Result<bool, Interrupt> {
+        let step = &memory.step;
+        let along = AtPlaces(memory.direction.components_mut());
+        let strips = &self.assembly.strips;
+        let go = |strip: Strip, AtPlaces(along): &mut AtPlaces<'_, f64, 3>| {
+            let step = step.panel(strip.places.clone());
+            wide(
+                #[inline(always)]
+                || {
+                    for (direction, step) in along.iter_mut().zip(step) {
+                        for (direction, step) in direction.iter_mut().zip(step) {
+                            *direction = step.wide() * unit;
+                        }
+                    }
+                    longest_square(along.each_ref().map(
+                        #[inline(always)]
+                        |along| &**along,
+                    ))
+                },
+            )
+        };
+        let longest_square = strips.fold(self.team, along, go, f64::max);
+        let (assembly, team, start) = (self.assembly, self.team, self.here);
+        let direction = &memory.direction;
+        let point = |at: &Configuration| Point {
+            energy: at.energy,
+            slope: slope(assembly, at, direction, team),
+        };
+        let longest = self.search.step_cap / longest_square.sqrt();
+        line_search::descend(point(start), longest, |length| {
+            meter.spend(assembly.bonds())?;
+            go_along(assembly, start, direction, length, there, team);
+            Ok(point(there))
+        })
+    }
+}
+
+/// dE by the multiple of `direction` gone [N mm].
+fn slope(assembly: &Assembly, at: &Configuration, direction: &Field<f64>, team: &Team) -> f64 {
+    let free = assembly.free();
+    -assembly.strips.sum(team, (), |strip, ()| {
+        let places = strip.within(&free);
+        wide(
+            #[inline(always)]
+            || at.resultants.dot(direction, places.clone()),
+        )
+    })
+}
+
+/// Sets `there` to what is `length` times `direction` away from `here`.
+fn go_along(
+    assembly: &Assembly,
+    here: &Configuration,
+    direction: &Field<f64>,
+    length: f64,
+    there: &mut Configuration,
+    team: &Team,
+) {
+    let displacements = AtPlaces(there.displacements.components_mut());
+    let strips = &assembly.strips;
+    strips.each(team, displacements, |strip, AtPlaces(there)| {
+        let [start, direction] =
+            [&here.displacements, direction].map(|field| field.panel(strip.places.clone()));
+        for (there, (start, direction)) in there.iter_mut().zip(start.iter().zip(direction)) {
+            for (there, (start, direction)) in there.iter_mut().zip(start.iter().zip(direction)) {
+                *there = start + direction * length;
+            }
+        }
+    });
+    there.update(assembly, team);
+}
+
+/// Sets `scaled` to the resultants of the free nodes over the largest component among them;
+/// returns that [N].
+fn scale_to_one<T: Real>(
+    assembly: &Assembly,
+    resultants: &Field<f64>,
+    scaled: &mut Field<T>,
+    team: &Team,
+) -> f64 {
+    let (strips, free) = (&assembly.strips, assembly.free());
+    let most = |strip: Strip, (): &mut ()| {
+        let forces = resultants.panel(strip.within(&free));
+        wide(
+            #[inline(always)]
+            || {
+                let mut magnitudes = [0.0; BLOCK];
+                let mut most = 0.0_f64;
+                for part in forces.iter().flat_map(|component| component.chunks(BLOCK)) {
+                    let magnitudes = &mut magnitudes[..part.len()];
+                    for (magnitude, force) in magnitudes.iter_mut().zip(part) {
+                        *magnitude = force.abs();
+                    }
+                    most = most.max(largest(magnitudes));
+                }
+                most
+            },
+        )
+    };
+    let unit = strips.fold(team, (), most, f64::max);
+    let outputs = AtPlaces(scaled.components_mut());
+    strips.each(team, outputs, |strip, AtPlaces(scaled)| {
+        let places = strip.within(&free);
+        let forces = resultants.panel(places.clone());
+        let own = places.start - strip.places.start..places.end - strip.places.start;
+        wide(
+            #[inline(always)]
+            || {
+                for (scaled, forces) in scaled.iter_mut().zip(forces) {
+                    let scaled = scaled.get_mut(own.clone()).unwrap_or_default();
+                    for (scaled, force) in scaled.iter_mut().zip(forces) {
+                        *scaled = T::new(force / unit);
+                    }
+                }
+            },
+        );
+    });
+    unit
+}

@@ -1,0 +1,319 @@
+//! Results of a test in the words of tensile standards, and whether to believe them.
+use indexmap::IndexMap;
+use loadframe_api::{
+    QualityCheck, Quantity, Report, Warning,
+    spec::nonwoven_tensile::{Breaking, NonwovenTensile, Solver},
+};
+use loadframe_harness::curve;
+
+use super::{
+    distribution,
+    experiment::StopReason,
+    specimen::Specimen,
+    state::{Point, State},
+};
+use crate::equilibrium::work::Work;
+
+/// Strain at which secant stiffness and lateral contraction are read, as in [Zilka2022] table 4.
+const READING_STRAIN: f64 = 0.1;
+/// Largest difference between the jaw forces, relative to the maximum force, that goes without
+/// warning: the force error ISO 7500-1 allows a testing machine of class 1.
+const LARGEST_IMBALANCE: f64 = 0.01;
+/// N mm per mm² in J/m².
+const J_PER_M2: f64 = 1e3;
+/// N/mm in N/m.
+const N_PER_M: f64 = 1e3;
+/// N/mm² in Pa.
+const PA: f64 = 1e6;
+/// N mm in J.
+const J: f64 = 1e-3;
+/// Strains listed in a warning before it only counts.
+const LISTED_STRAINS: usize = 5;
+
+/// The report of a finished test.
+pub(super) fn report(
+    spec: &NonwovenTensile,
+    specimen: &Specimen,
+    state: &State,
+    stop_reason: StopReason,
+) -> Report {
+    let quality = quality(state);
+    Report {
+        stop_reason: stop_reason.name().to_owned(),
+        summary: summary(specimen, state),
+        warnings: warnings(spec, specimen, state, stop_reason, &quality),
+        quality,
+        bodies: Vec::new(),
+        work: work(&state.work),
+    }
+}
+
+fn summary(specimen: &Specimen, state: &State) -> IndexMap<String, Quantity> {
+    let column = |value: fn(&Point) -> f64| -> Vec<(f64, f64)> {
+        let points = state.points.iter();
+        points
+            .map(|point| (point.nominal_strain, value(point)))
+            .collect()
+    };
+    let forces = column(|point| point.force);
+    let peak = curve::peak(&forces);
+    let max_force = peak.map(|peak| forces[peak].1);
+    let work_to_peak = peak.map(|peak| curve::area(&forces[..=peak]) * specimen.gauge_length);
+    let force_at_reading = curve::interpolate(&forces, READING_STRAIN);
+    let width_strains: Option<Vec<(f64, f64)>> = specimen
+        .width_gauge
+        .as_ref()
+        .map(|_| column(|point| point.width_strain.unwrap_or(f64::NAN)));
+    let width_strain = width_strains.and_then(|curve| curve::interpolate(&curve, READING_STRAIN));
+    let per_width = |force: f64| force / specimen.width * N_PER_M;
+    let secant = force_at_reading.map(|force| force / READING_STRAIN);
+
+    let mut summary = IndexMap::new();
+    let mut add = |name: &str, value: Option<f64>, unit: &str, description: &str| {
+        let value = value.unwrap_or(f64::NAN);
+        summary.insert(name.to_owned(), Quantity::new(value, unit, description));
+    };
+    add(
+        "max_force",
+        max_force,
+        "N",
+        "Largest force on the moving jaw.",
+    );
+    add(
+        "strain_at_max_force",
+        peak.map(|peak| forces[peak].0),
+        "1",
+        "Nominal strain at the largest force: jaw displacement over gauge length.",
+    );
+    add(
+        "strength",
+        max_force.map(per_width),
+        "N/m",
+        "Largest force per width of the specimen.",
+    );
+    add(
+        "modulus_at_10_percent",
+        secant.map(per_width),
+        "N/m",
+        "Secant stiffness per width: force at 10 % nominal strain over 0.1 and the width.",
+    );
+    add(
+        "secant_stiffness_at_10_percent",
+        secant,
+        "N",
+        "Force at 10 % nominal strain over 0.1.",
+    );
+    add(
+        "poisson_ratio",
+        width_strain.map(|strain| -strain / READING_STRAIN),
+        "1",
+        "Lateral contraction of the middle third over nominal strain, at 10 % nominal strain.",
+    );
+    add(
+        "energy_absorption",
+        work_to_peak.map(|work| work / (specimen.width * specimen.gauge_length) * J_PER_M2),
+        "J/m2",
+        "Work of the moving jaw up to the largest force, per area between the jaws \
+         (tensile energy absorption as in ISO 1924).",
+    );
+    add(
+        "work_to_max_force",
+        work_to_peak.map(|work| work * J),
+        "J",
+        "Work of the moving jaw up to the largest force.",
+    );
+    if let Some(thickness) = specimen.thickness {
+        let stress = |force: f64| force / (specimen.width * thickness) * PA;
+        add(
+            "strength_pa",
+            max_force.map(stress),
+            "Pa",
+            "Largest force over width times thickness.",
+        );
+        add(
+            "modulus_at_10_percent_pa",
+            secant.map(stress),
+            "Pa",
+            "Force at 10 % nominal strain over 0.1, width and thickness.",
+        );
+    }
+    if let Some(layers) = specimen.layers {
+        add(
+            "max_force_per_layer",
+            max_force.map(|force| force / f64::from(layers)),
+            "N",
+            "Largest force over the number of layers; only for comparison with [Zilka2022], whose \
+             figures appear to count one layer.",
+        );
+    }
+    let network = &specimen.network;
+    for (name, count, description) in [
+        ("broken_bonds", state.events.len(), "Bonds that broke."),
+        (
+            "nodes",
+            network.positions.len(),
+            "Nodes, held ones included.",
+        ),
+        ("bonds", network.bonds.len(), "Bonds before the test."),
+    ] {
+        add(name, Some(count as f64), "1", description);
+    }
+    summary
+}
+
+fn quality(state: &State) -> IndexMap<String, QualityCheck> {
+    let largest = |value: fn(&Point) -> f64| state.points.iter().map(value).fold(0.0, f64::max);
+    let imbalance = largest(|point| (point.force - point.bottom_force).abs());
+    let relative_imbalance = if imbalance > 0.0 {
+        imbalance / state.max_force
+    } else {
+        0.0
+    };
+    IndexMap::from([
+        (
+            "largest_residual_ratio".to_owned(),
+            QualityCheck::at_most(
+                largest(|point| point.residual_ratio),
+                1.0,
+                "1",
+                "Largest resultant of a free node over its limit, over all equilibria.",
+            ),
+        ),
+        (
+            "jaw_force_imbalance".to_owned(),
+            QualityCheck::at_most(
+                relative_imbalance,
+                LARGEST_IMBALANCE,
+                "1",
+                "Largest difference between the forces on the two jaws, over the maximum force.",
+            ),
+        ),
+        (
+            "unconverged_steps".to_owned(),
+            QualityCheck::at_most(
+                state.unconverged.len() as f64,
+                0.0,
+                "1",
+                "Strain steps in which an equilibrium was not reached.",
+            ),
+        ),
+    ])
+}
+
+fn warnings(
+    spec: &NonwovenTensile,
+    specimen: &Specimen,
+    state: &State,
+    stop_reason: StopReason,
+    quality: &IndexMap<String, QualityCheck>,
+) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let mut warn = |code: &str, detail: String| {
+        warnings.push(Warning {
+            code: code.to_owned(),
+            detail,
+        });
+    };
+    if !state.unconverged.is_empty() {
+        warn(
+            "unconverged_steps",
+            format!(
+                "equilibrium was not reached at {}; forces there are upper estimates at best",
+                strains(&state.unconverged)
+            ),
+        );
+    }
+    if !state.round_off.is_empty() {
+        warn(
+            "round_off_reached",
+            format!(
+                "at {} the force limit lies below rounding error; equilibrium is as exact as \
+                 double precision allows",
+                strains(&state.round_off)
+            ),
+        );
+    }
+    if let Some((node, strain)) = state.mechanism {
+        warn(
+            "mechanism",
+            format!(
+                "node {node} is part of a mechanism: at a nominal strain of {strain} nothing \
+                 resists its motion along its resultant"
+            ),
+        );
+    }
+    if let Some(check) = quality.get("jaw_force_imbalance").filter(|check| !check.ok) {
+        warn(
+            "jaw_force_imbalance",
+            format!(
+                "the forces on the two jaws differ by {:.2} % of the maximum force; a higher \
+                 force_accuracy{} brings them together",
+                100.0 * check.value,
+                match spec.accuracy.knobs().solver {
+                    Solver::NewtonCg => "",
+                    Solver::Sequential | Solver::Parallel => " or the solver newton_cg",
+                },
+            ),
+        );
+    }
+    let unreached = distribution::unreached(spec, state);
+    if !unreached.is_empty() {
+        warn(
+            "strain_not_reached",
+            format!(
+                "the test ended before {}, at which bond forces were asked for",
+                strains(&unreached)
+            ),
+        );
+    }
+    let unloaded = specimen.unloaded_bonds();
+    if unloaded > 0 {
+        warn(
+            "unloaded_bonds",
+            format!(
+                "{unloaded} bonds do not lie between the two jaws; they carry no load and are \
+                 not strained"
+            ),
+        );
+    }
+    let at_peak = state
+        .points
+        .last()
+        .is_some_and(|last| last.force >= state.max_force);
+    if spec.test.breaking != Breaking::None && stop_reason == StopReason::MaxStrain && at_peak {
+        warn(
+            "maximum_at_end",
+            "the force was still at its maximum when the largest strain was reached; strength \
+             and strain at maximum force are lower bounds"
+                .to_owned(),
+        );
+    }
+    warnings
+}
+
+/// A list of strains in words.
+fn strains(strains: &[f64]) -> String {
+    let listed = strains.iter().take(LISTED_STRAINS);
+    let listed: Vec<String> = listed.map(|strain| format!("{strain:.6}")).collect();
+    let listed = listed.join(", ");
+    match strains.len() {
+        1 => format!("a nominal strain of {listed}"),
+        count if count <= LISTED_STRAINS => format!("nominal strains of {listed}"),
+        count => format!("{count} nominal strains, first {listed}"),
+    }
+}
+
+fn work(work: &Work) -> IndexMap<String, u64> {
+    let counters = [
+        ("bond_evaluations", work.bond_evaluations),
+        ("equilibria", work.equilibria),
+        ("newton_iterations", work.newton_iterations),
+        (
+            "conjugate_gradient_iterations",
+            work.conjugate_gradient_iterations,
+        ),
+        ("sweeps", work.sweeps),
+    ];
+    let named = counters.map(|(name, count)| (name.to_owned(), count));
+    IndexMap::from(named)
+}

@@ -1,0 +1,151 @@
+//! Pictures of the network for ParaView, and the distribution of bond forces.
+//!
+//! Every snapshot holds all bonds in the order of the network, broken ones included and marked, so
+//! that cell numbers are the bond numbers of `events.csv` and filters over time find the same
+//! cells. To see the intact network, keep the cells with `broken` below one half.
+use std::io::{self, Write};
+
+use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
+use loadframe_harness::{
+    Recorder,
+    vtk::{Array, Lines, Series},
+};
+
+use super::{
+    experiment::{Experiment, nominal_strain},
+    state::{HistogramBin, State},
+};
+use crate::Hold;
+
+/// Bond quantities of a snapshot; zero for broken and unloaded bonds.
+struct Fields {
+    strain: Vec<f64>,
+    force: Vec<f64>,
+    force_over_strength: Vec<f64>,
+    broken: Vec<u8>,
+}
+
+/// Name of the snapshot of a step.
+fn name(step: u64) -> String {
+    format!("snapshots/step_{step:05}.vtp")
+}
+
+/// Writes the snapshot of the step just recorded and keeps its force histogram.
+pub(super) fn take(experiment: &mut Experiment<'_>, recorder: &mut dyn Recorder) -> io::Result<()> {
+    let step = experiment.state.step;
+    let fields = fields(experiment);
+    let network = &experiment.specimen.network;
+    let displacements = &experiment.state.displacements;
+    let moved = network.positions.iter().zip(displacements);
+    let points: Vec<[f64; 3]> = moved
+        .map(|(position, moved)| (position + moved).into())
+        .collect();
+    let moved = displacements.iter();
+    let displacement: Vec<f64> = moved
+        .flat_map(|moved| [moved.x, moved.y, moved.z])
+        .collect();
+    let jaw = network.holds.iter().map(|hold| match hold {
+        Hold::Free => 0,
+        Hold::Bottom => 1,
+        Hold::Top => 2,
+    });
+    let jaw: Vec<u8> = jaw.collect();
+    let lines = Lines {
+        points: &points,
+        ends: &network.bonds.ends,
+        point_data: &[
+            Array::vectors("displacement_mm", &displacement),
+            Array::bytes("jaw", &jaw),
+        ],
+        cell_data: &[
+            Array::scalars("strain", &fields.strain),
+            Array::scalars("force_n", &fields.force),
+            Array::scalars("force_over_strength", &fields.force_over_strength),
+            Array::bytes("broken", &fields.broken),
+        ],
+    };
+    recorder.file(&name(step), &mut |out| lines.write(out))?;
+    let bins = histogram(experiment);
+    experiment.state.histogram.extend(bins);
+    experiment.state.snapshots.push(step);
+    Ok(())
+}
+
+/// The series of all snapshots, played over nominal strain.
+pub(super) fn series(out: &mut dyn Write, spec: &NonwovenTensile, state: &State) -> io::Result<()> {
+    let entry = |step: &u64| (nominal_strain(spec, *step), name(*step));
+    let entries = state.snapshots.iter().map(entry).collect();
+    Series { entries }.write(out)
+}
+
+fn fields(experiment: &Experiment<'_>) -> Fields {
+    let loaded = &experiment.loaded;
+    let bonds = loaded.intact.len();
+    let mut fields = Fields {
+        strain: vec![0.0; bonds],
+        force: vec![0.0; bonds],
+        force_over_strength: vec![0.0; bonds],
+        broken: loaded
+            .intact
+            .iter()
+            .map(|intact| u8::from(!intact))
+            .collect(),
+    };
+    let strengths = &experiment.specimen.network.bonds.strengths;
+    let Some(settled) = &experiment.settled else {
+        return fields;
+    };
+    let configuration = &settled.configuration;
+    for (bond, (strength, slot)) in strengths.iter().zip(loaded.assembly.slots()).enumerate() {
+        let state = configuration.bond(&loaded.assembly, slot);
+        fields.strain[bond] = state.strain;
+        fields.force[bond] = state.tension;
+        // a bond without strength is at its strength as soon as it is loaded
+        if *strength > 0.0 {
+            fields.force_over_strength[bond] = state.tension / strength;
+        }
+    }
+    fields
+}
+
+/// Numbers of loaded bonds in equal bins from the smallest to the largest force.
+pub(super) fn histogram(experiment: &Experiment<'_>) -> Vec<HistogramBin> {
+    let Some(settled) = &experiment.settled else {
+        return Vec::new();
+    };
+    let assembly = &experiment.loaded.assembly;
+    let tensions = || {
+        let acting = assembly.slots().filter(|slot| assembly.acts(*slot));
+        acting.map(|slot| settled.configuration.tensions[slot])
+    };
+    let lowest = tensions().fold(f64::INFINITY, f64::min);
+    let highest = tensions().fold(f64::NEG_INFINITY, f64::max);
+    let bins = if lowest < highest {
+        experiment.histogram_bins()
+    } else {
+        1
+    };
+    let width = (highest - lowest) / f64::from(bins);
+    let bound = |bin: u32| {
+        if bin == bins {
+            highest
+        } else {
+            lowest + f64::from(bin) * width
+        }
+    };
+    let nominal_strain = experiment.nominal_strain();
+    let mut histogram: Vec<HistogramBin> = (0..bins)
+        .map(|bin| HistogramBin {
+            nominal_strain,
+            lower: bound(bin),
+            upper: bound(bin + 1),
+            bonds: 0,
+        })
+        .collect();
+    for tension in tensions() {
+        // NaN for equal forces becomes bin 0
+        let bin = ((tension - lowest) / width) as usize;
+        histogram[bin.min(bins as usize - 1)].bonds += 1;
+    }
+    histogram
+}

@@ -1,0 +1,148 @@
+//! Everything later results of a test depend on: the content of its checkpoint.
+use serde::{Deserialize, Serialize};
+
+use crate::{Vector, equilibrium::work::Work};
+
+/// A test between two equilibria.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct State {
+    /// Strain step being worked on, counted from 0, the step without strain.
+    pub(super) step: u64,
+    /// Breaking rounds done in this step.
+    pub(super) round: u32,
+    /// Displacement of every node [mm].
+    pub(super) displacements: Vec<Vector>,
+    /// How the displacements changed in the last step before anything broke.
+    pub(super) last_increment: Option<Increment>,
+    /// On the moving jaw at the first equilibrium of this step, before any of its bonds broke [N].
+    pub(super) force_before_breaking: f64,
+    /// Worst residual ratio and verdict among the equilibria of this step.
+    pub(super) worst_of_step: Worst,
+    pub(super) points: Vec<Point>,
+    /// Largest recorded force [N].
+    pub(super) max_force: f64,
+    /// Every bond that broke, in the order in which it did.
+    pub(super) events: Vec<Event>,
+    pub(super) histogram: Vec<HistogramBin>,
+    /// Bins at the strains the spec asks for.
+    pub(super) force_distribution: Vec<HistogramBin>,
+    /// Steps of which a snapshot was written.
+    pub(super) snapshots: Vec<u64>,
+    /// Strains at which equilibrium was not reached.
+    pub(super) unconverged: Vec<f64>,
+    /// Strains at which round-off, not the force limit, bounded the residual.
+    pub(super) round_off: Vec<f64>,
+    /// The first node found to move without resistance, and the strain.
+    pub(super) mechanism: Option<(usize, f64)>,
+    pub(super) work: Work,
+}
+
+/// An increment of the displacements and the jaw displacement it belongs to [mm].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Increment {
+    pub(super) jaw: f64,
+    pub(super) displacements: Vec<Vector>,
+}
+
+/// The worst equilibrium of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Worst {
+    /// Largest resultant over its limit.
+    pub(super) residual_ratio: f64,
+    pub(super) is_unconverged: bool,
+    pub(super) is_round_off: bool,
+}
+
+/// A point of the curve: the state at the end of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Point {
+    pub(super) nominal_strain: f64,
+    /// On the moving jaw [N].
+    pub(super) force: f64,
+    /// On the jaw at rest [N].
+    pub(super) bottom_force: f64,
+    /// On the moving jaw after straining, before bonds of this step broke [N].
+    pub(super) force_before_breaking: f64,
+    /// Bonds broken since the start.
+    pub(super) broken: u64,
+    /// Worst in the step.
+    pub(super) residual_ratio: f64,
+    /// Breaking rounds in the step.
+    pub(super) rounds: u32,
+    /// Energy in the loaded bonds [N mm].
+    pub(super) stored_energy: f64,
+    /// ε_x, where it can be measured.
+    pub(super) width_strain: Option<f64>,
+}
+
+/// A bond that broke.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Event {
+    pub(super) step: u64,
+    /// Counted from 1 in each step.
+    pub(super) round: u32,
+    pub(super) nominal_strain: f64,
+    pub(super) bond: u32,
+    /// Tension at which it broke [N].
+    pub(super) force: f64,
+    /// Energy it held [N mm].
+    pub(super) energy: f64,
+}
+
+/// Bonds whose force lies between two bounds [N] at some strain; the upper bound belongs to the
+/// last bin only.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct HistogramBin {
+    pub(super) nominal_strain: f64,
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    pub(super) bonds: u64,
+}
+
+impl Point {
+    /// −ε_x over nominal strain [-], 0 at no strain, where it is undefined.
+    pub(super) fn poisson_ratio(&self) -> Option<f64> {
+        let ratio = |width_strain: f64| match self.nominal_strain > 0.0 {
+            true => -width_strain / self.nominal_strain,
+            false => 0.0,
+        };
+        self.width_strain.map(ratio)
+    }
+}
+
+impl State {
+    /// A test of a network of `nodes` that has not begun.
+    pub(super) fn new(nodes: usize) -> Self {
+        Self {
+            step: 0,
+            round: 0,
+            displacements: vec![Vector::zeros(); nodes],
+            last_increment: None,
+            force_before_breaking: 0.0,
+            worst_of_step: Worst::default(),
+            points: Vec::new(),
+            max_force: 0.0,
+            events: Vec::new(),
+            histogram: Vec::new(),
+            force_distribution: Vec::new(),
+            snapshots: Vec::new(),
+            unconverged: Vec::new(),
+            round_off: Vec::new(),
+            mechanism: None,
+            work: Work::default(),
+        }
+    }
+
+    /// Whether each of `bonds` was intact before the last breaking round of this step, and what broke
+    /// in it.
+    pub(super) fn intact(&self, bonds: usize) -> (Vec<bool>, &[Event]) {
+        let is_last = |event: &&Event| (event.step, event.round) == (self.step, self.round);
+        let last = self.events.iter().rev().take_while(is_last).count();
+        let (before, last) = self.events.split_at(self.events.len() - last);
+        let mut intact = vec![true; bonds];
+        for event in before {
+            intact[event.bond as usize] = false;
+        }
+        (intact, last)
+    }
+}
