@@ -117,7 +117,7 @@ fn a_grid_with_three_equal_members_bears_shaking() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig::with_cases(if IS_OPTIMISED { 2000 } else { 200 }))]
 
     #[test]
     fn spheres_on_a_grid_bear_shaking(seed in any::<u64>(), members in 2..15_usize) {
