@@ -1,11 +1,11 @@
-//! Words of the wire in the database: statuses, outcomes, kinds and the like.
+//! How values stand in the database: names as on the wire (statuses, outcomes, kinds), and JSON.
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::{Result, StoreError};
+use super::error::{Result, StoreError};
 
-/// The word of a unit variant, as on the wire.
-pub(super) fn word<T: Serialize>(value: &T) -> Result<String> {
+/// The name of a unit variant, as on the wire.
+pub(super) fn wire_name<T: Serialize>(value: &T) -> Result<String> {
     match serde_json::to_value(value) {
         Ok(serde_json::Value::String(word)) => Ok(word),
         Ok(other) => Err(StoreError::corrupt("word")(format!("{other} is no word"))),
@@ -13,7 +13,7 @@ pub(super) fn word<T: Serialize>(value: &T) -> Result<String> {
     }
 }
 
-/// The variant behind a word.
+/// The variant behind a name.
 pub(super) fn variant<T: DeserializeOwned>(word: &str) -> Result<T> {
     let value = serde_json::Value::String(word.to_owned());
     serde_json::from_value(value).map_err(StoreError::corrupt("word"))

@@ -6,9 +6,10 @@ use sqlx::FromRow;
 use tokio::sync::watch;
 use uuid::Uuid;
 
-use super::words::json;
+use super::Store;
+use super::encoding::json;
+use super::error::Result;
 use super::writer::EventType;
-use super::{Result, Store};
 
 #[derive(FromRow)]
 struct EventRow {

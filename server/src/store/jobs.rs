@@ -8,8 +8,9 @@ use serde::Deserialize;
 use sqlx::FromRow;
 use uuid::Uuid;
 
-use super::words::{json, parsed, variant, word};
-use super::{JobFilter, Result, Store, StoreError};
+use super::encoding::{json, parsed, variant, wire_name};
+use super::error::{Result, StoreError};
+use super::{JobFilter, Store};
 
 /// Longest page of a list.
 const LONGEST_PAGE: u32 = 1000;
@@ -211,8 +212,8 @@ impl Store {
              ORDER BY j.seq DESC LIMIT ?9"
         ))
         .bind(before)
-        .bind(filter.status.as_ref().map(word).transpose()?)
-        .bind(filter.outcome.as_ref().map(word).transpose()?)
+        .bind(filter.status.as_ref().map(wire_name).transpose()?)
+        .bind(filter.outcome.as_ref().map(wire_name).transpose()?)
         .bind(filter.kind.map(JobKind::name))
         .bind(filter.tag.as_deref())
         .bind(filter.q.as_ref().map(|text| text.to_ascii_lowercase()))

@@ -1,20 +1,21 @@
-//! What a worker says while it holds a lease: that it lives, how far it is, what it computed.
+//! What a worker reports while it holds a lease: that it is alive, how far it is, what it computed.
 use loadframe_api::worker::{Command, ProgressReport};
 use sqlx::FromRow;
 use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
-use super::state::Life;
+use super::error::{Result, StoreError};
+use super::state::LifecycleRow;
 use super::writer::{Change, EventType};
-use super::{LeaseKey, Result, Store, StoreError, log};
-use crate::queue::Asked;
+use super::{LeaseKey, Store, log};
+use crate::queue::UserRequest;
 
 /// Longest phase [characters].
 const LONGEST_PHASE: usize = 500;
 
 /// An attempt under its lease.
 #[derive(Debug, FromRow)]
-pub(super) struct Held {
+pub(super) struct LeasedAttempt {
     /// The attempt's row.
     pub(super) seq: i64,
     pub(super) token: Uuid,
@@ -28,7 +29,7 @@ pub(super) struct Held {
     pub(super) job: Uuid,
 }
 
-impl Held {
+impl LeasedAttempt {
     /// The attempt whose id and token `key` has, live or ended.
     ///
     /// # Errors
@@ -51,9 +52,9 @@ impl Held {
     /// # Errors
     /// [`StoreError::LeaseLost`] when it is not.
     pub(super) async fn live(connection: &mut SqliteConnection, key: LeaseKey) -> Result<Self> {
-        let held = Self::find(connection, key).await?;
-        if held.ended_at.is_none() {
-            Ok(held)
+        let attempt = Self::find(connection, key).await?;
+        if attempt.ended_at.is_none() {
+            Ok(attempt)
         } else {
             Err(StoreError::LeaseLost)
         }
@@ -65,8 +66,8 @@ impl Change {
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`] when the lease is not held.
-    pub(super) async fn extend(&mut self, key: LeaseKey, lease: i64) -> Result<Held> {
-        let held: Held = sqlx::query_as(
+    pub(super) async fn extend(&mut self, key: LeaseKey, lease: i64) -> Result<LeasedAttempt> {
+        let attempt: LeasedAttempt = sqlx::query_as(
             "UPDATE attempts SET lease_until = ?, heard = 1
              WHERE id = ? AND token = ? AND ended_at IS NULL
              RETURNING seq, token, number, worker, ended_at, ended_by, columns, points,
@@ -78,8 +79,8 @@ impl Change {
         .fetch_optional(&mut self.connection)
         .await?
         .ok_or(StoreError::LeaseLost)?;
-        self.hear_worker(held.worker).await?;
-        Ok(held)
+        self.touch_worker(attempt.worker).await?;
+        Ok(attempt)
     }
 
     async fn report(
@@ -88,23 +89,23 @@ impl Change {
         lease: i64,
         report: &ProgressReport,
     ) -> Result<Command> {
-        let held = self.extend(key, lease).await?;
-        let life = Life::of(&mut self.connection, held.job).await?;
+        let attempt = self.extend(key, lease).await?;
+        let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
         sqlx::query("UPDATE jobs SET progress = ?, phase = ?, eta_s = ? WHERE seq = ?")
             .bind(report.progress)
             .bind(&report.phase)
             .bind(report.eta_s)
-            .bind(life.seq)
+            .bind(job.seq)
             .execute(&mut self.connection)
             .await?;
         if let Some(block) = &report.points
-            && self.append_points(&held, block).await?
+            && self.append_points(&attempt, block).await?
         {
-            self.event(life.seq, life.id, EventType::Points).await?;
+            self.event(job.seq, job.id, EventType::Points).await?;
         }
-        self.append_log(&life, held.number, &report.log).await?;
-        self.event(life.seq, life.id, EventType::Progress).await?;
-        Ok(Asked::command(life.asked()?))
+        self.append_log(&job, attempt.number, &report.log).await?;
+        self.event(job.seq, job.id, EventType::Progress).await?;
+        Ok(UserRequest::command(job.asked()?))
     }
 }
 
@@ -117,9 +118,9 @@ impl Store {
         let lease = self.lease_millis();
         self.write(move |change| {
             Box::pin(async move {
-                let held = change.extend(key, lease).await?;
-                let life = Life::of(&mut change.connection, held.job).await?;
-                Ok(Asked::command(life.asked()?))
+                let attempt = change.extend(key, lease).await?;
+                let job = LifecycleRow::of(&mut change.connection, attempt.job).await?;
+                Ok(UserRequest::command(job.asked()?))
             })
         })
         .await
