@@ -4,7 +4,7 @@ use loadframe_physics::{
     Ending, RunContext, Uninterrupted, Unrecorded, calibration_spec, simulate,
 };
 
-use crate::machine::processor_time_s;
+use super::machine::processor_time_s;
 
 /// The best of so many runs counts: others on the machine, its caches above all, can only make a
 /// run slower.

@@ -1,13 +1,13 @@
 //! What a run takes, over all its attempts.
 use std::time::{Duration, Instant};
 
-use crate::machine::{forget_peak_memory, processor_time_s};
+use super::machine::{forget_peak_memory, processor_time_s};
 
 /// Wall and processor time [s].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Spent {
-    pub(crate) wall_s: f64,
-    pub(crate) cpu_s: f64,
+pub struct Spent {
+    pub wall_s: f64,
+    pub cpu_s: f64,
 }
 
 /// Measures what a run takes, on top of what earlier attempts took up to their checkpoint.

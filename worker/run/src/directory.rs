@@ -6,12 +6,13 @@ use std::time::Duration;
 
 use loadframe_api::{FileEntry, JobSpec, Outcome};
 
+use super::engine::Engine;
 use super::execute::{Ended, Plan, RunError, execute};
 use super::outcome::OUTCOME_FILE;
 use super::recording::{Destination, Progress};
 use super::result_files::sha256_of_file;
 use super::saved_run::{SavedRun, SavedRunError};
-use crate::StopSwitch;
+use super::stop::StopSwitch;
 
 /// Holds the state of an unfinished run; gone once the run is finished.
 const CHECKPOINT_FILE: &str = "checkpoint.bin";
@@ -19,6 +20,8 @@ const CHECKPOINT_FILE: &str = "checkpoint.bin";
 /// How to run into a folder.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectoryOptions<'a> {
+    /// What computes.
+    pub engine: Engine,
     pub threads: usize,
     /// Time between checkpoints.
     pub checkpoint_every: Duration,
@@ -53,9 +56,9 @@ pub enum DirectoryError {
     Run(#[from] RunError),
 }
 
-/// What a run tells while it runs.
+/// What a run reports while it runs.
 #[derive(Debug)]
-pub enum News<'a> {
+pub enum RunUpdate<'a> {
     Progress(Progress),
     Log(&'a str),
 }
@@ -68,7 +71,7 @@ pub fn run_to_directory(
     spec: &JobSpec,
     folder: &Path,
     options: DirectoryOptions<'_>,
-    tell: &mut dyn FnMut(News<'_>),
+    report: &mut dyn FnMut(RunUpdate<'_>),
 ) -> Result<DirectoryEnd, DirectoryError> {
     let unusable = |source| DirectoryError::Folder {
         folder: folder.to_owned(),
@@ -80,29 +83,32 @@ pub fn run_to_directory(
         return Err(DirectoryError::InUse(folder.to_owned()));
     }
     let spec_sha256 = spec.sha256();
-    let saved = match content(folder, &spec_sha256).map_err(unusable)? {
+    let saved = match content(folder, options.engine, &spec_sha256).map_err(unusable)? {
         Content::Result(outcome) => return Ok(DirectoryEnd::AlreadyThere(outcome)),
         Content::Other => return Err(DirectoryError::Occupied(folder.to_owned())),
         Content::Nothing => None,
         Content::Unfinished(Ok(saved)) => Some(saved),
         Content::Unfinished(Err(reason)) => {
-            tell(News::Log(&format!("{reason}; starting from the beginning")));
+            report(RunUpdate::Log(&format!(
+                "{reason}; starting from the beginning"
+            )));
             None
         }
     };
-    let mut keeper = Keeper { folder, tell };
+    let mut destination = FolderDestination { folder, report };
     if saved.is_none() {
         // marks the folder as this spec's before the first file is in it
-        let beginning = SavedRun::beginning(&spec_sha256);
-        keeper.checkpoint(beginning).map_err(unusable)?;
+        let beginning = SavedRun::beginning(options.engine, &spec_sha256);
+        destination.checkpoint(beginning).map_err(unusable)?;
     }
     let plan = Plan {
+        engine: options.engine,
         folder,
         threads: options.threads,
         checkpoint_every: options.checkpoint_every,
         switch: options.switch,
     };
-    match execute(spec, saved, plan, &mut keeper)? {
+    match execute(spec, saved, plan, &mut destination)? {
         Ended::Finished { outcome, .. } => {
             std::fs::remove_file(folder.join(CHECKPOINT_FILE)).map_err(unusable)?;
             Ok(DirectoryEnd::Finished(outcome))
@@ -118,9 +124,9 @@ enum Content {
     Other,
 }
 
-fn content(folder: &Path, spec_sha256: &str) -> io::Result<Content> {
+fn content(folder: &Path, engine: Engine, spec_sha256: &str) -> io::Result<Content> {
     if let Some(bytes) = read_if_there(&folder.join(CHECKPOINT_FILE))? {
-        return Ok(match SavedRun::from_bytes(&bytes, spec_sha256) {
+        return Ok(match SavedRun::from_bytes(&bytes, engine, spec_sha256) {
             Err(SavedRunError::OtherSpec) => Content::Other,
             Err(error) => Content::Unfinished(Err(error.to_string())),
             Ok(saved) => Content::Unfinished(check_files(saved, folder)),
@@ -161,12 +167,12 @@ fn check_files(saved: SavedRun, folder: &Path) -> Result<SavedRun, String> {
 }
 
 /// Keeps checkpoints beside the files, which are in the folder already.
-struct Keeper<'a> {
+struct FolderDestination<'a> {
     folder: &'a Path,
-    tell: &'a mut dyn FnMut(News<'_>),
+    report: &'a mut dyn FnMut(RunUpdate<'_>),
 }
 
-impl Destination for Keeper<'_> {
+impl Destination for FolderDestination<'_> {
     fn columns(&mut self, _: &[&str]) -> io::Result<()> {
         Ok(())
     }
@@ -180,11 +186,11 @@ impl Destination for Keeper<'_> {
     }
 
     fn progress(&mut self, progress: Progress) {
-        (self.tell)(News::Progress(progress));
+        (self.report)(RunUpdate::Progress(progress));
     }
 
     fn log(&mut self, message: &str) {
-        (self.tell)(News::Log(message));
+        (self.report)(RunUpdate::Log(message));
     }
 
     fn checkpoint(&mut self, saved: SavedRun) -> io::Result<()> {
@@ -199,9 +205,14 @@ impl Destination for Keeper<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::StopCause;
-    use crate::run::cost::Spent;
+    use crate::cost::Spent;
+    use crate::stop::StopCause;
     use loadframe_api::{JobKind, Submission};
+
+    const ENGINE: Engine = Engine {
+        version: "1.2.3",
+        commit: "abc",
+    };
 
     fn spec() -> JobSpec {
         let example = JobKind::NonwovenTensile.examples()[1];
@@ -214,16 +225,17 @@ mod tests {
         let switch = StopSwitch::default();
         let mut log = Vec::new();
         let options = DirectoryOptions {
+            engine: ENGINE,
             threads: 1,
             checkpoint_every: Duration::from_secs(3600),
             switch: &switch,
         };
-        let end = run_to_directory(&spec(), folder, options, &mut |news| match news {
-            News::Progress(progress) if progress.fraction >= stop_at => {
+        let end = run_to_directory(&spec(), folder, options, &mut |update| match update {
+            RunUpdate::Progress(progress) if progress.fraction >= stop_at => {
                 switch.stop(StopCause::Shutdown);
             }
-            News::Progress(_) => {}
-            News::Log(message) => log.push(message.to_owned()),
+            RunUpdate::Progress(_) => {}
+            RunUpdate::Log(message) => log.push(message.to_owned()),
         });
         (end, log)
     }
@@ -256,7 +268,14 @@ mod tests {
     fn a_checkpoint_that_cannot_be_used_costs_time_not_the_result() {
         let folder = tempfile::tempdir().expect("a folder");
         let state = b"not what a simulation gave".to_vec();
-        let damaged = SavedRun::new(&spec().sha256(), Spent::default(), vec![], vec![], state);
+        let damaged = SavedRun::new(
+            ENGINE,
+            &spec().sha256(),
+            Spent::default(),
+            vec![],
+            vec![],
+            state,
+        );
         for bytes in [damaged.to_bytes(), b"not even a header".to_vec()] {
             let place = folder.path().join(CHECKPOINT_FILE);
             std::fs::write(place, bytes).expect("written");

@@ -11,7 +11,7 @@ const SHORTEST_MEMORY_S: f64 = 2.0;
 
 /// Smoothed rate of progress.
 #[derive(Debug, Default)]
-pub(crate) struct TimeToGo {
+pub struct TimeToGo {
     /// Time [s] and fraction of work when last told.
     last: Option<(f64, f64)>,
     /// Fraction of work per second.
@@ -20,7 +20,7 @@ pub(crate) struct TimeToGo {
 
 impl TimeToGo {
     /// Takes in that at `elapsed` the work was done to `fraction`, and estimates the time [s] left.
-    pub(crate) fn update(&mut self, elapsed: Duration, fraction: f64) -> Option<f64> {
+    pub fn update(&mut self, elapsed: Duration, fraction: f64) -> Option<f64> {
         let now = elapsed.as_secs_f64();
         match self.last {
             // a resumed run starts above zero: only what it does itself tells its speed

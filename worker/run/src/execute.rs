@@ -8,13 +8,16 @@ use std::time::Duration;
 use loadframe_api::{FileEntry, JobSpec, Outcome};
 use loadframe_physics::{Ending, RunContext, SimulationError, simulate};
 
+use super::engine::Engine;
 use super::recording::{Destination, Recording};
 use super::saved_run::SavedRun;
-use crate::StopSwitch;
+use super::stop::StopSwitch;
 
 /// How a run is to be carried out.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
+    /// What computes.
+    pub engine: Engine,
     /// Where result files are written.
     pub folder: &'a Path,
     pub threads: usize,
@@ -77,7 +80,7 @@ pub fn execute<D: Destination>(
     }
     execute_from(
         spec,
-        &SavedRun::beginning(&spec.sha256()),
+        &SavedRun::beginning(plan.engine, &spec.sha256()),
         plan,
         destination,
     )
@@ -89,7 +92,13 @@ fn execute_from<D: Destination>(
     plan: Plan<'_>,
     destination: &mut D,
 ) -> Result<Ended, RunError> {
-    let mut recording = Recording::start(saved, plan.folder, plan.checkpoint_every, destination);
+    let mut recording = Recording::start(
+        plan.engine,
+        saved,
+        plan.folder,
+        plan.checkpoint_every,
+        destination,
+    );
     let context = RunContext {
         threads: plan.threads,
         interrupt: plan.switch,

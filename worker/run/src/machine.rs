@@ -1,6 +1,8 @@
 //! This machine and this process: name, cores, processor time, memory.
 use std::thread::available_parallelism;
 
+use sysinfo::{MemoryRefreshKind, RefreshKind, System};
+
 /// Name of this machine, as people on its network know it.
 pub fn host_name() -> String {
     nix::unistd::gethostname()
@@ -15,6 +17,17 @@ pub fn available_threads() -> usize {
     available_parallelism().map_or(1, usize::from)
 }
 
+/// Memory that programs can still take without swapping [MB], within the limit of this process's
+/// control group where it has one; `None` where the system does not say.
+pub fn free_memory_mb() -> Option<f64> {
+    let kind = RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram());
+    let system = System::new_with_specifics(kind);
+    let available = system.available_memory();
+    let limited = system.cgroup_limits().map(|limits| limits.free_memory);
+    let free = limited.map_or(available, |limited| limited.min(available));
+    (free > 0).then_some(free as f64 / 1e6)
+}
+
 /// Processor time of this process so far [s], all threads together.
 pub(crate) fn processor_time_s() -> f64 {
     use nix::sys::resource::{UsageWho, getrusage};
@@ -26,7 +39,7 @@ pub(crate) fn processor_time_s() -> f64 {
 }
 
 /// Processor time of the calling thread so far [s].
-pub(crate) fn thread_processor_time_s() -> f64 {
+pub fn thread_processor_time_s() -> f64 {
     use nix::time::{ClockId, clock_gettime};
     clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID).map_or(0.0, |time| {
         time.tv_sec() as f64 + time.tv_nsec() as f64 * 1e-9

@@ -2,8 +2,8 @@
 use loadframe_api::{Cost, FileEntry, JobSpec, Outcome, OutcomeStatus, Provenance, Report};
 
 use super::cost::Spent;
-use crate::machine::{host_name, peak_memory_mb};
-use crate::{ENGINE_COMMIT, ENGINE_VERSION};
+use super::engine::Engine;
+use super::machine::{host_name, peak_memory_mb};
 
 /// Name of the file that describes all others.
 pub(crate) const OUTCOME_FILE: &str = "outcome.json";
@@ -11,6 +11,7 @@ pub(crate) const OUTCOME_FILE: &str = "outcome.json";
 /// Where and when a run took place.
 #[derive(Clone, Debug)]
 pub(crate) struct Circumstances {
+    pub(crate) engine: Engine,
     pub(crate) threads: usize,
     pub(crate) started_at: String,
     pub(crate) spent: Spent,
@@ -39,8 +40,8 @@ pub(crate) fn assemble(
         },
         provenance: Provenance {
             spec_sha256: spec.sha256(),
-            engine_version: ENGINE_VERSION.to_owned(),
-            engine_commit: ENGINE_COMMIT.to_owned(),
+            engine_version: circumstances.engine.version.to_owned(),
+            engine_commit: circumstances.engine.commit.to_owned(),
             seed: spec.seed(),
             threads,
             started_at: circumstances.started_at,

@@ -7,6 +7,7 @@ use loadframe_api::{FileEntry, JobSpec, Outcome, Report, Timestamp};
 use loadframe_physics::Recorder;
 
 use super::cost::CostClock;
+use super::engine::Engine;
 use super::eta::TimeToGo;
 use super::outcome::{Circumstances, OUTCOME_FILE, assemble};
 use super::result_files::ResultFiles;
@@ -44,6 +45,7 @@ pub trait Destination {
 
 /// Records a run in a folder.
 pub(crate) struct Recording<'a, D> {
+    engine: Engine,
     spec_sha256: String,
     started_at: Timestamp,
     clock: CostClock,
@@ -58,12 +60,14 @@ pub(crate) struct Recording<'a, D> {
 impl<'a, D: Destination> Recording<'a, D> {
     /// A recording in `folder` that goes on from `saved`.
     pub(crate) fn start(
+        engine: Engine,
         saved: &SavedRun,
         folder: &Path,
         checkpoint_every: Duration,
         destination: &'a mut D,
     ) -> Self {
         Self {
+            engine,
             spec_sha256: saved.spec_sha256().to_owned(),
             started_at: Timestamp::now(),
             clock: CostClock::start(saved.spent()),
@@ -93,6 +97,7 @@ impl<'a, D: Destination> Recording<'a, D> {
             Ok(())
         })?;
         let circumstances = Circumstances {
+            engine: self.engine,
             threads,
             started_at: self.started_at.to_string(),
             spent: self.clock.spent(),
@@ -145,6 +150,7 @@ impl<D: Destination> Recorder for Recording<'_, D> {
 
     fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
         let saved = SavedRun::new(
+            self.engine,
             &self.spec_sha256,
             self.clock.spent(),
             self.files.entries(),

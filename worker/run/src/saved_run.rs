@@ -7,6 +7,7 @@ use loadframe_api::FileEntry;
 use serde::{Deserialize, Serialize};
 
 use super::cost::Spent;
+use super::engine::Engine;
 
 /// Raised whenever the header's form changes.
 const FORMAT: u32 = 1;
@@ -38,16 +39,22 @@ pub enum SavedRunError {
     Header(#[source] serde_json::Error),
     #[error("the checkpoint has format {0}, this engine reads {FORMAT}")]
     Format(u32),
-    #[error("the checkpoint is of engine version {0}, this is version {version}; results must come from one version", version = crate::ENGINE_VERSION)]
-    EngineVersion(String),
+    #[error(
+        "the checkpoint is of engine version {saved}, this is version {present}; results must come from one version"
+    )]
+    EngineVersion {
+        saved: String,
+        present: &'static str,
+    },
     #[error("the checkpoint belongs to another spec")]
     OtherSpec,
 }
 
 impl SavedRun {
     /// A run of which nothing has been done.
-    pub(crate) fn beginning(spec_sha256: &str) -> Self {
+    pub fn beginning(engine: Engine, spec_sha256: &str) -> Self {
         Self::new(
+            engine,
             spec_sha256,
             Spent::default(),
             Vec::new(),
@@ -56,7 +63,9 @@ impl SavedRun {
         )
     }
 
-    pub(crate) fn new(
+    /// A run of `spec_sha256` whose simulation gave `state`.
+    pub fn new(
+        engine: Engine,
         spec_sha256: &str,
         spent: Spent,
         files: Vec<FileEntry>,
@@ -66,7 +75,7 @@ impl SavedRun {
         Self {
             header: Header {
                 format: FORMAT,
-                engine_version: crate::ENGINE_VERSION.to_owned(),
+                engine_version: engine.version.to_owned(),
                 spec_sha256: spec_sha256.to_owned(),
                 wall_s: spent.wall_s,
                 cpu_s: spent.cpu_s,
@@ -77,7 +86,8 @@ impl SavedRun {
         }
     }
 
-    pub(crate) fn to_bytes(&self) -> Vec<u8> {
+    /// The bytes that [`Self::from_bytes`] reads.
+    pub fn to_bytes(&self) -> Vec<u8> {
         // plain text and numbers: writing them to memory has no way to fail
         let mut bytes = serde_json::to_vec(&self.header).unwrap_or_default();
         bytes.push(b'\n');
@@ -85,11 +95,15 @@ impl SavedRun {
         bytes
     }
 
-    /// Reads a run of the spec with the given hash.
+    /// Reads a run of the spec with the given hash, of this version of the engine.
     ///
     /// # Errors
     /// When the run cannot be gone on from.
-    pub(crate) fn from_bytes(bytes: &[u8], spec_sha256: &str) -> Result<Self, SavedRunError> {
+    pub fn from_bytes(
+        bytes: &[u8],
+        engine: Engine,
+        spec_sha256: &str,
+    ) -> Result<Self, SavedRunError> {
         let end = bytes
             .iter()
             .position(|byte| *byte == b'\n')
@@ -102,14 +116,18 @@ impl SavedRun {
         if header.spec_sha256 != spec_sha256 {
             return Err(SavedRunError::OtherSpec);
         }
-        if header.engine_version != crate::ENGINE_VERSION {
-            return Err(SavedRunError::EngineVersion(header.engine_version));
+        if header.engine_version != engine.version {
+            return Err(SavedRunError::EngineVersion {
+                saved: header.engine_version,
+                present: engine.version,
+            });
         }
         let state = state.get(1..).unwrap_or_default().to_vec();
         Ok(Self { header, state })
     }
 
-    pub(crate) fn spent(&self) -> Spent {
+    /// What it took up to here.
+    pub fn spent(&self) -> Spent {
         Spent {
             wall_s: self.header.wall_s,
             cpu_s: self.header.cpu_s,
@@ -121,12 +139,13 @@ impl SavedRun {
         &self.header.files
     }
 
-    pub(crate) fn spec_sha256(&self) -> &str {
+    /// Hash of the spec it belongs to.
+    pub fn spec_sha256(&self) -> &str {
         &self.header.spec_sha256
     }
 
     /// What the simulation goes on from, `None` before its first checkpoint.
-    pub(crate) fn state(&self) -> Option<&[u8]> {
+    pub fn state(&self) -> Option<&[u8]> {
         Some(self.state.as_slice()).filter(|state| !state.is_empty())
     }
 
@@ -139,12 +158,18 @@ impl SavedRun {
 mod tests {
     use super::*;
 
+    const ENGINE: Engine = Engine {
+        version: "1.2.3",
+        commit: "abc",
+    };
+
     fn saved() -> SavedRun {
         let spent = Spent {
             wall_s: 1.5,
             cpu_s: 2.5,
         };
         SavedRun::new(
+            ENGINE,
             "ab",
             spent,
             Vec::new(),
@@ -155,20 +180,20 @@ mod tests {
 
     #[test]
     fn what_was_saved_is_read_back() {
-        let read = SavedRun::from_bytes(&saved().to_bytes(), "ab").expect("just saved");
+        let read = SavedRun::from_bytes(&saved().to_bytes(), ENGINE, "ab").expect("just saved");
         assert_eq!(read, saved());
     }
 
     #[test]
     fn what_does_not_fit_is_refused_by_name() {
         let bytes = saved().to_bytes();
-        let other = SavedRun::from_bytes(&bytes, "cd");
+        let other = SavedRun::from_bytes(&bytes, ENGINE, "cd");
         assert!(matches!(other, Err(SavedRunError::OtherSpec)));
-        let cut = SavedRun::from_bytes(&bytes[..9], "ab");
+        let cut = SavedRun::from_bytes(&bytes[..9], ENGINE, "ab");
         assert!(matches!(cut, Err(SavedRunError::Header(_))));
         let mut old = saved();
         old.header.engine_version = "0.0.1".to_owned();
-        let old = SavedRun::from_bytes(&old.to_bytes(), "ab");
-        assert!(matches!(old, Err(SavedRunError::EngineVersion(_))));
+        let old = SavedRun::from_bytes(&old.to_bytes(), ENGINE, "ab");
+        assert!(matches!(old, Err(SavedRunError::EngineVersion { .. })));
     }
 }

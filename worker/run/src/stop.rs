@@ -2,7 +2,6 @@
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use loadframe_physics::{Interrupt, InterruptSource};
-use tokio_util::sync::CancellationToken;
 
 /// Why a run shall stop early. A later one outranks an earlier one: who asked to pause may still
 /// cancel, and a lost lease ends everything.
@@ -25,16 +24,12 @@ pub enum StopCause {
 #[derive(Debug, Default)]
 pub struct StopSwitch {
     cause: AtomicU8,
-    given_up: CancellationToken,
 }
 
 impl StopSwitch {
     /// Asks the run to stop.
     pub fn stop(&self, cause: StopCause) {
         self.cause.fetch_max(cause as u8, Ordering::Relaxed);
-        if !cause.keeps_checkpoint() {
-            self.given_up.cancel();
-        }
     }
 
     /// Why the run shall stop, `None` while it shall go on.
@@ -44,15 +39,11 @@ impl StopSwitch {
             .into_iter()
             .find(|cause| *cause as u8 == self.cause.load(Ordering::Relaxed))
     }
-
-    /// Waits until nothing of the run is wanted any more.
-    pub async fn given_up(&self) {
-        self.given_up.cancelled().await;
-    }
 }
 
 impl StopCause {
-    fn keeps_checkpoint(self) -> bool {
+    /// Whether the run is to go on later; otherwise nothing of it is wanted any more.
+    pub fn keeps_checkpoint(self) -> bool {
         self <= Self::Pause
     }
 }

@@ -1,6 +1,6 @@
-//! Brings what a run gives to the server, in the order in which it appeared.
+//! Sends what a run gives to the server, in the order in which it appeared.
 //!
-//! The run puts parcels into a bounded channel and waits when it is full, so that a slow server
+//! The run puts items into a bounded queue and waits when it is full, so that a slow server
 //! slows the run instead of filling the memory. Order is what makes checkpoints whole: a
 //! checkpoint is sent after every file and point that came before it.
 use std::io;
@@ -10,21 +10,22 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use loadframe_api::FileEntry;
+use loadframe_client::ServerError;
+use loadframe_run::{Destination, Progress, SavedRun};
 use tokio::sync::{mpsc, watch};
 use tokio::time::{MissedTickBehavior, interval};
 
 use super::batch::Batch;
 use super::lease_client::LeaseClient;
-use crate::client::ServerError;
-use crate::run::{Destination, Progress, SavedRun};
 
 /// Time between reports; people see a curve grow at four steps a second as moving.
 const REPORT_EVERY: Duration = Duration::from_millis(250);
-/// Parcels that may wait: several reports' worth of points.
-const WAITING_PARCELS: usize = 4096;
+/// Items that may wait: several reports' worth of points.
+const WAITING_ITEMS: usize = 4096;
 
+/// Something a run gave.
 #[derive(Debug)]
-enum Parcel {
+enum Item {
     Columns(Vec<String>),
     Point(Vec<f64>),
     Log(String),
@@ -32,59 +33,59 @@ enum Parcel {
     Checkpoint(Box<SavedRun>),
 }
 
-/// The run's end of the channel.
+/// The run's end of the queue.
 #[derive(Debug)]
-pub(super) struct Sender {
-    parcels: mpsc::Sender<Parcel>,
+pub(super) struct UploadQueue {
+    items: mpsc::Sender<Item>,
     /// Where files wait, each under its number: a run may write the same name again before the
     /// first version has left.
     outgoing: PathBuf,
     files: u64,
     progress: watch::Sender<Progress>,
-    checkpoint_is_on_its_way: Arc<AtomicBool>,
+    checkpoint_is_under_way: Arc<AtomicBool>,
 }
 
-/// The server's end of the channel.
+/// The server's end of the queue.
 #[derive(Debug)]
-pub(super) struct Courier {
-    parcels: mpsc::Receiver<Parcel>,
+pub(super) struct Uploader {
+    items: mpsc::Receiver<Item>,
     progress: watch::Receiver<Progress>,
-    checkpoint_is_on_its_way: Arc<AtomicBool>,
+    checkpoint_is_under_way: Arc<AtomicBool>,
     batch: Batch,
     reported: Progress,
 }
 
-/// Both ends of a channel whose files wait in the folder `outgoing`.
-pub(super) fn channel(outgoing: PathBuf) -> (Sender, Courier) {
-    let (parcels, waiting) = mpsc::channel(WAITING_PARCELS);
+/// Both ends of a queue whose files wait in the folder `outgoing`.
+pub(super) fn queue(outgoing: PathBuf) -> (UploadQueue, Uploader) {
+    let (items, waiting) = mpsc::channel(WAITING_ITEMS);
     let (progress, seen) = watch::channel(Progress::default());
-    let checkpoint_is_on_its_way = Arc::new(AtomicBool::new(false));
-    let sender = Sender {
-        parcels,
+    let checkpoint_is_under_way = Arc::new(AtomicBool::new(false));
+    let queue = UploadQueue {
+        items,
         outgoing,
         files: 0,
         progress,
-        checkpoint_is_on_its_way: Arc::clone(&checkpoint_is_on_its_way),
+        checkpoint_is_under_way: Arc::clone(&checkpoint_is_under_way),
     };
-    let courier = Courier {
-        parcels: waiting,
+    let uploader = Uploader {
+        items: waiting,
         progress: seen,
-        checkpoint_is_on_its_way,
+        checkpoint_is_under_way,
         batch: Batch::default(),
         reported: Progress::default(),
     };
-    (sender, courier)
+    (queue, uploader)
 }
 
-impl Courier {
-    /// Delivers until the run drops its end and everything has arrived.
-    pub(super) async fn deliver(mut self, lease: &LeaseClient) -> Result<(), ServerError> {
+impl Uploader {
+    /// Uploads until the run drops its end and everything has arrived.
+    pub(super) async fn upload(mut self, lease: &LeaseClient) -> Result<(), ServerError> {
         let mut report = interval(REPORT_EVERY);
         report.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
             tokio::select! {
-                parcel = self.parcels.recv() => match parcel {
-                    Some(parcel) => self.hand_over(parcel, lease).await?,
+                item = self.items.recv() => match item {
+                    Some(item) => self.send(item, lease).await?,
                     None => return self.report(lease).await,
                 },
                 _ = report.tick() => self.report(lease).await?,
@@ -92,21 +93,20 @@ impl Courier {
         }
     }
 
-    async fn hand_over(&mut self, parcel: Parcel, lease: &LeaseClient) -> Result<(), ServerError> {
-        match parcel {
-            Parcel::Columns(columns) => self.batch.columns(columns),
-            Parcel::Point(row) => self.batch.point(row),
-            Parcel::Log(message) => self.batch.log(message),
-            Parcel::File(entry, path) => {
+    async fn send(&mut self, item: Item, lease: &LeaseClient) -> Result<(), ServerError> {
+        match item {
+            Item::Columns(columns) => self.batch.columns(columns),
+            Item::Point(row) => self.batch.point(row),
+            Item::Log(message) => self.batch.log(message),
+            Item::File(entry, path) => {
                 lease.upload(&entry, &path).await?;
                 // its place on this disk is not needed any more; the attempt's folder goes anyway
                 let _ = tokio::fs::remove_file(path).await;
             }
-            Parcel::Checkpoint(saved) => {
+            Item::Checkpoint(saved) => {
                 self.report(lease).await?;
                 lease.save_checkpoint(&saved).await?;
-                self.checkpoint_is_on_its_way
-                    .store(false, Ordering::Relaxed);
+                self.checkpoint_is_under_way.store(false, Ordering::Relaxed);
             }
         }
         if self.batch.is_full() {
@@ -126,29 +126,29 @@ impl Courier {
     }
 }
 
-impl Sender {
-    fn put(&self, parcel: Parcel) -> io::Result<()> {
-        self.parcels
-            .blocking_send(parcel)
+impl UploadQueue {
+    fn put(&self, item: Item) -> io::Result<()> {
+        self.items
+            .blocking_send(item)
             .map_err(|_| io::Error::other("the server takes no more results of this run"))
     }
 }
 
-impl Destination for Sender {
+impl Destination for UploadQueue {
     fn columns(&mut self, names: &[&str]) -> io::Result<()> {
         let names = names.iter().map(|name| (*name).to_owned());
-        self.put(Parcel::Columns(names.collect()))
+        self.put(Item::Columns(names.collect()))
     }
 
     fn point(&mut self, values: &[f64]) -> io::Result<()> {
-        self.put(Parcel::Point(values.to_vec()))
+        self.put(Item::Point(values.to_vec()))
     }
 
     fn file(&mut self, entry: &FileEntry, path: &Path) -> io::Result<()> {
         let waiting = self.outgoing.join(self.files.to_string());
         self.files += 1;
         std::fs::rename(path, &waiting)?;
-        self.put(Parcel::File(entry.clone(), waiting))
+        self.put(Item::File(entry.clone(), waiting))
     }
 
     fn progress(&mut self, progress: Progress) {
@@ -157,15 +157,15 @@ impl Destination for Sender {
 
     fn log(&mut self, message: &str) {
         // a lost channel ends the run at its next point or file
-        let _ = self.put(Parcel::Log(message.to_owned()));
+        let _ = self.put(Item::Log(message.to_owned()));
     }
 
     fn checkpoint(&mut self, saved: SavedRun) -> io::Result<()> {
-        self.checkpoint_is_on_its_way.store(true, Ordering::Relaxed);
-        self.put(Parcel::Checkpoint(Box::new(saved)))
+        self.checkpoint_is_under_way.store(true, Ordering::Relaxed);
+        self.put(Item::Checkpoint(Box::new(saved)))
     }
 
     fn takes_checkpoint(&self) -> bool {
-        !self.checkpoint_is_on_its_way.load(Ordering::Relaxed)
+        !self.checkpoint_is_under_way.load(Ordering::Relaxed)
     }
 }

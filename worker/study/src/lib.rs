@@ -6,18 +6,20 @@
 //! Either is a [`Design`]: [`Settings`], equal ones once, each to be tested with the same seeds, and
 //! what is to be made of the finished tests. [`run`] carries it out side by side and keeps finished
 //! and unfinished tests in the folder for when it is interrupted; the [`Findings`] that come back
-//! write tables, plot and words. Nothing here knows the kinds.
+//! write tables, plot and text. Nothing here knows the kinds, nor any server.
 pub mod accuracy;
 pub mod parameters;
 
-mod bar;
+mod design;
+mod progress;
 mod run;
 mod runs_file;
 mod settings;
 mod svg;
+mod test_checkpoint;
 mod text;
-mod unfinished;
 
-pub use run::{Design, Findings, StudyEnd, StudyError, StudyOptions, run};
+pub use design::{Design, Findings};
+pub use run::{StudyEnd, StudyError, StudyOptions, run};
 pub use runs_file::Finished;
 pub use settings::Settings;

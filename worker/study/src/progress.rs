@@ -1,11 +1,11 @@
 //! How far a study is.
 use std::time::Instant;
 
-use crate::run::{Progress, TimeToGo};
+use loadframe_run::{Progress, TimeToGo};
 
 /// The tests to be done, each with its expected share of the work and how far it is.
 #[derive(Debug)]
-pub(super) struct Bar {
+pub(super) struct StudyProgress {
     tests: usize,
     weights: Vec<f64>,
     fractions: Vec<f64>,
@@ -14,7 +14,7 @@ pub(super) struct Bar {
     to_go: TimeToGo,
 }
 
-impl Bar {
+impl StudyProgress {
     /// Of so many tests in all those of these weights are to be done.
     pub(super) fn new(tests: usize, weights: Vec<f64>) -> Self {
         Self {
@@ -36,7 +36,8 @@ impl Bar {
         self.finished += 1;
     }
 
-    pub(super) fn progress(&mut self) -> Progress {
+    /// How far all tests together are.
+    pub(super) fn now(&mut self) -> Progress {
         let all: f64 = self.weights.iter().sum();
         let done = self.weights.iter().zip(&self.fractions);
         let done: f64 = done.map(|(weight, fraction)| weight * fraction).sum();

@@ -8,64 +8,24 @@ use std::time::{Duration, Instant};
 
 use loadframe_api::{Calibration, JobSpec};
 use loadframe_physics::{Ending, Recorder, RunContext, SimulationError, simulate};
-use serde::Serialize;
+use loadframe_run::{Engine, Progress, StopSwitch, thread_processor_time_s};
 
-use super::bar::Bar;
-use super::runs_file::{Finished, RunsFile};
-use super::settings::Settings;
-use super::unfinished::Unfinished;
-use crate::StopSwitch;
-use crate::machine::thread_processor_time_s;
-use crate::run::Progress;
+use crate::design::Design;
+use crate::progress::StudyProgress;
+use crate::runs_file::{Finished, RunsFile};
+use crate::settings::Settings;
+use crate::test_checkpoint::TestCheckpoint;
 
 /// Messages under way before a test waits.
 const MESSAGES: usize = 64;
 /// Time between states kept of a test that runs.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(60);
 
-/// What a study tests, and what it makes of that.
-pub trait Design {
-    type Findings: Findings;
-
-    fn settings(&self) -> &Settings;
-
-    /// A setting in words, for messages.
-    fn words(&self, setting: usize) -> String;
-
-    /// `finished`: the tests of each setting in the order of the seeds.
-    fn findings(&self, finished: &[Vec<Finished>]) -> Self::Findings;
-}
-
-/// The result of a study.
-pub trait Findings: Serialize {
-    /// Names of the files that [`Self::write`] leaves.
-    const FILES: &[&str];
-
-    /// What is in each of [`Self::FILES`].
-    ///
-    /// # Errors
-    /// When something cannot be written as text.
-    fn contents(&self) -> io::Result<Vec<Vec<u8>>>;
-
-    /// Writes its files into `folder`.
-    ///
-    /// # Errors
-    /// When a file cannot be written.
-    fn write(&self, folder: &Path) -> io::Result<()> {
-        let mut files = Self::FILES.iter().zip(self.contents()?);
-        files.try_for_each(|(name, content)| std::fs::write(folder.join(name), content))
-    }
-
-    /// Tables and sentences for a terminal.
-    fn words(&self) -> String;
-
-    /// Processor time of all tests [s].
-    fn total_cpu_s(&self) -> f64;
-}
-
 /// How a study is carried out.
 #[derive(Clone, Copy, Debug)]
 pub struct StudyOptions<'a> {
+    /// What computes.
+    pub engine: Engine,
     /// Tests side by side.
     pub threads: usize,
     /// Where tests are kept.
@@ -131,14 +91,14 @@ enum Message {
 pub fn run<D: Design>(
     design: &D,
     options: StudyOptions<'_>,
-    tell: &mut dyn FnMut(Progress),
+    report: &mut dyn FnMut(Progress),
 ) -> Result<StudyEnd<D::Findings>, StudyError> {
     let unusable = |source| StudyError::Folder {
         folder: options.folder.display().to_string(),
         source,
     };
     let settings = design.settings();
-    let (mut file, known) = RunsFile::open(options.folder).map_err(unusable)?;
+    let (mut file, known) = RunsFile::open(options.folder, options.engine).map_err(unusable)?;
     let mut finished: Vec<Vec<Option<Finished>>> =
         vec![vec![None; settings.seeds().len()]; settings.len()];
     let mut tasks = Vec::new();
@@ -152,7 +112,7 @@ pub fn run<D: Design>(
     let weights = tasks
         .iter()
         .map(|task| task.spec.estimate(&calibration).wall_s);
-    let mut bar = Bar::new(settings.tests(), weights.collect());
+    let mut progress = StudyProgress::new(settings.tests(), weights.collect());
     let next = AtomicUsize::new(0);
     let mut failure = None;
     thread::scope(|scope| {
@@ -166,27 +126,32 @@ pub fn run<D: Design>(
         drop(sender);
         for message in receiver {
             match message {
-                Message::Progress { task, fraction } => bar.advance(task, fraction),
+                Message::Progress { task, fraction } => progress.advance(task, fraction),
                 Message::Ended { task, result } => {
                     let Task { setting, seed, .. } = tasks[task];
                     match *result {
                         Ok(Some(test)) => {
                             if let Some(reason) = &test.failure {
                                 let (setting, seed) =
-                                    (design.words(setting), settings.seeds()[seed]);
+                                    (design.describe(setting), settings.seeds()[seed]);
                                 tracing::warn!(setting, seed, reason, "a test has no result");
                             }
                             file.add(&test).map_err(unusable)?;
-                            Unfinished::new(options.folder, &tasks[task].sha256).remove();
+                            TestCheckpoint::new(
+                                options.folder,
+                                options.engine,
+                                &tasks[task].sha256,
+                            )
+                            .remove();
                             finished[setting][seed] = Some(test);
-                            bar.finish(task);
+                            progress.finish(task);
                         }
                         Ok(None) => {}
                         Err(source) => {
                             // nothing more is begun; what runs is still kept
                             next.store(tasks.len(), Ordering::Relaxed);
                             failure.get_or_insert(StudyError::Simulation {
-                                setting: design.words(setting),
+                                setting: design.describe(setting),
                                 seed: settings.seeds()[seed],
                                 source,
                             });
@@ -194,7 +159,7 @@ pub fn run<D: Design>(
                     }
                 }
             }
-            tell(bar.progress());
+            report(progress.now());
         }
         Ok(())
     })?;
@@ -213,7 +178,9 @@ pub fn run<D: Design>(
     {
         return Err(StudyError::NoResults { reason });
     }
-    Ok(StudyEnd::Finished(design.findings(&finished)))
+    Ok(StudyEnd::Finished(
+        design.findings(options.engine, &finished),
+    ))
 }
 
 /// All tests, seed by seed: a study that is stopped early has whole seeds.
@@ -246,12 +213,13 @@ fn work(
         if options.switch.cause().is_some() {
             return;
         }
-        let unfinished = Unfinished::new(options.folder, sha256);
-        let mut result = test(spec, sha256, task, options.switch, &unfinished, messages);
+        let checkpoint = TestCheckpoint::new(options.folder, options.engine, sha256);
+        let attempt = || test(spec, task, options, &checkpoint, messages);
+        let mut result = attempt();
         if let Err(SimulationError::Checkpoint(_)) = result {
             // what is lost is time, not the test
-            unfinished.remove();
-            result = test(spec, sha256, task, options.switch, &unfinished, messages);
+            checkpoint.remove();
+            result = attempt();
         }
         let result = Box::new(result);
         if messages.send(Message::Ended { task, result }).is_err() {
@@ -260,58 +228,62 @@ fn work(
     }
 }
 
-/// Does a test, going on from what is there of it; `None` when it was stopped.
+/// Does a test, going on from its checkpoint where there is one; `None` when it was stopped.
 fn test(
     spec: &JobSpec,
-    sha256: &str,
     task: usize,
-    switch: &StopSwitch,
-    unfinished: &Unfinished,
+    options: StudyOptions<'_>,
+    checkpoint: &TestCheckpoint,
     messages: &SyncSender<Message>,
 ) -> Result<Option<Finished>, SimulationError> {
-    let saved = unfinished.read();
+    let saved = checkpoint.read();
     let context = RunContext {
         threads: 1,
-        interrupt: switch,
+        interrupt: options.switch,
         checkpoint: saved.state(),
     };
-    let mut relay = Relay {
+    let mut recorder = TestRecorder {
         task,
         messages,
-        unfinished,
+        checkpoint,
         cpu_before_s: saved.spent().cpu_s - thread_processor_time_s(),
-        kept: Instant::now(),
+        saved_at: Instant::now(),
     };
-    match simulate(spec, context, &mut relay) {
-        Ok(Ending::Finished(report)) => Ok(Some(Finished::new(sha256, relay.cpu_s(), report))),
+    let (engine, sha256) = (options.engine, saved.spec_sha256());
+    match simulate(spec, context, &mut recorder) {
+        Ok(Ending::Finished(report)) => {
+            let cpu_s = recorder.cpu_s();
+            Ok(Some(Finished::new(engine, sha256, cpu_s, report)))
+        }
         Ok(Ending::Cancelled | Ending::Suspended) => Ok(None),
         Err(error) if error.is_of_the_spec() => {
-            let test = Finished::without_result(sha256, relay.cpu_s(), &error);
+            let cpu_s = recorder.cpu_s();
+            let test = Finished::without_result(engine, sha256, cpu_s, &error);
             Ok(Some(test))
         }
         Err(error) => Err(error),
     }
 }
 
-/// A recorder that tells how far a test is and keeps its state, and nothing else.
-struct Relay<'a> {
+/// A recorder that reports how far a test is and saves its state, and nothing else.
+struct TestRecorder<'a> {
     task: usize,
     messages: &'a SyncSender<Message>,
-    unfinished: &'a Unfinished,
+    checkpoint: &'a TestCheckpoint,
     /// Processor time of the test before this run less that of the thread at its start [s].
     cpu_before_s: f64,
-    /// When the state was last kept.
-    kept: Instant,
+    /// When the state was last saved.
+    saved_at: Instant,
 }
 
-impl Relay<'_> {
+impl TestRecorder<'_> {
     /// Processor time of the test so far [s].
     fn cpu_s(&self) -> f64 {
         self.cpu_before_s + thread_processor_time_s()
     }
 }
 
-impl Recorder for Relay<'_> {
+impl Recorder for TestRecorder<'_> {
     fn columns(&mut self, _: &[&str]) -> io::Result<()> {
         Ok(())
     }
@@ -337,11 +309,11 @@ impl Recorder for Relay<'_> {
     fn log(&mut self, _: &str) {}
 
     fn checkpoint_due(&self) -> bool {
-        self.kept.elapsed() >= CHECKPOINT_EVERY
+        self.saved_at.elapsed() >= CHECKPOINT_EVERY
     }
 
     fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.kept = Instant::now();
-        self.unfinished.keep(self.cpu_s(), bytes)
+        self.saved_at = Instant::now();
+        self.checkpoint.write(self.cpu_s(), bytes)
     }
 }

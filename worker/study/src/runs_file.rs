@@ -7,9 +7,8 @@ use std::path::Path;
 use indexmap::IndexMap;
 use loadframe_api::Report;
 use loadframe_physics::SimulationError;
+use loadframe_run::Engine;
 use serde::{Deserialize, Serialize};
-
-use crate::ENGINE_COMMIT;
 
 const RUNS_FILE: &str = "runs.jsonl";
 
@@ -35,7 +34,7 @@ pub struct Finished {
 const NO_RESULT: &str = "no_result";
 
 impl Finished {
-    pub(super) fn new(spec_sha256: &str, cpu_s: f64, report: Report) -> Self {
+    pub(super) fn new(engine: Engine, spec_sha256: &str, cpu_s: f64, report: Report) -> Self {
         let mut warnings = Vec::new();
         for warning in report.warnings {
             if !warnings.contains(&warning.code) {
@@ -45,7 +44,7 @@ impl Finished {
         let results = report.summary.into_iter();
         Self {
             spec_sha256: spec_sha256.to_owned(),
-            engine_commit: ENGINE_COMMIT.to_owned(),
+            engine_commit: engine.commit.to_owned(),
             cpu_s,
             is_good: report.quality.values().all(|check| check.ok),
             warnings,
@@ -57,10 +56,15 @@ impl Finished {
     }
 
     /// A test that its own spec made impossible: also a finding.
-    pub(super) fn without_result(spec_sha256: &str, cpu_s: f64, error: &SimulationError) -> Self {
+    pub(super) fn without_result(
+        engine: Engine,
+        spec_sha256: &str,
+        cpu_s: f64,
+        error: &SimulationError,
+    ) -> Self {
         Self {
             spec_sha256: spec_sha256.to_owned(),
-            engine_commit: ENGINE_COMMIT.to_owned(),
+            engine_commit: engine.commit.to_owned(),
             cpu_s,
             is_good: false,
             warnings: vec![NO_RESULT.to_owned()],
@@ -94,7 +98,10 @@ pub(super) struct RunsFile(File);
 
 impl RunsFile {
     /// Opens the file in `folder`, with the tests of this engine found there, by their spec.
-    pub(super) fn open(folder: &Path) -> io::Result<(Self, HashMap<String, Finished>)> {
+    pub(super) fn open(
+        folder: &Path,
+        engine: Engine,
+    ) -> io::Result<(Self, HashMap<String, Finished>)> {
         std::fs::create_dir_all(folder)?;
         let path = folder.join(RUNS_FILE);
         let text = match std::fs::read_to_string(&path) {
@@ -106,7 +113,7 @@ impl RunsFile {
         let tests = text
             .lines()
             .filter_map(|line| serde_json::from_str(line).ok());
-        let tests = tests.filter(|test: &Finished| test.engine_commit == ENGINE_COMMIT);
+        let tests = tests.filter(|test: &Finished| test.engine_commit == engine.commit);
         let known = tests.map(|test| (test.spec_sha256.clone(), test)).collect();
         let mut file = OpenOptions::new().create(true).append(true).open(path)?;
         if !text.is_empty() && !text.ends_with('\n') {

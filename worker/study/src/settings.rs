@@ -1,6 +1,6 @@
 //! What a study tests.
 use indexmap::IndexMap;
-use loadframe_api::JobSpec;
+use loadframe_api::{Calibration, Estimate, JobSpec};
 
 /// The settings of a study, equal ones once, each with the same seeds.
 #[derive(Clone, Debug)]
@@ -49,8 +49,52 @@ impl Settings {
         (self.seeded)(self.get(setting).1, seed)
     }
 
+    /// What the study takes with so many tests side by side, each as large as the largest: time on
+    /// one core, and memory.
+    pub fn estimate(&self, threads: usize) -> Estimate {
+        let calibration = Calibration::default();
+        let tests = self.specs.values().map(|spec| spec.estimate(&calibration));
+        let none = Estimate {
+            wall_s: 0.0,
+            memory_mb: 0.0,
+            // a test of a study writes no files of its own
+            disk_mb: 0.0,
+            calibrated: false,
+        };
+        let seeds = self.seeds.len() as f64;
+        let side_by_side = threads.clamp(1, self.tests().max(1)) as f64;
+        tests.fold(none, |all, test| Estimate {
+            wall_s: all.wall_s + seeds * test.wall_s,
+            memory_mb: all.memory_mb.max(side_by_side * test.memory_mb),
+            ..all
+        })
+    }
+
     /// Tests it takes.
     pub fn tests(&self) -> usize {
         self.specs.len() * self.seeds.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use loadframe_api::{JobKind, Submission};
+
+    #[test]
+    fn a_study_needs_the_memory_of_the_largest_tests_that_run_side_by_side() {
+        let [large, small] = [0, 1].map(|example| {
+            let body = JobKind::NonwovenTensile.examples()[example].body;
+            let submission = Submission::from_slice(body.as_bytes());
+            submission.expect("a valid example").spec.single(1)
+        });
+        let mut settings = Settings::new(&small, 3, JobSpec::single);
+        settings.add(&small);
+        settings.add(&large);
+        let alone = large.estimate(&Calibration::default()).memory_mb;
+        for (threads, tests) in [(1, 1.0), (4, 4.0), (100, 6.0)] {
+            let needed = settings.estimate(threads).memory_mb;
+            assert!((needed / alone - tests).abs() < 1e-12, "{needed}");
+        }
     }
 }

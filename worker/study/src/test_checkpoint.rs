@@ -1,22 +1,24 @@
-//! Tests that were interrupted, in a file each beside those that are finished.
+//! Checkpoints of tests that were interrupted, in a file each beside the finished tests.
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::ENGINE_COMMIT;
-use crate::run::{SavedRun, Spent};
+use loadframe_run::{Engine, SavedRun, Spent};
 
-/// Where a test is kept while it is not finished.
+/// Where the state of a test is kept while it is not finished.
 #[derive(Debug)]
-pub(super) struct Unfinished {
+pub(super) struct TestCheckpoint {
+    engine: Engine,
     path: PathBuf,
     spec_sha256: String,
 }
 
-impl Unfinished {
-    pub(super) fn new(folder: &Path, spec_sha256: &str) -> Self {
+impl TestCheckpoint {
+    pub(super) fn new(folder: &Path, engine: Engine, spec_sha256: &str) -> Self {
+        let name = format!("unfinished_{spec_sha256}_{}.bin", engine.commit);
         Self {
+            engine,
             // of one engine only: a result comes from one
-            path: folder.join(format!("unfinished_{spec_sha256}_{ENGINE_COMMIT}.bin")),
+            path: folder.join(name),
             spec_sha256: spec_sha256.to_owned(),
         }
     }
@@ -24,14 +26,22 @@ impl Unfinished {
     /// What is there of the test; a file that cannot be used is none.
     pub(super) fn read(&self) -> SavedRun {
         let bytes = std::fs::read(&self.path).ok();
-        let saved = bytes.and_then(|bytes| SavedRun::from_bytes(&bytes, &self.spec_sha256).ok());
-        saved.unwrap_or_else(|| SavedRun::beginning(&self.spec_sha256))
+        let saved = bytes
+            .and_then(|bytes| SavedRun::from_bytes(&bytes, self.engine, &self.spec_sha256).ok());
+        saved.unwrap_or_else(|| SavedRun::beginning(self.engine, &self.spec_sha256))
     }
 
-    /// Keeps the state of a test that took so much processor time up to here.
-    pub(super) fn keep(&self, cpu_s: f64, state: &[u8]) -> io::Result<()> {
+    /// Saves the state of a test that took so much processor time up to here.
+    pub(super) fn write(&self, cpu_s: f64, state: &[u8]) -> io::Result<()> {
         let spent = Spent { wall_s: 0.0, cpu_s };
-        let saved = SavedRun::new(&self.spec_sha256, spent, vec![], vec![], state.to_vec());
+        let saved = SavedRun::new(
+            self.engine,
+            &self.spec_sha256,
+            spent,
+            vec![],
+            vec![],
+            state.to_vec(),
+        );
         let partial = self.path.with_extension("partial");
         std::fs::write(&partial, saved.to_bytes())?;
         std::fs::rename(partial, &self.path)

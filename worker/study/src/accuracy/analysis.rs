@@ -2,13 +2,12 @@
 use indexmap::IndexMap;
 use loadframe_api::JobKind;
 use loadframe_physics::Sample;
+use loadframe_run::Engine;
 use serde::Serialize;
 
 use super::design::{Design, Line};
-use crate::study::Design as _;
-use crate::study::Finished;
-use crate::study::runs_file::{mean_time, unit};
-use crate::{ENGINE_COMMIT, ENGINE_VERSION};
+use crate::runs_file::{Finished, mean_time, unit};
+use crate::settings::Settings;
 
 /// Numbers of repeats whose mean is told.
 const REPEATS: [u32; 6] = [1, 3, 5, 10, 30, 100];
@@ -101,11 +100,31 @@ impl Error {
     }
 }
 
+impl crate::design::Design for Design {
+    type Findings = Study;
+
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    fn describe(&self, setting: usize) -> String {
+        let named = self.lines.iter().find_map(|line| {
+            let point = line.points.iter().find(|point| point.setting == setting)?;
+            Some(format!("{}={}", line.knob.name, point.label))
+        });
+        named.unwrap_or_else(|| "the spec's own setting".to_owned())
+    }
+
+    fn findings(&self, engine: Engine, finished: &[Vec<Finished>]) -> Study {
+        Study::of(engine, self, finished)
+    }
+}
+
 impl Study {
     /// `finished`: the tests at each setting of the design, in the order of its seeds.
-    pub(super) fn of(design: &Design, finished: &[Vec<Finished>]) -> Self {
+    fn of(engine: Engine, design: &Design, finished: &[Vec<Finished>]) -> Self {
         let present = &finished[design.present];
-        let (sha256, spec) = design.settings().get(design.present);
+        let (sha256, spec) = design.settings.get(design.present);
         // a test that had no result names none
         let first = present.iter().find(|test| !test.results.is_empty());
         let results = first.into_iter().flat_map(|test| test.results.keys());
@@ -131,9 +150,9 @@ impl Study {
         Self {
             kind: spec.kind(),
             spec_sha256: sha256.to_owned(),
-            engine_version: ENGINE_VERSION.to_owned(),
-            engine_commit: ENGINE_COMMIT.to_owned(),
-            seeds: design.settings().seeds().to_vec(),
+            engine_version: engine.version.to_owned(),
+            engine_commit: engine.commit.to_owned(),
+            seeds: design.settings.seeds().to_vec(),
             cpu_s,
             total_cpu_s: finished.iter().flatten().map(|test| test.cpu_s).sum(),
             knobs: design

@@ -2,8 +2,7 @@
 use loadframe_api::study::{Knob, TurnError};
 use loadframe_api::{JobSpec, Violation};
 
-use super::analysis::Study;
-use crate::study::{self, Finished, Settings};
+use crate::settings::Settings;
 
 /// A knob to vary, over these values or, where there are none, over its own grid.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,7 +14,7 @@ pub struct Request {
 /// The settings of a study; equal ones are there once.
 #[derive(Clone, Debug)]
 pub struct Design {
-    settings: Settings,
+    pub(super) settings: Settings,
     pub(super) lines: Vec<Line>,
     /// The setting that is the spec's own.
     pub(super) present: usize,
@@ -195,25 +194,5 @@ fn checked(spec: &JobSpec, setting: impl FnOnce() -> String) -> Result<&JobSpec,
             setting: setting(),
             violations,
         }),
-    }
-}
-
-impl study::Design for Design {
-    type Findings = Study;
-
-    fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
-    fn words(&self, setting: usize) -> String {
-        let named = self.lines.iter().find_map(|line| {
-            let point = line.points.iter().find(|point| point.setting == setting)?;
-            Some(format!("{}={}", line.knob.name, point.label))
-        });
-        named.unwrap_or_else(|| "the spec's own setting".to_owned())
-    }
-
-    fn findings(&self, finished: &[Vec<Finished>]) -> Study {
-        Study::of(self, finished)
     }
 }

@@ -4,8 +4,8 @@ use std::io;
 
 use super::analysis::Study;
 use super::plot::plot;
-use super::words::words;
-use crate::study::Findings;
+use super::terminal::terminal_text;
+use crate::design::Findings;
 
 impl Findings for Study {
     const FILES: &[&str] = &["accuracy.csv", "accuracy.json", "accuracy.svg"];
@@ -15,8 +15,8 @@ impl Findings for Study {
         Ok(vec![csv(self).into(), json, plot(self).into()])
     }
 
-    fn words(&self) -> String {
-        words(self)
+    fn text(&self) -> String {
+        terminal_text(self)
     }
 
     fn total_cpu_s(&self) -> f64 {

@@ -10,7 +10,7 @@ mod analysis;
 mod design;
 mod files;
 mod plot;
-mod words;
+mod terminal;
 
 pub use analysis::{Error, KnobStudy, RepeatsRow, Row, Scatter, Study};
 pub use design::{Design, DesignError, Request};

@@ -6,10 +6,8 @@
 use std::fmt::Write;
 
 use super::analysis::{KnobStudy, Study};
-use crate::study::svg::{
-    COLOURS, MARGIN, PANEL, end, escaped, frame, level, mark, middle, picture, text,
-};
-use crate::study::text::{digits, sentence};
+use crate::svg::{COLOURS, MARGIN, PANEL, end, escaped, frame, level, mark, middle, picture, text};
+use crate::text::{digits, sentence};
 
 /// Room for the legend at the bottom.
 const LEGEND: f64 = 64.0;

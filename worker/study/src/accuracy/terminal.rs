@@ -2,13 +2,13 @@
 use std::fmt::Write;
 
 use super::analysis::{KnobStudy, Row, Study};
-use crate::study::text::{digits, percent, plain, table};
+use crate::text::{digits, percent, plain, table};
 
 /// An error is small beside a scatter of three times its size: it adds a twentieth to it.
 const SMALL: f64 = 1.0 / 3.0;
 
 /// Tables of all knobs, each with what follows from it.
-pub(super) fn words(study: &Study) -> String {
+pub(super) fn terminal_text(study: &Study) -> String {
     let mut text = String::new();
     for knob in &study.knobs {
         let statistic = if knob.keeps_specimen {

@@ -5,8 +5,13 @@ use loadframe_api::{JobKind, JobSpec, Submission};
 use serde_json::{Value, json};
 
 use super::*;
-use crate::study::{Design as _, Findings, StudyEnd, StudyOptions, run};
-use crate::{StopCause, StopSwitch};
+use crate::{Design as _, Findings, StudyEnd, StudyOptions, run};
+use loadframe_run::{Engine, StopCause, StopSwitch};
+
+const ENGINE: Engine = Engine {
+    version: "1.2.3",
+    commit: "abc",
+};
 
 /// The quick example with fewer points: done in hundredths of a second.
 fn small() -> JobSpec {
@@ -28,6 +33,7 @@ fn request(knob: &str, values: &[&str]) -> Request {
 
 fn run_in(folder: &Path, design: &Design, threads: usize) -> StudyEnd<Study> {
     let options = StudyOptions {
+        engine: ENGINE,
         threads,
         folder,
         switch: &StopSwitch::default(),
@@ -119,14 +125,15 @@ fn errors_are_those_of_the_tests_themselves() {
         let mut spec = small().single(seed);
         spec.turn("force_accuracy", accuracy).expect("a number");
         let folder = tempfile::tempdir().expect("a folder");
-        let options = crate::run::DirectoryOptions {
+        let options = loadframe_run::DirectoryOptions {
+            engine: ENGINE,
             threads: 1,
             checkpoint_every: std::time::Duration::from_secs(3600),
             switch: &StopSwitch::default(),
         };
-        let end = crate::run::run_to_directory(&spec, folder.path(), options, &mut |_| {});
+        let end = loadframe_run::run_to_directory(&spec, folder.path(), options, &mut |_| {});
         match end {
-            Ok(crate::run::DirectoryEnd::Finished(outcome)) => {
+            Ok(loadframe_run::DirectoryEnd::Finished(outcome)) => {
                 outcome.summary["strength"].value.expect("it broke")
             }
             end => panic!("{end:?}"),
@@ -161,6 +168,7 @@ fn a_stopped_study_goes_on_with_what_it_has() {
     let design = Design::new(&small(), &[request("strain_step", &[])], 3).expect("a design");
     let switch = StopSwitch::default();
     let options = StudyOptions {
+        engine: ENGINE,
         threads: 1,
         folder: folder.path(),
         switch: &switch,
@@ -217,7 +225,7 @@ fn the_files_have_every_row_and_the_words_name_what_to_do() {
     // a mark for each setting in each panel, with the present one ringed for each knob
     assert_eq!(svg.matches("<g><title>").count(), 5 * settings);
     assert_eq!(svg.matches("class=\"present\"").count(), 5 * 3);
-    let words = study.words();
+    let words = study.text();
     for said in [
         "force_accuracy",
         "weakest_first",

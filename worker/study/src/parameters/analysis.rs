@@ -2,14 +2,14 @@
 use indexmap::{IndexMap, IndexSet};
 use loadframe_api::JobKind;
 use loadframe_physics::Sample;
+use loadframe_run::Engine;
 use serde::Serialize;
-use serde_json::Value;
 
+use super::case::{CaseResult, CaseRow, Test};
 use super::design::{Design, DesignCase};
 use super::finding::Finding;
-use crate::study::runs_file::{mean_time, unit};
-use crate::study::{Design as _, Finished};
-use crate::{ENGINE_COMMIT, ENGINE_VERSION};
+use crate::runs_file::{Finished, mean_time, unit};
+use crate::settings::Settings;
 
 /// The result of a study: `parameters.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -30,55 +30,26 @@ pub struct Study {
     pub unknown_results: Vec<String>,
 }
 
-/// A case.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CaseRow {
-    pub label: String,
-    /// What is different in it, by JSON pointer into the spec.
-    pub set: IndexMap<String, Value>,
-    /// Of the spec with the study's first seed.
-    pub spec_sha256: String,
-    /// Processor time of one test [s], the mean over seeds.
-    pub cpu_s: f64,
-    /// Tests with a warning.
-    pub doubtful: usize,
-    /// Warnings by their code, and how many tests had them.
-    pub warnings: IndexMap<String, usize>,
-    /// Every result over the seeds.
-    pub results: IndexMap<String, CaseResult>,
-    /// In the order of the seeds.
-    pub tests: Vec<Test>,
-}
+impl crate::design::Design for Design {
+    type Findings = Study;
 
-/// A result of a case over the seeds.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CaseResult {
-    pub unit: String,
-    /// `null` where no test got that far.
-    pub mean: Option<f64>,
-    /// Standard deviation, from two seeds on.
-    pub deviation: Option<f64>,
-    /// 95 % confidence interval of the mean, by Student's t, from two seeds on.
-    pub interval: Option<[f64; 2]>,
-    /// Seeds that know it.
-    pub n: u32,
-}
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
 
-/// A test of a case.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Test {
-    pub seed: u64,
-    /// Processor time [s].
-    pub cpu_s: f64,
-    /// Codes of its warnings.
-    pub warnings: Vec<String>,
-    /// Every result, in the order of the case's.
-    pub values: Vec<Option<f64>>,
+    fn describe(&self, setting: usize) -> String {
+        let named = self.cases.iter().find(|case| case.setting == setting);
+        named.map_or_else(String::new, |case| format!("case {:?}", case.label))
+    }
+
+    fn findings(&self, engine: Engine, finished: &[Vec<Finished>]) -> Study {
+        Study::of(engine, self, finished)
+    }
 }
 
 impl Study {
     /// `finished`: the tests at each setting of the design, in the order of its seeds.
-    pub(super) fn of(design: &Design, finished: &[Vec<Finished>]) -> Self {
+    fn of(engine: Engine, design: &Design, finished: &[Vec<Finished>]) -> Self {
         let tests = || design.cases.iter().flat_map(|case| &finished[case.setting]);
         let known: IndexSet<&String> = tests().flat_map(|test| test.results.keys()).collect();
         let units: IndexMap<&str, String> = known
@@ -96,7 +67,7 @@ impl Study {
             .collect();
         let (asked, unknown_results): (Vec<String>, Vec<String>) = match design.results.as_slice() {
             [] => {
-                let (_, spec) = design.settings().get(0);
+                let (_, spec) = design.settings.get(0);
                 let compared = known.iter().filter(|name| spec.compares(name));
                 (compared.map(|name| (*name).clone()).collect(), Vec::new())
             }
@@ -116,9 +87,9 @@ impl Study {
             source: design.source.clone(),
             statement: design.statement.clone(),
             kind: design.kind,
-            engine_version: ENGINE_VERSION.to_owned(),
-            engine_commit: ENGINE_COMMIT.to_owned(),
-            seeds: design.settings().seeds().to_vec(),
+            engine_version: engine.version.to_owned(),
+            engine_commit: engine.commit.to_owned(),
+            seeds: design.settings.seeds().to_vec(),
             total_cpu_s: finished.iter().flatten().map(|test| test.cpu_s).sum(),
             cases,
             findings,
@@ -152,7 +123,7 @@ fn row(
     for code in finished.iter().flat_map(|test| &test.warnings) {
         *warnings.entry(code.clone()).or_insert(0) += 1;
     }
-    let seeds = design.settings().seeds().iter();
+    let seeds = design.settings.seeds().iter();
     let tests = seeds.zip(finished).map(|(seed, test)| Test {
         seed: *seed,
         cpu_s: test.cpu_s,
@@ -162,7 +133,7 @@ fn row(
     CaseRow {
         label: case.label.clone(),
         set: case.set.clone(),
-        spec_sha256: design.settings().get(case.setting).0.to_owned(),
+        spec_sha256: design.settings.get(case.setting).0.to_owned(),
         cpu_s: mean_time(finished),
         doubtful: finished
             .iter()

@@ -4,8 +4,7 @@ use loadframe_api::study::ParameterStudy;
 use loadframe_api::{JobKind, JobSpec, Violation};
 use serde_json::Value;
 
-use super::analysis::Study;
-use crate::study::{self, Finished, Settings};
+use crate::settings::Settings;
 
 /// A study of parameters that can be run.
 #[derive(Clone, Debug)]
@@ -17,7 +16,7 @@ pub struct Design {
     /// Results to be shown; empty for those that the kind compares.
     pub(super) results: Vec<String>,
     pub(super) cases: Vec<DesignCase>,
-    settings: Settings,
+    pub(super) settings: Settings,
 }
 
 /// A case; two of them may be the same setting.
@@ -54,22 +53,5 @@ impl Design {
             cases: cases.collect(),
             settings,
         })
-    }
-}
-
-impl study::Design for Design {
-    type Findings = Study;
-
-    fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
-    fn words(&self, setting: usize) -> String {
-        let named = self.cases.iter().find(|case| case.setting == setting);
-        named.map_or_else(String::new, |case| format!("case {:?}", case.label))
-    }
-
-    fn findings(&self, finished: &[Vec<Finished>]) -> Study {
-        Study::of(self, finished)
     }
 }

@@ -6,8 +6,8 @@ use loadframe_physics::csv;
 use super::analysis::Study;
 use super::markdown::page;
 use super::plot::plot;
-use super::words::words;
-use crate::study::Findings;
+use super::terminal::terminal_text;
+use crate::design::Findings;
 
 impl Findings for Study {
     const FILES: &[&str] = &[
@@ -27,8 +27,8 @@ impl Findings for Study {
         ])
     }
 
-    fn words(&self) -> String {
-        words(self)
+    fn text(&self) -> String {
+        terminal_text(self)
     }
 
     fn total_cpu_s(&self) -> f64 {

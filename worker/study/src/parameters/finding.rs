@@ -2,9 +2,9 @@
 use loadframe_physics::Welch;
 use serde::Serialize;
 
-use super::analysis::CaseRow;
+use super::case::CaseRow;
 use super::labels::Labels;
-use crate::study::text::{probability, sentence};
+use crate::text::{probability, sentence};
 
 /// Differences that samples of equal populations show more often than this are called chance.
 const LEVEL: f64 = 0.05;

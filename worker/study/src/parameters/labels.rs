@@ -1,5 +1,5 @@
 //! Labels of cases as far as they differ.
-use super::analysis::CaseRow;
+use super::case::CaseRow;
 
 /// The words that labels have in common: `stiffness = 1` and `stiffness = 2` are values of stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@ use std::fmt::Write;
 
 use super::analysis::Study;
 use super::labels::Labels;
-use crate::study::text::{digits, plain};
+use crate::text::{digits, plain};
 
 /// The page.
 pub(super) fn page(study: &Study) -> String {

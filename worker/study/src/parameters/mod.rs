@@ -8,15 +8,17 @@
 //! Any kind takes part; a study file names values by JSON pointer
 //! ([`loadframe_api::study::ParameterStudy`]).
 mod analysis;
+mod case;
 mod design;
 mod files;
 mod finding;
 mod labels;
 mod markdown;
 mod plot;
-mod words;
+mod terminal;
 
-pub use analysis::{CaseResult, CaseRow, Study, Test};
+pub use analysis::Study;
+pub use case::{CaseResult, CaseRow, Test};
 pub use design::Design;
 pub use finding::{Finding, Step, Trend};
 

@@ -4,10 +4,11 @@
 //! too long for the axis are numbers there, and words in the legend.
 use std::fmt::Write;
 
-use super::analysis::{CaseResult, CaseRow, Study};
+use super::analysis::Study;
+use super::case::{CaseResult, CaseRow};
 use super::labels::Labels;
-use crate::study::svg::{MARGIN, PANEL, escaped, frame, level, mark, middle, picture, text};
-use crate::study::text::{Digits, sentence};
+use crate::svg::{MARGIN, PANEL, escaped, frame, level, mark, middle, picture, text};
+use crate::text::{Digits, sentence};
 
 /// Panels at most.
 const PANELS: usize = 4;

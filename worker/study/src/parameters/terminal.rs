@@ -1,9 +1,10 @@
 //! A study as a table and sentences for a terminal.
 use std::fmt::Write;
 
-use super::analysis::{CaseResult, CaseRow, Study};
+use super::analysis::Study;
+use super::case::{CaseResult, CaseRow};
 use super::labels::Labels;
-use crate::study::text::{Digits, digits, plain, table};
+use crate::text::{Digits, digits, plain, table};
 
 /// What is shown of a result that no test got to.
 const UNKNOWN: &str = "?";
@@ -82,7 +83,7 @@ impl Study {
 }
 
 /// The cases as a table, beneath it what follows.
-pub(super) fn words(study: &Study) -> String {
+pub(super) fn terminal_text(study: &Study) -> String {
     let seeds = study.seeds.len();
     let labels = Labels::of(&study.cases);
     let mut heads = vec![plain(labels.name())];

@@ -7,8 +7,13 @@ use loadframe_physics::{Sample, Welch};
 use serde_json::{Value, json};
 
 use super::*;
-use crate::study::{Design as _, Findings, StudyEnd, StudyOptions, run};
-use crate::{StopCause, StopSwitch};
+use crate::{Design as _, Findings, StudyEnd, StudyOptions, run};
+use loadframe_run::{Engine, StopCause, StopSwitch};
+
+const ENGINE: Engine = Engine {
+    version: "1.2.3",
+    commit: "abc",
+};
 
 /// A fabric done in hundredths of a second, at three strengths and as it is.
 fn file() -> Value {
@@ -37,6 +42,7 @@ fn design(file: &Value) -> Design {
 
 fn run_in(folder: &Path, design: &Design, threads: usize) -> Study {
     let options = StudyOptions {
+        engine: ENGINE,
         threads,
         folder,
         switch: &StopSwitch::default(),
@@ -86,9 +92,10 @@ fn a_test_that_its_spec_makes_impossible_is_a_finding() {
     assert_eq!(good.results["kinetic_energy"].n, 2);
     assert_eq!((bad.results["kinetic_energy"].n, bad.doubtful), (0, 2));
     assert_eq!(bad.warnings["no_result"], 2);
-    assert!(study.words().contains("no result (2)"), "{}", study.words());
+    assert!(study.text().contains("no result (2)"), "{}", study.text());
     let folder = tempfile::tempdir().expect("a folder");
     let options = StudyOptions {
+        engine: ENGINE,
         threads: 1,
         folder: folder.path(),
         switch: &StopSwitch::default(),
@@ -186,6 +193,7 @@ fn a_stopped_study_goes_on_in_the_middle_of_a_test() {
     let folder = tempfile::tempdir().expect("a folder");
     let switch = StopSwitch::default();
     let options = StudyOptions {
+        engine: ENGINE,
         threads: 1,
         folder: folder.path(),
         switch: &switch,
@@ -217,9 +225,9 @@ fn a_stopped_study_goes_on_in_the_middle_of_a_test() {
     for seed in [1, 2] {
         let spec = design.settings().test(0, seed);
         let sha256 = spec.sha256();
-        let state = crate::study::unfinished::Unfinished::new(spoiled.path(), &sha256);
+        let state = crate::test_checkpoint::TestCheckpoint::new(spoiled.path(), ENGINE, &sha256);
         state
-            .keep(1.0, b"not what a simulation gave")
+            .write(1.0, b"not what a simulation gave")
             .expect("written");
     }
     let study = run_in(spoiled.path(), &design, 1);
@@ -274,9 +282,9 @@ fn the_files_have_every_case_and_every_test() {
     assert_eq!(svg.matches("class=\"path\"").count(), 2 * 4);
     assert_eq!(svg.matches("class=\"open\"").count(), 2 * 4 * 3);
     assert!(
-        study.words().contains("mean_strength_n = 1.5"),
+        study.text().contains("mean_strength_n = 1.5"),
         "{}",
-        study.words()
+        study.text()
     );
 }
 
