@@ -1,12 +1,16 @@
 //! A submission: the envelope around a spec, taken apart so that every error keeps its place.
+use std::sync::OnceLock;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use serde_json::value::RawValue;
 
-use crate::kinds::{Spec, SpecVisitor};
-use crate::schema::{envelope_violations, escape, spec_violations};
-use crate::{Estimate, JobKind, JobSpec, Problem, Violation};
+use crate::kind_schemas::spec_violations;
+use crate::kinds::{JobKind, JobSpec, SpecVisitor};
+use crate::problem::{Problem, Violation};
+use crate::schema::{Checker, escape};
+use crate::spec_trait::Spec;
 
 /// The body of `POST /v1/jobs`, its spec still raw.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
@@ -51,14 +55,6 @@ pub enum SubmissionError {
     /// It is JSON, but not a job that can be run.
     #[error("{} violations", .0.len())]
     Invalid(Vec<Violation>),
-}
-
-/// What a server lets a single job take.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    pub wall_s: f64,
-    pub memory_mb: f64,
-    pub disk_mb: f64,
 }
 
 impl Submission {
@@ -150,27 +146,6 @@ impl JobSpec {
     }
 }
 
-impl Limits {
-    /// Refuses a job whose estimate exceeds the limits.
-    pub fn violations(&self, estimate: &Estimate) -> Vec<Violation> {
-        let checks = [
-            ("time", estimate.wall_s, self.wall_s, "s"),
-            ("memory", estimate.memory_mb, self.memory_mb, "MB"),
-            ("disk", estimate.disk_mb, self.disk_mb, "MB"),
-        ];
-        let over = checks
-            .into_iter()
-            .filter(|(_, estimate, limit, _)| estimate > limit);
-        over.map(|(what, estimate, limit, unit)| {
-            Violation::new("/spec", "too_expensive", format!("the job would need about {estimate:.3e} {unit} of {what}; make it smaller or ask for higher limits"))
-                .value(estimate)
-                .allowed(format!("≤ {limit}"))
-                .unit(unit)
-        })
-        .collect()
-    }
-}
-
 impl SubmissionError {
     /// Everything that is wrong.
     pub fn violations(self) -> Vec<Violation> {
@@ -199,6 +174,14 @@ impl SubmissionError {
             }
         }
     }
+}
+
+/// Everything in a submission, its spec aside, that the envelope's schema refuses.
+fn envelope_violations(body: &Value) -> Vec<Violation> {
+    static CHECKER: OnceLock<Checker> = OnceLock::new();
+    CHECKER
+        .get_or_init(Checker::of::<Envelope>)
+        .violations(body)
 }
 
 fn within_spec(mut violation: Violation) -> Violation {

@@ -3,54 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    Calibration, Estimate, Violation,
-    schema::spec_violations,
-    sha256_hex, spec,
-    study::{Knob, TurnError},
-};
+use serde_json::Value;
 
-/// What the spec of every kind can do beyond being parsed.
-pub trait Spec: Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
-    /// Reports what its JSON Schema cannot say, with pointers relative to the spec.
-    fn check(&self, violations: &mut Vec<Violation>);
-
-    /// Writes out what stands behind names (a preset's knobs).
-    fn normalise(&mut self);
-
-    /// What the job will take on a machine of the measured speed.
-    fn estimate(&self, calibration: &Calibration) -> Estimate;
-
-    /// Seed of the random streams.
-    fn seed(&self) -> u64;
-
-    /// What an accuracy study may vary.
-    fn knobs(&self) -> Vec<Knob>;
-
-    /// Sets a knob; `None` when the value is not one it takes.
-    fn turn(&mut self, knob: &str, value: &str) -> Option<()>;
-
-    /// Makes it one test of this seed, on the thread it is run on, that writes as little as it can.
-    fn single(&mut self, seed: u64);
-
-    /// Makes it the tests of one specimen of this seed, as a calibration runs it: unlike
-    /// [`Self::single`] it keeps what is compared within a specimen, such as directions.
-    fn realise(&mut self, seed: u64) {
-        self.single(seed);
-    }
-
-    /// Whether a result may be compared between settings: not when it grows with the specimen.
-    fn compares(result: &str) -> bool;
-}
-
-/// An example job of a kind.
-#[derive(Clone, Copy, Debug)]
-pub struct Example {
-    /// File name without `.json`.
-    pub name: &'static str,
-    /// The POST body.
-    pub body: &'static str,
-}
+use crate::calibration::{Calibration, Estimate};
+use crate::digest::sha256_hex;
+use crate::problem::Violation;
+use crate::spec;
+use crate::spec_trait::Spec;
+use crate::study::{Knob, TurnError};
 
 macro_rules! job_kinds {
     ($($kind:ident($name:literal): $spec:ty, $title:literal, $description:literal, [$($example:literal),+ $(,)?];)+) => {
@@ -85,7 +45,7 @@ macro_rules! job_kinds {
                 match self { $(Self::$kind => $description,)+ }
             }
 
-            /// Example jobs; the first is the one to start from.
+            /// Example jobs; the first is the one to start from, and has the kind's name.
             pub fn examples(self) -> &'static [Example] {
                 match self {
                     $(Self::$kind => &[$(Example {
@@ -148,12 +108,14 @@ macro_rules! job_kinds {
                 match self { $(Self::$kind(_) => <$spec as Spec>::compares(result),)+ }
             }
 
-            /// Everything that is wrong with the spec, with pointers into it.
-            ///
-            /// # Errors
-            /// The violations, when there are any.
-            pub fn check(&self) -> Result<(), Vec<Violation>> {
-                match self { $(Self::$kind(spec) => check(self.kind(), &**spec),)+ }
+            /// The spec as a JSON value, all defaults written out.
+            pub(crate) fn to_value(&self) -> Value {
+                match self { $(Self::$kind(spec) => value(&**spec),)+ }
+            }
+
+            /// Reports what the kind's JSON Schema cannot say.
+            pub(crate) fn cross_check(&self, violations: &mut Vec<Violation>) {
+                match self { $(Self::$kind(spec) => spec.check(violations),)+ }
             }
 
             fn set(&mut self, knob: &str, value: &str) -> Option<()> {
@@ -192,23 +154,24 @@ job_kinds! {
         ["calibrate", "calibrate_pet", "calibrate_ballast"];
 }
 
+/// An example job of a kind.
+#[derive(Clone, Copy, Debug)]
+pub struct Example {
+    /// File name without `.json`.
+    pub name: &'static str,
+    /// The POST body.
+    pub body: &'static str,
+}
+
 /// Work that is the same for every kind, given the spec's type.
 pub(crate) trait SpecVisitor {
     type Output;
     fn visit<T: Spec>(self, wrap: fn(T) -> JobSpec) -> Self::Output;
 }
 
-fn check<T: Spec>(kind: JobKind, spec: &T) -> Result<(), Vec<Violation>> {
-    let value = serde_json::to_value(spec).unwrap_or_default();
-    let mut violations = spec_violations(kind, &value);
-    if violations.is_empty() {
-        spec.check(&mut violations);
-    }
-    if violations.is_empty() {
-        Ok(())
-    } else {
-        Err(violations)
-    }
+fn value<T: Spec>(spec: &T) -> Value {
+    // as below
+    serde_json::to_value(spec).unwrap_or_default()
 }
 
 fn json<T: Spec>(spec: &T) -> String {

@@ -10,15 +10,19 @@ mod changes;
 mod digest;
 mod envelope;
 mod event;
+mod examples;
 mod file_name;
 pub mod filling;
 mod job;
+mod kind_schemas;
 pub mod kinds;
+mod limits;
 mod message;
 mod outcome;
 mod problem;
 mod schema;
 pub mod spec;
+mod spec_trait;
 pub mod study;
 pub mod surface;
 mod timestamp;
@@ -27,19 +31,23 @@ pub mod worker;
 pub use calibration::{Calibration, Estimate};
 pub use changes::JobChanges;
 pub use digest::sha256_hex;
-pub use envelope::{Envelope, Limits, Submission, SubmissionError};
+pub use envelope::{Envelope, Submission, SubmissionError};
 pub use event::{Event, JobDeleted, PointsReady, ProgressNow};
+pub use examples::UnknownExample;
 pub use file_name::{FileNameError, check_file_name};
 pub use job::{
     AttemptEnd, AttemptView, CurveView, JobLinks, JobOutcome, JobStatus, JobView, LogLine, Page,
     ReasonCode, WorkerView,
 };
+pub use kind_schemas::kind_schema;
 pub use kinds::{Example, JobKind, JobSpec};
+pub use limits::{Excess, Limits};
 pub use message::Message;
 pub use outcome::{
     BodyProperties, Cost, FileEntry, Outcome, OutcomeStatus, Provenance, QualityCheck, Quantity,
     Report, Warning,
 };
 pub use problem::{Problem, Violation};
-pub use schema::{component_schemas, kind_schema};
+pub use schema::component_schemas;
+pub use spec_trait::Spec;
 pub use timestamp::Timestamp;

@@ -1,28 +1,19 @@
 //! JSON Schema as the one source of types, units, limits and their error messages.
-use std::collections::BTreeMap;
-use std::sync::OnceLock;
-
 use jsonschema::error::{TypeKind, ValidationErrorKind};
 use jsonschema::{ValidationError, Validator};
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value};
 
-use crate::kinds::{Spec, SpecVisitor};
-use crate::{Envelope, JobKind, JobSpec, Violation};
+use crate::problem::Violation;
 
 /// At most this many violations are listed; a hundred are as clear as a million.
 const LISTED: usize = 100;
 
 /// A schema compiled for checking, with its text for messages.
 pub(crate) struct Checker {
-    schema: Value,
+    pub(crate) schema: Value,
     validator: Option<Validator>,
-}
-
-/// JSON Schema (2020-12) of a kind's spec, without references, with `x-unit` at every quantity.
-pub fn kind_schema(kind: JobKind) -> &'static Value {
-    &kind_checker(kind).schema
 }
 
 /// Schemas of all types of the wire, by name, for `#/components/schemas`.
@@ -64,38 +55,13 @@ pub(crate) fn unit_at<'a>(schema: &'a Value, pointer: &str) -> Option<&'a str> {
     })
 }
 
-/// Everything in `spec` that the kind's schema refuses, with pointers relative to the spec.
-pub(crate) fn spec_violations(kind: JobKind, spec: &Value) -> Vec<Violation> {
-    kind_checker(kind).violations(spec)
-}
-
-/// Everything in a submission, its spec aside, that the envelope's schema refuses.
-pub(crate) fn envelope_violations(body: &Value) -> Vec<Violation> {
-    static CHECKER: OnceLock<Checker> = OnceLock::new();
-    CHECKER
-        .get_or_init(Checker::of::<Envelope>)
-        .violations(body)
-}
-
-fn kind_checker(kind: JobKind) -> &'static Checker {
-    struct Compile;
-    impl SpecVisitor for Compile {
-        type Output = Checker;
-        fn visit<T: Spec>(self, _: fn(T) -> JobSpec) -> Checker {
-            Checker::of::<T>()
-        }
-    }
-    static CHECKERS: OnceLock<BTreeMap<&'static str, Checker>> = OnceLock::new();
-    let all = CHECKERS.get_or_init(|| {
-        JobKind::ALL
-            .iter()
-            .map(|kind| (kind.name(), kind.visit(Compile)))
-            .collect()
-    });
-    &all[kind.name()]
-}
-
 impl Checker {
+    /// Whether the schema compiles.
+    #[cfg(test)]
+    pub(crate) fn is_usable(&self) -> bool {
+        self.validator.is_some()
+    }
+
     pub(crate) fn of<T: JsonSchema>() -> Self {
         let settings =
             SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
@@ -341,37 +307,4 @@ fn number(value: f64) -> String {
 /// A field name as a part of a JSON pointer (RFC 6901).
 pub(crate) fn escape(name: &str) -> String {
     name.replace('~', "~0").replace('/', "~1")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_schema_compiles_and_names_the_unit_of_every_number() {
-        for kind in JobKind::ALL {
-            let checker = kind_checker(*kind);
-            assert!(checker.validator.is_some(), "{kind}");
-            for (name, unit) in [("_mm", "mm"), ("_n", "N"), ("_pa", "Pa")] {
-                each_field(&checker.schema, &mut |field, node| {
-                    if field.ends_with(name) {
-                        assert_eq!(node["x-unit"], unit, "{kind} {field}");
-                    }
-                });
-            }
-        }
-    }
-
-    fn each_field(node: &Value, see: &mut impl FnMut(&str, &Value)) {
-        match node {
-            Value::Object(map) => {
-                if let Some(fields) = map.get("properties").and_then(Value::as_object) {
-                    fields.iter().for_each(|(name, field)| see(name, field));
-                }
-                map.values().for_each(|child| each_field(child, see));
-            }
-            Value::Array(items) => items.iter().for_each(|child| each_field(child, see)),
-            _ => {}
-        }
-    }
 }

@@ -82,6 +82,49 @@ fn exit_codes_tell_scripts_how_it_ended() {
 }
 
 #[test]
+fn examples_are_printed_by_their_own_name_and_a_misspelt_one_is_guessed() {
+    let example = |name: &str| {
+        let mut command = loadframe();
+        command.args(["example", name]).output().unwrap()
+    };
+    for (asked, job) in [
+        ("granular_scene", "A sphere falls on another"),
+        ("granular_scene_hopper", "hopper"),
+    ] {
+        let printed = example(asked);
+        assert_eq!(code(&printed), 0, "{}", text(&printed));
+        let body: Value = serde_json::from_slice(&printed.stdout).unwrap();
+        assert_eq!(body["kind"], "granular_scene");
+        assert!(text(&printed).contains(job), "{}", text(&printed));
+    }
+    let refused = example("granular_scene_hoper");
+    assert_eq!(code(&refused), 2, "{}", text(&refused));
+    for said in ["did you mean \"granular_scene_hopper\"", "\n  calibrate, "] {
+        assert!(text(&refused).contains(said), "{}", text(&refused));
+    }
+}
+
+#[test]
+fn what_memory_cannot_hold_is_refused_before_anything_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec = folder.path().join("large.json");
+    // ten million steps of a thousand specimens are kept until the end: about 450 GB
+    let mut body = with_seed(SMALL, 1);
+    body["spec"]["test"] = serde_json::json!({
+        "strain_step": 3e-7, "max_strain": 3.0, "repeats": 1000});
+    std::fs::write(&spec, body.to_string()).unwrap();
+    let out = folder.path().join("results");
+    let mut command = loadframe();
+    command.arg("run").arg(&spec).arg("--out").arg(&out);
+    let refused = command.output().unwrap();
+    assert_eq!(code(&refused), 2, "{}", text(&refused));
+    for said in ["GB of memory", "GB free", "--even-if-large"] {
+        assert!(text(&refused).contains(said), "{}", text(&refused));
+    }
+    assert!(!out.exists());
+}
+
+#[test]
 fn a_run_interrupted_by_sigint_goes_on_where_it_was() {
     let server = Server::start();
     let body = with_seed(LONG, 1);

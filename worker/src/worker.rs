@@ -4,14 +4,14 @@ use std::time::{Duration, Instant};
 
 use loadframe_api::JobKind;
 use loadframe_api::worker::{ClaimRequest, Lease};
+use loadframe_client::{ServerClient, ServerError};
+use loadframe_run::{Engine, calibrate, host_name};
 use reqwest::{Method, StatusCode};
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
-use crate::attempt::Workplace;
-use crate::client::{ServerClient, ServerError};
+use crate::attempt::AttemptContext;
 use crate::scratch::Scratch;
-use crate::{ENGINE_VERSION, calibrate, host_name};
 
 /// How long the server may keep a claim waiting. A claim is never broken off, since the server may
 /// just have granted it; this is therefore also how long an idle worker may take to stop.
@@ -24,6 +24,8 @@ const AWAY_PAUSE: Duration = Duration::from_millis(500);
 /// What a worker is told at its start.
 #[derive(Clone, Debug)]
 pub struct WorkerOptions {
+    /// What computes.
+    pub engine: Engine,
     pub server: ServerClient,
     /// Connections for heartbeats alone.
     pub heartbeat_server: ServerClient,
@@ -66,7 +68,7 @@ pub enum WorkerError {
 /// A worker.
 #[derive(Debug)]
 pub struct Worker {
-    workplace: Workplace,
+    context: AttemptContext,
     claim: ClaimRequest,
     exit_when_idle: Option<Duration>,
     max_runtime: Option<Duration>,
@@ -87,13 +89,14 @@ impl Worker {
             name: options.name,
             host: host_name(),
             threads: u32::try_from(options.threads).unwrap_or(u32::MAX),
-            engine_version: ENGINE_VERSION.to_owned(),
+            engine_version: options.engine.version.to_owned(),
             kinds: JobKind::ALL.to_vec(),
             calibration: calibrate(),
             wait_s: CLAIM_WAIT_S,
         };
         Ok(Self {
-            workplace: Workplace {
+            context: AttemptContext {
+                engine: options.engine,
                 server: options.server,
                 heartbeat_server: options.heartbeat_server,
                 scratch,
@@ -109,7 +112,7 @@ impl Worker {
 
     /// Cancelling it stops the worker: a running job is saved and given back.
     pub fn shutdown(&self) -> CancellationToken {
-        self.workplace.shutdown.clone()
+        self.context.shutdown.clone()
     }
 
     /// Works until stopped.
@@ -117,7 +120,7 @@ impl Worker {
     /// # Errors
     /// [`WorkerError::Server`] when the server refuses claims for good.
     pub async fn work(self) -> Result<WorkerEnd, WorkerError> {
-        let shutdown = &self.workplace.shutdown;
+        let shutdown = &self.context.shutdown;
         if let Some(max_runtime) = self.max_runtime {
             let shutdown = shutdown.clone();
             tokio::spawn(async move {
@@ -126,7 +129,7 @@ impl Worker {
             });
         }
         tracing::info!(name = %self.claim.name, id = %self.claim.worker_id, threads = self.claim.threads,
-            server = self.workplace.server.address(), calibration = ?self.claim.calibration, "ready");
+            server = self.context.server.address(), calibration = ?self.claim.calibration, "ready");
         let mut idle_since = Instant::now();
         let mut is_away = false;
         while !shutdown.is_cancelled() {
@@ -134,7 +137,7 @@ impl Worker {
                 Ok(Some(lease)) => {
                     tracing::info!(job = %lease.job_id, attempt = lease.attempt, kind = %lease.kind, "claimed");
                     let job_id = lease.job_id;
-                    match self.workplace.carry_out(lease).await {
+                    match self.context.carry_out(lease).await {
                         Ok(()) => tracing::info!(job = %job_id, "lease ended"),
                         Err(error) => {
                             tracing::warn!(job = %job_id, %error, "everything of this attempt is dropped");
@@ -170,7 +173,7 @@ impl Worker {
     async fn pause(&self) {
         tokio::select! {
             () = tokio::time::sleep(AWAY_PAUSE) => {}
-            () = self.workplace.shutdown.cancelled() => {}
+            () = self.context.shutdown.cancelled() => {}
         }
     }
 
@@ -180,7 +183,7 @@ impl Worker {
     }
 
     async fn claim(&self) -> Result<Option<Lease>, ServerError> {
-        let server = &self.workplace.server;
+        let server = &self.context.server;
         let mut claim = self.claim.clone();
         if let Some(longest) = self.exit_when_idle {
             claim.wait_s = claim.wait_s.min(longest.as_secs_f64());

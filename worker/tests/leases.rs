@@ -5,10 +5,10 @@ use std::time::{Duration, Instant};
 use loadframe_api::{
     AttemptEnd, JobKind, JobOutcome, JobStatus, JobView, LogLine, Page, ReasonCode,
 };
+use loadframe_client::ServerClient;
+use loadframe_run::{DirectoryEnd, DirectoryOptions, Engine, StopSwitch, run_to_directory};
 use loadframe_server::{ServeConfig, serve};
-use loadframe_worker::client::ServerClient;
-use loadframe_worker::run::{DirectoryEnd, DirectoryOptions, run_to_directory};
-use loadframe_worker::{StopSwitch, Worker, WorkerEnd, WorkerOptions};
+use loadframe_worker::{Worker, WorkerEnd, WorkerOptions};
 use reqwest::{Method, header};
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -19,6 +19,11 @@ use tokio_util::sync::CancellationToken;
 const NEVER: Duration = Duration::from_secs(120);
 /// What users are promised: a cancelled job's worker is free again within this.
 const CANCEL_PROMISE: Duration = Duration::from_secs(2);
+
+const ENGINE: Engine = Engine {
+    version: loadframe_server::VERSION,
+    commit: loadframe_server::COMMIT,
+};
 
 /// A server with its data in a temporary folder, on a thread of its own.
 struct Lab {
@@ -87,6 +92,7 @@ impl Lab {
 
     fn worker(&self) -> (CancellationToken, JoinHandle<WorkerEnd>) {
         let options = WorkerOptions {
+            engine: ENGINE,
             server: self.client.clone(),
             heartbeat_server: self.client.clone(),
             name: "test".to_owned(),
@@ -161,6 +167,7 @@ fn long_job() -> Value {
 fn run_alone(body: &Value, folder: &Path) {
     let submission = loadframe_api::Submission::from_slice(body.to_string().as_bytes());
     let options = DirectoryOptions {
+        engine: ENGINE,
         threads: 1,
         checkpoint_every: NEVER,
         switch: &StopSwitch::default(),

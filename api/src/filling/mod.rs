@@ -1,33 +1,23 @@
 //! Shapes filled with equal spheres: what a grain of many members is made of.
 //!
 //! Both sides need this: whoever checks a scene and says what it takes, and whoever runs it.
+mod error;
 mod lattice;
 mod solid;
 mod surface;
 #[cfg(test)]
 mod tests;
 
+pub use error::FillError;
 pub use lattice::{Arrangement, Lattice};
 
 use nalgebra::Vector3;
 
 use crate::{
     spec::granular_scene::{Clump, Filled, Member, Shape},
-    surface::{Seams, StlError, TriangleMesh, read_stl},
+    surface::{StlError, TriangleMesh, read_stl},
 };
 use solid::Rows;
-
-/// Why a shape cannot be filled.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FillError {
-    #[error(transparent)]
-    Stl(#[from] StlError),
-    #[error("the surface is not closed: {} boundary edges and {} edges between triangles of opposite orientation", .0.boundary_edges, .0.misoriented_edges)]
-    NotClosed(Seams),
-    #[error("no sphere of radius {0} m fits into the shape")]
-    NothingFits(f64),
-}
 
 impl Clump {
     /// The clump with its members one by one.

@@ -1,7 +1,7 @@
 //! Filling a closed surface with spheres.
 use nalgebra::Vector3;
 
-use super::{FillError, lattice::Lattice, solid::Rows};
+use super::{error::FillError, lattice::Lattice, solid::Rows};
 use crate::surface::{TriangleMesh, closest_point};
 
 /// Finds a surface with holes, or with triangles that turn both ways.

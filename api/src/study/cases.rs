@@ -272,16 +272,11 @@ fn read(kind: JobKind, text: &str) -> Result<JobSpec, Vec<Violation>> {
     JobSpec::from_text(kind, text).map_err(SubmissionError::violations)
 }
 
-fn example(name: &str) -> Result<Example, Vec<Violation>> {
-    let all = || JobKind::ALL.iter().flat_map(|kind| kind.examples());
-    all()
-        .find(|example| example.name == name)
-        .copied()
-        .ok_or_else(|| {
-            let names: Vec<&str> = all().map(|example| example.name).collect();
-            let violation = Violation::new("/example", "not_allowed", "there is no such example");
-            vec![violation.value(name).allowed(names.join(", "))]
-        })
+fn example(name: &str) -> Result<&'static Example, Vec<Violation>> {
+    Example::named(name).map_err(|error| {
+        let violation = Violation::new("/example", "not_allowed", error.to_string());
+        vec![violation.value(name)]
+    })
 }
 
 /// A value in a label.

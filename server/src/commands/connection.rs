@@ -1,6 +1,6 @@
 //! Which server a command speaks with.
 use clap::Args;
-use loadframe_worker::client::{ServerClient, ServerError};
+use loadframe_client::{ServerClient, ServerError};
 
 /// Options of every command that speaks with a server.
 #[derive(Clone, Debug, Args)]

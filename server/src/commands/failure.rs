@@ -1,10 +1,9 @@
 //! How a command ends when it does not end well.
+use std::fmt;
 use std::process::ExitCode;
 
 use loadframe_api::{JobOutcome, JobView};
-use loadframe_worker::client::ServerError;
-
-use super::terminal::complain;
+use loadframe_client::ServerError;
 
 /// Exit codes, as the help lists them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,10 +51,16 @@ impl Failure {
         Some(Self::new(code, format!("job {}: {}", job.id, job.reason)))
     }
 
-    /// Says it and turns it into the process's exit code.
-    pub(crate) fn report(self) -> ExitCode {
-        complain(&format!("loadframe: {}", self.message));
+    /// The process's exit code.
+    pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(self.code as u8)
+    }
+}
+
+/// What is said on standard error.
+impl fmt::Display for Failure {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "loadframe: {}", self.message)
     }
 }
 

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use futures_util::StreamExt;
 use loadframe_api::{FileEntry, JobView, Page, check_file_name};
-use loadframe_worker::client::{ServerClient, ServerError};
-use loadframe_worker::run::sha256_of_file;
+use loadframe_client::{ServerClient, ServerError};
+use loadframe_run::sha256_of_file;
 use reqwest::{Method, StatusCode, header};
 use tokio::fs::File;
 use tokio::io::AsyncWriteExt;
@@ -14,7 +14,7 @@ use uuid::Uuid;
 
 use super::connection::Connection;
 use super::failure::{Code, Failure};
-use super::terminal::{say, say_json, size};
+use super::terminal::{print_json, print_line, size};
 
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
@@ -52,10 +52,10 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
         fetched += u64::from(fetch.perform().await?);
     }
     if arguments.json {
-        return say_json(&files.items);
+        return print_json(&files.items);
     }
     let bytes: u64 = files.items.iter().map(|entry| entry.bytes).sum();
-    say(&format!(
+    print_line(&format!(
         "{} files ({}) in {}, {fetched} of them fetched now",
         files.items.len(),
         size(bytes as f64 / 1e6),

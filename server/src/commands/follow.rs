@@ -2,8 +2,8 @@
 use std::time::{Duration, Instant};
 
 use loadframe_api::{JobStatus, JobView, Outcome};
-use loadframe_worker::client::{ServerClient, ServerError};
-use loadframe_worker::run::Progress;
+use loadframe_client::{ServerClient, ServerError};
+use loadframe_run::Progress;
 use reqwest::{Method, StatusCode, header};
 use uuid::Uuid;
 
@@ -11,12 +11,12 @@ use super::failure::{Code, Failure};
 use super::progress::ProgressDisplay;
 use super::results;
 use super::signals::stop_signal;
-use super::terminal::{say, say_json};
+use super::terminal::{print_json, print_line};
 
 /// Time between looks; an unchanged job answers 304 and costs nothing.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
 /// How long a server may be away before a follower gives up: a restart takes seconds.
-const PATIENCE: Duration = Duration::from_secs(60);
+const LONGEST_SILENCE: Duration = Duration::from_secs(60);
 
 /// Shows the progress of a job until it is finished.
 pub(crate) async fn follow(server: &ServerClient, id: Uuid) -> Result<JobView, Failure> {
@@ -35,11 +35,11 @@ pub(crate) async fn follow(server: &ServerClient, id: Uuid) -> Result<JobView, F
 async fn watch(server: &ServerClient, id: Uuid) -> Result<JobView, Failure> {
     let mut display: Option<ProgressDisplay> = None;
     let mut tag = None;
-    let mut heard = Instant::now();
+    let mut last_answer = Instant::now();
     loop {
         match look(server, id, &mut tag).await {
             Ok(job) => {
-                heard = Instant::now();
+                last_answer = Instant::now();
                 if let Some(job) = job {
                     let shown = display.get_or_insert_with(|| ProgressDisplay::start(&job.name));
                     shown.show(&progress(&job));
@@ -49,7 +49,7 @@ async fn watch(server: &ServerClient, id: Uuid) -> Result<JobView, Failure> {
                     }
                 }
             }
-            Err(error) if error.is_transient() && heard.elapsed() < PATIENCE => {}
+            Err(error) if error.is_transient() && last_answer.elapsed() < LONGEST_SILENCE => {}
             Err(error) => return Err(error.into()),
         }
         tokio::time::sleep(LOOK_EVERY).await;
@@ -98,12 +98,12 @@ pub(crate) async fn conclude(
     as_json: bool,
 ) -> Result<(), Failure> {
     if as_json {
-        say_json(job)?;
+        print_json(job)?;
     } else if Failure::of_job(job).is_none() {
         let request = server.request(Method::GET, &job.links.outcome);
         let outcome: Outcome = server.json(request).await?;
         results::show(&outcome);
-        say(&format!(
+        print_line(&format!(
             "\nCurve, files and pictures: {}{}",
             server.address(),
             job.links.page

@@ -6,7 +6,7 @@ use uuid::Uuid;
 
 use super::connection::Connection;
 use super::failure::Failure;
-use super::terminal::{say, say_json, word};
+use super::terminal::{print_json, print_line, wire_name};
 
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
@@ -24,12 +24,12 @@ pub(crate) async fn perform(arguments: Arguments, action: &str) -> Result<(), Fa
     let path = format!("/v1/jobs/{}/{action}", arguments.id);
     let job: JobView = server.json(server.request(Method::POST, &path)).await?;
     if arguments.json {
-        return say_json(&job);
+        return print_json(&job);
     }
-    say(&format!(
+    print_line(&format!(
         "{} is {}: {}",
         job.id,
-        word(&job.status),
+        wire_name(&job.status),
         job.reason
     ));
     Ok(())

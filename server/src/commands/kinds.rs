@@ -1,10 +1,10 @@
 //! `loadframe kinds`, `example`, `schema`: what can be run.
 use clap::Args;
-use loadframe_api::{JobKind, kind_schema};
+use loadframe_api::{Example, JobKind, kind_schema};
 use serde_json::{Value, json};
 
 use super::failure::{Code, Failure};
-use super::terminal::{say, say_json};
+use super::terminal::{print_json, print_line};
 
 #[derive(Debug, Args)]
 pub(crate) struct KindsArguments {
@@ -15,10 +15,8 @@ pub(crate) struct KindsArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct ExampleArguments {
-    kind: JobKind,
-    /// Another example than the first; `loadframe kinds` lists them
-    #[arg(long)]
-    name: Option<String>,
+    /// Name of an example, or a kind for its first; `loadframe kinds` lists all
+    name: String,
 }
 
 #[derive(Clone, Copy, Debug, Args)]
@@ -32,35 +30,25 @@ pub(crate) fn list(arguments: KindsArguments) -> Result<(), Failure> {
             json!({"kind": kind.name(), "title": kind.title(), "description": kind.description(),
                    "examples": names(*kind)})
         });
-        return say_json(&kinds.collect::<Vec<Value>>());
+        return print_json(&kinds.collect::<Vec<Value>>());
     }
     for kind in JobKind::ALL {
-        say(&format!("{}: {}", kind.name(), kind.title()));
-        say(&format!("  {}", kind.description()));
-        say(&format!("  examples: {}", names(*kind).join(", ")));
+        print_line(&format!("{}: {}", kind.name(), kind.title()));
+        print_line(&format!("  {}", kind.description()));
+        print_line(&format!("  examples: {}", names(*kind).join(", ")));
     }
     Ok(())
 }
 
 pub(crate) fn example(arguments: &ExampleArguments) -> Result<(), Failure> {
-    let examples = arguments.kind.examples();
-    let wanted = arguments.name.as_deref();
-    let found = examples
-        .iter()
-        .find(|example| wanted.is_none_or(|wanted| wanted == example.name));
-    let Some(example) = found else {
-        let message = format!(
-            "there is no such example; there are: {}",
-            names(arguments.kind).join(", ")
-        );
-        return Err(Failure::new(Code::Usage, message));
-    };
-    say(example.body.trim_end());
+    let example = Example::named(&arguments.name)
+        .map_err(|error| Failure::new(Code::Usage, error.to_string()))?;
+    print_line(example.body.trim_end());
     Ok(())
 }
 
 pub(crate) fn schema(arguments: SchemaArguments) -> Result<(), Failure> {
-    say_json(kind_schema(arguments.kind))
+    print_json(kind_schema(arguments.kind))
 }
 
 fn names(kind: JobKind) -> Vec<&'static str> {

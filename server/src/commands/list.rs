@@ -5,7 +5,7 @@ use reqwest::Method;
 
 use super::connection::Connection;
 use super::failure::Failure;
-use super::terminal::{say, say_json, span, word};
+use super::terminal::{print_json, print_line, span, wire_name};
 
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
@@ -13,10 +13,10 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 20, value_name = "N")]
     limit: u32,
     /// Only queued, running, paused or finished jobs
-    #[arg(long, value_parser = parse_word::<JobStatus>)]
+    #[arg(long, value_parser = parse_wire_name::<JobStatus>)]
     status: Option<JobStatus>,
     /// Only jobs that ended so: succeeded, failed, cancelled, timed_out, quarantined
-    #[arg(long, value_parser = parse_word::<JobOutcome>)]
+    #[arg(long, value_parser = parse_wire_name::<JobOutcome>)]
     outcome: Option<JobOutcome>,
     /// Only jobs of this kind
     #[arg(long)]
@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     connection: Connection,
 }
 
-fn parse_word<T: serde::de::DeserializeOwned>(word: &str) -> Result<T, String> {
+fn parse_wire_name<T: serde::de::DeserializeOwned>(word: &str) -> Result<T, String> {
     serde_json::from_value(word.into()).map_err(|error| error.to_string())
 }
 
@@ -42,8 +42,8 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     let server = arguments.connection.client()?;
     let query = [
         ("limit", Some(arguments.limit.to_string())),
-        ("status", arguments.status.as_ref().map(word)),
-        ("outcome", arguments.outcome.as_ref().map(word)),
+        ("status", arguments.status.as_ref().map(wire_name)),
+        ("outcome", arguments.outcome.as_ref().map(wire_name)),
         ("kind", arguments.kind.map(|kind| kind.name().to_owned())),
         ("tag", arguments.tag),
         ("q", arguments.q),
@@ -52,16 +52,16 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     let request = server.request(Method::GET, "/v1/jobs").query(&query);
     let page: Page<JobView> = server.json(request).await?;
     if arguments.json {
-        return say_json(&page);
+        return print_json(&page);
     }
     if page.items.is_empty() {
-        say("no jobs");
+        print_line("no jobs");
     }
     for job in &page.items {
-        say(&line(job));
+        print_line(&line(job));
     }
     if page.next.is_some() {
-        say(&format!(
+        print_line(&format!(
             "… and older ones; --limit shows more than {}",
             arguments.limit
         ));
@@ -70,7 +70,10 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
 }
 
 fn line(job: &JobView) -> String {
-    let state = job.outcome.as_ref().map_or_else(|| word(&job.status), word);
+    let state = job
+        .outcome
+        .as_ref()
+        .map_or_else(|| wire_name(&job.status), wire_name);
     let share = match job.status {
         JobStatus::Running | JobStatus::Paused => {
             format!("{:3.0} %", (100.0 * job.progress).floor())

@@ -4,6 +4,7 @@
 //! need no server; all others speak REST with one. What a command prints for people can be had as
 //! JSON with `--json`; how it ended is its exit code ([`failure::Code`]).
 mod connection;
+mod engine;
 mod failure;
 mod fetch;
 mod follow;
@@ -11,6 +12,7 @@ mod job;
 mod kinds;
 mod lab;
 mod list;
+mod memory;
 mod progress;
 mod results;
 mod run;
@@ -31,13 +33,6 @@ use std::time::Duration;
 use clap::{Parser, Subcommand};
 use failure::{Code, Failure};
 
-const VERSION: &str = concat!(
-    env!("CARGO_PKG_VERSION"),
-    " (",
-    env!("LOADFRAME_COMMIT"),
-    ")"
-);
-
 /// How long threads that still work may hold up the end of the process.
 const LAST_MOMENTS: Duration = Duration::from_millis(100);
 
@@ -49,7 +44,7 @@ LOADFRAME_LOG sets what is logged to standard error: error, warn, info, debug, o
 
 /// The virtual load frame of a materials lab.
 #[derive(Debug, Parser)]
-#[command(name = "loadframe", version = VERSION, after_help = AFTER_HELP, max_term_width = 100)]
+#[command(name = "loadframe", version = engine::VERSION, after_help = AFTER_HELP, max_term_width = 100)]
 struct CommandLine {
     #[command(subcommand)]
     command: Command,
@@ -101,15 +96,20 @@ pub(crate) fn main() -> ExitCode {
     let command = CommandLine::parse().command;
     let runtime = match tokio::runtime::Runtime::new() {
         Ok(runtime) => runtime,
-        Err(error) => return Failure::new(Code::Failed, error.to_string()).report(),
+        Err(error) => return report(&Failure::new(Code::Failed, error.to_string())),
     };
     let end = runtime.block_on(perform(command));
     // a simulation that does not stop in time is not waited for; its lease or checkpoint covers it
     runtime.shutdown_timeout(LAST_MOMENTS);
     match end {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
+        Err(failure) => report(&failure),
     }
+}
+
+fn report(failure: &Failure) -> ExitCode {
+    terminal::print_error(&failure.to_string());
+    failure.exit_code()
 }
 
 async fn perform(command: Command) -> Result<(), Failure> {

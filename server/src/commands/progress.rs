@@ -2,9 +2,9 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use loadframe_worker::run::Progress;
+use loadframe_run::Progress;
 
-use super::terminal::{complain, span};
+use super::terminal::{print_error, span};
 
 /// Steps of the bar; finer than any terminal is wide.
 const STEPS: u64 = 1000;
@@ -48,7 +48,7 @@ impl ProgressDisplay {
             let is_due =
                 last.is_none_or(|(last, said)| said.elapsed() >= LINE_EVERY && *last != line);
             if is_due && !progress.phase.is_empty() {
-                complain(&line);
+                print_error(&line);
                 self.last_line = Some((line, Instant::now()));
             }
             return;
@@ -61,7 +61,7 @@ impl ProgressDisplay {
     /// A line above the bar.
     pub(crate) fn log(&self, message: &str) {
         if self.bar.is_hidden() {
-            complain(message);
+            print_error(message);
         } else {
             self.bar.println(message);
         }

@@ -1,21 +1,21 @@
 //! The result of a job as a table for people.
 use loadframe_api::{Outcome, QualityCheck, Quantity};
 
-use super::terminal::{say, size, span};
+use super::terminal::{print_line, size, span};
 
 /// Digits shown; all are in `outcome.json`.
 const DIGITS: usize = 4;
 
 /// Prints results, quality, warnings and cost.
 pub(crate) fn show(outcome: &Outcome) {
-    say("\nResults");
+    print_line("\nResults");
     let rows = outcome.summary.iter();
     table(
         &rows
             .map(|(name, quantity)| result_row(name, quantity))
             .collect::<Vec<_>>(),
     );
-    say("\nQuality");
+    print_line("\nQuality");
     let rows = outcome.quality.iter();
     table(
         &rows
@@ -23,13 +23,13 @@ pub(crate) fn show(outcome: &Outcome) {
             .collect::<Vec<_>>(),
     );
     if !outcome.warnings.is_empty() {
-        say("\nWarnings");
+        print_line("\nWarnings");
     }
     for warning in &outcome.warnings {
-        say(&format!("  {}", warning.detail));
+        print_line(&format!("  {}", warning.detail));
     }
     let cost = &outcome.cost;
-    say(&format!(
+    print_line(&format!(
         "\nThe test ended because of {}. It took {} on {} ({} of processor time, {} of memory).",
         outcome.stop_reason.replace('_', " "),
         span(cost.wall_s),
@@ -114,7 +114,7 @@ fn table(rows: &[[String; 4]]) {
             "  {:name$}  {:>value$} {:unit$}  {}",
             row[0], row[1], row[2], row[3]
         );
-        say(&shortened(line.trim_end(), columns));
+        print_line(&shortened(line.trim_end(), columns));
     }
 }
 

@@ -3,16 +3,17 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use loadframe_worker::run::{
-    DirectoryEnd, DirectoryError, DirectoryOptions, News, run_to_directory,
-};
+use loadframe_api::Calibration;
+use loadframe_run::{DirectoryEnd, DirectoryError, DirectoryOptions, RunUpdate, run_to_directory};
 
+use super::engine::ENGINE;
 use super::failure::{Code, Failure};
+use super::memory::MemoryCheck;
 use super::progress::ProgressDisplay;
 use super::results;
 use super::signals::stop_switch;
 use super::source::SpecArgument;
-use super::terminal::{say, say_json};
+use super::terminal::{print_json, print_line};
 
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
@@ -27,6 +28,8 @@ pub(crate) struct Arguments {
     /// Seconds between checkpoints
     #[arg(long, value_name = "S", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     checkpoint_every: u32,
+    #[command(flatten)]
+    memory: MemoryCheck,
     /// Print outcome.json
     #[arg(long)]
     json: bool,
@@ -35,19 +38,27 @@ pub(crate) struct Arguments {
 pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     let source = arguments.spec.read()?;
     let submission = source.submission()?;
+    let estimate = submission.spec.estimate(&Calibration::default());
+    arguments.memory.admit(&estimate)?;
     let switch = stop_switch();
     let out = arguments.out.clone();
     let run = tokio::task::spawn_blocking(move || {
         let mut display = ProgressDisplay::start(&submission.name);
         let options = DirectoryOptions {
+            engine: ENGINE,
             threads: arguments.threads.into(),
             checkpoint_every: Duration::from_secs(arguments.checkpoint_every.into()),
             switch: &switch,
         };
-        let end = run_to_directory(&submission.spec, &out, options, &mut |news| match news {
-            News::Progress(progress) => display.show(&progress),
-            News::Log(message) => display.log(message),
-        });
+        let end = run_to_directory(
+            &submission.spec,
+            &out,
+            options,
+            &mut |update| match update {
+                RunUpdate::Progress(progress) => display.show(&progress),
+                RunUpdate::Log(message) => display.log(message),
+            },
+        );
         display.end();
         end
     });
@@ -56,7 +67,7 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
         Ok(DirectoryEnd::Finished(outcome)) => outcome,
         Ok(DirectoryEnd::AlreadyThere(outcome)) => {
             if !arguments.json {
-                say(&format!("{folder} held the result of this spec already."));
+                print_line(&format!("{folder} held the result of this spec already."));
             }
             outcome
         }
@@ -71,9 +82,9 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
         Err(error) => return Err(Failure::of(&error)),
     };
     if arguments.json {
-        return say_json(&outcome);
+        return print_json(&outcome);
     }
     results::show(&outcome);
-    say(&format!("\n{} files in {folder}", outcome.files.len() + 1));
+    print_line(&format!("\n{} files in {folder}", outcome.files.len() + 1));
     Ok(())
 }

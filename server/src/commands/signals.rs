@@ -2,7 +2,7 @@
 use std::io::{self, Read};
 use std::sync::Arc;
 
-use loadframe_worker::{StopCause, StopSwitch};
+use loadframe_run::{StopCause, StopSwitch};
 use tokio::signal::unix::{SignalKind, signal};
 
 /// Waits for Ctrl-C or SIGTERM. Where signals cannot be watched, it waits for ever.

@@ -4,7 +4,7 @@ use std::time::Duration;
 use backon::{ConstantBuilder, Retryable};
 use clap::Args;
 use loadframe_api::{JobView, Problem};
-use loadframe_worker::client::{ServerClient, ServerError};
+use loadframe_client::{ServerClient, ServerError};
 use reqwest::{Method, header};
 use uuid::Uuid;
 
@@ -12,7 +12,7 @@ use super::connection::Connection;
 use super::failure::{Code, Failure};
 use super::follow::{conclude, follow};
 use super::source::{Source, SpecArgument};
-use super::terminal::{say, say_json};
+use super::terminal::{print_json, print_line};
 
 /// A server that restarts is waited for: so many tries, so far apart.
 const TRIES: usize = 10;
@@ -45,10 +45,10 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
         return conclude(&server, &job, arguments.json).await;
     }
     if arguments.json {
-        return say_json(&job);
+        return print_json(&job);
     }
-    say(&format!("{}  {}", job.id, job.name));
-    say(&format!("{}{}", server.address(), job.links.page));
+    print_line(&format!("{}  {}", job.id, job.name));
+    print_line(&format!("{}{}", server.address(), job.links.page));
     Ok(())
 }
 

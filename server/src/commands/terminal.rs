@@ -7,24 +7,24 @@ use tracing_subscriber::EnvFilter;
 use super::failure::Failure;
 
 /// A line for people or scripts on standard output. A reader that went away is not an error.
-pub(crate) fn say(line: &str) {
+pub(crate) fn print_line(line: &str) {
     let _ = writeln!(io::stdout(), "{line}");
 }
 
 /// A line on standard error.
-pub(crate) fn complain(line: &str) {
+pub(crate) fn print_error(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// A value as JSON on standard output.
-pub(crate) fn say_json(value: &impl Serialize) -> Result<(), Failure> {
+pub(crate) fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(value).map_err(|error| Failure::of(&error))?;
-    say(&text);
+    print_line(&text);
     Ok(())
 }
 
 /// A wire enum as its word: `queued`, `timed_out`.
-pub(crate) fn word(value: &impl Serialize) -> String {
+pub(crate) fn wire_name(value: &impl Serialize) -> String {
     match serde_json::to_value(value) {
         Ok(serde_json::Value::String(word)) => word,
         _ => String::new(),
@@ -83,6 +83,6 @@ mod tests {
 
     #[test]
     fn enums_are_said_by_their_word() {
-        assert_eq!(word(&loadframe_api::JobOutcome::TimedOut), "timed_out");
+        assert_eq!(wire_name(&loadframe_api::JobOutcome::TimedOut), "timed_out");
     }
 }

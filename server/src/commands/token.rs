@@ -6,7 +6,7 @@ use loadframe_server::store::{Store, StoreError, StoreOptions};
 use uuid::Uuid;
 
 use super::failure::Failure;
-use super::terminal::{complain, say, say_json};
+use super::terminal::{print_error, print_json, print_line};
 
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
@@ -22,24 +22,24 @@ enum Action {
         #[arg(long)]
         name: String,
         #[command(flatten)]
-        place: Place,
+        folder: DataFolder,
     },
     /// List tokens, without their secrets
     List {
         #[command(flatten)]
-        place: Place,
+        folder: DataFolder,
     },
     /// Put a token out of force
     Revoke {
         /// Id of the token, as `list` shows it
         id: Uuid,
         #[command(flatten)]
-        place: Place,
+        folder: DataFolder,
     },
 }
 
 #[derive(Debug, Args)]
-struct Place {
+struct DataFolder {
     /// Data folder of the server
     #[arg(long, value_name = "DIR", default_value = "loadframe-data")]
     data: PathBuf,
@@ -48,7 +48,7 @@ struct Place {
     json: bool,
 }
 
-impl Place {
+impl DataFolder {
     async fn store(&self) -> Result<Store, Failure> {
         let store = Store::open_beside(StoreOptions::new(&self.data)).await;
         store.map_err(refuse)
@@ -62,47 +62,47 @@ fn refuse(error: StoreError) -> Failure {
 
 pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     match arguments.action {
-        Action::Create { name, place } => {
-            let token = place
+        Action::Create { name, folder } => {
+            let token = folder
                 .store()
                 .await?
                 .create_token(&name)
                 .await
                 .map_err(refuse)?;
-            if place.json {
-                return say_json(&token);
+            if folder.json {
+                return print_json(&token);
             }
-            complain("The token, shown this once (it can be revoked, not read again):");
-            say(&token.secret);
+            print_error("The token, shown this once (it can be revoked, not read again):");
+            print_line(&token.secret);
         }
-        Action::List { place } => {
-            let tokens = place.store().await?.tokens().await.map_err(refuse)?;
-            if place.json {
-                return say_json(&tokens);
+        Action::List { folder } => {
+            let tokens = folder.store().await?.tokens().await.map_err(refuse)?;
+            if folder.json {
+                return print_json(&tokens);
             }
             if tokens.is_empty() {
-                say("no tokens");
+                print_line("no tokens");
             }
             for token in tokens {
                 let state = match token.revoked_at {
                     Some(at) => format!("revoked {at}"),
                     None => "in force".to_owned(),
                 };
-                say(&format!(
+                print_line(&format!(
                     "{}  {}  made {}, {state}",
                     token.id, token.name, token.created_at
                 ));
             }
         }
-        Action::Revoke { id, place } => {
-            place
+        Action::Revoke { id, folder } => {
+            folder
                 .store()
                 .await?
                 .revoke_token(id)
                 .await
                 .map_err(refuse)?;
-            if !place.json {
-                say(&format!("{id} is out of force"));
+            if !folder.json {
+                print_line(&format!("{id} is out of force"));
             }
         }
     }

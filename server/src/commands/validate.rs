@@ -1,12 +1,12 @@
 //! `loadframe validate`
 use clap::Args;
 use loadframe_api::Submission;
-use loadframe_worker::calibrate;
+use loadframe_run::calibrate;
 use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::source::SpecArgument;
-use super::terminal::{say, say_json, size, span};
+use super::terminal::{print_json, print_line, size, span};
 
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
@@ -24,7 +24,7 @@ pub(crate) fn perform(arguments: &Arguments) -> Result<(), Failure> {
         Err(error) => {
             let failure = source.refusal(&error);
             if arguments.json {
-                say_json(&error.into_problem())?;
+                print_json(&error.into_problem())?;
             }
             return Err(failure);
         }
@@ -34,15 +34,15 @@ pub(crate) fn perform(arguments: &Arguments) -> Result<(), Failure> {
     let estimate = submission.spec.estimate(&calibration.unwrap_or_default());
     if arguments.json {
         let spec: Value = serde_json::from_str(&submission.spec.to_json()).unwrap_or_default();
-        return say_json(&json!({"valid": true, "spec": spec,
+        return print_json(&json!({"valid": true, "spec": spec,
             "spec_sha256": submission.spec.sha256(), "estimate": estimate}));
     }
-    say(&format!(
+    print_line(&format!(
         "{} is a valid {} job.",
         submission.name,
         submission.spec.kind()
     ));
-    say(&format!(
+    print_line(&format!(
         "About {} on one core{}, {} of memory, {} of files.",
         span(estimate.wall_s),
         if calibration.is_some() {

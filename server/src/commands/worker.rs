@@ -3,9 +3,11 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use loadframe_worker::{Worker, WorkerEnd, WorkerError, WorkerOptions, host_name};
+use loadframe_run::host_name;
+use loadframe_worker::{Worker, WorkerEnd, WorkerError, WorkerOptions};
 
 use super::connection::Connection;
+use super::engine::ENGINE;
 use super::failure::{Code, Failure};
 use super::serve::positive;
 use super::signals::{end_of_input, stop_signal};
@@ -45,6 +47,7 @@ pub(crate) struct Arguments {
 pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     start_log("info");
     let options = WorkerOptions {
+        engine: ENGINE,
         server: arguments.connection.client()?,
         heartbeat_server: arguments.connection.client()?,
         name: arguments.name.unwrap_or_else(host_name),

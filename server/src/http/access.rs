@@ -10,13 +10,9 @@ use std::net::{IpAddr, SocketAddr};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use axum::extract::{ConnectInfo, Request, State};
 use axum::http::{HeaderMap, HeaderValue, Uri, header, uri::Authority};
-use axum::middleware::Next;
-use axum::response::Response;
 
-use super::AppState;
-use super::problem::{ApiError, FOREIGN_HOST, Result, TOKEN_NEEDED, TOO_MANY_GUESSES};
+use super::problem::{ApiError, FOREIGN_HOST, Result};
 use crate::ServeConfig;
 
 /// How requests are admitted.
@@ -25,14 +21,14 @@ pub(crate) enum Access {
     /// Everybody on this machine, under these names.
     Open { hosts: Vec<String> },
     /// Everybody who has a token.
-    Token { guesses: Guesses },
+    Token { wrong_tokens: WrongTokens },
 }
 
 impl Access {
     pub(super) fn new(config: &ServeConfig, address: SocketAddr) -> Self {
         if config.require_token || !address.ip().is_loopback() {
             return Self::Token {
-                guesses: Guesses::default(),
+                wrong_tokens: WrongTokens::default(),
             };
         }
         let own = ["localhost", "127.0.0.1", "[::1]"].map(str::to_owned);
@@ -48,30 +44,12 @@ impl Access {
     }
 }
 
-/// Lets a request pass or refuses it.
-pub(super) async fn guard(
-    State(state): State<AppState>,
-    request: Request,
-    next: Next,
-) -> Result<Response> {
-    match &*state.access {
-        Access::Open { hosts } => check_names(hosts, request.uri(), request.headers())?,
-        Access::Token { guesses } if is_guarded(request.uri().path()) => {
-            let peer = request.extensions().get::<ConnectInfo<SocketAddr>>();
-            let peer = peer.map(|ConnectInfo(address)| address.ip());
-            check_token(&state, guesses, request.headers(), peer).await?;
-        }
-        Access::Token { .. } => {}
-    }
-    Ok(next.run(request).await)
-}
-
-fn is_guarded(path: &str) -> bool {
+pub(super) fn is_guarded(path: &str) -> bool {
     path == "/v1" || path.starts_with("/v1/") || path == "/metrics"
 }
 
 /// Refuses requests that were meant for another name or sent by a page of another origin.
-fn check_names(hosts: &[String], uri: &Uri, headers: &HeaderMap) -> Result<()> {
+pub(super) fn check_names(hosts: &[String], uri: &Uri, headers: &HeaderMap) -> Result<()> {
     let refuse = |what: &str, value: &str| {
         let detail = format!(
             "{what} is {value:?}; an open server answers {} only; `--allow-host` adds a name, `--require-token` opens it by token",
@@ -106,43 +84,8 @@ fn check_names(hosts: &[String], uri: &Uri, headers: &HeaderMap) -> Result<()> {
     Ok(())
 }
 
-async fn check_token(
-    state: &AppState,
-    guesses: &Guesses,
-    headers: &HeaderMap,
-    peer: Option<IpAddr>,
-) -> Result<()> {
-    let refuse = |detail: &str| {
-        ApiError::new(TOKEN_NEEDED, detail).with(
-            header::WWW_AUTHENTICATE,
-            HeaderValue::from_static("Bearer realm=\"loadframe\""),
-        )
-    };
-    let Some(secret) = bearer(headers) else {
-        return Err(refuse(
-            "send `Authorization: Bearer TOKEN`; `loadframe token create` on the server makes one",
-        ));
-    };
-    if state.store.check_token(secret).await? {
-        return Ok(());
-    }
-    let Some(peer) = peer else {
-        return Err(refuse("this token is not in force"));
-    };
-    match guesses.count(peer, Instant::now()) {
-        Ok(()) => Err(refuse("this token is not in force")),
-        Err(wait) => {
-            // a right token always passes, so that one lost worker cannot lock out its whole network
-            tokio::time::sleep(PAUSE).await;
-            let detail = "too many wrong tokens came from your address";
-            let seconds = u32::try_from(wait.as_secs() + 1).unwrap_or(u32::MAX);
-            Err(ApiError::new(TOO_MANY_GUESSES, detail).with(header::RETRY_AFTER, seconds.into()))
-        }
-    }
-}
-
 /// The secret of an `Authorization: Bearer` header.
-fn bearer(headers: &HeaderMap) -> Option<&str> {
+pub(super) fn bearer(headers: &HeaderMap) -> Option<&str> {
     let value = headers.get(header::AUTHORIZATION)?.to_str().ok()?;
     let (scheme, secret) = value.split_once(' ')?;
     let secret = secret.trim();
@@ -152,18 +95,16 @@ fn bearer(headers: &HeaderMap) -> Option<&str> {
 /// Wrong tokens one address may send in a [`WINDOW`] before it is slowed down.
 const FREE_GUESSES: u32 = 10;
 const WINDOW: Duration = Duration::from_secs(60);
-/// How long every further guess takes.
-const PAUSE: Duration = Duration::from_secs(1);
 /// Addresses remembered; beyond it the old ones are forgotten.
 const REMEMBERED: usize = 10_000;
 
 /// Wrong tokens by address: how many since when.
 #[derive(Debug, Default)]
-pub(crate) struct Guesses(Mutex<HashMap<IpAddr, (u32, Instant)>>);
+pub(crate) struct WrongTokens(Mutex<HashMap<IpAddr, (u32, Instant)>>);
 
-impl Guesses {
+impl WrongTokens {
     /// Counts a wrong token; `Err` holds how long the address should wait.
-    fn count(&self, address: IpAddr, now: Instant) -> Result<(), Duration> {
+    pub(super) fn count(&self, address: IpAddr, now: Instant) -> Result<(), Duration> {
         let mut seen = self
             .0
             .lock()
@@ -194,15 +135,19 @@ mod tests {
 
     #[test]
     fn guesses_are_free_until_the_limit_and_again_after_the_window() {
-        let guesses = Guesses::default();
+        let wrong_tokens = WrongTokens::default();
         let start = Instant::now();
         let address = IpAddr::from([192, 0, 2, 1]);
         for _ in 0..FREE_GUESSES {
-            assert_eq!(guesses.count(address, start).ok(), Some(()));
+            assert_eq!(wrong_tokens.count(address, start).ok(), Some(()));
         }
-        assert_eq!(guesses.count(address, start).err(), Some(WINDOW));
-        assert!(guesses.count(IpAddr::from([192, 0, 2, 2]), start).is_ok());
-        assert!(guesses.count(address, start + WINDOW).is_ok());
+        assert_eq!(wrong_tokens.count(address, start).err(), Some(WINDOW));
+        assert!(
+            wrong_tokens
+                .count(IpAddr::from([192, 0, 2, 2]), start)
+                .is_ok()
+        );
+        assert!(wrong_tokens.count(address, start + WINDOW).is_ok());
     }
 
     #[test]

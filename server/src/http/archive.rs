@@ -20,8 +20,6 @@ use zip::{CompressionMethod, ZipWriter};
 use super::AppState;
 use super::problem::{ApiError, Result};
 
-/// Archives sent at once; each holds a thread, and there are to be some left for others.
-pub(super) const AT_ONCE: usize = 32;
 /// Pieces between the writer and the connection, and their size [bytes].
 const PIECES: usize = 4;
 const PIECE: usize = 64 << 10;
@@ -59,7 +57,7 @@ async fn download(State(state): State<AppState>, Path(id): Path<Uuid>) -> Result
     let runtime = tokio::runtime::Handle::current();
     tokio::task::spawn_blocking(move || {
         let _turn = turn;
-        let mut out = Pieces::new(pieces.clone());
+        let mut out = ChunkWriter::new(pieces.clone());
         let mut zip = ZipWriter::new_stream(&mut out);
         let mut write = || -> io::Result<()> {
             for entry in &entries {
@@ -136,12 +134,12 @@ fn folder_name(job: &JobView) -> String {
 
 /// A writer whose bytes go to a channel in pieces.
 #[derive(Debug)]
-struct Pieces {
+struct ChunkWriter {
     sender: mpsc::Sender<io::Result<Bytes>>,
     piece: Vec<u8>,
 }
 
-impl Pieces {
+impl ChunkWriter {
     fn new(sender: mpsc::Sender<io::Result<Bytes>>) -> Self {
         Self {
             sender,
@@ -156,7 +154,7 @@ impl Pieces {
     }
 }
 
-impl Write for Pieces {
+impl Write for ChunkWriter {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.piece.extend_from_slice(bytes);
         if self.piece.len() >= PIECE {

@@ -2,61 +2,20 @@
 //!
 //! A body is admitted only while the bodies under way fit a fixed budget; others wait for a
 //! moment unread, which costs a connection and no memory, and are then sent away with 503.
-use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::{Bytes, to_bytes};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::sync::OwnedSemaphorePermit;
 use tokio::time::timeout;
 
-use super::AppState;
+use super::body_budget::LARGEST;
 use super::problem::{ApiError, BAD_REQUEST, NOT_JSON_TYPE, Result, TOO_LARGE, TOO_SLOW};
+use super::state::AppState;
 
-/// Largest submission [bytes]: an explicit network of about half a million bonds.
-pub(super) const LARGEST: usize = 32 << 20;
-/// Bodies up to this many bytes are small; they do not wait behind large ones.
-pub(super) const SMALL: usize = 64 << 10;
-/// Small bodies read at once.
-const SMALL_AT_ONCE: usize = 512;
-/// A large body counts in these units [bytes]; all at once may have as many as the largest one.
-const UNIT: usize = 1 << 10;
-/// How long a body waits to be admitted.
-const PATIENCE: Duration = Duration::from_secs(10);
 /// How long a body may take to arrive: the largest one at 0.5 MB/s.
 const ARRIVAL: Duration = Duration::from_secs(60);
-
-/// Room for bodies.
-#[derive(Clone, Debug)]
-pub(super) struct BodyBudget {
-    small: Arc<Semaphore>,
-    large: Arc<Semaphore>,
-}
-
-impl Default for BodyBudget {
-    fn default() -> Self {
-        Self {
-            small: Arc::new(Semaphore::new(SMALL_AT_ONCE)),
-            large: Arc::new(Semaphore::new(LARGEST / UNIT)),
-        }
-    }
-}
-
-impl BodyBudget {
-    async fn admit(&self, length: usize) -> Result<OwnedSemaphorePermit> {
-        let (room, units) = if length <= SMALL {
-            (&self.small, 1)
-        } else {
-            (&self.large, length.div_ceil(UNIT))
-        };
-        let units = u32::try_from(units).unwrap_or(u32::MAX);
-        match timeout(PATIENCE, room.clone().acquire_many_owned(units)).await {
-            Ok(Ok(permit)) => Ok(permit),
-            _ => Err(ApiError::busy("too many large bodies are on their way", 5)),
-        }
-    }
-}
 
 /// A JSON body as sent, with its room in the budget until it is dropped.
 #[derive(Debug)]

@@ -10,6 +10,7 @@
 mod access;
 mod archive;
 mod body;
+mod body_budget;
 mod bounded;
 mod conditional;
 mod curve;
@@ -17,6 +18,7 @@ mod decimate;
 mod docs;
 mod events;
 mod files;
+mod guard;
 mod health;
 mod jobs;
 mod kinds;
@@ -62,7 +64,7 @@ pub fn router(state: AppState) -> Router {
         .merge(docs::router())
         .fallback(page::serve)
         .method_not_allowed_fallback(problem::method_not_allowed)
-        .layer(from_fn_with_state(state.clone(), access::guard))
+        .layer(from_fn_with_state(state.clone(), guard::guard))
         .layer(CatchPanicLayer::custom(problem::after_panic))
         .layer(from_fn(problem::only_problems))
         .layer(CompressionLayer::new().compress_when(page::worth_compressing()))

@@ -7,11 +7,13 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 
 use super::access::Access;
-use super::archive;
-use super::body::BodyBudget;
+use super::body_budget::BodyBudget;
 use super::events::Announcements;
 use crate::ServeConfig;
 use crate::store::Store;
+
+/// Archives sent at once; each holds a thread, and there are to be some left for others.
+const ARCHIVES_AT_ONCE: usize = 32;
 
 /// What all handlers share; a clone is another handle on the same.
 #[derive(Clone, Debug)]
@@ -36,7 +38,7 @@ impl AppState {
             stopping: CancellationToken::new(),
             access: Arc::new(Access::new(config, address)),
             bodies: BodyBudget::default(),
-            archives: Arc::new(Semaphore::new(archive::AT_ONCE)),
+            archives: Arc::new(Semaphore::new(ARCHIVES_AT_ONCE)),
             announcements: Announcements::default(),
         }
     }

@@ -40,7 +40,7 @@ pub enum State {
     },
     Running {
         losses: u32,
-        asked: Option<Asked>,
+        asked: Option<UserRequest>,
     },
     Paused {
         losses: u32,
@@ -51,7 +51,7 @@ pub enum State {
 
 /// What a user wants of a running attempt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asked {
+pub enum UserRequest {
     Cancel,
     Pause,
 }
@@ -145,7 +145,7 @@ pub fn transition(state: State, input: Input) -> Result<Step, Refusal> {
 }
 
 /// What `input` makes of a running job.
-fn running(losses: u32, asked: Option<Asked>, input: Input) -> Result<Step, Refusal> {
+fn running(losses: u32, asked: Option<UserRequest>, input: Input) -> Result<Step, Refusal> {
     let state = State::Running { losses, asked };
     let now_asked = |asked| State::Running { losses, asked };
     let finished = |outcome, reason, end| Step {
@@ -158,25 +158,25 @@ fn running(losses: u32, asked: Option<Asked>, input: Input) -> Result<Step, Refu
         (Input::Retry, _) => Err(Refusal::StillRunning),
 
         // asking: the worker hears of it in the answer to its next message
-        (Input::Cancel, Some(Asked::Cancel))
-        | (Input::Pause, Some(Asked::Pause))
+        (Input::Cancel, Some(UserRequest::Cancel))
+        | (Input::Pause, Some(UserRequest::Pause))
         | (Input::Resume, None) => Ok(unchanged(state)),
-        (Input::Pause | Input::Resume, Some(Asked::Cancel)) => Err(Refusal::BeingCancelled),
+        (Input::Pause | Input::Resume, Some(UserRequest::Cancel)) => Err(Refusal::BeingCancelled),
         (Input::Cancel, _) => Ok(quiet(
-            now_asked(Some(Asked::Cancel)),
+            now_asked(Some(UserRequest::Cancel)),
             ReasonCode::CancelRequested,
         )),
         (Input::Pause, None) => Ok(quiet(
-            now_asked(Some(Asked::Pause)),
+            now_asked(Some(UserRequest::Pause)),
             ReasonCode::PauseRequested,
         )),
-        (Input::Resume, Some(Asked::Pause)) => {
+        (Input::Resume, Some(UserRequest::Pause)) => {
             Ok(quiet(now_asked(None), ReasonCode::ResumedByUser))
         }
 
         // a cancel that was accepted first holds, whatever the attempt has come to meanwhile
-        (Input::Lose, Some(Asked::Cancel)) => Ok(cancelled(Some(AttemptEnd::Lost))),
-        (_, Some(Asked::Cancel)) => Ok(cancelled(Some(AttemptEnd::Cancelled))),
+        (Input::Lose, Some(UserRequest::Cancel)) => Ok(cancelled(Some(AttemptEnd::Lost))),
+        (_, Some(UserRequest::Cancel)) => Ok(cancelled(Some(AttemptEnd::Cancelled))),
 
         (Input::Complete, _) => Ok(finished(
             JobOutcome::Succeeded,
@@ -199,7 +199,7 @@ fn running(losses: u32, asked: Option<Asked>, input: Input) -> Result<Step, Refu
             AttemptEnd::TimedOut,
         )),
 
-        (Input::Release, Some(Asked::Pause)) => Ok(Step {
+        (Input::Release, Some(UserRequest::Pause)) => Ok(Step {
             state: State::Paused { losses },
             reason: Some(ReasonCode::PausedByUser),
             attempt_end: Some(AttemptEnd::Paused),
@@ -210,7 +210,7 @@ fn running(losses: u32, asked: Option<Asked>, input: Input) -> Result<Step, Refu
             attempt_end: Some(AttemptEnd::Released),
         }),
 
-        (Input::Lose, Some(Asked::Pause)) => Ok(Step {
+        (Input::Lose, Some(UserRequest::Pause)) => Ok(Step {
             state: State::Paused { losses: losses + 1 },
             reason: Some(ReasonCode::PausedByUser),
             attempt_end: Some(AttemptEnd::Lost),
@@ -228,7 +228,7 @@ fn running(losses: u32, asked: Option<Asked>, input: Input) -> Result<Step, Refu
     }
 }
 
-impl Asked {
+impl UserRequest {
     /// What the worker is told.
     pub fn command(asked: Option<Self>) -> Command {
         match asked {

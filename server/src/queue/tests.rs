@@ -4,7 +4,7 @@ use loadframe_api::worker::FailCode;
 use loadframe_api::{AttemptEnd, JobOutcome, ReasonCode};
 use proptest::prelude::*;
 
-use super::{Asked, Input, LOSSES_UNTIL_QUARANTINE, Refusal, State, transition};
+use super::{Input, LOSSES_UNTIL_QUARANTINE, Refusal, State, UserRequest, transition};
 
 const INPUTS: [Input; 12] = [
     Input::Claim,
@@ -58,43 +58,47 @@ fn users_and_queue_in_every_state() {
         (
             running(None),
             Input::Cancel,
-            Ok(running(Some(Asked::Cancel))),
+            Ok(running(Some(UserRequest::Cancel))),
         ),
-        (running(None), Input::Pause, Ok(running(Some(Asked::Pause)))),
+        (
+            running(None),
+            Input::Pause,
+            Ok(running(Some(UserRequest::Pause))),
+        ),
         (running(None), Input::Resume, Ok(running(None))),
         (running(None), Input::Retry, Err(Refusal::StillRunning)),
         (
-            running(Some(Asked::Pause)),
+            running(Some(UserRequest::Pause)),
             Input::Cancel,
-            Ok(running(Some(Asked::Cancel))),
+            Ok(running(Some(UserRequest::Cancel))),
         ),
         (
-            running(Some(Asked::Pause)),
+            running(Some(UserRequest::Pause)),
             Input::Pause,
-            Ok(running(Some(Asked::Pause))),
+            Ok(running(Some(UserRequest::Pause))),
         ),
         (
-            running(Some(Asked::Pause)),
+            running(Some(UserRequest::Pause)),
             Input::Resume,
             Ok(running(None)),
         ),
         (
-            running(Some(Asked::Cancel)),
+            running(Some(UserRequest::Cancel)),
             Input::Cancel,
-            Ok(running(Some(Asked::Cancel))),
+            Ok(running(Some(UserRequest::Cancel))),
         ),
         (
-            running(Some(Asked::Cancel)),
+            running(Some(UserRequest::Cancel)),
             Input::Pause,
             Err(Refusal::BeingCancelled),
         ),
         (
-            running(Some(Asked::Cancel)),
+            running(Some(UserRequest::Cancel)),
             Input::Resume,
             Err(Refusal::BeingCancelled),
         ),
         (
-            running(Some(Asked::Cancel)),
+            running(Some(UserRequest::Cancel)),
             Input::Retry,
             Err(Refusal::StillRunning),
         ),
@@ -112,8 +116,8 @@ fn how_attempts_end() {
         (step.state, step.attempt_end.unwrap(), step.reason.unwrap())
     };
     let finished = State::Finished;
-    let pause = Some(Asked::Pause);
-    let cancel = Some(Asked::Cancel);
+    let pause = Some(UserRequest::Pause);
+    let cancel = Some(UserRequest::Cancel);
     let queued = |losses| State::Queued { losses };
     let paused = |losses| State::Paused { losses };
 
@@ -244,8 +248,8 @@ fn the_third_loss_quarantines() {
 fn any_state() -> impl Strategy<Value = State> {
     let asked = prop_oneof![
         Just(None),
-        Just(Some(Asked::Cancel)),
-        Just(Some(Asked::Pause))
+        Just(Some(UserRequest::Cancel)),
+        Just(Some(UserRequest::Pause))
     ];
     prop_oneof![
         (0u32..5).prop_map(|losses| State::Queued { losses }),

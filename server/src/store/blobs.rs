@@ -2,7 +2,7 @@
 //!
 //! A file arrives under a temporary name, is hashed on its way, made durable, renamed, and its
 //! folder made durable; only then may a row name it. Between the renaming and the commit of that
-//! row the bytes look forgotten, so whoever stores a file holds a [`Stay`] until its row is safe,
+//! row the bytes look forgotten, so whoever stores a file holds a [`FileGuard`] until its row is safe,
 //! and the collector removes nothing while anybody does.
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,8 +14,8 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use tokio::sync::{OwnedRwLockReadGuard, RwLock, mpsc, oneshot};
 use tokio::task::spawn_blocking;
 
-use super::words::json;
-use super::{Result, StoreError};
+use super::encoding::json;
+use super::error::{Result, StoreError};
 
 /// Bytes read and written at a time.
 const CHUNK: usize = 256 << 10;
@@ -52,7 +52,7 @@ pub(super) struct Received {
 
 /// While it lives, no file is removed.
 #[derive(Debug)]
-pub(super) struct Stay(#[allow(dead_code)] OwnedRwLockReadGuard<()>);
+pub(super) struct FileGuard(#[allow(dead_code)] OwnedRwLockReadGuard<()>);
 
 impl Blobs {
     /// Prepares the folders in `data`.
@@ -154,9 +154,9 @@ impl Blobs {
         })
     }
 
-    /// Puts a received file in its place. It stays there while the [`Stay`] is held.
-    pub(super) async fn keep(&self, received: Received) -> Result<Stay> {
-        let stay = Stay(self.in_use.clone().read_owned().await);
+    /// Puts a received file in its place. It stays there while the [`FileGuard`] is held.
+    pub(super) async fn keep(&self, received: Received) -> Result<FileGuard> {
+        let guard = FileGuard(self.in_use.clone().read_owned().await);
         let place = self.path(&received.sha256);
         blocking(&self.path(&received.sha256), move || {
             // the same content may be there already, and then it is as durable as this
@@ -167,7 +167,7 @@ impl Blobs {
             Ok(())
         })
         .await?;
-        Ok(stay)
+        Ok(guard)
     }
 
     /// Reports files that may be named by no row.

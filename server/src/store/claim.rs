@@ -5,11 +5,12 @@ use serde_json::value::RawValue;
 use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
+use super::encoding::{json, variant};
+use super::error::{Result, StoreError};
 use super::row::row;
-use super::state::Life;
-use super::words::{json, variant};
+use super::state::LifecycleRow;
 use super::writer::Change;
-use super::{Result, Store, StoreError, millis};
+use super::{Store, millis};
 use crate::queue::Input;
 
 /// Heartbeats are due this often [s], so that a cancel reaches its worker in less than 2 s,
@@ -19,7 +20,7 @@ const HEARTBEATS_A_LEASE: f64 = 4.0;
 
 row! {
     /// The job that a worker gets.
-    struct Given {
+    struct ClaimedJob {
         attempt: i64,
         id: Uuid,
         token: Uuid,
@@ -41,21 +42,21 @@ impl Store {
     /// [`StoreError::Unavailable`] and the database's.
     pub async fn claim(&self, request: &ClaimRequest) -> Result<Option<Lease>> {
         let (worker, lease) = (request.clone(), self.lease_millis());
-        let given = self
+        let claimed = self
             .write(move |change| Box::pin(async move { change.claim(&worker, lease).await }))
             .await?;
-        let Some((given, checkpoint)) = given else {
+        let Some((claimed, checkpoint)) = claimed else {
             return Ok(None);
         };
         let lease_s = self.options().lease.as_secs_f64();
         Ok(Some(Lease {
-            id: given.id,
-            token: given.token,
-            job_id: given.job,
-            attempt: given.number,
-            kind: variant::<JobKind>(&given.kind)?,
-            spec: RawValue::from_string(given.spec).map_err(StoreError::corrupt("spec"))?,
-            spec_sha256: given.spec_sha256,
+            id: claimed.id,
+            token: claimed.token,
+            job_id: claimed.job,
+            attempt: claimed.number,
+            kind: variant::<JobKind>(&claimed.kind)?,
+            spec: RawValue::from_string(claimed.spec).map_err(StoreError::corrupt("spec"))?,
+            spec_sha256: claimed.spec_sha256,
             lease_s,
             heartbeat_s: HEARTBEAT_S.min(lease_s / HEARTBEATS_A_LEASE),
             time_limit_s: self
@@ -72,16 +73,16 @@ impl Change {
         &mut self,
         worker: &ClaimRequest,
         lease: i64,
-    ) -> Result<Option<(Given, Option<CheckpointInfo>)>> {
-        self.see_worker(worker).await?;
-        let attempt = match self.unheard(worker.worker_id, lease).await? {
+    ) -> Result<Option<(ClaimedJob, Option<CheckpointInfo>)>> {
+        self.register_worker(worker).await?;
+        let attempt = match self.unused_lease(worker.worker_id, lease).await? {
             Some(attempt) => attempt,
             None => match self.next_job(worker).await? {
                 Some(job) => self.start_attempt(worker, &job, lease).await?,
                 None => return Ok(None),
             },
         };
-        let given: Given = sqlx::query_as(
+        let claimed: ClaimedJob = sqlx::query_as(
             "SELECT a.seq AS attempt, a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
                     j.spec_sha256,
                     EXISTS (SELECT 1 FROM checkpoints c WHERE c.job = a.job) AS has_checkpoint
@@ -91,16 +92,16 @@ impl Change {
         .bind(attempt)
         .fetch_one(&mut self.connection)
         .await?;
-        let checkpoint = if given.has_checkpoint {
-            checkpoint_of(&mut self.connection, given.attempt).await?
+        let checkpoint = if claimed.has_checkpoint {
+            checkpoint_of(&mut self.connection, claimed.attempt).await?
         } else {
             None
         };
-        Ok(Some((given, checkpoint)))
+        Ok(Some((claimed, checkpoint)))
     }
 
     /// A live lease of the worker that it never used, extended.
-    async fn unheard(&mut self, worker: Uuid, lease: i64) -> Result<Option<i64>> {
+    async fn unused_lease(&mut self, worker: Uuid, lease: i64) -> Result<Option<i64>> {
         let attempt = sqlx::query_scalar(
             "UPDATE attempts SET lease_until = ?1
              WHERE worker = ?2 AND ended_at IS NULL AND heard = 0 RETURNING seq",
@@ -112,8 +113,8 @@ impl Change {
         Ok(attempt)
     }
 
-    async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<Life>> {
-        let life = sqlx::query_as(
+    async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<LifecycleRow>> {
+        let job = sqlx::query_as(
             "SELECT seq, id, status, outcome, asked, losses, attempt, version FROM jobs
              WHERE status = 'queued' AND kind IN (SELECT value FROM json_each(?))
              ORDER BY priority DESC, seq LIMIT 1",
@@ -121,7 +122,7 @@ impl Change {
         .bind(json(&worker.kinds)?)
         .fetch_optional(&mut self.connection)
         .await?;
-        Ok(life)
+        Ok(job)
     }
 
     /// Starts an attempt at a queued job; the files of its checkpoint, if it has one, are carried
@@ -129,7 +130,7 @@ impl Change {
     async fn start_attempt(
         &mut self,
         worker: &ClaimRequest,
-        job: &Life,
+        job: &LifecycleRow,
         lease: i64,
     ) -> Result<i64> {
         let why = format!("running on {} ({})", worker.name, worker.host);

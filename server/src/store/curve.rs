@@ -3,11 +3,12 @@ use loadframe_api::CurveView;
 use loadframe_api::worker::CurveBlock;
 use uuid::Uuid;
 
-use super::lease::Held;
+use super::Store;
+use super::encoding::{json, parsed};
+use super::error::{Result, StoreError};
+use super::lease::LeasedAttempt;
 use super::row::row;
-use super::words::{json, parsed};
 use super::writer::Change;
-use super::{Result, Store, StoreError};
 
 /// Size of a full block before compression [bytes].
 const BLOCK_BYTES: usize = 100_000;
@@ -28,9 +29,13 @@ row! {
 
 impl Change {
     /// Appends what is new in `block` to the attempt's curve; whether anything was.
-    pub(super) async fn append_points(&mut self, held: &Held, block: &CurveBlock) -> Result<bool> {
-        check(held, block)?;
-        let known = usize::try_from(held.points.unsigned_abs() - block.first);
+    pub(super) async fn append_points(
+        &mut self,
+        attempt: &LeasedAttempt,
+        block: &CurveBlock,
+    ) -> Result<bool> {
+        check(attempt, block)?;
+        let known = usize::try_from(attempt.points.unsigned_abs() - block.first);
         let new = block.rows.get(known.unwrap_or(usize::MAX)..);
         let Some(new) = new.filter(|rows| !rows.is_empty()) else {
             return Ok(false);
@@ -39,11 +44,11 @@ impl Change {
         let full = BLOCK_BYTES.div_ceil(8 * columns);
         // a last block that is not full takes the first new points, so that a curve reported point
         // by point is read as fast as one reported at once
-        let (mut first, mut rows) = match self.last_block(held.seq).await? {
+        let (mut first, mut rows) = match self.last_block(attempt.seq).await? {
             Some(last) if last.count.unsigned_abs() < full as u64 => {
                 (last.first, decode(&last, columns)?)
             }
-            _ => (held.points, Vec::new()),
+            _ => (attempt.points, Vec::new()),
         };
         rows.extend_from_slice(new);
         for rows in rows.chunks(full) {
@@ -52,7 +57,7 @@ impl Change {
                 "INSERT OR REPLACE INTO curve_blocks (attempt, first, count, data)
                  VALUES (?, ?, ?, ?)",
             )
-            .bind(held.seq)
+            .bind(attempt.seq)
             .bind(first)
             .bind(count)
             .bind(encode(rows, columns)?)
@@ -63,7 +68,7 @@ impl Change {
         sqlx::query("UPDATE attempts SET columns = ?, points = ? WHERE seq = ?")
             .bind(json(&block.columns)?)
             .bind(first)
-            .bind(held.seq)
+            .bind(attempt.seq)
             .execute(&mut self.connection)
             .await?;
         Ok(true)
@@ -172,21 +177,21 @@ fn between(blocks: &[Block], columns: usize, since: u64, end: u64) -> Result<Vec
     Ok(points)
 }
 
-fn check(held: &Held, block: &CurveBlock) -> Result<()> {
+fn check(attempt: &LeasedAttempt, block: &CurveBlock) -> Result<()> {
     let invalid = |sentence: String| Err(StoreError::Invalid(sentence));
     if !(1..=MOST_COLUMNS).contains(&block.columns.len()) || block.rows.len() > MOST_ROWS {
         return invalid(format!(
             "a block has 1 … {MOST_COLUMNS} columns and at most {MOST_ROWS} rows"
         ));
     }
-    let points = held.points.unsigned_abs();
+    let points = attempt.points.unsigned_abs();
     if block.first > points {
         let first = block.first;
         return invalid(format!(
             "the curve has {points} points; a block from {first} leaves a gap"
         ));
     }
-    if points > 0 && parsed::<Vec<String>>(&held.columns, "columns")? != block.columns {
+    if points > 0 && parsed::<Vec<String>>(&attempt.columns, "columns")? != block.columns {
         return invalid("the columns of a curve stay the same".to_owned());
     }
     let width = block.columns.len();

@@ -1,16 +1,17 @@
-//! The last word of a worker on its attempt: complete, fail or release. A word said twice, because
-//! the answer to the first was lost, is answered twice.
+//! How a worker ends its attempt: complete, fail or release. A message sent twice, because the answer
+//! to the first was lost, is answered twice.
 use std::collections::HashMap;
 
 use loadframe_api::worker::{CompleteRequest, FailRequest, ReleaseReason};
 use loadframe_api::{FileEntry, JobOutcome, sha256_hex};
 use serde::Serialize;
 
-use super::lease::Held;
-use super::state::{Ending, Life};
-use super::words::json;
+use super::encoding::json;
+use super::error::{Result, StoreError};
+use super::lease::LeasedAttempt;
+use super::state::{Ending, LifecycleRow};
 use super::writer::Change;
-use super::{LeaseKey, Result, Store, StoreError};
+use super::{LeaseKey, Store};
 use crate::queue::{Input, State};
 
 /// The file every result has.
@@ -78,23 +79,23 @@ impl Change {
         message: String,
         input: Input,
         why: Option<String>,
-    ) -> Result<Option<(Life, Held, State)>> {
-        let held = Held::find(&mut self.connection, key).await?;
-        if held.ended_at.is_some() {
-            let is_repeated = held.ended_by.as_ref() == Some(&message);
+    ) -> Result<Option<(LifecycleRow, LeasedAttempt, State)>> {
+        let attempt = LeasedAttempt::find(&mut self.connection, key).await?;
+        if attempt.ended_at.is_some() {
+            let is_repeated = attempt.ended_by.as_ref() == Some(&message);
             return is_repeated.then_some(None).ok_or(StoreError::LeaseLost);
         }
-        let life = Life::of(&mut self.connection, held.job).await?;
+        let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
         // the worker's reason is that of its failure; who asked to cancel knows why
-        let why = why.filter(|_| matches!(life.asked(), Ok(None)));
+        let why = why.filter(|_| matches!(job.asked(), Ok(None)));
         let ending = Ending {
-            attempt: held.seq,
-            token: held.token,
+            attempt: attempt.seq,
+            token: attempt.token,
             message: Some(message),
             expired: false,
         };
-        let step = self.step(&life, input, why, Some(ending)).await?;
-        Ok(Some((life, held, step.state)))
+        let step = self.step(&job, input, why, Some(ending)).await?;
+        Ok(Some((job, attempt, step.state)))
     }
 
     async fn complete(
@@ -103,17 +104,18 @@ impl Change {
         message: String,
         request: &CompleteRequest,
     ) -> Result<()> {
-        let Some((life, held, state)) = self.end(key, message, Input::Complete, None).await? else {
+        let Some((job, attempt, state)) = self.end(key, message, Input::Complete, None).await?
+        else {
             return Ok(());
         };
         if state != State::Finished(JobOutcome::Succeeded) {
             return Ok(());
         }
-        self.check_outcome(&life, request).await?;
-        self.publish(&held, &request.files).await?;
+        self.check_outcome(&job, request).await?;
+        self.publish(&attempt, &request.files).await?;
         sqlx::query("INSERT INTO results (job, attempt, summary, outcome) VALUES (?, ?, ?, ?)")
-            .bind(life.seq)
-            .bind(held.number)
+            .bind(job.seq)
+            .bind(attempt.number)
             .bind(json(&request.outcome.summary)?)
             .bind(json(&request.outcome)?)
             .execute(&mut self.connection)
@@ -122,10 +124,10 @@ impl Change {
     }
 
     /// The outcome must be one of this job's spec.
-    async fn check_outcome(&mut self, life: &Life, request: &CompleteRequest) -> Result<()> {
+    async fn check_outcome(&mut self, job: &LifecycleRow, request: &CompleteRequest) -> Result<()> {
         let (kind, spec_sha256): (String, String) =
             sqlx::query_as("SELECT kind, spec_sha256 FROM jobs WHERE seq = ?")
-                .bind(life.seq)
+                .bind(job.seq)
                 .fetch_one(&mut self.connection)
                 .await?;
         let outcome = &request.outcome;
@@ -137,14 +139,14 @@ impl Change {
     }
 
     /// Makes the attempt's files exactly those of the result.
-    async fn publish(&mut self, held: &Held, files: &[FileEntry]) -> Result<()> {
+    async fn publish(&mut self, attempt: &LeasedAttempt, files: &[FileEntry]) -> Result<()> {
         if !files.iter().any(|file| file.name == OUTCOME_FILE) {
             let sentence = format!("{OUTCOME_FILE} is missing among the files");
             return Err(StoreError::Invalid(sentence));
         }
         let uploaded: Vec<(String, i64, String)> =
             sqlx::query_as("SELECT name, bytes, sha256 FROM attempt_files WHERE attempt = ?")
-                .bind(held.seq)
+                .bind(attempt.seq)
                 .fetch_all(&mut self.connection)
                 .await?;
         let mut uploaded: HashMap<String, (i64, String)> = uploaded
@@ -173,7 +175,7 @@ impl Change {
             "DELETE FROM attempt_files
              WHERE attempt = ? AND name IN (SELECT value FROM json_each(?))",
         )
-        .bind(held.seq)
+        .bind(attempt.seq)
         .bind(json(&names)?)
         .execute(&mut self.connection)
         .await?;

@@ -1,6 +1,9 @@
 //! What can go wrong in the store, by whose fault.
 use std::path::PathBuf;
 
+/// What the store gives, or why not.
+pub(super) type Result<T, E = StoreError> = std::result::Result<T, E>;
+
 /// Why the store did not do what it was asked.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

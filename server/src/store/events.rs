@@ -5,10 +5,11 @@ use loadframe_api::{Event, JobDeleted, JobView, PointsReady, ProgressNow};
 use tokio::sync::watch;
 use uuid::Uuid;
 
+use super::Store;
+use super::encoding::json;
+use super::error::Result;
 use super::row::row;
-use super::words::json;
 use super::writer::EventType;
-use super::{Result, Store};
 
 row! {
     struct EventRow {

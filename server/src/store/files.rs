@@ -7,10 +7,11 @@ use tokio::io::AsyncRead;
 use uuid::Uuid;
 
 use super::claim::{checkpoint_of, entry};
-use super::lease::Held;
-use super::state::Life;
+use super::error::{Result, StoreError};
+use super::lease::LeasedAttempt;
+use super::state::LifecycleRow;
 use super::writer::Change;
-use super::{LeaseKey, Result, Store, StoreError};
+use super::{LeaseKey, Store};
 
 /// Largest result file [bytes].
 const LARGEST_FILE: u64 = 8 << 30;
@@ -41,14 +42,14 @@ impl Store {
             bytes: received.bytes,
             sha256: received.sha256.clone(),
         };
-        let stay = self.blobs().keep(received).await?;
+        let guard = self.blobs().keep(received).await?;
         let (row, lease) = (entry.clone(), self.lease_millis());
         // a refused upload may have left bytes that no row names
         let written = self
             .write(move |change| {
                 Box::pin(async move {
                     change.add_file(key, lease, &row).await?;
-                    Ok(stay)
+                    Ok(guard)
                 })
             })
             .await;
@@ -80,13 +81,13 @@ impl Store {
             .receive("a checkpoint", &query.sha256, LARGEST_CHECKPOINT, body)
             .await?;
         let bytes = received.bytes;
-        let stay = self.blobs().keep(received).await?;
+        let guard = self.blobs().keep(received).await?;
         let (row, lease) = (query.clone(), self.lease_millis());
         let written = self
             .write(move |change| {
                 Box::pin(async move {
                     let info = change.set_checkpoint(key, lease, &row, bytes).await?;
-                    Ok((info, stay))
+                    Ok((info, guard))
                 })
             })
             .await;
@@ -100,8 +101,8 @@ impl Store {
     /// [`StoreError::LeaseLost`]; [`StoreError::NotFound`] when there is none.
     pub async fn checkpoint(&self, key: LeaseKey) -> Result<(CheckpointInfo, PathBuf)> {
         let mut snapshot = self.reads().begin().await?;
-        let held = Held::live(&mut snapshot, key).await?;
-        let info = checkpoint_of(&mut snapshot, held.seq).await?;
+        let attempt = LeasedAttempt::live(&mut snapshot, key).await?;
+        let info = checkpoint_of(&mut snapshot, attempt.seq).await?;
         let info = info.ok_or_else(|| StoreError::NotFound("checkpoint".to_owned()))?;
         let path = self.blobs().path(&info.sha256);
         Ok((info, path))
@@ -113,14 +114,14 @@ impl Store {
     /// [`StoreError::NotFound`] when there is no such job.
     pub async fn files(&self, id: Uuid) -> Result<Vec<FileEntry>> {
         let mut snapshot = self.reads().begin().await?;
-        let life = Life::of(&mut snapshot, id).await?;
+        let job = LifecycleRow::of(&mut snapshot, id).await?;
         let files: Vec<(String, i64, String)> = sqlx::query_as(
             "SELECT f.name, f.bytes, f.sha256
              FROM results r JOIN attempts a ON a.job = r.job AND a.number = r.attempt
              JOIN attempt_files f ON f.attempt = a.seq
              WHERE r.job = ? ORDER BY f.name",
         )
-        .bind(life.seq)
+        .bind(job.seq)
         .fetch_all(&mut *snapshot)
         .await?;
         Ok(files.into_iter().map(entry).collect())
@@ -166,7 +167,7 @@ impl Store {
     /// Refuses a stale worker before its body is taken in.
     async fn check_lease(&self, key: LeaseKey) -> Result<()> {
         let mut connection = self.reads().acquire().await?;
-        Held::live(&mut connection, key).await?;
+        LeasedAttempt::live(&mut connection, key).await?;
         Ok(())
     }
 
@@ -181,10 +182,10 @@ impl Store {
 
 impl Change {
     async fn add_file(&mut self, key: LeaseKey, lease: i64, file: &FileEntry) -> Result<()> {
-        let held = self.extend(key, lease).await?;
+        let attempt = self.extend(key, lease).await?;
         let replaced: Option<String> =
             sqlx::query_scalar("SELECT sha256 FROM attempt_files WHERE attempt = ? AND name = ?")
-                .bind(held.seq)
+                .bind(attempt.seq)
                 .bind(&file.name)
                 .fetch_optional(&mut self.connection)
                 .await?;
@@ -193,7 +194,7 @@ impl Change {
             "INSERT OR REPLACE INTO attempt_files (attempt, name, bytes, sha256)
              VALUES (?, ?, ?, ?)",
         )
-        .bind(held.seq)
+        .bind(attempt.seq)
         .bind(&file.name)
         .bind(i64::try_from(file.bytes).unwrap_or(i64::MAX))
         .bind(&file.sha256)
@@ -209,13 +210,13 @@ impl Change {
         query: &CheckpointQuery,
         bytes: u64,
     ) -> Result<CheckpointInfo> {
-        let held = self.extend(key, lease).await?;
-        let life = Life::of(&mut self.connection, held.job).await?;
-        self.drop_checkpoint(life.seq).await?;
+        let attempt = self.extend(key, lease).await?;
+        let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
+        self.drop_checkpoint(job.seq).await?;
         sqlx::query(
             "INSERT INTO checkpoints (job, bytes, sha256, wall_s, cpu_s) VALUES (?, ?, ?, ?, ?)",
         )
-        .bind(life.seq)
+        .bind(job.seq)
         .bind(i64::try_from(bytes).unwrap_or(i64::MAX))
         .bind(&query.sha256)
         .bind(query.wall_s)
@@ -226,11 +227,11 @@ impl Change {
             "INSERT INTO checkpoint_files (job, name, bytes, sha256)
              SELECT ?, name, bytes, sha256 FROM attempt_files WHERE attempt = ?",
         )
-        .bind(life.seq)
-        .bind(held.seq)
+        .bind(job.seq)
+        .bind(attempt.seq)
         .execute(&mut self.connection)
         .await?;
-        let info = checkpoint_of(&mut self.connection, held.seq).await?;
+        let info = checkpoint_of(&mut self.connection, attempt.seq).await?;
         info.ok_or(StoreError::Unavailable)
     }
 }

@@ -7,9 +7,10 @@ use loadframe_api::{
 use serde::Deserialize;
 use uuid::Uuid;
 
+use super::encoding::{json, parsed, variant, wire_name};
+use super::error::{Result, StoreError};
 use super::row::row;
-use super::words::{json, parsed, variant, word};
-use super::{JobFilter, Result, Store, StoreError};
+use super::{JobFilter, Store};
 
 /// Longest page of a list.
 const LONGEST_PAGE: u32 = 1000;
@@ -213,8 +214,8 @@ impl Store {
              ORDER BY j.seq DESC LIMIT ?9"
         ))
         .bind(before)
-        .bind(filter.status.as_ref().map(word).transpose()?)
-        .bind(filter.outcome.as_ref().map(word).transpose()?)
+        .bind(filter.status.as_ref().map(wire_name).transpose()?)
+        .bind(filter.outcome.as_ref().map(wire_name).transpose()?)
         .bind(filter.kind.map(JobKind::name))
         .bind(filter.tag.as_deref())
         .bind(filter.q.as_ref().map(|text| text.to_ascii_lowercase()))

@@ -1,13 +1,14 @@
-//! What a worker says while it holds a lease: that it lives, how far it is, what it computed.
+//! What a worker reports while it holds a lease: that it is alive, how far it is, what it computed.
 use loadframe_api::worker::{Command, ProgressReport};
 use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
+use super::error::{Result, StoreError};
 use super::row::row;
-use super::state::Life;
+use super::state::LifecycleRow;
 use super::writer::{Change, EventType};
-use super::{LeaseKey, Result, Store, StoreError, log};
-use crate::queue::Asked;
+use super::{LeaseKey, Store, log};
+use crate::queue::UserRequest;
 
 /// Longest phase [characters].
 const LONGEST_PHASE: usize = 500;
@@ -15,7 +16,7 @@ const LONGEST_PHASE: usize = 500;
 row! {
     /// An attempt under its lease.
     #[derive(Debug)]
-    pub(super) struct Held {
+    pub(super) struct LeasedAttempt {
         /// The attempt's row.
         pub(super) seq: i64,
         pub(super) token: Uuid,
@@ -30,7 +31,7 @@ row! {
     }
 }
 
-impl Held {
+impl LeasedAttempt {
     /// The attempt whose id and token `key` has, live or ended.
     ///
     /// # Errors
@@ -53,9 +54,9 @@ impl Held {
     /// # Errors
     /// [`StoreError::LeaseLost`] when it is not.
     pub(super) async fn live(connection: &mut SqliteConnection, key: LeaseKey) -> Result<Self> {
-        let held = Self::find(connection, key).await?;
-        if held.ended_at.is_none() {
-            Ok(held)
+        let attempt = Self::find(connection, key).await?;
+        if attempt.ended_at.is_none() {
+            Ok(attempt)
         } else {
             Err(StoreError::LeaseLost)
         }
@@ -67,8 +68,8 @@ impl Change {
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`] when the lease is not held.
-    pub(super) async fn extend(&mut self, key: LeaseKey, lease: i64) -> Result<Held> {
-        let held: Held = sqlx::query_as(
+    pub(super) async fn extend(&mut self, key: LeaseKey, lease: i64) -> Result<LeasedAttempt> {
+        let attempt: LeasedAttempt = sqlx::query_as(
             "UPDATE attempts SET lease_until = ?, heard = 1
              WHERE id = ? AND token = ? AND ended_at IS NULL
              RETURNING seq, token, number, worker, ended_at, ended_by, columns, points,
@@ -80,8 +81,8 @@ impl Change {
         .fetch_optional(&mut self.connection)
         .await?
         .ok_or(StoreError::LeaseLost)?;
-        self.hear_worker(held.worker).await?;
-        Ok(held)
+        self.touch_worker(attempt.worker).await?;
+        Ok(attempt)
     }
 
     async fn report(
@@ -90,23 +91,23 @@ impl Change {
         lease: i64,
         report: &ProgressReport,
     ) -> Result<Command> {
-        let held = self.extend(key, lease).await?;
-        let life = Life::of(&mut self.connection, held.job).await?;
+        let attempt = self.extend(key, lease).await?;
+        let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
         sqlx::query("UPDATE jobs SET progress = ?, phase = ?, eta_s = ? WHERE seq = ?")
             .bind(report.progress)
             .bind(&report.phase)
             .bind(report.eta_s)
-            .bind(life.seq)
+            .bind(job.seq)
             .execute(&mut self.connection)
             .await?;
         if let Some(block) = &report.points
-            && self.append_points(&held, block).await?
+            && self.append_points(&attempt, block).await?
         {
-            self.event(life.seq, life.id, EventType::Points).await?;
+            self.event(job.seq, job.id, EventType::Points).await?;
         }
-        self.append_log(&life, held.number, &report.log).await?;
-        self.event(life.seq, life.id, EventType::Progress).await?;
-        Ok(Asked::command(life.asked()?))
+        self.append_log(&job, attempt.number, &report.log).await?;
+        self.event(job.seq, job.id, EventType::Progress).await?;
+        Ok(UserRequest::command(job.asked()?))
     }
 }
 
@@ -119,9 +120,9 @@ impl Store {
         let lease = self.lease_millis();
         self.write(move |change| {
             Box::pin(async move {
-                let held = change.extend(key, lease).await?;
-                let life = Life::of(&mut change.connection, held.job).await?;
-                Ok(Asked::command(life.asked()?))
+                let attempt = change.extend(key, lease).await?;
+                let job = LifecycleRow::of(&mut change.connection, attempt.job).await?;
+                Ok(UserRequest::command(job.asked()?))
             })
         })
         .await

@@ -2,10 +2,11 @@
 use loadframe_api::{LogLine, Timestamp};
 use uuid::Uuid;
 
-use super::state::Life;
-use super::words::json;
+use super::Store;
+use super::encoding::json;
+use super::error::Result;
+use super::state::LifecycleRow;
 use super::writer::Change;
-use super::{Result, Store};
 
 /// Lines a report may bring.
 pub(super) const MOST_LINES_A_REPORT: usize = 1000;
@@ -17,7 +18,7 @@ const LONGEST_LINE: usize = 2000;
 impl Change {
     pub(super) async fn append_log(
         &mut self,
-        life: &Life,
+        job: &LifecycleRow,
         attempt: u32,
         lines: &[String],
     ) -> Result<()> {
@@ -33,18 +34,18 @@ impl Change {
         .bind(attempt)
         .bind(self.now.as_millis())
         .bind(json(&lines)?)
-        .bind(life.seq)
+        .bind(job.seq)
         .execute(&mut self.connection)
         .await?;
         let written: i64 = sqlx::query_scalar(
             "UPDATE jobs SET log_lines = log_lines + ? WHERE seq = ? RETURNING log_lines",
         )
         .bind(i64::try_from(lines.len()).unwrap_or(i64::MAX))
-        .bind(life.seq)
+        .bind(job.seq)
         .fetch_one(&mut self.connection)
         .await?;
         sqlx::query("DELETE FROM log_lines WHERE job = ? AND number < ?")
-            .bind(life.seq)
+            .bind(job.seq)
             .bind(written - LINES_KEPT)
             .execute(&mut self.connection)
             .await?;
@@ -73,12 +74,12 @@ impl Store {
     /// [`super::StoreError::NotFound`] when there is no such job.
     pub async fn log(&self, id: Uuid, since: u64) -> Result<Vec<LogLine>> {
         let mut connection = self.reads().acquire().await?;
-        let life = Life::of(&mut connection, id).await?;
+        let job = LifecycleRow::of(&mut connection, id).await?;
         let lines: Vec<(i64, u32, String)> = sqlx::query_as(
             "SELECT at, attempt, message FROM log_lines WHERE job = ? AND number >= ?
              ORDER BY number",
         )
-        .bind(life.seq)
+        .bind(job.seq)
         .bind(i64::try_from(since).unwrap_or(i64::MAX))
         .fetch_all(&mut *connection)
         .await?;

@@ -5,7 +5,7 @@
 //! under their SHA-256), `incoming/` (files on their way) and `lock` (one server a folder).
 //!
 //! A change goes `Store::…` → [`writer`] (one connection, group commit) → the command's method on
-//! [`writer::Change`] → for steps of a job's life [`state`], which asks [`crate::queue`] → events →
+//! [`writer::Change`] → for steps of a job's lifecycle [`state`], which asks [`crate::queue`] → events →
 //! commit → answer. Reads go to a pool of connections that cannot write, beside it.
 //!
 //! The worker's side in the order of a job: [`claim`], [`lease`] with [`curve`] and [`log`],
@@ -13,6 +13,7 @@
 mod blobs;
 mod claim;
 mod curve;
+mod encoding;
 mod ending;
 mod error;
 mod events;
@@ -26,9 +27,9 @@ mod row;
 mod state;
 mod submit;
 mod sweep;
+mod token_cache;
 mod tokens;
 mod types;
-mod words;
 mod workers;
 mod writer;
 
@@ -40,12 +41,11 @@ use sqlx::SqlitePool;
 use tokio::sync::watch;
 
 use blobs::Blobs;
+use error::Result;
 pub use error::StoreError;
-use tokens::Believed;
+use token_cache::TokenCache;
 pub use types::*;
 use writer::{Change, Work, Writer};
-
-type Result<T, E = StoreError> = std::result::Result<T, E>;
 
 /// The store; a clone is another handle on the same one.
 #[derive(Clone, Debug)]
@@ -59,7 +59,7 @@ struct Inner {
     blobs: Blobs,
     last_event: watch::Receiver<u64>,
     queued: watch::Receiver<u64>,
-    believed: Believed,
+    token_cache: TokenCache,
     /// Held as long as the store is open, by a server's store.
     _lock: Option<File>,
 }
@@ -87,8 +87,8 @@ impl Store {
         &self.0.blobs
     }
 
-    fn believed(&self) -> &Believed {
-        &self.0.believed
+    fn token_cache(&self) -> &TokenCache {
+        &self.0.token_cache
     }
 
     async fn write<T, F>(&self, command: F) -> Result<T>

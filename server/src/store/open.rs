@@ -9,15 +9,16 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, S
 use tokio::sync::{mpsc, watch};
 
 use super::blobs::Blobs;
+use super::error::{Result, StoreError};
 use super::migrations::migrations;
-use super::tokens::Believed;
+use super::token_cache::TokenCache;
 use super::writer::{Announcements, Writer};
-use super::{Inner, Result, Store, StoreError, StoreOptions};
+use super::{Inner, Store, StoreOptions};
 
 /// Reads at once.
 const READERS: u32 = 4;
 /// How long a statement waits for another process, such as a token command, to finish writing.
-const PATIENCE: Duration = Duration::from_secs(10);
+const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// The write-ahead log is cut back to this [bytes] after a burst.
 const LOG_KEPT: &str = "67108864";
 
@@ -52,7 +53,7 @@ impl Store {
             .journal_mode(SqliteJournalMode::Wal)
             .synchronous(SqliteSynchronous::Full)
             .foreign_keys(true)
-            .busy_timeout(PATIENCE)
+            .busy_timeout(BUSY_TIMEOUT)
             .pragma("journal_size_limit", LOG_KEPT)
             .disable_statement_logging();
         let mut connection = database.connect().await?;
@@ -87,7 +88,7 @@ impl Store {
             blobs,
             last_event: last_event_receiver,
             queued: queued_receiver,
-            believed: Believed::default(),
+            token_cache: TokenCache::default(),
             _lock: lock,
         })))
     }

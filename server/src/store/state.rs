@@ -1,4 +1,4 @@
-//! Steps of a job's life in the database: read the state, ask the queue's transition function,
+//! Steps of a job's lifecycle in the database: read the state, ask the queue's transition function,
 //! write down what it says.
 //!
 //! Every update carries its condition, so that a stale writer changes nothing: the job's row must
@@ -7,16 +7,16 @@ use loadframe_api::{AttemptEnd, JobOutcome, JobStatus, ReasonCode};
 use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
+use super::encoding::{variant, wire_name};
+use super::error::{Result, StoreError};
 use super::row::row;
-use super::words::{variant, word};
 use super::writer::{Change, EventType};
-use super::{Result, StoreError};
-use crate::queue::{Asked, Input, Refusal, State, Step, keeps_checkpoint, transition};
+use crate::queue::{Input, Refusal, State, Step, UserRequest, keeps_checkpoint, transition};
 
 row! {
-    /// A job's row, as far as its life goes.
+    /// The columns of a job's row that its lifecycle is about.
     #[derive(Debug)]
-    pub(super) struct Life {
+    pub(super) struct LifecycleRow {
         pub(super) seq: i64,
         pub(super) id: Uuid,
         status: String,
@@ -41,8 +41,8 @@ pub(super) struct Ending {
     pub(super) expired: bool,
 }
 
-impl Life {
-    /// The life of the job `id`.
+impl LifecycleRow {
+    /// That of the job `id`.
     pub(super) async fn of(connection: &mut SqliteConnection, id: Uuid) -> Result<Self> {
         sqlx::query_as(
             "SELECT seq, id, status, outcome, asked, losses, attempt, version FROM jobs WHERE id = ?",
@@ -68,18 +68,18 @@ impl Life {
         })
     }
 
-    pub(super) fn asked(&self) -> Result<Option<Asked>> {
+    pub(super) fn asked(&self) -> Result<Option<UserRequest>> {
         match self.asked.as_deref() {
             None => Ok(None),
-            Some("cancel") => Ok(Some(Asked::Cancel)),
-            Some("pause") => Ok(Some(Asked::Pause)),
+            Some("cancel") => Ok(Some(UserRequest::Cancel)),
+            Some("pause") => Ok(Some(UserRequest::Pause)),
             Some(word) => Err(StoreError::corrupt("request")(word.to_owned())),
         }
     }
 }
 
 impl Change {
-    /// Takes the step that `input` means for `life`. `why` says to people what the reason's own
+    /// Takes the step that `input` means for `job`. `why` says to people what the reason's own
     /// sentence does not; `ending` names the attempt that the step ends.
     ///
     /// # Errors
@@ -87,22 +87,22 @@ impl Change {
     /// when the attempt is no longer live.
     pub(super) async fn step(
         &mut self,
-        life: &Life,
+        job: &LifecycleRow,
         input: Input,
         why: Option<String>,
         ending: Option<Ending>,
     ) -> Result<Step> {
-        let before = life.state()?;
+        let before = job.state()?;
         let step = transition(before, input).map_err(|refusal| refused(refusal, input))?;
         if step.state == before && step.reason.is_none() {
             return Ok(step);
         }
         if let (Some(end), Some(ending)) = (step.attempt_end, ending) {
-            self.end_attempt(life, &ending, end).await?;
+            self.end_attempt(job, &ending, end).await?;
         }
         let (status, outcome, asked, losses) = columns(step.state);
         let reason = why.or_else(|| step.reason.map(|code| sentence(code).to_owned()));
-        let code = step.reason.map(|code| word(&code)).transpose()?;
+        let code = step.reason.map(|code| wire_name(&code)).transpose()?;
         let updated = sqlx::query(
             "UPDATE jobs SET
                 status = ?1, outcome = ?2, asked = ?3, losses = ?4,
@@ -113,15 +113,15 @@ impl Change {
                 eta_s = CASE ?1 WHEN 'running' THEN eta_s END
              WHERE seq = ?8 AND version = ?9",
         )
-        .bind(word(&status)?)
-        .bind(outcome.map(|outcome| word(&outcome)).transpose()?)
+        .bind(wire_name(&status)?)
+        .bind(outcome.map(|outcome| wire_name(&outcome)).transpose()?)
         .bind(asked)
         .bind(losses)
         .bind(code)
         .bind(reason)
         .bind(self.now.as_millis())
-        .bind(life.seq)
-        .bind(life.version)
+        .bind(job.seq)
+        .bind(job.version)
         .execute(&mut self.connection)
         .await?;
         if updated.rows_affected() != 1 {
@@ -130,23 +130,28 @@ impl Change {
         match step.state {
             State::Queued { .. } => self.queued(),
             State::Finished(outcome) if !keeps_checkpoint(outcome) => {
-                self.drop_checkpoint(life.seq).await?;
+                self.drop_checkpoint(job.seq).await?;
             }
             _ => {}
         }
-        self.event(life.seq, life.id, EventType::Job).await?;
+        self.event(job.seq, job.id, EventType::Job).await?;
         Ok(step)
     }
 
     /// Ends an attempt that is live under its token; of what it leaves, only a checkpoint and a
     /// completed result stay.
-    async fn end_attempt(&mut self, life: &Life, ending: &Ending, end: AttemptEnd) -> Result<()> {
+    async fn end_attempt(
+        &mut self,
+        job: &LifecycleRow,
+        ending: &Ending,
+        end: AttemptEnd,
+    ) -> Result<()> {
         let ended = sqlx::query(
             "UPDATE attempts SET ended_at = ?1, end_reason = ?2, ended_by = ?3
              WHERE seq = ?4 AND token = ?5 AND ended_at IS NULL AND (NOT ?6 OR lease_until <= ?1)",
         )
         .bind(self.now.as_millis())
-        .bind(word(&end)?)
+        .bind(wire_name(&end)?)
         .bind(&ending.message)
         .bind(ending.attempt)
         .bind(ending.token)
@@ -165,9 +170,9 @@ impl Change {
                     .await?;
             self.garbage(files);
         }
-        if life.attempt > 1 {
+        if job.attempt > 1 {
             let result = completed.then_some(ending.attempt);
-            self.keep_one_curve(life.seq, result).await?;
+            self.keep_one_curve(job.seq, result).await?;
         }
         Ok(())
     }
@@ -208,8 +213,8 @@ fn columns(state: State) -> (JobStatus, Option<JobOutcome>, Option<&'static str>
         State::Paused { losses } => (JobStatus::Paused, None, None, losses),
         State::Running { losses, asked } => {
             let asked = asked.map(|asked| match asked {
-                Asked::Cancel => "cancel",
-                Asked::Pause => "pause",
+                UserRequest::Cancel => "cancel",
+                UserRequest::Pause => "pause",
             });
             (JobStatus::Running, None, asked, losses)
         }

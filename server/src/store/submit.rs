@@ -2,10 +2,11 @@
 use loadframe_api::{JobView, ReasonCode, Submission};
 use uuid::Uuid;
 
-use super::state::{Life, sentence};
-use super::words::{json, word};
+use super::encoding::{json, wire_name};
+use super::error::{Result, StoreError};
+use super::state::{LifecycleRow, sentence};
 use super::writer::{Change, EventType};
-use super::{Enqueued, IdempotencyKey, JobEdit, Result, Store, StoreError, UserAction};
+use super::{Enqueued, IdempotencyKey, JobEdit, Store, UserAction};
 use crate::queue::{Input, Refusal, State};
 
 /// The row of a new job.
@@ -67,7 +68,7 @@ impl Store {
     pub async fn edit(&self, id: Uuid, edit: JobEdit) -> Result<JobView> {
         self.write(move |change| {
             Box::pin(async move {
-                let life = Life::of(&mut change.connection, id).await?;
+                let job = LifecycleRow::of(&mut change.connection, id).await?;
                 sqlx::query(
                     "UPDATE jobs SET name = COALESCE(?, name), notes = COALESCE(?, notes),
                         tags = COALESCE(?, tags), priority = COALESCE(?, priority) WHERE seq = ?",
@@ -76,10 +77,10 @@ impl Store {
                 .bind(edit.notes)
                 .bind(edit.tags.as_ref().map(json).transpose()?)
                 .bind(edit.priority)
-                .bind(life.seq)
+                .bind(job.seq)
                 .execute(&mut change.connection)
                 .await?;
-                change.event(life.seq, id, EventType::Job).await
+                change.event(job.seq, id, EventType::Job).await
             })
         })
         .await?;
@@ -110,11 +111,11 @@ impl Store {
         };
         self.write(move |change| {
             Box::pin(async move {
-                let life = Life::of(&mut change.connection, id).await?;
-                let before = life.state()?;
-                let step = change.step(&life, input, None, None).await?;
+                let job = LifecycleRow::of(&mut change.connection, id).await?;
+                let before = job.state()?;
+                let step = change.step(&job, input, None, None).await?;
                 if input == Input::Retry && step.state != before {
-                    change.start_over(&life).await?;
+                    change.start_over(&job).await?;
                 }
                 Ok(())
             })
@@ -151,7 +152,7 @@ impl Change {
         .bind(&job.tags)
         .bind(job.priority)
         .bind(&job.spec_sha256)
-        .bind(word(&ReasonCode::Submitted)?)
+        .bind(wire_name(&ReasonCode::Submitted)?)
         .bind(sentence(ReasonCode::Submitted))
         .bind(self.now.as_millis())
         .execute(&mut self.connection)
@@ -181,16 +182,16 @@ impl Change {
     }
 
     async fn delete(&mut self, id: Uuid) -> Result<()> {
-        let life = Life::of(&mut self.connection, id).await?;
-        if matches!(life.state()?, State::Running { .. }) {
+        let job = LifecycleRow::of(&mut self.connection, id).await?;
+        if matches!(job.state()?, State::Running { .. }) {
             return Err(StoreError::Conflict(Refusal::StillRunning.to_string()));
         }
-        self.drop_checkpoint(life.seq).await?;
+        self.drop_checkpoint(job.seq).await?;
         let files: Vec<String> = sqlx::query_scalar(
             "SELECT sha256 FROM attempt_files
              WHERE attempt IN (SELECT seq FROM attempts WHERE job = ?)",
         )
-        .bind(life.seq)
+        .bind(job.seq)
         .fetch_all(&mut self.connection)
         .await?;
         self.garbage(files);
@@ -203,13 +204,13 @@ impl Change {
                 .execute(&mut self.connection)
                 .await?;
         }
-        self.event(life.seq, id, EventType::Deleted).await
+        self.event(job.seq, id, EventType::Deleted).await
     }
 
     /// Clears the traces of the attempts before a retry.
-    async fn start_over(&mut self, life: &Life) -> Result<()> {
+    async fn start_over(&mut self, job: &LifecycleRow) -> Result<()> {
         sqlx::query("UPDATE jobs SET started_at = NULL, progress = 0 WHERE seq = ?")
-            .bind(life.seq)
+            .bind(job.seq)
             .execute(&mut self.connection)
             .await?;
         Ok(())

@@ -4,10 +4,11 @@ use std::time::Duration;
 use loadframe_api::Timestamp;
 use uuid::Uuid;
 
+use super::error::{Result, StoreError};
 use super::row::row;
-use super::state::{Ending, Life};
+use super::state::{Ending, LifecycleRow};
 use super::writer::{Change, EventType};
-use super::{Result, Store, StoreError, millis};
+use super::{Store, millis};
 use crate::queue::{Input, LOSSES_UNTIL_QUARANTINE, State, transition};
 
 /// The sweeper's step.
@@ -119,31 +120,31 @@ impl Store {
 
 impl Change {
     async fn sweep(&mut self, attempt: Overdue) -> Result<()> {
-        let life = Life::of(&mut self.connection, attempt.job).await?;
+        let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
         let input = if attempt.expired {
             Input::Lose
         } else {
             Input::ExceedTime
         };
-        let why = self.why(&life, input, &attempt).await?;
+        let why = self.why(&job, input, &attempt).await?;
         let ending = Ending {
             attempt: attempt.seq,
             token: attempt.token,
             message: None,
             expired: attempt.expired,
         };
-        self.step(&life, input, why, Some(ending)).await?;
+        self.step(&job, input, why, Some(ending)).await?;
         Ok(())
     }
 
     /// The sentence for a loss names the worker, and for the last one quotes the log.
     async fn why(
         &mut self,
-        life: &Life,
+        job: &LifecycleRow,
         input: Input,
         attempt: &Overdue,
     ) -> Result<Option<String>> {
-        let Ok(step) = transition(life.state()?, input) else {
+        let Ok(step) = transition(job.state()?, input) else {
             return Err(StoreError::LeaseLost);
         };
         let who = format!("{} ({})", attempt.worker_name, attempt.host);
@@ -152,7 +153,7 @@ impl Change {
                 "worker {who} fell silent, loss {losses} of {LOSSES_UNTIL_QUARANTINE}; waiting for another"
             )),
             (Input::Lose, State::Finished(loadframe_api::JobOutcome::Quarantined)) => {
-                let lines = self.last_lines(life.seq, LINES_QUOTED).await?;
+                let lines = self.last_lines(job.seq, LINES_QUOTED).await?;
                 let log = if lines.is_empty() {
                     "it left no log".to_owned()
                 } else {

@@ -1,29 +1,18 @@
 //! Access tokens: shown once, kept as their SHA-256.
-use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
-
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use loadframe_api::{Timestamp, sha256_hex};
 use rand::Rng;
 use uuid::Uuid;
 
+use super::error::{Result, StoreError};
 use super::row::row;
-use super::{NewToken, Result, Store, StoreError, TokenView};
+use super::{NewToken, Store, TokenView};
 
 /// What a token begins with, so that people and secret scanners know it.
 const PREFIX: &str = "lf_";
 /// Random bytes of a token: beyond guessing, so a plain hash protects it.
 const SECRET_BYTES: usize = 32;
-/// How long a good token is believed without asking the database; a revoked one ends as late.
-const BELIEVED: Duration = Duration::from_secs(2);
-/// Believed tokens are few; more than this many are forgotten together.
-const MOST_BELIEVED: usize = 1000;
-
-/// Tokens found good a moment ago, by their hash.
-#[derive(Debug, Default)]
-pub(super) struct Believed(Mutex<HashMap<String, Instant>>);
 
 row! {
     struct TokenRow {
@@ -31,30 +20,6 @@ row! {
         name: String,
         created_at: i64,
         revoked_at: Option<i64>,
-    }
-}
-
-impl Believed {
-    fn knows(&self, hash: &str) -> bool {
-        let believed = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        believed
-            .get(hash)
-            .is_some_and(|since| since.elapsed() < BELIEVED)
-    }
-
-    fn learn(&self, hash: String) {
-        let mut believed = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if believed.len() >= MOST_BELIEVED {
-            believed.clear();
-        }
-        believed.insert(hash, Instant::now());
-    }
-
-    fn forget(&self) {
-        self.0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clear();
     }
 }
 
@@ -123,7 +88,7 @@ impl Store {
             })
         })
         .await?;
-        self.believed().forget();
+        self.token_cache().clear();
         Ok(())
     }
 
@@ -133,7 +98,7 @@ impl Store {
     /// The database's.
     pub async fn check_token(&self, secret: &str) -> Result<bool> {
         let hash = sha256_hex(secret.as_bytes());
-        if self.believed().knows(&hash) {
+        if self.token_cache().contains(&hash) {
             return Ok(true);
         }
         let is_good: bool = sqlx::query_scalar(
@@ -143,7 +108,7 @@ impl Store {
         .fetch_one(self.reads())
         .await?;
         if is_good {
-            self.believed().learn(hash);
+            self.token_cache().insert(hash);
         }
         Ok(is_good)
     }

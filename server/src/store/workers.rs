@@ -3,9 +3,10 @@ use loadframe_api::worker::ClaimRequest;
 use loadframe_api::{Calibration, Timestamp, WorkerView};
 use uuid::Uuid;
 
+use super::error::Result;
 use super::row::row;
 use super::writer::Change;
-use super::{Counts, Result, Store};
+use super::{Counts, Store};
 
 /// A waiting worker is written down again when it was last seen this long ago [ms].
 const SEEN_EVERY: i64 = 2_000;
@@ -28,7 +29,7 @@ row! {
 
 impl Change {
     /// Notes that a worker asks for a job. One that asks again and again costs no commit each time.
-    pub(super) async fn see_worker(&mut self, worker: &ClaimRequest) -> Result<()> {
+    pub(super) async fn register_worker(&mut self, worker: &ClaimRequest) -> Result<()> {
         let speed = worker.calibration.map(|speed| speed.bond_evaluations_per_s);
         sqlx::query(
             "INSERT INTO workers (id, name, host, threads, engine_version, bond_evaluations_per_s,
@@ -51,7 +52,7 @@ impl Change {
     }
 
     /// Notes that a worker speaks under its lease.
-    pub(super) async fn hear_worker(&mut self, worker: Uuid) -> Result<()> {
+    pub(super) async fn touch_worker(&mut self, worker: Uuid) -> Result<()> {
         sqlx::query("UPDATE workers SET last_seen_at = ?1 WHERE id = ?2 AND last_seen_at < ?3")
             .bind(self.now.as_millis())
             .bind(worker)

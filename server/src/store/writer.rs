@@ -11,7 +11,7 @@ use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
 
 use super::blobs::Garbage;
-use super::{Result, StoreError};
+use super::error::{Result, StoreError};
 
 /// Commands in one commit; beyond this, the first of them would wait too long for the last.
 const LARGEST_BATCH: usize = 256;
@@ -21,11 +21,12 @@ pub(super) type Work<'c, T> = Pin<Box<dyn Future<Output = Result<T>> + Send + 'c
 
 type Deliver = Box<dyn FnOnce() + Send>;
 type Command = Box<
-    dyn for<'c> FnOnce(&'c mut Change) -> Pin<Box<dyn Future<Output = Ran> + Send + 'c>> + Send,
+    dyn for<'c> FnOnce(&'c mut Change) -> Pin<Box<dyn Future<Output = CommandEnd> + Send + 'c>>
+        + Send,
 >;
 
 /// A command that has run: whether its changes are to stay, and how to answer once they are safe.
-struct Ran {
+struct CommandEnd {
     stays: bool,
     deliver: Deliver,
 }
@@ -139,13 +140,13 @@ impl Writer {
         let command: Command = Box::new(move |change| {
             Box::pin(async move {
                 if answer.is_closed() {
-                    return Ran {
+                    return CommandEnd {
                         stays: false,
                         deliver: Box::new(|| {}),
                     };
                 }
                 let result = command(change).await;
-                Ran {
+                CommandEnd {
                     stays: result.is_ok(),
                     deliver: Box::new(move || drop(answer.send(result))),
                 }
@@ -157,12 +158,16 @@ impl Writer {
     }
 }
 
-async fn run(mut change: Change, mut waiting: mpsc::Receiver<Command>, world: Announcements) {
+async fn run(
+    mut change: Change,
+    mut waiting: mpsc::Receiver<Command>,
+    announcements: Announcements,
+) {
     let mut batch = Vec::with_capacity(LARGEST_BATCH);
     while waiting.recv_many(&mut batch, LARGEST_BATCH).await > 0 {
         match commit(&mut change, batch.drain(..)).await {
             Ok((effects, answers)) => {
-                world.announce(effects);
+                announcements.announce(effects);
                 answers.into_iter().for_each(|deliver| deliver());
             }
             // the answers are dropped, which tells every caller that nothing was kept
@@ -187,7 +192,7 @@ async fn commit(
     for command in batch {
         statement(change, "SAVEPOINT command").await?;
         change.now = Timestamp::now();
-        let Ran { stays, deliver } = command(change).await;
+        let CommandEnd { stays, deliver } = command(change).await;
         if !stays {
             statement(change, "ROLLBACK TO command").await?;
         }

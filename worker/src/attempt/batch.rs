@@ -1,7 +1,7 @@
 //! Curve points and log lines on their way to the server, gathered into reports.
 use loadframe_api::worker::{CurveBlock, ProgressReport};
 
-use crate::run::Progress;
+use loadframe_run::Progress;
 
 /// A report goes out at the latest with so many numbers: some hundred kilobytes of JSON.
 const NUMBERS: usize = 20_000;

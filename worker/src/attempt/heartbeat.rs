@@ -1,17 +1,18 @@
-//! The sign of life beside the solver.
+//! The heartbeat of a lease, sent beside the solver.
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use loadframe_api::worker::Lease;
+use loadframe_client::ServerError;
+use loadframe_run::StopCause;
 use tokio::time::{MissedTickBehavior, interval};
 
 use super::lease_client::LeaseClient;
-use crate::client::ServerError;
-use crate::stop::{StopCause, StopSwitch};
+use super::stop::AttemptSwitch;
 
 /// How often a worker shows that it lives, and how long it may take.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rhythm {
+pub(super) struct Schedule {
     every: Duration,
     /// A heartbeat without an answer by then is sent again.
     timeout: Duration,
@@ -19,7 +20,7 @@ pub(super) struct Rhythm {
     deadline: Option<Instant>,
 }
 
-impl Rhythm {
+impl Schedule {
     pub(super) fn of(lease: &Lease) -> Self {
         let before = lease.checkpoint.as_ref().map_or(0.0, |info| info.wall_s);
         let left = lease.time_limit_s.map(|limit| (limit - before).max(0.0));
@@ -37,21 +38,21 @@ impl Rhythm {
 }
 
 /// Shows that this worker lives, until dropped or the lease is gone.
-pub(super) async fn keep_alive(lease: LeaseClient, rhythm: Rhythm, switch: Arc<StopSwitch>) {
-    let mut beat = interval(rhythm.every);
+pub(super) async fn keep_alive(lease: LeaseClient, schedule: Schedule, switch: Arc<AttemptSwitch>) {
+    let mut beat = interval(schedule.every);
     beat.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {
         beat.tick().await;
-        if rhythm
+        if schedule
             .deadline
             .is_some_and(|deadline| Instant::now() >= deadline)
         {
             switch.stop(StopCause::TimeLimit);
         }
-        match lease.heartbeat(rhythm.timeout).await {
+        match lease.heartbeat(schedule.timeout).await {
             Ok(()) => {}
             Err(ServerError::LeaseLost) => return,
-            Err(error) if error.is_transient() && !lease.is_beyond_patience() => {
+            Err(error) if error.is_transient() && !lease.is_presumed_lost() => {
                 tracing::debug!(%error, "no answer to a heartbeat");
             }
             Err(error) => {

@@ -10,17 +10,17 @@ use loadframe_api::worker::{
     Lease, ProgressReport, ReleaseRequest, UploadQuery,
 };
 use loadframe_api::{FileEntry, sha256_hex};
+use loadframe_client::{ServerClient, ServerError};
+use loadframe_run::{SavedRun, StopCause};
 use reqwest::{Method, RequestBuilder, Response};
 use serde::Serialize;
 use tokio::fs::File;
 
-use crate::client::{ServerClient, ServerError};
-use crate::run::SavedRun;
-use crate::stop::{StopCause, StopSwitch};
+use super::stop::AttemptSwitch;
 
 /// A server that is away for longer than so many leases is taken for gone. Longer than one: a
 /// server that starts again gives its workers a fresh lease, and what was computed is worth a wait.
-const PATIENCE_LEASES: f64 = 4.0;
+const PRESUMED_LOST_AFTER_LEASES: f64 = 4.0;
 /// First and longest pause between two tries.
 const FIRST_PAUSE: Duration = Duration::from_millis(50);
 const LONGEST_PAUSE: Duration = Duration::from_secs(1);
@@ -31,26 +31,27 @@ pub(super) struct LeaseClient {
     server: ServerClient,
     path: String,
     token: String,
-    patience: Duration,
+    /// A server silent for longer is taken for gone.
+    longest_silence: Duration,
     /// When the server last answered anything.
-    heard: Arc<Mutex<Instant>>,
-    switch: Arc<StopSwitch>,
+    last_answer: Arc<Mutex<Instant>>,
+    switch: Arc<AttemptSwitch>,
 }
 
 impl LeaseClient {
-    pub(super) fn new(server: ServerClient, lease: &Lease, switch: Arc<StopSwitch>) -> Self {
+    pub(super) fn new(server: ServerClient, lease: &Lease, switch: Arc<AttemptSwitch>) -> Self {
         Self {
             server,
             path: format!("/v1/worker/leases/{}", lease.id),
             token: lease.token.to_string(),
-            patience: Duration::from_secs_f64(lease.lease_s * PATIENCE_LEASES),
-            heard: Arc::new(Mutex::new(Instant::now())),
+            longest_silence: Duration::from_secs_f64(lease.lease_s * PRESUMED_LOST_AFTER_LEASES),
+            last_answer: Arc::new(Mutex::new(Instant::now())),
             switch,
         }
     }
 
     /// The same lease over connections of its own.
-    pub(super) fn through(&self, server: ServerClient) -> Self {
+    pub(super) fn over(&self, server: ServerClient) -> Self {
         Self {
             server,
             ..self.clone()
@@ -60,18 +61,18 @@ impl LeaseClient {
     /// Tells the server that this worker lives; tried once, its caller comes again anyway.
     pub(super) async fn heartbeat(&self, timeout: Duration) -> Result<(), ServerError> {
         let request = self.request(Method::POST, "/heartbeat").timeout(timeout);
-        let answer = self.once(request).await?;
-        self.obey(answer).await
+        let answer = self.send_once(request).await?;
+        self.follow_command(answer).await
     }
 
     pub(super) async fn progress(&self, report: &ProgressReport) -> Result<(), ServerError> {
         let answer = self
-            .patiently(|| async {
+            .with_retries(|| async {
                 let request = self.request(Method::POST, "/progress");
-                self.once(request.json(report)).await
+                self.send_once(request.json(report)).await
             })
             .await?;
-        self.obey(answer).await
+        self.follow_command(answer).await
     }
 
     /// Uploads the file at `path`.
@@ -79,7 +80,7 @@ impl LeaseClient {
         let query = UploadQuery {
             sha256: entry.sha256.clone(),
         };
-        self.patiently(|| async {
+        self.with_retries(|| async {
             let file = File::open(path).await.map_err(|error| ServerError::File {
                 path: path.display().to_string(),
                 reason: error.to_string(),
@@ -89,7 +90,7 @@ impl LeaseClient {
                 .query(&query)
                 .header(reqwest::header::CONTENT_LENGTH, entry.bytes)
                 .body(file);
-            self.once(request).await
+            self.send_once(request).await
         })
         .await?;
         Ok(())
@@ -103,9 +104,9 @@ impl LeaseClient {
             wall_s: saved.spent().wall_s,
             cpu_s: saved.spent().cpu_s,
         };
-        self.patiently(|| async {
+        self.with_retries(|| async {
             let request = self.request(Method::PUT, "/checkpoint").query(&query);
-            self.once(request.body(bytes.clone())).await
+            self.send_once(request.body(bytes.clone())).await
         })
         .await?;
         Ok(())
@@ -113,8 +114,10 @@ impl LeaseClient {
 
     /// Bytes of the checkpoint the lease goes on from.
     pub(super) async fn checkpoint(&self) -> Result<Vec<u8>, ServerError> {
-        self.patiently(|| async {
-            let answer = self.once(self.request(Method::GET, "/checkpoint")).await?;
+        self.with_retries(|| async {
+            let answer = self
+                .send_once(self.request(Method::GET, "/checkpoint"))
+                .await?;
             let bytes = answer.bytes().await;
             bytes.map_err(|error| self.server.unreachable(&error))
         })
@@ -135,13 +138,16 @@ impl LeaseClient {
     }
 
     /// Whether the server has not been heard of for so long that the lease must be gone.
-    pub(super) fn is_beyond_patience(&self) -> bool {
-        let heard = *self.heard.lock().unwrap_or_else(PoisonError::into_inner);
-        heard.elapsed() > self.patience
+    pub(super) fn is_presumed_lost(&self) -> bool {
+        let last_answer = *self
+            .last_answer
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        last_answer.elapsed() > self.longest_silence
     }
 
     async fn end(&self, route: &str, body: &impl Serialize) -> Result<(), ServerError> {
-        self.patiently(|| self.once(self.request(Method::POST, route).json(body)))
+        self.with_retries(|| self.send_once(self.request(Method::POST, route).json(body)))
             .await?;
         Ok(())
     }
@@ -152,10 +158,13 @@ impl LeaseClient {
         request.header(LEASE_TOKEN_HEADER, &self.token)
     }
 
-    async fn once(&self, request: RequestBuilder) -> Result<Response, ServerError> {
+    async fn send_once(&self, request: RequestBuilder) -> Result<Response, ServerError> {
         let answer = self.server.send(request).await;
         if !matches!(answer, Err(ServerError::Unreachable { .. })) {
-            *self.heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+            *self
+                .last_answer
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner) = Instant::now();
         }
         match answer {
             // 409: the lease is not held; 404: job and lease are gone
@@ -167,7 +176,7 @@ impl LeaseClient {
         }
     }
 
-    async fn patiently<T, F>(&self, call: impl FnMut() -> F) -> Result<T, ServerError>
+    async fn with_retries<T, F>(&self, call: impl FnMut() -> F) -> Result<T, ServerError>
     where
         F: Future<Output = Result<T, ServerError>>,
     {
@@ -177,14 +186,15 @@ impl LeaseClient {
             .with_jitter()
             .without_max_times();
         call.retry(pauses)
-            .when(|error| error.is_transient() && !self.is_beyond_patience())
+            .when(|error| error.is_transient() && !self.is_presumed_lost())
             .notify(|error, pause| {
                 tracing::warn!(%error, pause_ms = pause.as_millis() as u64, "trying again");
             })
             .await
     }
 
-    async fn obey(&self, answer: Response) -> Result<(), ServerError> {
+    /// Carries out the command in an answer.
+    async fn follow_command(&self, answer: Response) -> Result<(), ServerError> {
         let answer: HeartbeatAnswer = answer
             .json()
             .await

@@ -1,35 +1,38 @@
 //! One lease, from its claim to its end.
 //!
 //! Three things go on side by side: the simulation on a thread of its own, the heartbeat, and the
-//! `courier` that brings points, files and checkpoints to the server. Whoever learns first that
+//! `uploader` that sends points, files and checkpoints to the server. Whoever learns first that
 //! the run shall stop (a command in an answer, a lost lease, the time limit, this process told to
-//! end) throws the [`StopSwitch`]; the simulation looks at it many times a second. When all
+//! end) turns the `AttemptSwitch`; the simulation looks at it many times a second. When all
 //! results have arrived the lease is ended: complete, fail or release. Once the lease is lost,
 //! everything is dropped; the server refuses what may still be under way.
 mod batch;
-mod courier;
 mod ending;
 mod heartbeat;
 mod lease_client;
+mod stop;
+mod uploader;
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use loadframe_api::JobSpec;
 use loadframe_api::worker::{FailCode, FailRequest, Lease};
-use tokio::task::JoinError;
+use loadframe_client::{ServerClient, ServerError};
+use loadframe_run::{Destination, Engine, Plan, SavedRun, StopCause, execute};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::AbortOnDropHandle;
 
-use crate::client::{ServerClient, ServerError};
-use crate::run::{Destination, Ended, Plan, RunError, SavedRun, execute};
 use crate::scratch::Scratch;
-use crate::stop::{StopCause, StopSwitch};
+use ending::RunEnd;
 use lease_client::LeaseClient;
+use stop::AttemptSwitch;
 
 /// What attempts of one worker process have in common.
 #[derive(Debug)]
-pub(crate) struct Workplace {
+pub(crate) struct AttemptContext {
+    /// What computes.
+    pub(crate) engine: Engine,
     pub(crate) server: ServerClient,
     /// Heartbeats have connections of their own, so that an upload cannot hold them up.
     pub(crate) heartbeat_server: ServerClient,
@@ -40,20 +43,17 @@ pub(crate) struct Workplace {
     pub(crate) shutdown: CancellationToken,
 }
 
-/// What became of a run: what the simulation said, or why its thread did not come back.
-type RunEnd = Result<Result<Ended, RunError>, JoinError>;
-
-impl Workplace {
+impl AttemptContext {
     /// Carries out the job of `lease` and ends the lease.
     ///
     /// # Errors
     /// When the lease was lost; everything of this attempt is dropped.
     pub(crate) async fn carry_out(&self, lease: Lease) -> Result<(), ServerError> {
-        let switch = Arc::new(StopSwitch::default());
+        let switch = Arc::new(AttemptSwitch::default());
         let client = LeaseClient::new(self.server.clone(), &lease, Arc::clone(&switch));
         let _heartbeat = AbortOnDropHandle::new(tokio::spawn(heartbeat::keep_alive(
-            client.through(self.heartbeat_server.clone()),
-            heartbeat::Rhythm::of(&lease),
+            client.over(self.heartbeat_server.clone()),
+            heartbeat::Schedule::of(&lease),
             Arc::clone(&switch),
         )));
         let _shutdown = AbortOnDropHandle::new(tokio::spawn({
@@ -82,54 +82,60 @@ impl Workplace {
         &self,
         lease: &Lease,
         client: &LeaseClient,
-        switch: &Arc<StopSwitch>,
+        switch: &Arc<AttemptSwitch>,
     ) -> Result<Result<(), ServerError>, AttemptError> {
-        let spec = JobSpec::from_json(lease.kind, lease.spec.get())
-            .map_err(|error| AttemptError::Spec(error.into_problem().to_string()))?;
+        let spec = JobSpec::from_json(lease.kind, lease.spec.get()).map_err(|error| {
+            AttemptError::Spec {
+                version: self.engine.version,
+                reason: error.into_problem().to_string(),
+            }
+        })?;
         let saved = self.saved_run(lease, client).await?;
         let folder = self.scratch.attempt().map_err(AttemptError::Scratch)?;
         let [results, outgoing] = ["results", "outgoing"].map(|name| folder.path().join(name));
         for part in [&results, &outgoing] {
             std::fs::create_dir(part).map_err(AttemptError::Scratch)?;
         }
-        let (mut sender, courier) = courier::channel(outgoing);
-        let courier = AbortOnDropHandle::new(tokio::spawn({
+        let (mut queue, uploader) = uploader::queue(outgoing);
+        let uploader = AbortOnDropHandle::new(tokio::spawn({
             let (client, switch) = (client.clone(), Arc::clone(switch));
             async move {
                 tokio::select! {
-                    delivered = courier.deliver(&client) => delivered,
+                    uploaded = uploader.upload(&client) => uploaded,
                     () = switch.given_up() => Err(ServerError::LeaseLost),
                 }
             }
         }));
         let run = tokio::task::spawn_blocking({
             let switch = Arc::clone(switch);
-            let (threads, checkpoint_every) = (self.threads, self.checkpoint_every);
+            let (engine, threads) = (self.engine, self.threads);
+            let checkpoint_every = self.checkpoint_every;
             move || {
                 let saved = match saved {
                     Some(Err(reason)) => {
-                        sender.log(&format!("{reason}; starting from the beginning"));
+                        queue.log(&format!("{reason}; starting from the beginning"));
                         None
                     }
                     Some(Ok(saved)) => {
-                        sender.log("going on from the checkpoint of an earlier attempt");
+                        queue.log("going on from the checkpoint of an earlier attempt");
                         Some(saved)
                     }
                     None => None,
                 };
                 let plan = Plan {
+                    engine,
                     folder: &results,
                     threads,
                     checkpoint_every,
-                    switch: &switch,
+                    switch: switch.run(),
                 };
-                // the sender goes with this closure, which lets the courier finish
-                execute(&spec, saved, plan, &mut sender)
+                // the queue goes with this closure, which lets the uploader finish
+                execute(&spec, saved, plan, &mut queue)
             }
         });
         let run: RunEnd = run.await;
-        let delivered = courier.await.unwrap_or(Err(ServerError::LeaseLost));
-        Ok(ending::end(client, switch.cause(), run, delivered).await)
+        let uploaded = uploader.await.unwrap_or(Err(ServerError::LeaseLost));
+        Ok(ending::end(client, switch.cause(), run, uploaded).await)
     }
 
     /// What an earlier attempt left, or why it cannot be used.
@@ -142,7 +148,7 @@ impl Workplace {
             return Ok(None);
         }
         let bytes = client.checkpoint().await.map_err(AttemptError::Server)?;
-        let saved = SavedRun::from_bytes(&bytes, &lease.spec_sha256);
+        let saved = SavedRun::from_bytes(&bytes, self.engine, &lease.spec_sha256);
         Ok(Some(saved.map_err(|error| error.to_string())))
     }
 }
@@ -150,8 +156,11 @@ impl Workplace {
 /// Why an attempt could not begin.
 #[derive(Debug, thiserror::Error)]
 enum AttemptError {
-    #[error("this worker (version {version}) cannot read the job's spec: {0}", version = crate::ENGINE_VERSION)]
-    Spec(String),
+    #[error("this worker (version {version}) cannot read the job's spec: {reason}")]
+    Spec {
+        version: &'static str,
+        reason: String,
+    },
     #[error("this worker has no scratch folder: {0}")]
     Scratch(#[source] std::io::Error),
     #[error("the checkpoint could not be fetched: {0}")]

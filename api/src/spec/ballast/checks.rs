@@ -4,7 +4,7 @@ use super::{
     Apparatus, Ballast,
     shapes::shell_members,
 };
-use crate::{Violation, kinds::Spec as _};
+use crate::{Violation, spec_trait::Spec as _};
 
 /// The largest grain over the narrowest width that it is poured into, at most: wider ones jam.
 const LARGEST_GRAIN: f64 = 0.65;

@@ -3,7 +3,7 @@ use super::{
     super::granular_scene::{Settle, Stage},
     Apparatus, Ballast, Phase,
 };
-use crate::{Calibration, Estimate, kinds::Spec as _};
+use crate::{Calibration, Estimate, spec_trait::Spec as _};
 
 /// Time in which a layer comes to rest when it was shaken or cut [s]: as measured.
 const SHAKEN_S: f64 = 0.1;

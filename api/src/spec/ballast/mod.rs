@@ -14,6 +14,7 @@ mod box_test;
 mod checks;
 mod estimate;
 mod grains;
+mod job_kind;
 mod loading;
 mod materials;
 mod oedometer;
@@ -28,7 +29,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::granular_scene::ContactLaw;
-use crate::{Calibration, Estimate, Violation, study::Knob};
 
 pub use accuracy::{Accuracy, Knobs, Preset};
 pub use apparatus::Apparatus;
@@ -98,46 +98,6 @@ impl Default for Laws {
             contact: ContactLaw::Linear,
             local_damping: 0.3,
         }
-    }
-}
-
-impl<A> crate::kinds::Spec for Ballast<A>
-where
-    A: Apparatus + Serialize + DeserializeOwned + JsonSchema,
-{
-    fn check(&self, violations: &mut Vec<Violation>) {
-        checks::check(self, violations);
-    }
-
-    fn normalise(&mut self) {
-        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
-        self.materials = self.resolved_materials();
-        self.grains.sizes = self.grains.sizes();
-    }
-
-    fn estimate(&self, calibration: &Calibration) -> Estimate {
-        estimate::estimate(self, calibration)
-    }
-
-    fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    fn knobs(&self) -> Vec<Knob> {
-        study::knobs(self)
-    }
-
-    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
-        study::turn(self, knob, value)
-    }
-
-    fn single(&mut self, seed: u64) {
-        self.seed = seed;
-        self.output.snapshots = 0;
-    }
-
-    fn compares(result: &str) -> bool {
-        study::compares(result)
     }
 }
 

@@ -9,22 +9,14 @@
 //! is held against.
 mod checks;
 mod inner;
+mod job_kind;
 mod measured;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Calibration, Estimate, Violation, study::Knob};
-
 pub use inner::{InnerJob, SpecText, Template};
 pub use measured::{Measured, MeasuredCurve, MeasuredResult};
-
-/// Megabytes a trial leaves in memory and files, besides its results.
-const TRIAL_MB: f64 = 1e-3;
-/// Megabytes of a number that is kept.
-const NUMBER_MB: f64 = 8e-6;
-/// Realisations tried in a study; the last is the reference.
-const REALISATIONS: [&str; 5] = ["1", "2", "4", "8", "16"];
 
 /// Parameters of a job, fitted to measured results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -98,70 +90,6 @@ impl Calibrate {
     /// derivatives to both sides that the intervals are told from.
     pub fn fewest_trials(&self) -> u32 {
         2 + 3 * u32::try_from(self.free.len()).unwrap_or(u32::MAX / 4)
-    }
-}
-
-impl crate::kinds::Spec for Calibrate {
-    fn check(&self, violations: &mut Vec<Violation>) {
-        checks::check(self, violations);
-    }
-
-    fn normalise(&mut self) {
-        if let Ok(template) = Template::new(&self.job) {
-            self.job.spec = template.text();
-            for free in &mut self.free {
-                free.start = free.start.or_else(|| template.number(&free.parameter));
-            }
-        }
-        self.measured.normalise();
-    }
-
-    /// An upper bound: all trials, of which most searches need a part.
-    fn estimate(&self, calibration: &Calibration) -> Estimate {
-        let inner = self.job.read().ok();
-        let inner = inner.map(|job| job.realisation(self.seed).estimate(calibration));
-        let trials = f64::from(self.max_trials);
-        let tests = trials * f64::from(self.realisations);
-        let kept = tests * self.measured.count() as f64 * NUMBER_MB + trials * TRIAL_MB;
-        Estimate {
-            wall_s: tests * inner.map_or(0.0, |inner| inner.wall_s),
-            memory_mb: inner.map_or(0.0, |inner| inner.memory_mb) + kept,
-            disk_mb: 1.0 + kept,
-            calibrated: false,
-        }
-    }
-
-    fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    fn knobs(&self) -> Vec<Knob> {
-        let (most, grid) = REALISATIONS.split_last().unwrap_or((&"", &[]));
-        vec![Knob {
-            name: "realisations",
-            description: "specimens tested at every trial, a whole number from 1 to 1000",
-            present: self.realisations.to_string(),
-            grid: grid.iter().map(|count| (*count).to_owned()).collect(),
-            reference: vec![("realisations", (*most).to_owned())],
-            keeps_specimen: true,
-        }]
-    }
-
-    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
-        if knob != "realisations" {
-            return None;
-        }
-        self.realisations = value.parse().ok()?;
-        Some(())
-    }
-
-    fn single(&mut self, seed: u64) {
-        self.seed = seed;
-    }
-
-    fn compares(result: &str) -> bool {
-        // counts of work say nothing of what was found
-        !["trials", "tests"].contains(&result)
     }
 }
 

@@ -1,10 +1,11 @@
 //! What the JSON Schema cannot say: names that must exist, bodies that must not sit in each other,
 //! a step that must be stable.
 use super::{
-    Body, Clump, ContactLaw, Filled, GranularScene, LoadPlane, Material, MovePlane, Plane, Shape,
-    Stage, TimeStep, check_walls, grains::MOST_MEMBERS,
+    Body, ContactLaw, GranularScene, LoadPlane, Material, MovePlane, Plane, Stage, TimeStep,
+    check_walls,
+    part_checks::{check_clump, check_cohesive, check_material},
 };
-use crate::{Violation, filling::FillError};
+use crate::Violation;
 
 /// Bodies may overlap by this part of the smaller radius at the start; more is a mistake, and
 /// would throw them apart.
@@ -15,9 +16,6 @@ pub const LARGEST_WAY: f64 = 0.1;
 const LISTED: usize = 20;
 /// More spheres than this are refused: about 4 GB.
 const MOST_PARTICLES: u64 = 10_000_000;
-
-/// Places times triangles that are looked at to fill a surface, at most: some minutes.
-const MOST_LOOKS: f64 = 5e9;
 
 pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
     check_bodies(spec, violations);
@@ -49,14 +47,15 @@ fn largest_overlap(spec: &GranularScene) -> f64 {
     }
 }
 
-pub(super) fn check_start(
-    spec: &GranularScene,
-    bodies: &[Body],
-    numbers: usize,
-    violations: &mut Vec<Violation>,
-) {
-    super::overlaps::check(spec, bodies, largest_overlap(spec), violations);
-    check_recorded_bodies(spec, numbers, violations);
+impl GranularScene {
+    /// What is wrong with the places, speeds and numbers of all bodies that the scene starts with,
+    /// where `spec` itself could not tell.
+    pub fn check_start(&self, bodies: &[Body], numbers: usize) -> Vec<Violation> {
+        let mut violations = Vec::new();
+        super::overlaps::check(self, bodies, largest_overlap(self), &mut violations);
+        check_recorded_bodies(self, numbers, &mut violations);
+        violations
+    }
 }
 
 fn check_bodies(spec: &GranularScene, violations: &mut Vec<Violation>) {
@@ -94,94 +93,6 @@ fn check_bodies(spec: &GranularScene, violations: &mut Vec<Violation>) {
                 .allowed(format!("at most {MOST_PARTICLES} spheres")),
         );
     }
-}
-
-/// A clump is given member by member or by what it fills, which can be filled.
-pub(super) fn check_clump(pointer: &str, clump: &Clump) -> Option<Violation> {
-    if clump.members.is_empty() == clump.filled.is_none() {
-        let detail = "members are given one by one or fill a shape";
-        let violation = Violation::new(pointer, "not_one_shape", detail);
-        return Some(violation.allowed("exactly one of: members (at least one), filled"));
-    }
-    let filled = clump.filled.as_ref()?;
-    check_filled(&format!("{pointer}/filled"), filled)
-}
-
-fn check_filled(pointer: &str, filled: &Filled) -> Option<Violation> {
-    let radius = |code: &str, detail: String| {
-        Violation::new(format!("{pointer}/member_radius_m"), code, detail)
-            .value(filled.member_radius_m)
-            .unit("m")
-    };
-    if let Err(error) = filled.check_surface() {
-        let code = match error {
-            FillError::NotClosed(_) => "not_closed",
-            _ => "not_a_surface",
-        };
-        let stl = format!("{pointer}/shape/surface/stl");
-        let violation = Violation::new(stl, code, error.to_string());
-        return Some(violation.allowed("a closed surface of triangles, as an STL file's text"));
-    }
-    if filled.looks() > MOST_LOOKS {
-        let detail = "filling the surface takes too long";
-        let violation = radius("too_large", detail.to_owned());
-        return Some(
-            violation.allowed("larger members, further apart, or a surface of fewer triangles"),
-        );
-    }
-    let too_many = |members: u64| {
-        let violation = radius("too_large", format!("the shape takes {members} spheres"));
-        violation.allowed(format!("at most {MOST_MEMBERS} spheres in a shape"))
-    };
-    let about = filled.members_by_size();
-    if about > MOST_MEMBERS {
-        return Some(too_many(about));
-    }
-    if matches!(filled.shape, Shape::Surface { .. }) {
-        // what a surface takes is known when it is filled
-        return None;
-    }
-    match filled.members() {
-        Err(error) => {
-            let violation = radius("does_not_fit", error.to_string());
-            Some(violation.allowed("a radius with which a sphere fits"))
-        }
-        Ok(members) => {
-            let members = members.len() as u64;
-            (members > MOST_MEMBERS).then(|| too_many(members))
-        }
-    }
-}
-
-/// What can break is held together by something.
-pub(super) fn check_cohesive(
-    spec: &GranularScene,
-    pointer: &str,
-    material: &str,
-) -> Option<Violation> {
-    let is_loose = |name: &str| {
-        let material = spec.materials.get(name);
-        material.is_some_and(|material| !material.is_cohesive())
-    };
-    is_loose(material).then(|| {
-        let detail = "nothing bonds the spheres of a breakable body of this material";
-        Violation::new(format!("{pointer}/material"), "not_cohesive", detail)
-            .value(material)
-            .allowed("a material with normal_cohesion_pa or shear_cohesion_pa above 0")
-    })
-}
-
-pub(super) fn check_material(spec: &GranularScene, pointer: &str, name: &str) -> Option<Violation> {
-    let names: Vec<&str> = spec.materials.keys().map(String::as_str).collect();
-    (!spec.materials.contains_key(name)).then(|| {
-        Violation::new(
-            format!("{pointer}/material"),
-            "no_such_material",
-            "no material has this name",
-        )
-        .value(name)
-        .allowed(format!("one of: {}", names.join(", ")))
-    })
 }
 
 fn check_materials_of_walls(spec: &GranularScene, violations: &mut Vec<Violation>) {

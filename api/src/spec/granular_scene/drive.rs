@@ -2,7 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Axis, GranularScene, Stage};
+use super::bodies::Axis;
 
 /// Lets the bodies move while walls (planes and facets alike) and bodies are driven, for `steps` or
 /// for `time_s`, exactly one of the two. Walls that are not named stand still. Everything stays where
@@ -178,45 +178,5 @@ impl Sine {
         let phase = std::f64::consts::TAU * self.frequency_hz * time + self.phase_rad;
         let swing = phase.sin() - self.phase_rad.sin();
         self.amplitude_m.map(|amplitude| amplitude * swing)
-    }
-}
-
-impl GranularScene {
-    /// The `drive` stages.
-    fn drives(&self) -> impl Iterator<Item = &Drive> {
-        self.stages.iter().filter_map(|stage| match stage {
-            Stage::Drive(drive) => Some(drive),
-            _ => None,
-        })
-    }
-
-    /// Walls whose force and displacement are written as vectors: those of `record.walls` and those
-    /// that some stage drives.
-    pub fn recorded_walls(&self) -> Vec<&str> {
-        let asked = self.record.walls.iter();
-        let driven = self.drives().flat_map(|drive| &drive.walls);
-        let mut walls = Vec::new();
-        for name in asked.chain(driven.map(|wall| &wall.name)) {
-            if !walls.contains(&name.as_str()) {
-                walls.push(name.as_str());
-            }
-        }
-        walls
-    }
-
-    /// Bodies that some stage drives or sets down.
-    pub fn driven_bodies(&self) -> Vec<u32> {
-        let bodies = self.drives().flat_map(|drive| &drive.bodies);
-        let bodies = bodies.map(|drive| drive.body);
-        let mut bodies: Vec<u32> = bodies.chain(self.placed_bodies()).collect();
-        bodies.sort_unstable();
-        bodies.dedup();
-        bodies
-    }
-
-    /// Names of all walls, planes before facets.
-    pub fn wall_names(&self) -> impl Iterator<Item = &str> {
-        let planes = self.planes.iter().map(|plane| plane.name.as_str());
-        planes.chain(self.facets.iter().map(|mesh| mesh.name.as_str()))
     }
 }

@@ -25,14 +25,17 @@ mod grains;
 pub mod hertz;
 mod import;
 mod insert;
+mod job_kind;
 mod laws;
 mod overlaps;
+mod part_checks;
 mod place;
 mod rate;
 mod record;
 mod region;
 mod relax;
 mod stability;
+mod staged;
 mod stages;
 mod stiffen;
 mod study;
@@ -43,8 +46,6 @@ use std::{borrow::Cow, collections::BTreeMap};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use crate::{Calibration, Estimate, Violation, study::Knob};
 
 pub use bodies::{Axis, Body, Clump, DegreeOfFreedom, Member, Plane, Sphere};
 pub use checks::LARGEST_WAY;
@@ -187,54 +188,6 @@ impl GranularScene {
     fn density_of(&self, material: &str) -> f64 {
         let material = self.materials.get(material);
         material.map_or(f64::NAN, |material| material.density_kg_per_m3)
-    }
-
-    /// What is wrong with the places, speeds and numbers of all bodies that the scene starts with,
-    /// where `spec` itself could not tell.
-    pub fn check_start(&self, bodies: &[Body], numbers: usize) -> Vec<Violation> {
-        let mut violations = Vec::new();
-        checks::check_start(self, bodies, numbers, &mut violations);
-        violations
-    }
-}
-
-impl crate::kinds::Spec for GranularScene {
-    fn check(&self, violations: &mut Vec<Violation>) {
-        checks::check(self, violations);
-    }
-
-    fn normalise(&mut self) {
-        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
-        self.laws.local_damping = Some(self.local_damping());
-        if self.laws.contact == ContactLaw::HertzMindlin {
-            for material in self.materials.values_mut() {
-                material.poisson_ratio = Some(material.poisson_ratio());
-            }
-        }
-    }
-
-    fn estimate(&self, calibration: &Calibration) -> Estimate {
-        estimate::estimate(self, calibration)
-    }
-
-    fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    fn knobs(&self) -> Vec<Knob> {
-        study::knobs(self)
-    }
-
-    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
-        study::turn(self, knob, value)
-    }
-
-    fn single(&mut self, seed: u64) {
-        study::single(self, seed);
-    }
-
-    fn compares(result: &str) -> bool {
-        study::compares(result)
     }
 }
 

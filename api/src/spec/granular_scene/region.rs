@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{GranularScene, checks::check_material};
+use super::{GranularScene, part_checks::check_material};
 use crate::Violation;
 
 /// A box in which porosity, coordination number, inertial number and the stress between the bodies

@@ -2,8 +2,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{GranularScene, Stage};
-
 /// Lets bodies that overlap push each other apart without gaining speed: after every step all of
 /// them stand still again, so that no contact moves a body by more than a part of its overlap. Ends
 /// when no overlap is larger than asked for, or after `steps`. As the first stage it allows overlaps at
@@ -22,11 +20,4 @@ pub struct Relax {
 /// Stiff grains under their own weight overlap less.
 fn small() -> f64 {
     0.01
-}
-
-impl GranularScene {
-    /// Whether bodies may sit in each other at the start.
-    pub(super) fn is_relaxed_first(&self) -> bool {
-        matches!(self.stages.first(), Some(Stage::Relax(_)))
-    }
 }

@@ -1,7 +1,7 @@
 //! Whether files can be read and what is to be made can be made.
 use super::{
     Arrangement, Cut, Generate, Grain, GranularScene, Sizes, Stage, Volume,
-    checks::{check_clump, check_cohesive, check_material},
+    part_checks::{check_clump, check_cohesive, check_material},
 };
 use crate::Violation;
 

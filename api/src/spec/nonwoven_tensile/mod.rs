@@ -6,12 +6,11 @@
 mod checks;
 mod estimate;
 mod fabric;
+mod job_kind;
 mod study;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use crate::{Calibration, Estimate, Violation, study::Knob};
 
 pub use fabric::{Fabric, Jaw, Jaws, Lattice, Network, NetworkBond};
 
@@ -261,43 +260,5 @@ impl Test {
         // a ratio a hair above a whole number is that number: 0.3/0.1 must give 3, not 4
         let ratio = self.max_strain / self.strain_step;
         (ratio * (1.0 - 1e-12)).ceil().max(1.0) as u64
-    }
-}
-
-impl crate::kinds::Spec for NonwovenTensile {
-    fn check(&self, violations: &mut Vec<Violation>) {
-        checks::check(self, violations);
-    }
-
-    fn normalise(&mut self) {
-        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
-    }
-
-    fn estimate(&self, calibration: &Calibration) -> Estimate {
-        estimate::estimate(self, calibration)
-    }
-
-    fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    fn knobs(&self) -> Vec<Knob> {
-        study::knobs(self)
-    }
-
-    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
-        study::turn(self, knob, value)
-    }
-
-    fn single(&mut self, seed: u64) {
-        study::single(self, seed);
-    }
-
-    fn realise(&mut self, seed: u64) {
-        study::realise(self, seed);
-    }
-
-    fn compares(result: &str) -> bool {
-        study::compares(result)
     }
 }

@@ -25,7 +25,7 @@ pub(super) struct Children {
 
 /// What a worker process is started with.
 #[derive(Clone, Debug)]
-struct Post {
+struct WorkerCommand {
     executable: PathBuf,
     name: String,
     threads: u16,
@@ -47,14 +47,14 @@ impl Children {
         let stop = CancellationToken::new();
         let mut supervisors = JoinSet::new();
         for number in 1..=count {
-            let post = Post {
+            let command = WorkerCommand {
                 executable: executable.clone(),
                 name: format!("lab-{number}"),
                 threads,
                 server: server.to_owned(),
                 token: token.clone(),
             };
-            supervisors.spawn(supervise(post, stop.clone()));
+            supervisors.spawn(supervise(command, stop.clone()));
         }
         Ok(Self { supervisors, stop })
     }
@@ -66,11 +66,11 @@ impl Children {
     }
 }
 
-async fn supervise(post: Post, stop: CancellationToken) {
+async fn supervise(command: WorkerCommand, stop: CancellationToken) {
     let mut pause = FIRST_PAUSE;
     while !stop.is_cancelled() {
         let started = Instant::now();
-        match post.start() {
+        match command.start() {
             Ok(mut child) => {
                 // `wait` would close the child's input, which tells it to stop
                 let lifeline = child.stdin.take();
@@ -78,7 +78,7 @@ async fn supervise(post: Post, stop: CancellationToken) {
                     end = child.wait() => match end {
                         // told to stop by the terminal, like this process
                         Ok(status) if status.success() => {}
-                        end => tracing::warn!(worker = %post.name, ?end, "a worker died and is started again"),
+                        end => tracing::warn!(worker = %command.name, ?end, "a worker died and is started again"),
                     },
                     () = stop.cancelled() => {
                         drop(lifeline);
@@ -87,7 +87,7 @@ async fn supervise(post: Post, stop: CancellationToken) {
                 }
             }
             Err(error) => {
-                tracing::error!(worker = %post.name, %error, "a worker could not be started");
+                tracing::error!(worker = %command.name, %error, "a worker could not be started");
             }
         }
         if started.elapsed() >= HEALTHY {
@@ -108,10 +108,10 @@ async fn end(mut child: Child) {
     }
 }
 
-impl Post {
+impl WorkerCommand {
     fn start(&self) -> io::Result<Child> {
-        let mut command = Command::new(&self.executable);
-        command
+        let mut process = Command::new(&self.executable);
+        process
             .args(["worker", "--exit-with-parent"])
             .args(["--server", &self.server])
             .args(["--name", &self.name])
@@ -119,12 +119,12 @@ impl Post {
             // held open by this process: when it dies, however it dies, its workers see the end
             .stdin(Stdio::piped());
         if std::env::var_os("LOADFRAME_LOG").is_none() {
-            command.env("LOADFRAME_LOG", "warn");
+            process.env("LOADFRAME_LOG", "warn");
         }
         match &self.token {
-            Some(token) => command.env("LOADFRAME_TOKEN", token),
-            None => command.env_remove("LOADFRAME_TOKEN"),
+            Some(token) => process.env("LOADFRAME_TOKEN", token),
+            None => process.env_remove("LOADFRAME_TOKEN"),
         };
-        command.spawn()
+        process.spawn()
     }
 }

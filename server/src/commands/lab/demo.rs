@@ -1,13 +1,13 @@
 //! `loadframe lab --demo`: the first example job, from submission to results.
 use loadframe_api::{JobKind, JobStatus, JobView, Page};
-use loadframe_worker::client::ServerClient;
+use loadframe_client::ServerClient;
 use reqwest::Method;
 use serde_json::Value;
 
 use crate::commands::failure::{Code, Failure};
 use crate::commands::follow::{conclude, follow};
 use crate::commands::submit::submit;
-use crate::commands::terminal::say;
+use crate::commands::terminal::print_line;
 
 /// Marks demo jobs, so that an unfinished one is found again.
 const TAG: &str = "demo";
@@ -18,7 +18,7 @@ pub(super) async fn run(server: &ServerClient) -> Result<(), Failure> {
         Some(job) => job,
         None => submit(server, &body()?, None).await?,
     };
-    say(&format!(
+    print_line(&format!(
         "Demo: {}  {}{}\n",
         job.name,
         server.address(),

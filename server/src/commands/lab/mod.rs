@@ -9,16 +9,16 @@ mod demo;
 use std::net::SocketAddr;
 
 use clap::Args;
+use loadframe_client::ServerClient;
+use loadframe_run::available_threads;
 use loadframe_server::serve;
-use loadframe_worker::available_threads;
-use loadframe_worker::client::ServerClient;
 use tokio::sync::oneshot;
 use tokio_util::sync::CancellationToken;
 
 use super::failure::{Code, Failure};
 use super::serve::{ServerOptions, failure, reachable};
 use super::signals::stop_signal;
-use super::terminal::{complain, say, start_log};
+use super::terminal::{print_error, print_line, start_log};
 use children::Children;
 
 #[derive(Debug, Args)]
@@ -94,7 +94,7 @@ async fn open(
     );
     let children = Children::start(workers, arguments.threads, &url, token)
         .map_err(|error| Failure::of(&error))?;
-    say(&format!(
+    print_line(&format!(
         "The lab is open at {url} ({})",
         staff(workers, arguments.threads)
     ));
@@ -108,7 +108,7 @@ async fn open(
                 return Ok(());
             }
         }
-        say("Ctrl-C closes the lab; nothing that was accepted is lost.");
+        print_line("Ctrl-C closes the lab; nothing that was accepted is lost.");
         std::future::pending().await
     };
     let end = tokio::select! {
@@ -119,7 +119,7 @@ async fn open(
         () = server_has_ended.cancelled() => Ok(()),
     };
     if !arguments.once {
-        complain("closing: the workers save their jobs");
+        print_error("closing: the workers save their jobs");
     }
     children.stop().await;
     end
@@ -151,7 +151,7 @@ fn open_browser(url: &str) {
         .stderr(quiet())
         .spawn();
     if let Err(error) = opened {
-        complain(&format!(
+        print_error(&format!(
             "no browser could be opened ({opener}: {error}); open {url} yourself"
         ));
     }

@@ -1,6 +1,6 @@
 //! `loadframe study accuracy`: what exactness costs.
 use clap::Args;
-use loadframe_worker::study::accuracy::{Design, Request};
+use loadframe_study::accuracy::{Design, Request};
 
 use super::carry_out::{Options, carry_out};
 use crate::commands::failure::{Code, Failure};

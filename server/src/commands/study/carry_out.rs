@@ -2,13 +2,15 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use loadframe_worker::available_threads;
-use loadframe_worker::study::{Design, Findings, StudyEnd, StudyOptions, run};
+use loadframe_run::available_threads;
+use loadframe_study::{Design, Findings, StudyEnd, StudyOptions, run};
 
+use crate::commands::engine::ENGINE;
 use crate::commands::failure::{Code, Failure};
+use crate::commands::memory::MemoryCheck;
 use crate::commands::progress::ProgressDisplay;
 use crate::commands::signals::stop_switch;
-use crate::commands::terminal::{say, say_json, span};
+use crate::commands::terminal::{print_json, print_line, span};
 
 #[derive(Debug, Args)]
 pub(super) struct Options {
@@ -18,6 +20,8 @@ pub(super) struct Options {
     /// Tests side by side; all cores if left out
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
     threads: Option<u16>,
+    #[command(flatten)]
+    memory: MemoryCheck,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -32,9 +36,11 @@ where
     let switch = stop_switch();
     let (title, out) = (title.to_owned(), options.out.clone());
     let threads = options.threads.map_or_else(available_threads, usize::from);
+    options.memory.admit(&design.settings().estimate(threads))?;
     let study = tokio::task::spawn_blocking(move || {
         let mut display = ProgressDisplay::start(&title);
         let options = StudyOptions {
+            engine: ENGINE,
             threads,
             folder: &out,
             switch: &switch,
@@ -53,15 +59,15 @@ where
         .write(&options.out)
         .map_err(|error| Failure::of(&error))?;
     if options.json {
-        return say_json(&study);
+        return print_json(&study);
     }
-    say(&study.words());
+    print_line(&study.text());
     let files = match D::Findings::FILES {
         [others @ .., last] => format!("{} and {last}", others.join(", ")),
         [] => String::new(),
     };
     let cost = span(study.total_cpu_s());
-    say(&format!(
+    print_line(&format!(
         "{cost} of processor time. {files} are in {folder}"
     ));
     Ok(())

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use clap::Args;
 use loadframe_api::Message;
 use loadframe_api::study::ParameterStudy;
-use loadframe_worker::study::parameters::Design;
+use loadframe_study::parameters::Design;
 
 use super::carry_out::{Options, carry_out};
 use crate::commands::failure::{Code, Failure};

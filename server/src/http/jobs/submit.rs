@@ -10,7 +10,8 @@ use serde_json::value::RawValue;
 use utoipa::IntoParams;
 
 use super::super::AppState;
-use super::super::body::{JsonBody, SMALL};
+use super::super::body::JsonBody;
+use super::super::body_budget::SMALL;
 use super::super::problem::{ApiError, INVALID, INVALID_JOB, Result};
 use crate::store::IdempotencyKey;
 

@@ -11,7 +11,7 @@ use tokio::time::{Instant, timeout_at};
 use super::super::AppState;
 use super::super::body::JsonBody;
 use super::super::problem::{ApiError, Result};
-use super::message;
+use super::request::message;
 
 /// A waiting worker looks again at least this often: its row tells that it is there.
 const LOOK_EVERY: Duration = Duration::from_secs(2);

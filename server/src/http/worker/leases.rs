@@ -9,7 +9,7 @@ use loadframe_api::worker::{
 use super::super::AppState;
 use super::super::body::JsonBody;
 use super::super::problem::Result;
-use super::{HeldLease, counted, message};
+use super::request::{LeaseCredentials, counted, message};
 
 /// Extend the lease
 ///
@@ -21,7 +21,7 @@ use super::{HeldLease, counted, message};
               (status = 409, description = "The lease is no longer held")))]
 pub(super) async fn heartbeat(
     State(state): State<AppState>,
-    HeldLease(key): HeldLease,
+    LeaseCredentials(key): LeaseCredentials,
 ) -> Result<Json<HeartbeatAnswer>> {
     let command = counted(state.store.heartbeat(key).await)?;
     Ok(Json(HeartbeatAnswer { command }))
@@ -43,7 +43,7 @@ pub(super) async fn heartbeat(
               (status = 422, description = "The message does not fit its schema, or leaves a gap in the curve")))]
 pub(super) async fn progress(
     State(state): State<AppState>,
-    HeldLease(key): HeldLease,
+    LeaseCredentials(key): LeaseCredentials,
     body: JsonBody,
 ) -> Result<Json<HeartbeatAnswer>> {
     let report: ProgressReport = message(&body)?;
@@ -70,7 +70,7 @@ pub(super) async fn progress(
               (status = 422, description = "The message does not fit its schema, files are missing, or the outcome is of another spec")))]
 pub(super) async fn complete(
     State(state): State<AppState>,
-    HeldLease(key): HeldLease,
+    LeaseCredentials(key): LeaseCredentials,
     body: JsonBody,
 ) -> Result<StatusCode> {
     let request: CompleteRequest = message(&body)?;
@@ -93,7 +93,7 @@ pub(super) async fn complete(
               (status = 422, description = "The message does not fit its schema")))]
 pub(super) async fn fail(
     State(state): State<AppState>,
-    HeldLease(key): HeldLease,
+    LeaseCredentials(key): LeaseCredentials,
     body: JsonBody,
 ) -> Result<StatusCode> {
     let request: FailRequest = message(&body)?;
@@ -117,7 +117,7 @@ pub(super) async fn fail(
               (status = 422, description = "The message does not fit its schema")))]
 pub(super) async fn release(
     State(state): State<AppState>,
-    HeldLease(key): HeldLease,
+    LeaseCredentials(key): LeaseCredentials,
     body: JsonBody,
 ) -> Result<StatusCode> {
     let request: ReleaseRequest = message(&body)?;

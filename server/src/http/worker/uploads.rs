@@ -17,7 +17,7 @@ use utoipa_axum::routes;
 
 use super::super::AppState;
 use super::super::problem::{ApiError, Result};
-use super::{HeldLease, counted};
+use super::request::{LeaseCredentials, counted};
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
@@ -42,7 +42,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
               (status = 422, description = "The name is not allowed, or the content has another SHA-256")))]
 async fn upload(
     State(state): State<AppState>,
-    HeldLease(key): HeldLease,
+    LeaseCredentials(key): LeaseCredentials,
     path: Path<(String, String)>,
     Query(query): Query<UploadQuery>,
     body: Body,
@@ -69,7 +69,7 @@ async fn upload(
               (status = 422, description = "The content has another SHA-256, or a time is negative")))]
 async fn save_checkpoint(
     State(state): State<AppState>,
-    HeldLease(key): HeldLease,
+    LeaseCredentials(key): LeaseCredentials,
     Query(query): Query<CheckpointQuery>,
     body: Body,
 ) -> Result<Json<CheckpointInfo>> {
@@ -84,7 +84,10 @@ async fn save_checkpoint(
     responses((status = 200, description = "The checkpoint", body = Vec<u8>, content_type = "application/octet-stream"),
               (status = 404, description = "The job has no checkpoint"),
               (status = 409, description = "The lease is no longer held")))]
-async fn checkpoint(State(state): State<AppState>, HeldLease(key): HeldLease) -> Result<Response> {
+async fn checkpoint(
+    State(state): State<AppState>,
+    LeaseCredentials(key): LeaseCredentials,
+) -> Result<Response> {
     let (info, path) = counted(state.store.checkpoint(key).await)?;
     let file = File::open(path)
         .await

@@ -5,7 +5,7 @@
 //! counts, and `Velocities` with `id vx vy vz wx wy wz`. Source: LAMMPS documentation, read_data.
 use std::collections::HashMap;
 
-use super::{ImportError, Imported, Line};
+use super::text::{ImportError, Imported, Line};
 
 /// The part of the file a line belongs to.
 #[derive(Clone, Copy, PartialEq, Eq)]

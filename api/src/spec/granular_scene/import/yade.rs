@@ -3,7 +3,7 @@
 //! `x y z r` as `yade.export.text` writes them, or `x y z r clump` as `yade.export.textClumps`
 //! does; any white space between, `#` begins a comment. A clump number of -1 is Yade's for a free
 //! sphere. The comment `#format` names other columns, which are refused rather than misread.
-use super::{ImportError, Imported, Line};
+use super::text::{ImportError, Imported, Line};
 
 /// The column orders that are read.
 const FORMATS: [&str; 2] = ["x_y_z_r", "x_y_z_r_clumpId"];

@@ -1,0 +1,89 @@
+//! The JSON Schema of each kind's spec, and specs held against it.
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+use serde_json::Value;
+
+use crate::kinds::{JobKind, JobSpec, SpecVisitor};
+use crate::problem::Violation;
+use crate::schema::Checker;
+use crate::spec_trait::Spec;
+
+/// JSON Schema (2020-12) of a kind's spec, without references, with `x-unit` at every quantity.
+pub fn kind_schema(kind: JobKind) -> &'static Value {
+    &kind_checker(kind).schema
+}
+
+impl JobSpec {
+    /// Everything that is wrong with the spec, with pointers into it.
+    ///
+    /// # Errors
+    /// The violations, when there are any.
+    pub fn check(&self) -> Result<(), Vec<Violation>> {
+        let mut violations = spec_violations(self.kind(), &self.to_value());
+        if violations.is_empty() {
+            self.cross_check(&mut violations);
+        }
+        if violations.is_empty() {
+            Ok(())
+        } else {
+            Err(violations)
+        }
+    }
+}
+
+/// Everything in `spec` that the kind's schema refuses, with pointers relative to the spec.
+pub(crate) fn spec_violations(kind: JobKind, spec: &Value) -> Vec<Violation> {
+    kind_checker(kind).violations(spec)
+}
+
+fn kind_checker(kind: JobKind) -> &'static Checker {
+    struct Compile;
+    impl SpecVisitor for Compile {
+        type Output = Checker;
+        fn visit<T: Spec>(self, _: fn(T) -> JobSpec) -> Checker {
+            Checker::of::<T>()
+        }
+    }
+    static CHECKERS: OnceLock<BTreeMap<&'static str, Checker>> = OnceLock::new();
+    let all = CHECKERS.get_or_init(|| {
+        JobKind::ALL
+            .iter()
+            .map(|kind| (kind.name(), kind.visit(Compile)))
+            .collect()
+    });
+    &all[kind.name()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_schema_compiles_and_names_the_unit_of_every_number() {
+        for kind in JobKind::ALL {
+            let checker = kind_checker(*kind);
+            assert!(checker.is_usable(), "{kind}");
+            for (name, unit) in [("_mm", "mm"), ("_n", "N"), ("_pa", "Pa")] {
+                each_field(&checker.schema, &mut |field, node| {
+                    if field.ends_with(name) {
+                        assert_eq!(node["x-unit"], unit, "{kind} {field}");
+                    }
+                });
+            }
+        }
+    }
+
+    fn each_field(node: &Value, see: &mut impl FnMut(&str, &Value)) {
+        match node {
+            Value::Object(map) => {
+                if let Some(fields) = map.get("properties").and_then(Value::as_object) {
+                    fields.iter().for_each(|(name, field)| see(name, field));
+                }
+                map.values().for_each(|child| each_field(child, see));
+            }
+            Value::Array(items) => items.iter().for_each(|child| each_field(child, see)),
+            _ => {}
+        }
+    }
+}

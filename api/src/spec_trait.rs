@@ -1,0 +1,40 @@
+//! What the spec of every kind can do.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::calibration::{Calibration, Estimate};
+use crate::problem::Violation;
+use crate::study::Knob;
+
+/// What the spec of every kind can do beyond being parsed.
+pub trait Spec: Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
+    /// Reports what its JSON Schema cannot say, with pointers relative to the spec.
+    fn check(&self, violations: &mut Vec<Violation>);
+
+    /// Writes out what stands behind names (a preset's knobs).
+    fn normalise(&mut self);
+
+    /// What the job will take on a machine of the measured speed.
+    fn estimate(&self, calibration: &Calibration) -> Estimate;
+
+    /// Seed of the random streams.
+    fn seed(&self) -> u64;
+
+    /// What an accuracy study may vary.
+    fn knobs(&self) -> Vec<Knob>;
+
+    /// Sets a knob; `None` when the value is not one it takes.
+    fn turn(&mut self, knob: &str, value: &str) -> Option<()>;
+
+    /// Makes it one test of this seed, on the thread it is run on, that writes as little as it can.
+    fn single(&mut self, seed: u64);
+
+    /// Makes it the tests of one specimen of this seed, as a calibration runs it: unlike
+    /// [`Self::single`] it keeps what is compared within a specimen, such as directions.
+    fn realise(&mut self, seed: u64) {
+        self.single(seed);
+    }
+
+    /// Whether a result may be compared between settings: not when it grows with the specimen.
+    fn compares(result: &str) -> bool;
+}

@@ -1,0 +1,164 @@
+//! The recorder of a run: physics speaks to it, a [`Destination`] hears of it.
+use std::io::{self, Write};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use loadframe_api::{FileEntry, JobSpec, Outcome, Report, Timestamp};
+use loadframe_physics::Recorder;
+
+use super::cost::CostClock;
+use super::engine::Engine;
+use super::eta::TimeToGo;
+use super::outcome::{Circumstances, OUTCOME_FILE, assemble};
+use super::result_files::ResultFiles;
+use super::saved_run::SavedRun;
+
+/// Name of the file that keeps the log.
+const LOG_FILE: &str = "log.jsonl";
+
+/// How far a run is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// Part of the work done, 0 to 1.
+    pub fraction: f64,
+    pub phase: String,
+    /// Estimated time to the end [s].
+    pub eta_s: Option<f64>,
+}
+
+/// Where a run's results go as they appear. Its calls may wait, and so hold the simulation back.
+pub trait Destination {
+    /// A curve begins, or begins anew: its points come again from the first.
+    fn columns(&mut self, names: &[&str]) -> io::Result<()>;
+    fn point(&mut self, values: &[f64]) -> io::Result<()>;
+    /// The file at `path` is whole, and now the destination's to keep or move.
+    fn file(&mut self, entry: &FileEntry, path: &Path) -> io::Result<()>;
+    fn progress(&mut self, progress: Progress);
+    fn log(&mut self, message: &str);
+    /// Keeps `saved` together with all files so far.
+    fn checkpoint(&mut self, saved: SavedRun) -> io::Result<()>;
+    /// Whether an earlier checkpoint has been kept, so that another one would not pile up.
+    fn takes_checkpoint(&self) -> bool {
+        true
+    }
+}
+
+/// Records a run in a folder.
+pub(crate) struct Recording<'a, D> {
+    engine: Engine,
+    spec_sha256: String,
+    started_at: Timestamp,
+    clock: CostClock,
+    time_to_go: TimeToGo,
+    files: ResultFiles,
+    log: Vec<String>,
+    checkpoint_every: Duration,
+    last_checkpoint: Instant,
+    destination: &'a mut D,
+}
+
+impl<'a, D: Destination> Recording<'a, D> {
+    /// A recording in `folder` that goes on from `saved`.
+    pub(crate) fn start(
+        engine: Engine,
+        saved: &SavedRun,
+        folder: &Path,
+        checkpoint_every: Duration,
+        destination: &'a mut D,
+    ) -> Self {
+        Self {
+            engine,
+            spec_sha256: saved.spec_sha256().to_owned(),
+            started_at: Timestamp::now(),
+            clock: CostClock::start(saved.spent()),
+            time_to_go: TimeToGo::default(),
+            files: ResultFiles::open(folder, saved.files()),
+            log: saved.log().to_vec(),
+            checkpoint_every,
+            last_checkpoint: Instant::now(),
+            destination,
+        }
+    }
+
+    /// Writes the last files, `outcome.json` being the very last, and returns the outcome with the
+    /// entries of all files.
+    pub(crate) fn finish(
+        mut self,
+        spec: &JobSpec,
+        threads: usize,
+        report: Report,
+    ) -> io::Result<(Outcome, Vec<FileEntry>)> {
+        let log = std::mem::take(&mut self.log);
+        self.file(LOG_FILE, &mut |out| {
+            for message in &log {
+                let line = serde_json::json!({ "message": message });
+                writeln!(out, "{line}")?;
+            }
+            Ok(())
+        })?;
+        let circumstances = Circumstances {
+            engine: self.engine,
+            threads,
+            started_at: self.started_at.to_string(),
+            spent: self.clock.spent(),
+        };
+        let outcome = assemble(spec, report, circumstances, self.files.entries());
+        self.file(OUTCOME_FILE, &mut |out| {
+            serde_json::to_writer_pretty(&mut *out, &outcome)?;
+            writeln!(out)
+        })?;
+        Ok((outcome, self.files.entries()))
+    }
+}
+
+impl<D: Destination> Recorder for Recording<'_, D> {
+    fn columns(&mut self, names: &[&str]) -> io::Result<()> {
+        self.destination.columns(names)
+    }
+
+    fn point(&mut self, values: &[f64]) -> io::Result<()> {
+        self.destination.point(values)
+    }
+
+    fn file(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let entry = self.files.write(name, write)?;
+        self.destination.file(&entry, &self.files.path(name))
+    }
+
+    fn progress(&mut self, fraction: f64, phase: &str) {
+        let fraction = fraction.clamp(0.0, 1.0);
+        self.destination.progress(Progress {
+            fraction,
+            phase: phase.to_owned(),
+            eta_s: self.time_to_go.update(self.clock.elapsed(), fraction),
+        });
+    }
+
+    fn log(&mut self, message: &str) {
+        self.log.push(message.to_owned());
+        self.destination.log(message);
+    }
+
+    fn checkpoint_due(&self) -> bool {
+        self.last_checkpoint.elapsed() >= self.checkpoint_every
+            && self.destination.takes_checkpoint()
+    }
+
+    fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let saved = SavedRun::new(
+            self.engine,
+            &self.spec_sha256,
+            self.clock.spent(),
+            self.files.entries(),
+            self.log.clone(),
+            bytes.to_vec(),
+        );
+        self.destination.checkpoint(saved)?;
+        self.last_checkpoint = Instant::now();
+        Ok(())
+    }
+}

@@ -1,0 +1,35 @@
+//! The stop switch of an attempt, which tasks of this process can wait for.
+use loadframe_run::{StopCause, StopSwitch};
+use tokio_util::sync::CancellationToken;
+
+/// Stops a run, and what goes on beside it.
+#[derive(Debug, Default)]
+pub(super) struct AttemptSwitch {
+    run: StopSwitch,
+    given_up: CancellationToken,
+}
+
+impl AttemptSwitch {
+    /// Asks the run to stop.
+    pub(super) fn stop(&self, cause: StopCause) {
+        self.run.stop(cause);
+        if !cause.keeps_checkpoint() {
+            self.given_up.cancel();
+        }
+    }
+
+    /// Why the run shall stop, `None` while it shall go on.
+    pub(super) fn cause(&self) -> Option<StopCause> {
+        self.run.cause()
+    }
+
+    /// The switch that the run itself looks at.
+    pub(super) fn run(&self) -> &StopSwitch {
+        &self.run
+    }
+
+    /// Waits until nothing of the run is wanted any more.
+    pub(super) async fn given_up(&self) {
+        self.given_up.cancelled().await;
+    }
+}

@@ -1,0 +1,171 @@
+//! Sends what a run gives to the server, in the order in which it appeared.
+//!
+//! The run puts items into a bounded queue and waits when it is full, so that a slow server
+//! slows the run instead of filling the memory. Order is what makes checkpoints whole: a
+//! checkpoint is sent after every file and point that came before it.
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use loadframe_api::FileEntry;
+use loadframe_client::ServerError;
+use loadframe_run::{Destination, Progress, SavedRun};
+use tokio::sync::{mpsc, watch};
+use tokio::time::{MissedTickBehavior, interval};
+
+use super::batch::Batch;
+use super::lease_client::LeaseClient;
+
+/// Time between reports; people see a curve grow at four steps a second as moving.
+const REPORT_EVERY: Duration = Duration::from_millis(250);
+/// Items that may wait: several reports' worth of points.
+const WAITING_ITEMS: usize = 4096;
+
+/// Something a run gave.
+#[derive(Debug)]
+enum Item {
+    Columns(Vec<String>),
+    Point(Vec<f64>),
+    Log(String),
+    File(FileEntry, PathBuf),
+    Checkpoint(Box<SavedRun>),
+}
+
+/// The run's end of the queue.
+#[derive(Debug)]
+pub(super) struct UploadQueue {
+    items: mpsc::Sender<Item>,
+    /// Where files wait, each under its number: a run may write the same name again before the
+    /// first version has left.
+    outgoing: PathBuf,
+    files: u64,
+    progress: watch::Sender<Progress>,
+    checkpoint_is_under_way: Arc<AtomicBool>,
+}
+
+/// The server's end of the queue.
+#[derive(Debug)]
+pub(super) struct Uploader {
+    items: mpsc::Receiver<Item>,
+    progress: watch::Receiver<Progress>,
+    checkpoint_is_under_way: Arc<AtomicBool>,
+    batch: Batch,
+    reported: Progress,
+}
+
+/// Both ends of a queue whose files wait in the folder `outgoing`.
+pub(super) fn queue(outgoing: PathBuf) -> (UploadQueue, Uploader) {
+    let (items, waiting) = mpsc::channel(WAITING_ITEMS);
+    let (progress, seen) = watch::channel(Progress::default());
+    let checkpoint_is_under_way = Arc::new(AtomicBool::new(false));
+    let queue = UploadQueue {
+        items,
+        outgoing,
+        files: 0,
+        progress,
+        checkpoint_is_under_way: Arc::clone(&checkpoint_is_under_way),
+    };
+    let uploader = Uploader {
+        items: waiting,
+        progress: seen,
+        checkpoint_is_under_way,
+        batch: Batch::default(),
+        reported: Progress::default(),
+    };
+    (queue, uploader)
+}
+
+impl Uploader {
+    /// Uploads until the run drops its end and everything has arrived.
+    pub(super) async fn upload(mut self, lease: &LeaseClient) -> Result<(), ServerError> {
+        let mut report = interval(REPORT_EVERY);
+        report.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        loop {
+            tokio::select! {
+                item = self.items.recv() => match item {
+                    Some(item) => self.send(item, lease).await?,
+                    None => return self.report(lease).await,
+                },
+                _ = report.tick() => self.report(lease).await?,
+            }
+        }
+    }
+
+    async fn send(&mut self, item: Item, lease: &LeaseClient) -> Result<(), ServerError> {
+        match item {
+            Item::Columns(columns) => self.batch.columns(columns),
+            Item::Point(row) => self.batch.point(row),
+            Item::Log(message) => self.batch.log(message),
+            Item::File(entry, path) => {
+                lease.upload(&entry, &path).await?;
+                // its place on this disk is not needed any more; the attempt's folder goes anyway
+                let _ = tokio::fs::remove_file(path).await;
+            }
+            Item::Checkpoint(saved) => {
+                self.report(lease).await?;
+                lease.save_checkpoint(&saved).await?;
+                self.checkpoint_is_under_way.store(false, Ordering::Relaxed);
+            }
+        }
+        if self.batch.is_full() {
+            self.report(lease).await?;
+        }
+        Ok(())
+    }
+
+    async fn report(&mut self, lease: &LeaseClient) -> Result<(), ServerError> {
+        let progress = self.progress.borrow().clone();
+        if self.batch.is_empty() && progress == self.reported {
+            return Ok(());
+        }
+        lease.progress(&self.batch.take(&progress)).await?;
+        self.reported = progress;
+        Ok(())
+    }
+}
+
+impl UploadQueue {
+    fn put(&self, item: Item) -> io::Result<()> {
+        self.items
+            .blocking_send(item)
+            .map_err(|_| io::Error::other("the server takes no more results of this run"))
+    }
+}
+
+impl Destination for UploadQueue {
+    fn columns(&mut self, names: &[&str]) -> io::Result<()> {
+        let names = names.iter().map(|name| (*name).to_owned());
+        self.put(Item::Columns(names.collect()))
+    }
+
+    fn point(&mut self, values: &[f64]) -> io::Result<()> {
+        self.put(Item::Point(values.to_vec()))
+    }
+
+    fn file(&mut self, entry: &FileEntry, path: &Path) -> io::Result<()> {
+        let waiting = self.outgoing.join(self.files.to_string());
+        self.files += 1;
+        std::fs::rename(path, &waiting)?;
+        self.put(Item::File(entry.clone(), waiting))
+    }
+
+    fn progress(&mut self, progress: Progress) {
+        self.progress.send_replace(progress);
+    }
+
+    fn log(&mut self, message: &str) {
+        // a lost channel ends the run at its next point or file
+        let _ = self.put(Item::Log(message.to_owned()));
+    }
+
+    fn checkpoint(&mut self, saved: SavedRun) -> io::Result<()> {
+        self.checkpoint_is_under_way.store(true, Ordering::Relaxed);
+        self.put(Item::Checkpoint(Box::new(saved)))
+    }
+
+    fn takes_checkpoint(&self) -> bool {
+        !self.checkpoint_is_under_way.load(Ordering::Relaxed)
+    }
+}
