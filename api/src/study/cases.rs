@@ -179,7 +179,7 @@ impl Draft {
     fn read(self, kind: JobKind, base: &JobSpec, mut spec: Value) -> Result<Case, Vec<Violation>> {
         for setting in &self.settings {
             if let Err(violation) = put(&mut spec, &setting.pointer, &setting.value) {
-                return Err(vec![self.said(&violation, Some(setting))]);
+                return Err(vec![self.located(&violation, Some(setting))]);
             }
         }
         let spec = read(kind, &spec.to_string()).map_err(|violations| {
@@ -196,7 +196,7 @@ impl Draft {
             let detail = "the seeds of all cases count on from the job's own";
             let violation = Violation::new("/seed", "not_allowed", detail).value(spec.seed());
             let violation = violation.allowed("seeds, the number of specimens");
-            return Err(vec![self.said(&violation, setting)]);
+            return Err(vec![self.located(&violation, setting)]);
         }
         let set = self.settings.into_iter();
         Ok(Case {
@@ -220,10 +220,10 @@ impl Draft {
             holds(&setting.pointer, own) || (!own.is_empty() && holds(own, &setting.pointer))
         };
         let cause = self.settings.iter().filter(is_cause);
-        self.said(violation, cause.max_by_key(|setting| setting.pointer.len()))
+        self.located(violation, cause.max_by_key(|setting| setting.pointer.len()))
     }
 
-    fn said(&self, violation: &Violation, cause: Option<&Setting>) -> Violation {
+    fn located(&self, violation: &Violation, cause: Option<&Setting>) -> Violation {
         let own = violation.pointer.strip_prefix("/spec");
         let own = own.unwrap_or(&violation.pointer);
         let rest = cause.and_then(|cause| own.strip_prefix(cause.pointer.as_str()));

@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn guesses_are_free_until_the_limit_and_again_after_the_window() {
+    fn wrong_tokens_are_free_until_the_limit_and_again_after_the_window() {
         let wrong_tokens = WrongTokens::default();
         let start = Instant::now();
         let address = IpAddr::from([192, 0, 2, 1]);

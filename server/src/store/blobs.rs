@@ -171,7 +171,7 @@ impl Blobs {
     }
 
     /// Reports files that may be named by no row.
-    pub(super) fn suspect(&self, names: Vec<String>) {
+    pub(super) fn report_unnamed(&self, names: Vec<String>) {
         // without a collector the store is closing, and the next start collects
         let _ = self.garbage.send(Garbage::Perhaps(names));
     }

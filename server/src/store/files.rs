@@ -174,7 +174,7 @@ impl Store {
     /// Bytes whose row was refused are named by nothing: the collector shall look at them.
     fn undo_unless_written<T>(&self, sha256: &str, written: Result<T>) -> Result<T> {
         if written.is_err() {
-            self.blobs().suspect(vec![sha256.to_owned()]);
+            self.blobs().report_unnamed(vec![sha256.to_owned()]);
         }
         written
     }

@@ -96,7 +96,7 @@ async fn open(
         .map_err(|error| Failure::of(&error))?;
     print_line(&format!(
         "The lab is open at {url} ({})",
-        staff(workers, arguments.threads)
+        describe_workers(workers, arguments.threads)
     ));
     if arguments.open {
         open_browser(&url);
@@ -125,7 +125,7 @@ async fn open(
     end
 }
 
-fn staff(workers: usize, threads: u16) -> String {
+fn describe_workers(workers: usize, threads: u16) -> String {
     let workers = match workers {
         0 => return "no workers".to_owned(),
         1 => "1 worker".to_owned(),
