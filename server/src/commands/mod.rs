@@ -40,7 +40,9 @@ const AFTER_HELP: &str = "\
 Exit codes: 0 done, 1 the job has no result or the server refused, 2 wrong usage or an invalid spec,
 3 the server cannot be reached, 4 the job was cancelled, 5 interrupted (the same command goes on).
 
-LOADFRAME_LOG sets what is logged to standard error: error, warn, info, debug, or per module.";
+LOADFRAME_LOG sets what is logged to standard error: error, warn, info, debug, or per module.
+
+The guide is served with the lab page, at http://127.0.0.1:8400/guide; its texts are in server/guide.";
 
 /// The virtual load frame of a materials lab.
 #[derive(Debug, Parser)]

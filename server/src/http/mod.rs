@@ -2,7 +2,8 @@
 //!
 //! One file for each resource: [`jobs`], [`events`], [`curve`], [`files`] and [`archive`],
 //! [`kinds`], [`workers`], the [`worker`] side, [`health`] and [`metrics`]. Every handler carries its
-//! part of the OpenAPI document, which [`openapi`] completes and [`docs`] shows to people.
+//! part of the OpenAPI document, which [`openapi`] completes and [`docs`] shows to people. The [`guide`]
+//! tells what the tests are; both are [`sheet`]s of [`text`].
 //!
 //! Around them, from the outside: tracing, security headers, [`metrics`], compression,
 //! [`problem::only_problems`] (whatever goes wrong, the answer is `application/problem+json`),
@@ -19,6 +20,7 @@ mod docs;
 mod events;
 mod files;
 mod guard;
+mod guide;
 mod health;
 mod jobs;
 mod kinds;
@@ -26,7 +28,10 @@ mod metrics;
 mod openapi;
 mod page;
 pub mod problem;
+mod schema;
+mod sheet;
 mod state;
+mod text;
 mod worker;
 mod workers;
 
@@ -62,6 +67,7 @@ pub fn router(state: AppState) -> Router {
     let (router, _) = routes().split_for_parts();
     router
         .merge(docs::router())
+        .merge(guide::router())
         .fallback(page::serve)
         .method_not_allowed_fallback(problem::method_not_allowed)
         .layer(from_fn_with_state(state.clone(), guard::guard))

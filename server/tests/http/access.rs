@@ -48,7 +48,18 @@ async fn elsewhere_a_token_is_demanded() {
         refused.problem(401, "token-needed");
         assert!(refused.header("www-authenticate").starts_with("Bearer"));
     }
-    for path in ["/healthz", "/readyz", "/version", "/openapi.json", "/docs"] {
+    for path in [
+        "/healthz",
+        "/readyz",
+        "/version",
+        "/openapi.json",
+        "/docs",
+        "/guide",
+        "/guide/quality",
+        "/guide/search?q=token",
+        "/guide/calibrate/fields",
+        "/guide/pictures/lab.png",
+    ] {
         assert_eq!(lab.get_with(path, &[host]).await.status, 200, "{path}");
     }
     let token = lab.store.create_token("a person").await.expect("a token");

@@ -5,6 +5,7 @@ mod curve;
 mod errors;
 mod events;
 mod files;
+mod guide;
 mod jobs;
 mod kinds;
 mod openapi;

@@ -1,5 +1,4 @@
 //! `/docs`: the OpenAPI document as a page for people, without scripts.
-mod html;
 mod operation;
 mod schema;
 
@@ -7,17 +6,15 @@ use std::sync::OnceLock;
 
 use axum::Router;
 use axum::extract::Path;
-use axum::http::{HeaderMap, header};
-use axum::response::{Html, IntoResponse, Redirect, Response};
+use axum::http::HeaderMap;
+use axum::response::{Redirect, Response};
 use axum::routing::get;
 use serde_json::Value;
 
 use super::AppState;
-use super::conditional::EntityTag;
 use super::problem::{self, ApiError, Result};
-use html::{prose, text};
-
-const STYLE: &str = include_str!("style.css");
+use super::sheet::{Content, Room, Sheet};
+use super::text::{prose, text};
 
 const INTRODUCTION: &str = "\
 JSON goes in and out. Every error is `application/problem+json` (RFC 9457): `title` and `detail` are for people, \
@@ -26,6 +23,11 @@ On its own machine the server is open; elsewhere it demands `Authorization: Bear
 Units are in the names: `gauge_length_mm`, `youngs_modulus_pa`. Lists are `{\"items\": [...], \"next\": cursor or null}`. \
 Fields may be added to answers at any time; unknown fields in requests are refused.";
 
+/// Stands under the introduction.
+const TO_THE_GUIDE: &str = "<p>What can be tested, and what the results mean, is told in the <a href=\"/guide\">guide</a>: \
+     <a href=\"/guide/start\">start</a>, <a href=\"/guide/write-a-spec\">write a spec</a>, \
+     <a href=\"/guide/quality\">quality and warnings</a>.</p>";
+
 pub(super) fn router() -> Router<AppState> {
     Router::new()
         .route("/docs", get(read))
@@ -33,15 +35,9 @@ pub(super) fn router() -> Router<AppState> {
 }
 
 async fn read(headers: HeaderMap) -> Result<Response> {
-    static PAGE: OnceLock<String> = OnceLock::new();
-    let tag = EntityTag::weak(crate::VERSION);
-    if tag.is_known(&headers) {
-        return Ok(tag.not_modified());
-    }
+    static SHEET: OnceLock<Sheet> = OnceLock::new();
     let document = super::document().map_err(|error| ApiError::internal(error))?;
-    let page = PAGE.get_or_init(|| page(document));
-    let headers = [(header::ETAG, tag.header())];
-    Ok((headers, Html(page.as_str())).into_response())
+    Ok(SHEET.get_or_init(|| sheet(document)).answer(&headers))
 }
 
 /// The `type` of a problem leads to its line in the page.
@@ -51,7 +47,7 @@ async fn explain(Path(kind): Path<String>) -> Result<Redirect> {
     Ok(Redirect::to(&format!("/docs#problem-{}", known.slug)))
 }
 
-fn page(document: &Value) -> String {
+fn sheet(document: &Value) -> Sheet {
     let operations = operation::all(document);
     let mut index = String::new();
     let mut body = String::new();
@@ -66,21 +62,25 @@ fn page(document: &Value) -> String {
         body += "</section>\n";
     }
     let problems: String = problem::ALL.iter().map(problem_row).collect();
-    format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-         <meta name=\"color-scheme\" content=\"light dark\">\
-         <title>loadframe: the service</title><style>{STYLE}</style></head><body>\n\
-         <header><h1><a href=\"/\">loadframe</a> <small>the service, {version}</small></h1>\
-         <nav>{index}<a href=\"#schemas\">Schemas</a><a href=\"#problems\">Problems</a><a href=\"/openapi.json\">openapi.json</a></nav></header>\n\
-         <main><section>{introduction}</section>\n{body}\
+    let main = format!(
+        "<h1>The service <small>REST, version {version}</small></h1>\n\
+         <section>{introduction}{TO_THE_GUIDE}</section>\n{body}\
          <section id=\"schemas\"><h2>Schemas</h2>{schemas}</section>\n\
-         <section id=\"problems\"><h2>Problems</h2><table><thead><tr><th>Status<th>Type<th>Title</thead><tbody>{problems}</tbody></table></section>\
-         </main></body></html>\n",
+         <section id=\"problems\"><h2>Problems</h2><div class=\"wide\" tabindex=\"0\"><table><thead><tr>\
+         <th scope=\"col\">Status<th scope=\"col\">Type<th scope=\"col\">Title</thead><tbody>{problems}</tbody></table></div></section>",
         version = crate::VERSION,
         introduction = prose(INTRODUCTION),
         schemas = schema::all(document),
-    )
+    );
+    index += "<a href=\"#schemas\">Schemas</a>\n<a href=\"#problems\">Problems</a>\n\
+              <a href=\"/openapi.json\">openapi.json</a>\n";
+    Sheet::new(&Content {
+        room: Room::Service,
+        title: "The service",
+        contents: &index,
+        main: &main,
+        query: "",
+    })
 }
 
 fn problem_row(kind: &problem::ProblemKind) -> String {

@@ -1,9 +1,9 @@
 //! One route, for people.
 use serde_json::Value;
 
-use super::html::{line, prose, text};
-use super::schema;
 use crate::ServeConfig;
+use crate::http::schema;
+use crate::http::text::{line, prose, text};
 
 /// A route and a method.
 #[derive(Debug)]
@@ -65,7 +65,9 @@ impl Operation<'_> {
             )
         };
         let rows: String = parameters.iter().map(row).collect();
-        format!("<h3>Parameters</h3><table><tbody>{rows}</tbody></table>")
+        format!(
+            "<h3>Parameters</h3><div class=\"wide\" tabindex=\"0\"><table><tbody>{rows}</tbody></table></div>"
+        )
     }
 
     fn body(&self) -> String {
@@ -112,7 +114,9 @@ impl Operation<'_> {
             )
         };
         let rows: String = answers.map(row).collect();
-        format!("<h3>Answers</h3><table><tbody>{rows}</tbody></table>")
+        format!(
+            "<h3>Answers</h3><div class=\"wide\" tabindex=\"0\"><table><tbody>{rows}</tbody></table></div>"
+        )
     }
 
     /// The request as a line for a shell.
