@@ -1,0 +1,92 @@
+"""Runs loadframe, and notes what figures are worth nothing without: command, machine, date, commit.
+
+Whatever is measured lies in a folder of its own with `measured.json` beside it, so that tables can be made
+again without measuring again.
+"""
+
+import json
+import os
+import resource
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from datetime import date
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+BINARY = os.environ.get("LOADFRAME_BIN", str(TARGET / "release" / "loadframe"))
+EXAMPLES = ROOT / "api" / "examples"
+STUDIES = ROOT / "api" / "studies"
+# Other processes' share of the cores from which on the machine is called shared.
+QUIET = 0.05
+
+
+def loadframe(*arguments) -> None:
+    """Runs the executable; what it says goes to standard error."""
+    if not Path(BINARY).exists():
+        sys.exit(f"{BINARY} is missing: cargo build --release, or set LOADFRAME_BIN")
+    subprocess.run([BINARY, *map(str, arguments)], cwd=ROOT, check=True, stdout=sys.stderr)
+
+
+def run(body: dict, folder: Path, threads: int = 1) -> dict:
+    """The outcome of a job; one that is there already is not run again."""
+    outcome = folder / "outcome.json"
+    if not outcome.exists():
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        spec = folder.with_suffix(".json")
+        spec.write_text(json.dumps(body))
+        loadframe("run", spec, "--out", folder, "--threads", threads)
+    return json.loads(outcome.read_text())
+
+
+def example(name: str) -> dict:
+    return json.loads((EXAMPLES / f"{name}.json").read_text())
+
+
+def machine() -> str:
+    """Processor and cores."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), "unknown processor")
+    return f"{model}, {os.cpu_count()} cores"
+
+
+def commit_of_tree() -> str:
+    """Of the sources that a bench is built from."""
+    answer = subprocess.run(["git", "rev-parse", "--short=12", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    return answer.stdout.strip() or "unknown"
+
+
+def _busy_s() -> float:
+    """Processor time of the whole machine since its start [s], idle and waiting left out."""
+    fields = [int(field) for field in Path("/proc/stat").read_text().split("\n", 1)[0].split()[1:9]]
+    return (sum(fields) - fields[3] - fields[4]) / os.sysconf("SC_CLK_TCK")
+
+
+def _own_s() -> float:
+    usage = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in usage)
+
+
+@contextmanager
+def measured(folder: Path, command: str):
+    """Notes in `folder` where, when and beside how much other work something was measured."""
+    folder.mkdir(parents=True, exist_ok=True)
+    began, busy, own = time.monotonic(), _busy_s(), _own_s()
+    yield
+    cores = os.cpu_count() * (time.monotonic() - began)
+    others = max(_busy_s() - busy - (_own_s() - own), 0) / max(cores, 1e-9)
+    note = {"command": command, "machine": machine(), "date": date.today().isoformat(), "others": round(others, 2)}
+    (folder / "measured.json").write_text(json.dumps(note))
+
+
+def circumstances(folder: Path, commit: str) -> str:
+    """What `measured` noted, as the line beneath a table."""
+    note = json.loads((folder / "measured.json").read_text())
+    return circumstances_of({**note, "commit": commit})
+
+
+def circumstances_of(note: dict) -> str:
+    shared = f", other work on {note['others']:.0%} of them" if note["others"] > QUIET else ""
+    return f"`{note['command']}`, {note['machine']}{shared}, {note['date']}, commit {note['commit']}"
