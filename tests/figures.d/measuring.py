@@ -18,7 +18,6 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 BINARY = os.environ.get("LOADFRAME_BIN", str(TARGET / "release" / "loadframe"))
 EXAMPLES = ROOT / "api" / "examples"
-STUDIES = ROOT / "api" / "studies"
 # Other processes' share of the cores from which on the machine is called shared.
 QUIET = 0.05
 
@@ -52,6 +51,20 @@ def machine() -> str:
     return f"{model}, {os.cpu_count()} cores"
 
 
+def study(name: str, work: Path) -> Path:
+    """The folder of a finished study of parameters, which the page of the ballast shares. An interrupted one
+    goes on there; one that this engine has finished is not run again and keeps its note."""
+    folder = work / "studies" / name
+    earlier = note_of(folder) if (folder / "measured.json").exists() else None
+    path = f"api/studies/ballast_{name}.json"
+    with measured(folder, f"loadframe study parameters {path}") as note:
+        loadframe("study", "parameters", path, "--out", folder)
+        note["commit"] = json.loads((folder / "parameters.json").read_text())["engine_commit"]
+        if earlier and earlier["commit"] == note["commit"]:
+            note.update(earlier)
+    return folder
+
+
 def commit_of_tree() -> str:
     """Of the sources that a bench is built from."""
     answer = subprocess.run(["git", "rev-parse", "--short=12", "HEAD"], cwd=ROOT, capture_output=True, text=True)
@@ -71,22 +84,24 @@ def _own_s() -> float:
 
 @contextmanager
 def measured(folder: Path, command: str):
-    """Notes in `folder` where, when and beside how much other work something was measured."""
+    """Notes in `folder` where, when and beside how much other work something was measured; yields the note,
+    to which the commit is added by who knows it."""
     folder.mkdir(parents=True, exist_ok=True)
     began, busy, own = time.monotonic(), _busy_s(), _own_s()
-    yield
+    note = {"command": command, "machine": machine(), "date": date.today().isoformat()}
+    yield note
     cores = os.cpu_count() * (time.monotonic() - began)
     others = max(_busy_s() - busy - (_own_s() - own), 0) / max(cores, 1e-9)
-    note = {"command": command, "machine": machine(), "date": date.today().isoformat(), "others": round(others, 2)}
+    # who knows better has said so: figures may be those of an earlier study
+    note.setdefault("others", round(others, 2))
     (folder / "measured.json").write_text(json.dumps(note))
 
 
-def circumstances(folder: Path, commit: str) -> str:
-    """What `measured` noted, as the line beneath a table."""
-    note = json.loads((folder / "measured.json").read_text())
-    return circumstances_of({**note, "commit": commit})
+def note_of(folder: Path) -> dict:
+    return json.loads((folder / "measured.json").read_text())
 
 
-def circumstances_of(note: dict) -> str:
-    shared = f", other work on {note['others']:.0%} of them" if note["others"] > QUIET else ""
-    return f"`{note['command']}`, {note['machine']}{shared}, {note['date']}, commit {note['commit']}"
+def circumstances(note: dict) -> str:
+    """What `measured` noted, in a line."""
+    shared = f" ({note['others']:.0%} of them busy with other work)" if note["others"] > QUIET else ""
+    return f"`{note['command']}`; {note['machine']}{shared}; {note['date']}; commit {note['commit']}"

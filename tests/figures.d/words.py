@@ -1,6 +1,20 @@
 """Numbers and tables as people read them: to the digits that are known."""
 
 import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Table(NamedTuple):
+    """A table of measured figures."""
+
+    # In words, for who decides whether to measure.
+    cost: str
+    # Leaves what it measures in a folder and tells the commit of what was measured, perhaps its whole note.
+    measure: Callable[[Path], dict]
+    # Reads that folder; the first row is the head.
+    rows: Callable[[Path], list[list[str]]]
 
 
 def digits(value: float) -> str:
@@ -10,6 +24,27 @@ def digits(value: float) -> str:
     if value >= 10:
         return f"{value:.0f}"
     return f"{value:.{min(max(1 - math.floor(math.log10(value)), 0), 6)}f}"
+
+
+def percent(error: float) -> str:
+    """Two significant digits in %, and nothing below a millionth of one."""
+    value = 100 * abs(error)
+    if value < 1e-6:
+        return "0"
+    return f"{value:.0e} %" if value < 1e-3 else f"{digits(value)} %"
+
+
+def signed(error: float, standard_error: float | None) -> str:
+    """In %, to the first digit of its standard error: +4 ± 4 %, −0.3 ± 0.4 %."""
+    value, spread = 100 * error, 100 * (standard_error or 0)
+    decimals = max(-math.floor(math.log10(spread)), 0) if spread > 0 else 0
+    number = f"{value:+.{decimals}f}".replace("-", "−")
+    if float(f"{value:.{decimals}f}") == 0:
+        number = "0"
+    # beside hundreds of percent the scatter says nothing
+    if abs(value) > 300:
+        return f"{value:+.0f} %".replace("-", "−")
+    return f"{number} ± {spread:.{decimals}f} %" if spread > 0 else f"{number} %"
 
 
 def seconds(value: float) -> str:
