@@ -9,7 +9,7 @@ import statistics
 import subprocess
 from pathlib import Path
 
-from measuring import BINARY, ROOT, commit_of_tree, run
+from measuring import BINARY, ROOT, commit_of_executable, commit_of_tree, run
 from words import Digits, Table, digits
 
 
@@ -39,7 +39,7 @@ QUANTITIES = {
 
 def measure_statistics(folder: Path) -> dict:
     script("statistics_beside_yade", "--seeds", SEEDS, "--scene", "column", "--loadframe", BINARY, "--json", folder.resolve() / "column.json")
-    return {"commit": commit_of_tree()}
+    return {"commit": commit_of_executable()}
 
 
 def yade_statistics(folder: Path) -> list[list[str]]:

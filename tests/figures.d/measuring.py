@@ -13,6 +13,7 @@ import time
 from contextlib import contextmanager
 from datetime import date
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
@@ -63,6 +64,13 @@ def study(name: str, work: Path) -> Path:
         if earlier and earlier["commit"] == note["commit"]:
             note.update(earlier)
     return folder
+
+
+def commit_of_executable() -> str:
+    """As the outcome of a small job tells it."""
+    with TemporaryDirectory() as scratch:
+        outcome = run(example("nonwoven_tensile_quick"), Path(scratch) / "quick")
+    return outcome["provenance"]["engine_commit"]
 
 
 def commit_of_tree() -> str:

@@ -39,6 +39,7 @@ import numpy as np  # noqa: E402
 import scipy  # noqa: E402
 from scipy.linalg import cho_solve_banded, cholesky_banded  # noqa: E402
 from scipy.sparse import bsr_array, coo_array  # noqa: E402
+from scipy.stats import t as student  # noqa: E402
 
 # [Zilka2022] tables 5 and 6; lengths in mm, forces in N
 COLUMNS, ROWS, LAYERS = 49, 51, 3
@@ -294,14 +295,16 @@ def test(jaws: str, seed: int) -> dict:
 
 
 def summary(tests: list) -> list:
-    """Mean and standard deviation of every result, by jaws."""
+    """Mean and standard deviation of every result by jaws, and Student's t beyond which two means of the same
+    distribution lie apart once in a hundred times."""
     rows = []
     for jaws in JAWS:
         own = sorted((test for test in tests if test["jaws"] == jaws), key=lambda test: test["seed"])
         for name in QUANTITIES:
             values = [test[name] for test in own]
             mean, deviation = statistics.mean(values), statistics.stdev(values)
-            rows.append({"jaws": jaws, "quantity": name, "mean": mean, "deviation": deviation, "n": len(values)})
+            row = {"jaws": jaws, "quantity": name, "mean": mean, "deviation": deviation, "n": len(values)}
+            rows.append({**row, "student_99": float(student.ppf(0.995, len(values) - 1))})
     return rows
 
 
