@@ -111,5 +111,5 @@ def note_of(folder: Path) -> dict:
 
 def circumstances(note: dict) -> str:
     """What `measured` noted, in a line."""
-    shared = f" ({note['others']:.0%} of them busy with other work)" if note["others"] > QUIET else ""
+    shared = f", {100 * note['others']:.0f} % of their time taken by other work" if note["others"] > QUIET else ""
     return f"`{note['command']}`; {note['machine']}{shared}; {note['date']}; commit {note['commit']}"

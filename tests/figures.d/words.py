@@ -27,11 +27,11 @@ def digits(value: float) -> str:
 
 
 def percent(error: float) -> str:
-    """Two significant digits in %, and nothing below a millionth of one."""
+    """Two significant digits in %, one below a thousandth, and nothing below a millionth."""
     value = 100 * abs(error)
     if value < 1e-6:
         return "0"
-    return f"{value:.0e} %" if value < 1e-3 else f"{digits(value)} %"
+    return f"{power(float(f'{value:.0e}'))} %" if value < 1e-3 else f"{digits(value)} %"
 
 
 def signed(error: float, standard_error: float | None) -> str:

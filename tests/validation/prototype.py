@@ -198,7 +198,7 @@ class Equilibrium:
     def find(self, places: np.ndarray, limit: float) -> np.ndarray:
         """Places of least energy near these: every resultant below `limit` [N]."""
         free = self.fabric.is_free
-        energy, before = self.energy(places), math.inf
+        energy, before = self.energy(places), math.nan
         for _ in range(300):
             state = self.state(places)
             gradient = self.gradient(state)[free]
@@ -208,7 +208,9 @@ class Equilibrium:
             # the closer, the more exact, but never more than the limit asks for
             forcing = max(min(0.1, 0.5 * largest / before), 0.1 * limit / largest)
             before = largest
-            step = self.newton_step(state, gradient, forcing)
+            if self.factor is None:
+                self.factorise(state)
+            step = self.conjugate_gradients(self.stiffness(state, False), -gradient.ravel(), forcing).reshape(-1, 3)
             slope = float((gradient * step).sum())
             # no node further than two spacings at once
             share = min(1.0, 2 * SPACING[1] / np.abs(step).max())
@@ -225,18 +227,8 @@ class Equilibrium:
             places, energy = trial, found
         raise ArithmeticError(f"not in equilibrium: {largest:.1e} N, limit {limit:.1e} N")
 
-    def newton_step(self, state, gradient: np.ndarray, forcing: float) -> np.ndarray:
-        """Where the energy bends downwards, the softened matrix still leads to less of it."""
-        if self.factor is None:
-            self.factorise(state)
-        for is_softened in (False, True):
-            step = self.conjugate_gradients(self.stiffness(state, is_softened), -gradient.ravel(), forcing)
-            if step is not None:
-                return step.reshape(-1, 3)
-        raise ArithmeticError("the softened matrix bends downwards")
-
-    def conjugate_gradients(self, matrix: bsr_array, rest: np.ndarray, forcing: float):
-        """Solves to `forcing` of the right side; none where the matrix bends downwards."""
+    def conjugate_gradients(self, matrix: bsr_array, rest: np.ndarray, forcing: float) -> np.ndarray:
+        """Solves to `forcing` of the right side, or ends on the first way along which the energy bends down."""
         found, way, product = np.zeros_like(rest), np.zeros_like(rest), 1.0
         goal = forcing * np.linalg.norm(rest)
         for count in range(3000):
@@ -246,7 +238,7 @@ class Equilibrium:
             image = matrix @ way
             bend = way @ image
             if bend <= 0:
-                return None
+                return found + product / max(-bend, 1e-12 * product) * way
             found += product / bend * way
             rest = rest - product / bend * image
             if np.linalg.norm(rest) <= goal:
@@ -261,17 +253,14 @@ def test(jaws: str, seed: int) -> dict:
     begin = time.process_time()
     fabric = Fabric(jaws, seed)
     network = Equilibrium(fabric)
-    places, earlier, is_smooth = fabric.places, fabric.places, False
-    curve, result = [], {"jaws": jaws, "seed": seed}
+    places, curve, result = fabric.places, [], {"jaws": jaws, "seed": seed}
     for count in range(1, round(LARGEST_STRAIN / STRAIN_STEP) + 1):
         strain = count * STRAIN_STEP
         limit = SHARE_OF_LIMIT * (MODULUS * strain + FRICTION_MODULUS * strain**2) / FORCE_ACCURACY
-        # where nothing broke nodes move on as before, else all heights grow alike
-        stretch = [1, (1 + strain) / (1 + strain - STRAIN_STEP), 1]
-        begun = 2 * places - earlier if is_smooth else places * stretch
+        # all heights grow alike; nodes that have just snapped through would lead any extrapolation astray
+        begun = places * [1, (1 + strain) / (1 + strain - STRAIN_STEP), 1]
         begun[~fabric.is_free] = fabric.places[~fabric.is_free]
         begun[fabric.top, 1] += strain * fabric.gauge_length
-        earlier, is_smooth = places, True
         places = network.find(begun, limit)
         while True:
             state = network.state(places)
@@ -280,7 +269,6 @@ def test(jaws: str, seed: int) -> dict:
             if not over.any() or force < PARTED * max(curve, default=0):
                 break
             network.holds &= ~over
-            is_smooth = False
             places = network.find(places, limit)
         curve.append(force)
         if math.isclose(strain, AT_STRAIN):

@@ -6,23 +6,29 @@ use serde::Deserialize;
 /// to 10⁻⁴ of the force limit, in a program that shares nothing with the engine. Its random streams
 /// differ, so that only distributions can be compared.
 #[derive(Deserialize)]
-struct Prototype {
-    results: Vec<Reference>,
+pub(crate) struct Prototype {
+    pub(crate) results: Vec<Reference>,
 }
 
 /// A result over the seeds.
 #[derive(Deserialize)]
-struct Reference {
-    jaws: String,
-    quantity: String,
-    mean: f64,
+pub(crate) struct Reference {
+    pub(crate) jaws: String,
+    pub(crate) quantity: String,
+    pub(crate) mean: f64,
     /// Standard deviation.
-    deviation: f64,
+    pub(crate) deviation: f64,
     /// Seeds.
-    n: u32,
+    pub(crate) n: u32,
     /// Student's t beyond which two means of the same distribution lie apart once in a hundred
     /// times, by the seeds behind the deviation.
     student_99: f64,
+}
+
+impl Prototype {
+    pub(crate) fn read() -> Self {
+        serde_json::from_str(include_str!("prototype.json")).unwrap()
+    }
 }
 
 /// The mean over the runs with these jaws.
@@ -41,7 +47,7 @@ pub(crate) fn mean(runs: &[Run], jaws: &str, quantity: &str) -> f64 {
 /// # Panics
 /// When one lies further off than the scatter over seeds allows.
 pub(crate) fn check(runs: &[Run]) {
-    let prototype: Prototype = serde_json::from_str(include_str!("prototype.json")).unwrap();
+    let prototype = Prototype::read();
     let mut misses = Vec::new();
     for reference in &prototype.results {
         let Reference { jaws, quantity, .. } = reference;
