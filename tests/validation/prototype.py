@@ -2,7 +2,8 @@
 """The nonwoven tensile test by a second program, which shares nothing with the engine.
 
   tests/validation/prototype.py                       means and deviations over ten seeds, each jaw form
-  tests/validation/prototype.py --out prototype.json  the same as data, as tests/validation reads it
+  tests/validation/prototype.py --out FILE            keeps every test as JSON and goes on with what is there;
+                                                      tests/validation/prototype.json is made so: delete it first
 
 Its own lattice, random streams, assembly and solver, so that engine and prototype can be wrong together
 only in the model itself (equations of [Zilka2022], parameters of its tables 5 and 6):
@@ -33,7 +34,7 @@ import statistics  # noqa: E402
 import sys  # noqa: E402
 import time  # noqa: E402
 from concurrent.futures import ProcessPoolExecutor, as_completed  # noqa: E402
-from datetime import date  # noqa: E402
+from pathlib import Path  # noqa: E402
 
 import numpy as np  # noqa: E402
 import scipy  # noqa: E402
@@ -296,38 +297,41 @@ def summary(tests: list) -> list:
     return rows
 
 
+def write(path: Path, tests: list) -> None:
+    """Every test, and what those of each jaw form say together once there are two."""
+    tests = sorted(tests, key=lambda test: (test["jaws"], test["seed"]))
+    is_enough = all(sum(test["jaws"] == jaws for test in tests) >= 2 for jaws in JAWS)
+    lines = lambda rows: "[\n" + ",\n".join(f"  {json.dumps(row)}" for row in rows) + "\n ]"
+    parts = {
+        "command": json.dumps("tests/validation/prototype.py --out tests/validation/prototype.json"),
+        "versions": json.dumps(f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}"),
+        "results": lines(summary(tests) if is_enough else []),
+        "tests": lines(tests),
+    }
+    path.write_text("{\n" + ",\n".join(f' "{name}": {part}' for name, part in parts.items()) + "\n}\n")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=10, help="specimens of each jaw form, two at least (10)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="tests side by side (all cores)")
-    parser.add_argument("--out", help="write means, deviations and every test as JSON")
+    parser.add_argument("--out", type=Path, help="where every test is kept, as JSON; tests found there are not done again")
     args = parser.parse_args()
     if args.seeds < 2:
         parser.error("a deviation needs two seeds")
-    tests = []
+    tests = json.loads(args.out.read_text())["tests"] if args.out and args.out.exists() else []
+    known = {(found["jaws"], found["seed"]) for found in tests}
+    asked = [(jaws, seed) for seed in range(1, args.seeds + 1) for jaws in JAWS if (jaws, seed) not in known]
     with ProcessPoolExecutor(args.jobs) as pool:
-        asked = [pool.submit(test, jaws, seed) for seed in range(1, args.seeds + 1) for jaws in JAWS]
-        for done in as_completed(asked):
+        for done in as_completed([pool.submit(test, *one) for one in asked]):
             found = done.result()
             tests.append(found)
             told = ", ".join(f"{name} {found[name]:.4f}" for name in QUANTITIES)
             print(f"{found['jaws']}, seed {found['seed']}: {told}; {found['cpu_s']:.0f} s", file=sys.stderr, flush=True)
-    rows = summary(tests)
-    for row in rows:
+            if args.out:
+                write(args.out, tests)
+    for row in summary(tests):
         print(f"{row['jaws']:>12} {row['quantity']:<30} {row['mean']:9.4f} ± {row['deviation']:.4f}, n = {row['n']}")
-    if args.out:
-        versions = f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}"
-        written = {
-            "command": "tests/validation/prototype.py --out tests/validation/prototype.json",
-            "date": date.today().isoformat(),
-            "versions": versions,
-            "cpu_s_of_a_test": round(statistics.mean(test["cpu_s"] for test in tests), 1),
-            "results": rows,
-            "tests": sorted(tests, key=lambda test: (test["jaws"], test["seed"])),
-        }
-        with open(args.out, "w") as out:
-            json.dump(written, out, indent=1)
-            out.write("\n")
     return 0
 
 
