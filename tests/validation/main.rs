@@ -1,5 +1,6 @@
 //! Validation: the PET fabric of [Zilka2022] against its simulations, against near-exact solutions
-//! of the same model by another program, and against the experiment.
+//! of the same model by a second program (`prototype.py`), and against the experiment; and that the
+//! page of the ballast tells what the engine computes.
 //!
 //! Three seeds for each form of jaws run in every test; `LOADFRAME_VALIDATION=write` runs ten and
 //! writes `tests/validation/nonwoven.md`, misses included. One material is a demonstration: whether
@@ -9,6 +10,7 @@
     clippy::print_stderr,
     reason = "tests stop at what is unexpected and speak to people"
 )]
+mod ballast;
 mod page;
 mod reference;
 

@@ -1,5 +1,6 @@
 //! The page that shows model, thesis and experiment side by side.
-use crate::{JAWS, QUANTITIES, Run, reference::mean};
+use crate::reference::{Prototype, Reference, mean};
+use crate::{JAWS, QUANTITIES, Run};
 use std::fmt::Write;
 
 /// Printed values of [Zilka2022] tables 7 and 8: E, maximum force, strain there, Poisson ratio.
@@ -88,7 +89,32 @@ pub(crate) fn write(runs: &[Run]) -> String {
     page.push_str(
         "\nThe thesis' Poisson ratios (0.24 to 0.33) are those of relaxations that stop too early: the \
         error left sits in long waves whose resultants are tiny.\n\n\
-        ## Each seed\n\n\
+        ## Against a second program\n\n\
+        `tests/validation/prototype.py` solves the same model with a lattice, random streams and a solver \
+        of its own (numpy, scipy), so that only distributions can be compared; the test holds the means \
+        against each other within what seeds scatter.\n\n\
+        | jaws | quantity | loadframe, mean | prototype, mean ± standard deviation | its seeds |\n|---|---|---|---|---|\n",
+    );
+    for reference in &Prototype::read().results {
+        let Reference { jaws, quantity, .. } = reference;
+        let found = mean(runs, jaws, quantity);
+        let digits = match quantity.as_str() {
+            "max_force" => 1,
+            "secant_stiffness_at_10_percent" => 2,
+            _ => 3,
+        };
+        writeln!(
+            page,
+            "| {jaws} | {} | {found:.digits$} | {:.digits$} ± {:.digits$} | {} |",
+            quantity.replace('_', " "),
+            reference.mean,
+            reference.deviation,
+            reference.n
+        )
+        .unwrap();
+    }
+    page.push_str(
+        "\n## Each seed\n\n\
         | jaws | seed | F max [N] | strain there | Poisson ratio | stiffness at 10 % [N] |\n|---|---|---|---|---|---|\n",
     );
     for run in runs {

@@ -2,8 +2,8 @@
 //! contact.
 //!
 //! `cargo bench --bench features` settles a bed of 2000 spheres and some of other bodies, then runs each
-//! feature on it for `STEPS` steps; `ONLY=clumps` takes the rows with that word alone. Prints the rows of
-//! a Markdown table.
+//! feature on it for `STEPS` steps; `ONLY=clumps` takes the rows with that word alone. Prints one JSON
+//! line for each feature; `tests/figures granular_features` makes a table of them.
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 mod beds;
 
@@ -49,11 +49,14 @@ fn measure(name: &str, mut spec: Value, warm: u64) {
     let rates = clock.rates(1, particles as usize);
     let candidates = work("candidate_steps") / work("steps");
     println!(
-        "| {name} | {:.1} | {:.0} | {:.0} | {:.1} |",
-        1e9 / rates[rates.len() / 2],
-        work("particle_bytes") / particles,
-        work("contact_bytes") / candidates,
-        candidates / particles,
+        "{}",
+        json!({
+            "feature": name,
+            "ns_per_particle_step": 1e9 / rates[rates.len() / 2],
+            "bytes_per_particle": work("particle_bytes") / particles,
+            "bytes_per_candidate": work("contact_bytes") / candidates,
+            "candidates_per_particle": candidates / particles,
+        })
     );
 }
 
@@ -133,10 +136,6 @@ fn cylinder(count: usize, radius: f64) -> Value {
 }
 
 fn main() {
-    println!(
-        "| feature | ns per particle step | bytes per particle | bytes per candidate | candidates per particle |"
-    );
-    println!("|---|---|---|---|---|");
     let bed_at_rest = LazyCell::new(settled);
     let with = |change: &dyn Fn(&mut Value)| {
         let (spheres, width) = &*bed_at_rest;

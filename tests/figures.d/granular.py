@@ -1,0 +1,196 @@
+"""Tables of the granular scene: beside Yade and LAMMPS, on two threads, by feature."""
+
+import csv
+import json
+import math
+import os
+import random
+import statistics
+import subprocess
+from pathlib import Path
+
+from measuring import BINARY, ROOT, commit_of_executable, commit_of_tree, run
+from words import Digits, Table, digits
+
+
+def script(name: str, *arguments) -> None:
+    environment = {**os.environ, "LOADFRAME_BIN": BINARY}
+    subprocess.run([ROOT / "tests" / "granular" / name, *map(str, arguments)], cwd=ROOT, check=True, env=environment)
+
+
+def bench(name: str, **settings) -> list[dict]:
+    """The JSON lines that a bench of the physics prints."""
+    environment = {**os.environ, **{key: str(value) for key, value in settings.items()}}
+    command = ["cargo", "bench", "-p", "loadframe-physics", "--bench", name]
+    output = subprocess.run(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True, check=True).stdout
+    return [json.loads(line) for line in output.splitlines() if line.startswith("{")]
+
+
+# ── beside Yade in the mean ─────────────────────────────────────────────────────────────────────────
+
+SEEDS = 10
+QUANTITIES = {
+    "mean height [mm]": ("mean height", "mm"),
+    "contacts per sphere": ("contacts per sphere", ""),
+    "mean way from the axis [mm]": ("mean way from the axis", "mm"),
+    "way of nine tenths [mm]": ("way of nine tenths of the spheres", "mm"),
+}
+
+
+def measure_statistics(folder: Path) -> dict:
+    script("statistics_beside_yade", "--seeds", SEEDS, "--scene", "column", "--loadframe", BINARY, "--json", folder.resolve() / "column.json")
+    return {"commit": commit_of_executable()}
+
+
+def yade_statistics(folder: Path) -> list[list[str]]:
+    found = json.loads((folder / "column.json").read_text())["column"]
+    rows = [[f"column of 432 spheres, {SEEDS} realisations", "loadframe", "Yade", "difference", "its standard error"]]
+    for quantity, values in found.items():
+        words, unit = QUANTITIES[quantity]
+        unit = f" {unit}" if unit else ""
+        programs = [values["loadframe"], values["yade"]]
+        means = [statistics.mean(one) for one in programs]
+        error = math.sqrt(sum(statistics.variance(one) / len(one) for one in programs))
+        shown = [Digits(mean, statistics.stdev(one)) for mean, one in zip(means, programs)]
+        cells = [f"{digit.show(mean)} ± {digit.show(statistics.stdev(one))}{unit}" for digit, mean, one in zip(shown, means, programs)]
+        # to the second digit of the standard error
+        last = Digits(error, error)
+        difference = f"{means[0] - means[1]:+.{last.decimals}f}".replace("-", "−")
+        rows.append([words, *cells, f"{difference}{unit}", f"{last.show(error)}{unit}"])
+    return rows
+
+
+# ── beds at rest ────────────────────────────────────────────────────────────────────────────────────
+
+# Spheres: edge of the square box [m], timed steps.
+BEDS = {2_000: (0.45, 9000), 20_000: (1.0, 3600), 100_000: (2.24, 2250)}
+RADIUS_M = 0.01625
+# Of the raster that spheres fall from: they do not touch there.
+SPACING_M = 0.046
+# In which they fall and come to rest.
+SETTLE_S = 1.2
+
+
+def bed(count: int, work: Path) -> Path:
+    """Spheres of 16.25 mm, 0.6 to 1.4 times that, poured and at rest, as lines `x y z r`; made once."""
+    path = work / "beds" / f"{count}.xyzr"
+    if path.exists():
+        return path
+    width, _ = BEDS[count]
+    chance = random.Random(1)
+    across = int(width / SPACING_M)
+    spheres = []
+    for number in range(count):
+        radius = RADIUS_M * chance.uniform(0.6, 1.4)
+        cell = (number % across, number // across % across, number // across**2)
+        # anywhere in its cell
+        spheres.append([SPACING_M * place + chance.uniform(radius, SPACING_M - radius) for place in cell] + [radius])
+    plane = lambda name, axis, at, facing: {"name": name, "axis": axis, "position_m": at, "facing": facing, "material": "stone"}
+    sides = [plane(f"{axis}{facing}", axis, at, facing) for axis in "xy" for at, facing in ((0, 1), (width, -1))]
+    spec = {
+        "version": 1,
+        "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e8, "stiffness_ratio": 0.3, "friction_angle_rad": 0.5}},
+        "bodies": [{"sphere": {"radius_m": r}, "material": "stone", "position_m": [x, y, z]} for x, y, z, r in spheres],
+        "planes": [plane("base", "z", 0, 1), *sides],
+        "laws": {"local_damping": 0.3}, "time_step_s": 2e-5,
+        "stages": [{"run": {"time_s": SETTLE_S}}],
+        "record": {"every_steps": 1_000_000, "bodies": list(range(count))},
+    }
+    folder = path.with_suffix("")
+    run({"kind": "granular_scene", "name": f"bed of {count}", "spec": spec}, folder, threads=2)
+    with (folder / "bodies.csv").open() as table:
+        last = {int(float(row["body"])): row for row in csv.DictReader(table)}
+    lines = [f"{last[body]['x_m']} {last[body]['y_m']} {last[body]['z_m']} {sphere[3]!r}\n" for body, sphere in enumerate(spheres)]
+    path.write_text("".join(lines))
+    return path
+
+
+# ── beside LAMMPS and Yade in speed ─────────────────────────────────────────────────────────────────
+
+PEERS = {"loadframe": "loadframe", "lammps": "LAMMPS", "yade": "Yade"}
+
+
+def measure_peers(folder: Path) -> dict:
+    for count, (width, steps) in BEDS.items():
+        script("side_by_side", bed(count, folder.parent), width, "--steps", steps, "--json", folder.resolve() / f"{count}.json")
+    return {"commit": commit_of_tree()}
+
+
+def peers(folder: Path) -> list[list[str]]:
+    rows = [["spheres", "steps", *PEERS.values()]]
+    for count, (_, steps) in BEDS.items():
+        found = json.loads((folder / f"{count}.json").read_text())["particle_steps_per_cpu_s"]
+        shown = lambda rate: f"{rate / 1e6:.1f}" if rate > 1e6 else digits(rate / 1e6)
+        cells = [
+            f"{shown(statistics.median(found[peer]))} ({shown(min(found[peer]))} to {shown(max(found[peer]))})" if peer in found else "not installed"
+            for peer in PEERS
+        ]
+        rows.append([f"{count:,}".replace(",", " "), steps, *cells])
+    return rows
+
+
+# ── two threads ─────────────────────────────────────────────────────────────────────────────────────
+
+TURNS, SHARED_BEDS = 60, [20_000, 100_000]
+
+
+def measure_threads(folder: Path) -> dict:
+    for count in SHARED_BEDS:
+        path = bed(count, folder.parent)
+        (line,) = bench("granular", TURNS=TURNS, BED=path.resolve(), WIDTH=BEDS[count][0])
+        (folder / f"{count}.json").write_text(json.dumps(line))
+    return {"commit": commit_of_tree()}
+
+
+def threads(folder: Path) -> list[list[str]]:
+    rows = [["spheres", "two threads over one: median (middle half)", "two jobs over one"]]
+    for count in SHARED_BEDS:
+        gain = json.loads((folder / f"{count}.json").read_text())["times_one_thread"]
+        low, median, high = gain["two_threads"]
+        rows.append([f"{count:,}".replace(",", " "), f"{median:.2f} ({low:.2f} to {high:.2f})", f"{gain['two_jobs'][1]:.2f}"])
+    return rows
+
+
+# ── what features cost ──────────────────────────────────────────────────────────────────────────────
+
+# Rows of the bench in the words of the guide.
+FEATURES = {
+    "frictionless": "no friction: two indices and a spring",
+    "frictionless, restitution": "no friction, restitution: a dashpot and its force more",
+    "frictionless, Hertz": "no friction, Hertz",
+    "friction": "friction: spins, and the shear force",
+    "friction, logarithmic": "friction, logarithmic strain: the last normal kept",
+    "friction, restitution": "friction, restitution",
+    "friction, shear restitution": "friction, shear restitution: a dashpot across the normal and the force of both more",
+    "Hertz-Mindlin": "Hertz-Mindlin: the last normal and overlap",
+    "Hertz-Mindlin, restitution": "Hertz-Mindlin, restitution",
+    "bonds": "bonds: strengths, rest and state",
+    "friction, a row of the curve every 100 steps": "friction, a row of the curve every 100 steps",
+    "the same, with a region": "the same, with a region",
+    "clumps of eight": "friction, clumps of eight in a loose bed, for each member: a clump is under five spheres",
+    "equal sizes": "friction, 12 000 spheres of one size",
+    "sizes 1:20": "the same around one of twenty times their radius",
+    "500 in a cylinder of facets": "friction, 500 spheres in a cylinder of 48 facets",
+    "5000 in a cylinder of facets": "friction, 5000 spheres in a cylinder of 48 facets",
+}
+
+
+def measure_features(folder: Path) -> dict:
+    (folder / "bench.json").write_text(json.dumps(bench("features", SETTLE=150_000, STEPS=9000)))
+    return {"commit": commit_of_tree()}
+
+
+def features(folder: Path) -> list[list[str]]:
+    rows = [["feature", "ns per particle step", "bytes per particle", "bytes per candidate"]]
+    for row in json.loads((folder / "bench.json").read_text()):
+        figures = [row["ns_per_particle_step"], row["bytes_per_particle"], row["bytes_per_candidate"]]
+        rows.append([FEATURES[row["feature"]], *(f"{figure:.0f}" for figure in figures)])
+    return rows
+
+
+TABLES = {
+    "granular_yade_statistics": Table("3 min of processor time; needs yade", measure_statistics, yade_statistics),
+    "granular_peers": Table("20 min of processor time, beds included; needs lammps and yade", measure_peers, peers),
+    "granular_threads": Table("8 min of two cores, beds included", measure_threads, threads),
+    "granular_features": Table("5 min of processor time", measure_features, features),
+}

@@ -1,0 +1,158 @@
+"""Tables of the nonwoven tensile test."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+from measuring import BINARY, ROOT, example, loadframe, run
+from words import Table, digits, percent, seconds
+
+# ── what an accuracy costs ──────────────────────────────────────────────────────────────────────────
+
+PRESETS = [("`draft`", "5"), ("`standard`", "100"), ("`reference`", "1e4")]
+SOLVERS = ["sequential", "parallel"]
+RESULTS = ["strength", "strain_at_max_force", "modulus_at_10_percent", "poisson_ratio", "energy_absorption"]
+FABRICS = ["PET", "floppy", "flat"]
+
+
+def fabric(name: str) -> dict:
+    """PET as the example has it; a floppy net of it without compression stiffness; a flat layer."""
+    body = example("nonwoven_tensile")
+    lattice = body["spec"]["fabric"]["lattice"]
+    if name == "floppy":
+        lattice.update(points_per_row=15, rows=17)
+        body["spec"]["bond"]["compression_stiffness_n"] = 0
+    if name == "flat":
+        lattice.update(points_per_row=100, rows=101, layers=1, irregularity=[0.5, 0.5, 0])
+    return body
+
+
+def study_accuracy(body: dict, folder: Path, seeds: int, *knobs: str) -> dict:
+    folder.mkdir(parents=True, exist_ok=True)
+    spec = folder / "spec.json"
+    spec.write_text(json.dumps(body))
+    varied = [argument for knob in knobs for argument in ("--knob", knob)]
+    loadframe("study", "accuracy", spec, "--out", folder, "--seeds", seeds, *varied)
+    return json.loads((folder / "accuracy.json").read_text())
+
+
+def measure_accuracy(folder: Path) -> dict:
+    values = ",".join(value for _, value in PRESETS)
+    studies = [study_accuracy(fabric(name), folder / name, 4, f"force_accuracy={values}") for name in FABRICS]
+    study_accuracy(fabric("PET"), folder / "solvers", 2, f"solver={','.join(SOLVERS)}")
+    return {"commit": studies[0]["engine_commit"]}
+
+
+def settings(folder: Path) -> dict:
+    """Rows of an accuracy study's only knob by value."""
+    study = json.loads((folder / "accuracy.json").read_text())
+    return {row["value"]: row for row in study["knobs"][0]["rows"]}
+
+
+def accuracy(folder: Path) -> list[list[str]]:
+    found = {name: settings(folder / name) for name in FABRICS}
+    solvers = settings(folder / "solvers")
+    worst = lambda row, result: row["errors"][result]["worst"]
+    heads = ["maximum force", "strain there", "modulus at 10 %", "Poisson ratio", "energy"]
+    rows = [["`accuracy`", "A_cc", *FABRICS, *heads]]
+    for preset, value in PRESETS:
+        times = [seconds(found[name][value]["cpu_s"]) for name in FABRICS]
+        errors = {result: max(worst(found[name][value], result) for name in FABRICS) for result in RESULTS}
+        cells = [percent(error) for error in errors.values()]
+        cells[3] += f" (PET {percent(worst(found['PET'][value], 'poisson_ratio'))})"
+        rows.append([preset, value, *times, *cells])
+    for solver in SOLVERS:
+        row = solvers[solver]
+        cells = [percent(worst(row, result)) for result in RESULTS]
+        rows.append([f'`"solver": "{solver}"` (PET, two seeds)', "100", seconds(row["cpu_s"]), "", "", *cells])
+    return rows
+
+
+# ── what features cost ──────────────────────────────────────────────────────────────────────────────
+
+# Rows of `tests/bench features` in the words of the guide.
+NETWORKS = {
+    "lattice of three layers, breaking": "lattice 98 x 101 x 3, clamped rows",
+    "the same, nothing can break": "the same, nothing can break",
+    "the same, f_r = 0": "the same, f_r = 0",
+    "one layer, rough: three dimensions": "one layer 170 x 171, rough: three dimensions",
+    "one layer, flat: two dimensions": "one layer 170 x 171, flat: two dimensions",
+    "given bond by bond, one law for all": "the first given bond by bond, one law for all",
+    "given bond by bond, each its modulus": "the same, each bond its own modulus",
+}
+
+
+def bench(folder: Path) -> list[dict]:
+    return json.loads((folder / "bench.json").read_text())["features"]
+
+
+def measure_features(folder: Path) -> dict:
+    command = ["tests/bench", "features", "--json", folder.resolve() / "bench.json"]
+    subprocess.run(command, cwd=ROOT, check=True, env={**os.environ, "LOADFRAME_BIN": BINARY})
+    return {"commit": bench(folder)[0]["engine_commit"]}
+
+
+def features(folder: Path) -> list[list[str]]:
+    rows = [["network", "bonds", "processor time", "per evaluation of a bond", "evaluations of a bond", "memory per bond"]]
+    for row in bench(folder):
+        each = 1e9 * row["cpu_s"] / row["bond_evaluations"]
+        rows.append([
+            NETWORKS[row["network"]], grouped(row["bonds"]), seconds(row["cpu_s"]), f"{digits(each)} ns",
+            f"{row['bond_evaluations'] / row['bonds']:.0f}", f"{grouped(row['bytes_per_bond'])} bytes",
+        ])
+    return rows
+
+
+def grouped(number: float) -> str:
+    """Thousands apart: 107 263."""
+    return f"{number:,.0f}".replace(",", " ")
+
+
+# ── large networks ──────────────────────────────────────────────────────────────────────────────────
+
+LARGE = {
+    "lattice 490 x 511 x 3, half-bond jaws": {"points_per_row": 490, "rows": 511, "layers": 3, "jaws": "half_bond"},
+    "lattice 200 x 201 x 20, clamped rows": {"points_per_row": 200, "rows": 201, "layers": 20, "jaws": "clamped_rows"},
+}
+ACCURACIES, THREADS = [10, 100], [1, 2]
+
+
+def large_case(folder: Path, number: int, force_accuracy: int, threads: int) -> Path:
+    return folder / f"{number}-{force_accuracy}-{threads}"
+
+
+def measure_large(folder: Path) -> dict:
+    """To 10 % strain in ten steps."""
+    for number, lattice in enumerate(LARGE.values()):
+        for force_accuracy in ACCURACIES:
+            for threads in THREADS:
+                body = example("nonwoven_tensile")
+                body["spec"]["fabric"]["lattice"].update(lattice)
+                body["spec"]["test"].update(strain_step=0.01, max_strain=0.1)
+                body["spec"]["accuracy"] = {"solver": "newton_cg", "force_accuracy": force_accuracy}
+                outcome = run(body, large_case(folder, number, force_accuracy, threads), threads)
+    return {"commit": outcome["provenance"]["engine_commit"]}
+
+
+def large(folder: Path) -> list[list[str]]:
+    rows = [["network", "unknowns", "A_cc", "one thread", "two threads: processor time of both (wall time)", "memory"]]
+    for number, name in enumerate(LARGE):
+        for force_accuracy in ACCURACIES:
+            paths = [large_case(folder, number, force_accuracy, threads) / "outcome.json" for threads in THREADS]
+            one, two = [json.loads(path.read_text()) for path in paths]
+            is_first = force_accuracy == ACCURACIES[0]
+            unknowns = f"{3 * one['summary']['nodes']['value'] / 1e6:.1f} million"
+            rows.append([
+                name if is_first else "", unknowns if is_first else "", force_accuracy, seconds(one["cost"]["cpu_s"]),
+                f"{seconds(two['cost']['cpu_s'])} ({seconds(two['cost']['wall_s'])})",
+                f"{one['cost']['peak_memory_mb'] / 1000:.1f} GB",
+            ])
+    return rows
+
+
+TABLES = {
+    "nonwoven_accuracy": Table("4 min of processor time", measure_accuracy, accuracy),
+    "nonwoven_features": Table("10 s of processor time", measure_features, features),
+    "nonwoven_large": Table("100 s of processor time, 1.1 GB of memory", measure_large, large),
+}
