@@ -9,7 +9,15 @@ import { chromium } from "playwright-core";
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 // Without a graphics card the picture in three dimensions is drawn in software.
-const FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+const FLAGS = [
+  "--no-sandbox",
+  "--use-gl=angle",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+];
 const SCREENSHOTS = process.env.LOADFRAME_SCREENSHOTS ?? "../../target/screenshots";
 const DESK = { width: 1280, height: 900 };
 export const PHONE = { width: 390, height: 844 };
@@ -50,7 +58,10 @@ export async function visit(address, act, { viewport = DESK, expected = null } =
   try {
     await page.goto(address);
     await act(page);
-    assert.deepEqual(complaints.filter((text) => !expected?.test(text)), []);
+    assert.deepEqual(
+      complaints.filter((text) => !expected?.test(text)),
+      [],
+    );
   } finally {
     await context.close();
   }

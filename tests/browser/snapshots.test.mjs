@@ -15,7 +15,10 @@ async function view(page, kind, name) {
   const { id } = await answer.json();
   await page.goto(`/jobs/${id}`);
   await state(page, "succeeded").waitFor();
-  assert.ok(!(await page.evaluate(() => performance.getEntriesByType("resource").some(({ name }) => name.includes("three")))), "three dimensions are fetched before anybody asks");
+  assert.ok(
+    !(await page.evaluate(() => performance.getEntriesByType("resource").some(({ name }) => name.includes("three")))),
+    "three dimensions are fetched before anybody asks",
+  );
   await part(page, "show-snapshots").press("Enter");
   await page.waitForFunction(() => Number(document.querySelector("[data-testid=stage]")?.dataset.frame) >= 0);
   return id;
@@ -27,14 +30,18 @@ async function seen(page) {
   return (await part(page, "stage").screenshot()).toString("base64");
 }
 
-const isAt = (page, frame) => page.waitForFunction((frame) => document.querySelector("[data-testid=stage]").dataset.frame === String(frame), frame);
+const isAt = (page, frame) =>
+  page.waitForFunction((frame) => document.querySelector("[data-testid=stage]").dataset.frame === String(frame), frame);
 
 test("a grain breaks into its fragments before one's eyes", () =>
   visit("/", async (page) => {
     await view(page, "granular_scene", "granular_scene_breaking_clump");
     const moment = part(page, "snapshots").getByRole("slider", { name: "Moment" });
     const last = Number(await moment.getAttribute("max"));
-    assert.match(await part(page, "inventory").innerText(), /^57 spheres, 1 polygon of walls and \d+ contact forces\.$/);
+    assert.match(
+      await part(page, "inventory").innerText(),
+      /^57 spheres, 1 polygon of walls and \d+ contact forces\.$/,
+    );
     assert.equal(await part(page, "spheres-by").inputValue(), "fragment");
     const broken = await seen(page);
     await picture(page, "snapshots");
@@ -65,6 +72,9 @@ test("a fabric shows its bonds, and those that broke no more", () =>
     const id = await view(page, "nonwoven_tensile", "nonwoven_tensile_quick");
     const { summary } = await (await page.request.get(`/v1/jobs/${id}`)).json();
     const broken = summary.broken_bonds.value;
-    assert.equal(await part(page, "inventory").innerText(), `${summary.bonds.value - broken} bonds and ${broken} broken bonds.`);
+    assert.equal(
+      await part(page, "inventory").innerText(),
+      `${summary.bonds.value - broken} bonds and ${broken} broken bonds.`,
+    );
     assert.equal(await part(page, "has-lines").isChecked(), true);
   }));

@@ -11,6 +11,8 @@ export default mergeConfig(
   base,
   defineConfig({
     root: fileURLToPath(new URL("..", import.meta.url)),
-    ...(target ? { server: { proxy: { "^/(v1|version|docs)": { target, changeOrigin: true } } } } : { plugins: [mock()] }),
+    ...(target
+      ? { server: { proxy: { "^/(v1|version|docs)": { target, changeOrigin: true } } } }
+      : { plugins: [mock()] }),
   }),
 );

@@ -13,7 +13,15 @@ vi.mock("../api/client", () => ({
 
 const { LiveJob } = await import("./liveJob.svelte");
 
-const job = (changes: object): object => ({ id: "a", kind: "ballast_box", status: "running", outcome: null, attempt: 1, updated_at: "2026-01-01T00:00:00Z", ...changes });
+const job = (changes: object): object => ({
+  id: "a",
+  kind: "ballast_box",
+  status: "running",
+  outcome: null,
+  attempt: 1,
+  updated_at: "2026-01-01T00:00:00Z",
+  ...changes,
+});
 const END = { status: "finished", outcome: "failed", updated_at: "2026-01-01T00:00:01Z" };
 
 test("the end of a job is not lost when it overtakes the first answer", async () => {

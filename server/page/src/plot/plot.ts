@@ -84,7 +84,9 @@ export function plotOptions(input: PlotInput): uPlot.Options {
     },
     scales: {
       x: { time: false, ori: isUpright ? 1 : 0, ...(look.isLogarithmic && { distr: 3, range: toTheEnds }) },
-      ...Object.fromEntries(scales.map((name) => [name, { ori: isUpright ? 0 : 1, ...(!look.floats && { range: fromZero }) }])),
+      ...Object.fromEntries(
+        scales.map((name) => [name, { ori: isUpright ? 0 : 1, ...(!look.floats && { range: fromZero }) }]),
+      ),
     },
     axes: [
       {
@@ -156,7 +158,10 @@ function axis(scale: string, label: string, colour: PlotInput["colour"], hasGrid
     grid: { show: hasGrid, stroke: colour("--line"), width: 1 },
     ticks: { stroke: colour("--line"), width: 1, size: 5 },
     // A logarithmic axis leaves out what it has no room for.
-    values: (_, splits) => splits.map((split: number | null) => (split === null ? "" : String(Number(split.toPrecision(6))).replace("-", "−"))),
+    values: (_, splits) =>
+      splits.map((split: number | null) =>
+        split === null ? "" : String(Number(split.toPrecision(6))).replace("-", "−"),
+      ),
   };
 }
 

@@ -12,7 +12,11 @@ export interface Drawing {
 }
 
 /** Nothing when the file is not for drawing, or lacks what is drawn. */
-export function drawingOf({ over, lines = [], more = [], look }: FileTable, table: Table, beside?: Table): Drawing | null {
+export function drawingOf(
+  { over, lines = [], more = [], look }: FileTable,
+  table: Table,
+  beside?: Table,
+): Drawing | null {
   if (over === undefined) return null;
   const edges = typeof over === "string" ? [over] : over;
   const ends = edges.map((name) => numbers(table, name));

@@ -49,7 +49,8 @@ export const TABLES: FileTable[] = [
   {
     file: "oedometric_modulus.csv",
     title: "Oedometric modulus by step",
-    about: "Change of stress over change of strain in each step of the first cycle; a step doubles or halves the stress.",
+    about:
+      "Change of stress over change of strain in each step of the first cycle; a step doubles or halves the stress.",
     over: ["from_stress_kpa", "to_stress_kpa"],
     lines: ["oedometric_modulus_mpa"],
     look: { isLogarithmic: true },

@@ -12,7 +12,9 @@ export interface Frame {
 /** Moments of several series (`.pvd`) together; files of one moment are one picture. */
 export function framesOf(series: string[]): Frame[] {
   const frames = new Map<number, string[]>();
-  for (const [, at, file = ""] of series.flatMap((text) => [...text.matchAll(/<DataSet timestep="([^"]+)"[^>]* file="([^"]+)"/g)])) {
+  for (const [, at, file = ""] of series.flatMap((text) => [
+    ...text.matchAll(/<DataSet timestep="([^"]+)"[^>]* file="([^"]+)"/g),
+  ])) {
     frames.set(Number(at), [...(frames.get(Number(at)) ?? []), file]);
   }
   return [...frames].map(([at, files]) => ({ at, files })).toSorted((a, b) => a.at - b.at);
@@ -27,7 +29,10 @@ export interface Picture {
 
 export function pictureOf(parts: PolyData[]): Picture {
   return {
-    spheres: parts.find(({ points, lines, ends, pointData }) => points.length > 0 && lines.length + ends.length === 0 && pointData.some(({ name }) => name === "radius_m")),
+    spheres: parts.find(
+      ({ points, lines, ends, pointData }) =>
+        points.length > 0 && lines.length + ends.length === 0 && pointData.some(({ name }) => name === "radius_m"),
+    ),
     lines: parts.find(({ lines }) => lines.length > 0),
     walls: parts.find(({ ends }) => ends.length > 0),
   };
@@ -76,7 +81,12 @@ export function qualitiesOf(data: Values[]): Quality[] {
       label: describe(name).label,
       unit: describe(name).unit,
       isName: NAMES.includes(name),
-      values: components === 1 ? values : Array.from({ length: values.length / components }, (_, row) => Math.hypot(...values.subarray(row * components, (row + 1) * components))),
+      values:
+        components === 1
+          ? values
+          : Array.from({ length: values.length / components }, (_, row) =>
+              Math.hypot(...values.subarray(row * components, (row + 1) * components)),
+            ),
     }));
 }
 
