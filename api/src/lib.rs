@@ -41,5 +41,5 @@ pub use outcome::{
     Report, Warning,
 };
 pub use problem::{Problem, Violation};
-pub use schema::{component_schemas, kind_schema};
+pub use schema::{answer_schemas, body_schemas, kind_schema};
 pub use timestamp::Timestamp;

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { readFileSync } from "node:fs";
 import { availableParallelism } from "node:os";
-import { close, fitsThePhone, isAccessible, lab, open, part, PHONE, picture, state, visit } from "./desk.mjs";
+import { close, fitsThePhone, isAccessible, lab, open, part, PHONE, picture, state, visit } from "./browser.mjs";
 
 before(open);
 after(close);

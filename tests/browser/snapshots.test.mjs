@@ -1,7 +1,7 @@
 // Snapshots in three dimensions: what they hold, how they are coloured, and that they move.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { close, fitsThePhone, isAccessible, open, part, PHONE, picture, state, visit } from "./desk.mjs";
+import { close, fitsThePhone, isAccessible, open, part, PHONE, picture, state, visit } from "./browser.mjs";
 
 before(open);
 after(close);
@@ -20,18 +20,21 @@ async function view(page, kind, name) {
     "three dimensions are fetched before anybody asks",
   );
   await part(page, "show-snapshots").press("Enter");
-  await page.waitForFunction(() => Number(document.querySelector("[data-testid=stage]")?.dataset.frame) >= 0);
+  await page.waitForFunction(() => Number(document.querySelector("[data-testid=viewport]")?.dataset.frame) >= 0);
   return id;
 }
 
 /** The picture as it is seen, once it has been drawn. */
 async function seen(page) {
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
-  return (await part(page, "stage").screenshot()).toString("base64");
+  return (await part(page, "viewport").screenshot()).toString("base64");
 }
 
 const isAt = (page, frame) =>
-  page.waitForFunction((frame) => document.querySelector("[data-testid=stage]").dataset.frame === String(frame), frame);
+  page.waitForFunction(
+    (frame) => document.querySelector("[data-testid=viewport]").dataset.frame === String(frame),
+    frame,
+  );
 
 test("a grain breaks into its fragments before one's eyes", () =>
   visit("/", async (page) => {

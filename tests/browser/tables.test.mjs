@@ -1,7 +1,7 @@
 // What a test found is on its page: every file that can be drawn, as a plot and as a table.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { close, fitsThePhone, isAccessible, open, part, PHONE, picture, state, visit } from "./desk.mjs";
+import { close, fitsThePhone, isAccessible, open, part, PHONE, picture, state, visit } from "./browser.mjs";
 
 before(open);
 after(close);

@@ -1,4 +1,4 @@
-// A stand-in for the server while the page is worked on: canned jobs, one of them running.
+// A stand-in for the server while the page is worked on: sample jobs, one of them running.
 import type { IncomingMessage, ServerResponse } from "node:http";
 import type { Plugin } from "vite";
 import type { Job } from "../src/api/types";
@@ -13,7 +13,7 @@ import {
   SPEC,
   startJobs,
   STEPS,
-} from "./canned";
+} from "./samples";
 
 const SCHEMA = {
   type: "object",

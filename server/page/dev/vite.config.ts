@@ -1,4 +1,4 @@
-// `npm run dev`: the page against canned answers (dev/mock.ts), or against a server that runs:
+// `npm run dev`: the page against sample answers (dev/mock.ts), or against a server that runs:
 // `LOADFRAME=http://127.0.0.1:8400 npm run dev`.
 import { fileURLToPath } from "node:url";
 import { defineConfig, mergeConfig } from "vite";

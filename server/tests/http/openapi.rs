@@ -1,4 +1,6 @@
 //! The document against itself and against the router.
+use std::fs;
+
 use serde_json::Value;
 
 use crate::support::{Lab, request};
@@ -142,4 +144,36 @@ async fn a_submission_is_one_named_variant_for_each_kind() {
             Some(kind.examples().len())
         );
     }
+}
+
+/// The page's types are made from a committed copy.
+const COPY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/page/openapi.json");
+
+#[test]
+fn the_page_has_the_document_of_this_server() {
+    let document = loadframe_server::http::document().expect("a document");
+    let text = serde_json::to_string_pretty(document).expect("JSON") + "\n";
+    if std::env::var("LOADFRAME_WRITE").as_deref() == Ok("openapi") {
+        fs::write(COPY, &text).expect("the copy is written");
+    }
+    let copy = fs::read_to_string(COPY).unwrap_or_default();
+    // not assert_eq: both are long
+    assert!(
+        copy == text,
+        "server/page/openapi.json is out of date; `LOADFRAME_WRITE=openapi cargo test -p loadframe-server --test http openapi`, \
+         then `npm run types` in server/page, write it and the page's types again"
+    );
+}
+
+#[tokio::test]
+async fn what_is_always_sent_is_required() {
+    let document = Lab::open().await.get("/openapi.json").await.json();
+    let required = |name: &str| document["components"]["schemas"][name]["required"].to_string();
+    assert!(required("JobView").contains("\"eta_s\""));
+    assert!(!required("JobView").contains("\"spec\""), "only on a single job");
+    assert!(required("Quantity").contains("\"value\""));
+    assert!(required("JobViewPage").contains("\"next\""));
+    // what a client may leave out is not
+    assert!(!required("ClaimRequest").contains("\"calibration\""));
+    assert!(!required("ProgressReport").contains("\"log\""));
 }

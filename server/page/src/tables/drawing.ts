@@ -13,7 +13,7 @@ export interface Drawing {
 
 /** Nothing when the file is not for drawing, or lacks what is drawn. */
 export function drawingOf(
-  { over, lines = [], more = [], look }: FileTable,
+  { over, lines = [], more = [], style }: FileTable,
   table: Table,
   beside?: Table,
 ): Drawing | null {
@@ -40,7 +40,7 @@ export function drawingOf(
   return {
     columns: [column, ...named.map(({ column }) => column)],
     values: [
-      look?.isLogarithmic ? across.map((value) => (value > 0 ? value : NaN)) : across,
+      style?.isLogarithmic ? across.map((value) => (value > 0 ? value : NaN)) : across,
       ...named.map(({ column, list }) => spread(list.map((value) => value * column.factor))),
     ],
     cycles: whole("cycle"),

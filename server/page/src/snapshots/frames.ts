@@ -62,25 +62,25 @@ function count(number: number, what: string, rest = ""): string {
 }
 
 /** What bodies or lines can be coloured by: single values, and the size of vectors. */
-export interface Quality {
+export interface Scalars {
   name: string;
   label: string;
   unit: string;
   /** Each value is a colour of its own, and no more or less than another. */
-  isName: boolean;
+  isCategory: boolean;
   values: ArrayLike<number>;
 }
 
 const NAMES = ["fragment", "body", "grain", "clump", "material"];
 
-export function qualitiesOf(data: Values[]): Quality[] {
+export function scalarsOf(data: Values[]): Scalars[] {
   return data
     .filter(({ name }) => name !== "radius_m" && name !== "broken")
     .map(({ name, components, values }) => ({
       name,
       label: describe(name).label,
       unit: describe(name).unit,
-      isName: NAMES.includes(name),
+      isCategory: NAMES.includes(name),
       values:
         components === 1
           ? values
@@ -91,7 +91,7 @@ export function qualitiesOf(data: Values[]): Quality[] {
 }
 
 /** The one that tells most when nobody has chosen: pieces, where grains break. */
-export function usualQuality(qualities: Quality[]): string {
+export function usualScalars(all: Scalars[]): string {
   const known = ["fragment", "velocity_m_per_s", "normal_force_n", "force_over_strength"];
-  return known.find((name) => qualities.some((quality) => quality.name === name)) ?? qualities[0]?.name ?? "";
+  return known.find((name) => all.some((scalars) => scalars.name === name)) ?? all[0]?.name ?? "";
 }

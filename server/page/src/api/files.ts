@@ -1,6 +1,6 @@
 // A job's files, and downloads that need the access token: a link cannot send headers, so the page fetches the file
 // and hands it to the browser. The whole file passes through memory.
-import { request } from "../api/client";
+import { request } from "./client";
 
 /** The address of a job's file; folders keep their slashes. */
 export function fileAddress(links: Record<string, string>, name: string): string {

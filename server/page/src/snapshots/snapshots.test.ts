@@ -2,7 +2,7 @@ import { deflateSync } from "node:zlib";
 import { expect, test } from "vitest";
 import { NARROW } from "../format/numbers";
 import { rangeOf } from "./colours";
-import { framesOf, inventory, pictureOf, qualitiesOf, usualQuality } from "./frames";
+import { framesOf, inventory, pictureOf, scalarsOf, usualScalars } from "./frames";
 import { readVtp, type PolyData } from "./vtp";
 
 /** An array as the engine appends it, in blocks of so many bytes. */
@@ -76,10 +76,10 @@ test("a snapshot is read over several blocks, to the last bit", async () => {
 
 test("bodies are coloured by their fragments, and vectors by their size", async () => {
   const [spheres] = await read(SPHERES);
-  const qualities = qualitiesOf(spheres?.pointData ?? []);
-  expect(usualQuality(qualities)).toBe("fragment");
-  expect(qualities[0]).toMatchObject({ label: "Velocity", unit: "m/s", isName: false, values: [5, 0, 2] });
-  expect(qualities[0] && rangeOf(qualities[0])).toEqual([0, 5]);
+  const scalars = scalarsOf(spheres?.pointData ?? []);
+  expect(usualScalars(scalars)).toBe("fragment");
+  expect(scalars[0]).toMatchObject({ label: "Velocity", unit: "m/s", isCategory: false, values: [5, 0, 2] });
+  expect(scalars[0] && rangeOf(scalars[0])).toEqual([0, 5]);
 });
 
 test("what a snapshot holds is said, and also what it does not", async () => {

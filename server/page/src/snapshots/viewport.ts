@@ -22,7 +22,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { colourOf } from "./colours";
-import { brokenOf, type Picture, type Quality } from "./frames";
+import { brokenOf, type Picture, type Scalars } from "./frames";
 import type { PolyData } from "./vtp";
 
 /** Beyond this many spheres each has fewer triangles. */
@@ -30,13 +30,13 @@ const MANY = 3000;
 
 export interface Shown {
   picture: Picture;
-  spheresBy: Quality | undefined;
-  linesBy: Quality | undefined;
+  spheresBy: Scalars | undefined;
+  linesBy: Scalars | undefined;
   hasWalls: boolean;
   hasLines: boolean;
 }
 
-export class Stage {
+export class Viewport {
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
   readonly #camera = new PerspectiveCamera(35, 1);
@@ -125,7 +125,7 @@ export class Stage {
   }
 }
 
-function spheresOf({ points, pointData }: PolyData, by: Quality | undefined): InstancedMesh {
+function spheresOf({ points, pointData }: PolyData, by: Scalars | undefined): InstancedMesh {
   const count = points.length / 3;
   const radii = pointData.find(({ name }) => name === "radius_m")?.values;
   const mesh = new InstancedMesh(new IcosahedronGeometry(1, count > MANY ? 1 : 3), new MeshLambertMaterial(), count);
@@ -169,7 +169,7 @@ function wallsOf({ points, corners, ends }: PolyData): Group {
 }
 
 /** Lines that have broken are left out. Each line has ends of its own, so that it has one colour, and is seen through the bodies it joins. */
-function linesOf(part: PolyData, by: Quality | undefined): LineSegments {
+function linesOf(part: PolyData, by: Scalars | undefined): LineSegments {
   const { points, lines } = part;
   const isBroken = brokenOf(part);
   const whole = [...lines.keys()].filter((end) => !(isBroken[end >> 1] ?? 0));
