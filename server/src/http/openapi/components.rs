@@ -13,6 +13,7 @@ use serde_json::{Map, Value, json};
 use super::super::health::{Health, VersionView};
 use super::super::jobs::DryRun;
 use super::super::kinds::{ExampleView, KindView};
+use super::answers::without_null;
 
 macro_rules! add {
     ($generator:ident: $($type:ty),+ $(,)?) => { $($generator.subschema_for::<$type>();)+ };
@@ -58,12 +59,20 @@ fn bodies() -> Map<String, Value> {
 
 /// What the service writes.
 fn answers() -> Map<String, Value> {
-    answer_schemas(|generator: &mut SchemaGenerator| {
+    let mut schemas = answer_schemas(|generator: &mut SchemaGenerator| {
         add!(generator: Problem, Timestamp, JobKind, JobView, Page<JobView>, DryRun,
             CurveView, Page<FileEntry>, Outcome, Page<LogLine>, Event,
             KindView, Page<KindView>, Page<ExampleView>, Page<WorkerView>, Health, VersionView,
             Lease, HeartbeatAnswer);
-    })
+    });
+    for schema in schemas.values_mut() {
+        let required = schema["required"].as_array().cloned().unwrap_or_default();
+        let fields = schema.get_mut("properties").and_then(Value::as_object_mut);
+        let fields = fields.into_iter().flatten();
+        let optional = fields.filter(|(name, _)| !required.iter().any(|one| one == name.as_str()));
+        optional.for_each(|(_, field)| without_null(field));
+    }
+    schemas
 }
 
 /// The envelope around one kind's spec.
