@@ -219,6 +219,7 @@ export function mock(): Plugin {
       server.middlewares.use((request, response, next) => {
         const url = new URL(request.url ?? "/", "http://mock");
         if (url.pathname === "/version") return void response.end('{"version":"0.1.0","commit":"unknown"}');
+        if (url.pathname.startsWith("/guide")) return void response.end(`The server's guide: ${request.url ?? ""}`);
         if (!url.pathname.startsWith("/v1/")) return next();
         if (url.pathname.endsWith("/events")) return stream(request, response, listeners);
         let body = "";

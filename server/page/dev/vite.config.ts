@@ -12,7 +12,7 @@ export default mergeConfig(
   defineConfig({
     root: fileURLToPath(new URL("..", import.meta.url)),
     ...(target
-      ? { server: { proxy: { "^/(v1|version|docs)": { target, changeOrigin: true } } } }
+      ? { server: { proxy: { "^/(v1|version|docs|guide|openapi.json)": { target, changeOrigin: true } } } }
       : { plugins: [mock()] }),
   }),
 );
