@@ -48,6 +48,6 @@ pub use outcome::{
     Report, Warning,
 };
 pub use problem::{Problem, Violation};
-pub use schema::component_schemas;
+pub use schema::{answer_schemas, body_schemas};
 pub use spec_trait::Spec;
 pub use timestamp::Timestamp;

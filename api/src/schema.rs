@@ -1,7 +1,7 @@
 //! JSON Schema as the one source of types, units, limits and their error messages.
 use jsonschema::error::{TypeKind, ValidationErrorKind};
 use jsonschema::{ValidationError, Validator};
-use schemars::generate::SchemaSettings;
+use schemars::generate::{Contract, SchemaSettings};
 use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value};
 
@@ -16,10 +16,25 @@ pub(crate) struct Checker {
     validator: Option<Validator>,
 }
 
-/// Schemas of all types of the wire, by name, for `#/components/schemas`.
-pub fn component_schemas(add: impl FnOnce(&mut SchemaGenerator)) -> Map<String, Value> {
+/// Schemas by name of what the service reads, for `#/components/schemas`: a field that may be left
+/// out is not required.
+pub fn body_schemas(add: impl FnOnce(&mut SchemaGenerator)) -> Map<String, Value> {
+    component_schemas(Contract::Deserialize, add)
+}
+
+/// Schemas by name of what the service writes, for `#/components/schemas`: a field that is always
+/// there is required, `null` or not.
+pub fn answer_schemas(add: impl FnOnce(&mut SchemaGenerator)) -> Map<String, Value> {
+    component_schemas(Contract::Serialize, add)
+}
+
+fn component_schemas(
+    contract: Contract,
+    add: impl FnOnce(&mut SchemaGenerator),
+) -> Map<String, Value> {
     let settings = SchemaSettings::draft2020_12().with(|settings| {
         settings.definitions_path = "/components/schemas".into();
+        settings.contract = contract;
     });
     let mut generator = settings.into_generator();
     add(&mut generator);

@@ -22,7 +22,9 @@ export async function startLab() {
   const folder = mkdtempSync(join(tmpdir(), "loadframe-browser-"));
   const address = `127.0.0.1:${await freePort()}`;
   const log = openSync(join(folder, "log"), "a");
-  const lab = spawn(BINARY, ["lab", "--listen", address, "--data", join(folder, "data")], { stdio: ["ignore", log, log] });
+  const lab = spawn(BINARY, ["lab", "--listen", address, "--data", join(folder, "data")], {
+    stdio: ["ignore", log, log],
+  });
   const url = `http://${address}`;
   const ended = new Promise((resolve) => lab.once("exit", resolve));
   const begin = Date.now();

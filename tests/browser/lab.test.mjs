@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { readFileSync } from "node:fs";
 import { availableParallelism } from "node:os";
-import { close, fitsThePhone, isAccessible, lab, open, part, PHONE, picture, state, visit } from "./desk.mjs";
+import { close, fitsThePhone, isAccessible, lab, open, part, PHONE, picture, state, visit } from "./browser.mjs";
 
 before(open);
 after(close);
@@ -23,8 +23,16 @@ function job(spec = {}) {
     name: "From the browser",
     spec: {
       version: 1,
-      fabric: { lattice: { points_per_row: 15, rows: 17, layers: 3, spacing_mm: [20, 20, 10], irregularity: [0.5, 0.5, 0.5] } },
-      bond: { modulus_n: 0.399, friction_modulus_n: 1.473, compression_stiffness_n: 0.157, mean_strength_n: 3.397, strength_sigma: 0.365 },
+      fabric: {
+        lattice: { points_per_row: 15, rows: 17, layers: 3, spacing_mm: [20, 20, 10], irregularity: [0.5, 0.5, 0.5] },
+      },
+      bond: {
+        modulus_n: 0.399,
+        friction_modulus_n: 1.473,
+        compression_stiffness_n: 0.157,
+        mean_strength_n: 3.397,
+        strength_sigma: 0.365,
+      },
       ...spec,
     },
   };
@@ -86,7 +94,10 @@ test("a running job shows its progress and its growing curve, and can be cancell
     const points = () => page.evaluate(() => Number(document.querySelector("[data-testid=curve]")?.dataset.points));
     await page.waitForFunction(() => Number(document.querySelector("[data-testid=curve]")?.dataset.points) > 0);
     const first = await points();
-    await page.waitForFunction((first) => Number(document.querySelector("[data-testid=curve]").dataset.points) > first, first);
+    await page.waitForFunction(
+      (first) => Number(document.querySelector("[data-testid=curve]").dataset.points) > first,
+      first,
+    );
     assert.match(await part(page, "progress").innerText(), /\d+(\.\d+)? ?%/);
     await picture(page, "running");
     await isAccessible(page, "a running job");
@@ -117,7 +128,10 @@ test("a load that comes back is drawn as a loop, over any column that one choose
     for (const row of [0, unloading, points.length - 1]) {
       await slider.fill(String(row));
       assert.equal(await slider.inputValue(), String(row));
-      assert.match(await slider.getAttribute("aria-valuetext"), new RegExp(`Unloading ${points[row][columns.indexOf("unloading")]}`));
+      assert.match(
+        await slider.getAttribute("aria-valuetext"),
+        new RegExp(`Unloading ${points[row][columns.indexOf("unloading")]}`),
+      );
     }
     // of one cycle there is no settlement by cycle
     await page.locator("[data-testid=file-plot][data-file='oedometer.csv']").waitFor();
@@ -141,47 +155,54 @@ test("a load that comes back is drawn as a loop, over any column that one choose
   }));
 
 test("a bad spec shows each violation at its line, and mending it clears them", () =>
-  visit("/submit", async (page) => {
-    const bad = job();
-    bad.spec.bond.modulus_n = -1;
-    bad.spec.fabric.lattice.rows = 16.5;
-    bad.spec.test = { strain_setp: 0.01 };
-    const text = JSON.stringify(bad, null, 2);
-    await paste(page, text);
-    await part(page, "check").click();
-    const violation = (pointer) => page.locator(`[data-testid=violation][data-pointer="${pointer}"]`);
-    const lines = text.split("\n");
-    for (const [pointer, word] of [
-      ["/spec/bond/modulus_n", "modulus_n"],
-      ["/spec/fabric/lattice/rows", "rows"],
-      ["/spec/test/strain_setp", "strain_setp"],
-    ]) {
-      await violation(pointer).waitFor();
-      const line = lines.findIndex((line) => line.includes(`"${word}"`)) + 1;
-      assert.match(await violation(pointer).innerText(), new RegExp(`line ${line}\\b`));
-    }
-    await picture(page, "violations");
-    await isAccessible(page, "violations");
-    // a violation leads to its place
-    await violation("/spec/bond/modulus_n").click();
-    const at = await page.evaluate(() => document.querySelector("[data-testid=editor]").selectionStart);
-    const lineAtCaret = text.slice(0, at).split("\n").length;
-    assert.match(lines[lineAtCaret - 1], /modulus_n/);
-    // it cannot be submitted
-    await part(page, "submit").click();
-    await violation("/spec/bond/modulus_n").waitFor();
-    assert.match(page.url(), /\/submit/);
-    await part(page, "editor").fill(JSON.stringify(job(), null, 2));
-    await part(page, "violations").waitFor({ state: "detached" });
-    // the browser itself reports the refusals in its console
-  }, { expected: /status of 422/ }));
+  visit(
+    "/submit",
+    async (page) => {
+      const bad = job();
+      bad.spec.bond.modulus_n = -1;
+      bad.spec.fabric.lattice.rows = 16.5;
+      bad.spec.test = { strain_setp: 0.01 };
+      const text = JSON.stringify(bad, null, 2);
+      await paste(page, text);
+      await part(page, "check").click();
+      const violation = (pointer) => page.locator(`[data-testid=violation][data-pointer="${pointer}"]`);
+      const lines = text.split("\n");
+      for (const [pointer, word] of [
+        ["/spec/bond/modulus_n", "modulus_n"],
+        ["/spec/fabric/lattice/rows", "rows"],
+        ["/spec/test/strain_setp", "strain_setp"],
+      ]) {
+        await violation(pointer).waitFor();
+        const line = lines.findIndex((line) => line.includes(`"${word}"`)) + 1;
+        assert.match(await violation(pointer).innerText(), new RegExp(`line ${line}\\b`));
+      }
+      await picture(page, "violations");
+      await isAccessible(page, "violations");
+      // a violation leads to its place
+      await violation("/spec/bond/modulus_n").click();
+      const at = await page.evaluate(() => document.querySelector("[data-testid=editor]").selectionStart);
+      const lineAtCaret = text.slice(0, at).split("\n").length;
+      assert.match(lines[lineAtCaret - 1], /modulus_n/);
+      // it cannot be submitted
+      await part(page, "submit").click();
+      await violation("/spec/bond/modulus_n").waitFor();
+      assert.match(page.url(), /\/submit/);
+      await part(page, "editor").fill(JSON.stringify(job(), null, 2));
+      await part(page, "violations").waitFor({ state: "detached" });
+      // the browser itself reports the refusals in its console
+    },
+    { expected: /status of 422/ },
+  ));
 
 test("the keyboard alone submits, follows, cancels and finds a job", () =>
   visit("/", async (page) => {
     /** Tabs to the element, as somebody without a mouse. */
     const tabTo = async (testid) => {
       for (let presses = 0; presses < 80; presses++) {
-        const isThere = await page.evaluate((testid) => document.activeElement?.getAttribute("data-testid") === testid, testid);
+        const isThere = await page.evaluate(
+          (testid) => document.activeElement?.getAttribute("data-testid") === testid,
+          testid,
+        );
         if (isThere) return;
         await page.keyboard.press("Tab");
       }
@@ -228,97 +249,104 @@ test("the list lives: a job submitted elsewhere appears and finishes without a r
   }));
 
 test("notes, tags and priority are edited in their place, by keyboard", () =>
-  visit("/", async (page) => {
-    // more work that does not end than a lab has workers, so that the last job waits
-    const ids = [];
-    for (let count = 0; count <= 2 * availableParallelism(); count++) {
-      const answer = await page.request.post("/v1/jobs", { data: { ...endless(), name: "To be described" } });
-      ids.push((await answer.json()).id);
-    }
-    const id = ids.at(-1);
-    const stored = async () => (await page.request.get(`/v1/jobs/${id}`)).json();
-    await page.goto(`/jobs/${id}`);
-    await state(page, "queued").waitFor();
-    /** Opens a field by keyboard and writes into it. */
-    const write = async (button, field, text) => {
-      await part(page, button).focus();
+  visit(
+    "/",
+    async (page) => {
+      // more work that does not end than a lab has workers, so that the last job waits
+      const ids = [];
+      for (let count = 0; count <= 2 * availableParallelism(); count++) {
+        const answer = await page.request.post("/v1/jobs", { data: { ...endless(), name: "To be described" } });
+        ids.push((await answer.json()).id);
+      }
+      const id = ids.at(-1);
+      const stored = async () => (await page.request.get(`/v1/jobs/${id}`)).json();
+      await page.goto(`/jobs/${id}`);
+      await state(page, "queued").waitFor();
+      /** Opens a field by keyboard and writes into it. */
+      const write = async (button, field, text) => {
+        await part(page, button).focus();
+        await page.keyboard.press("Enter");
+        await page.waitForFunction((field) => document.activeElement?.dataset.testid === field, field);
+        await page.keyboard.press("Control+A");
+        await page.keyboard.insertText(text);
+      };
+      /** The field is gone and the focus back where it was. */
+      const isLeft = async (button, field) => {
+        await part(page, field).waitFor({ state: "detached" });
+        await page.waitForFunction((button) => document.activeElement?.dataset.testid === button, button);
+      };
+
+      const notes = "Cut along the machine direction.\n  Second line <b>as written</b>";
+      await write("edit-notes", "notes-input", notes.split("\n")[0]);
       await page.keyboard.press("Enter");
-      await page.waitForFunction((field) => document.activeElement?.dataset.testid === field, field);
+      await page.keyboard.insertText(notes.split("\n")[1]);
+      await page.keyboard.press("Control+Enter");
+      await isLeft("edit-notes", "notes-input");
+      assert.equal(await part(page, "job-notes").innerText(), notes);
+      assert.equal((await stored()).notes, notes);
+
+      await write("edit-tags", "tags-input", " PET, batch 7 ,, PET");
+      await page.keyboard.press("Enter");
+      await isLeft("edit-tags", "tags-input");
+      assert.deepEqual(await part(page, "job-tags").getByRole("link").allInnerTexts(), ["PET", "batch 7"]);
+      assert.deepEqual((await stored()).tags, ["PET", "batch 7"]);
+
+      // what the server refuses stands at the field, which keeps what was written
+      await write("edit-priority", "priority-input", "5000");
+      await page.keyboard.press("Enter");
+      const complaint = part(page, "priority-input-error");
+      assert.match(await complaint.innerText(), /out of range.*-1000 … 1000/);
+      assert.equal(await part(page, "priority-input").getAttribute("aria-invalid"), "true");
+      assert.equal(await part(page, "priority-input").inputValue(), "5000");
+      await part(page, "edit-notes").click();
+      await part(page, "edit-tags").click();
+      await picture(page, "edit");
+      await isAccessible(page, "a job being edited");
+      await part(page, "priority-input").focus();
       await page.keyboard.press("Control+A");
-      await page.keyboard.insertText(text);
-    };
-    /** The field is gone and the focus back where it was. */
-    const isLeft = async (button, field) => {
-      await part(page, field).waitFor({ state: "detached" });
-      await page.waitForFunction((button) => document.activeElement?.dataset.testid === button, button);
-    };
+      await page.keyboard.type("-7");
+      await page.keyboard.press("Enter");
+      await isLeft("edit-priority", "priority-input");
+      assert.equal((await stored()).priority, -7);
 
-    const notes = "Cut along the machine direction.\n  Second line <b>as written</b>";
-    await write("edit-notes", "notes-input", notes.split("\n")[0]);
-    await page.keyboard.press("Enter");
-    await page.keyboard.insertText(notes.split("\n")[1]);
-    await page.keyboard.press("Control+Enter");
-    await isLeft("edit-notes", "notes-input");
-    assert.equal(await part(page, "job-notes").innerText(), notes);
-    assert.equal((await stored()).notes, notes);
+      // Escape leaves everything as it was
+      await part(page, "tags-input").fill("gone");
+      await page.keyboard.press("Escape");
+      await isLeft("edit-tags", "tags-input");
+      await part(page, "notes-input").fill("gone");
+      await page.keyboard.press("Escape");
+      await isLeft("edit-notes", "notes-input");
+      await write("rename", "name-input", "");
+      await page.keyboard.press("Enter");
+      await part(page, "name-input-error").waitFor();
+      await page.keyboard.press("Escape");
+      await isLeft("rename", "name-input");
+      const { name, notes: kept, tags } = await stored();
+      assert.deepEqual([name, kept, tags], ["To be described", notes, ["PET", "batch 7"]]);
 
-    await write("edit-tags", "tags-input", " PET, batch 7 ,, PET");
-    await page.keyboard.press("Enter");
-    await isLeft("edit-tags", "tags-input");
-    assert.deepEqual(await part(page, "job-tags").getByRole("link").allInnerTexts(), ["PET", "batch 7"]);
-    assert.deepEqual((await stored()).tags, ["PET", "batch 7"]);
-
-    // what the server refuses stands at the field, which keeps what was written
-    await write("edit-priority", "priority-input", "5000");
-    await page.keyboard.press("Enter");
-    const complaint = part(page, "priority-input-error");
-    assert.match(await complaint.innerText(), /out of range.*-1000 … 1000/);
-    assert.equal(await part(page, "priority-input").getAttribute("aria-invalid"), "true");
-    assert.equal(await part(page, "priority-input").inputValue(), "5000");
-    await part(page, "edit-notes").click();
-    await part(page, "edit-tags").click();
-    await picture(page, "edit");
-    await isAccessible(page, "a job being edited");
-    await part(page, "priority-input").focus();
-    await page.keyboard.press("Control+A");
-    await page.keyboard.type("-7");
-    await page.keyboard.press("Enter");
-    await isLeft("edit-priority", "priority-input");
-    assert.equal((await stored()).priority, -7);
-
-    // Escape leaves everything as it was
-    await part(page, "tags-input").fill("gone");
-    await page.keyboard.press("Escape");
-    await isLeft("edit-tags", "tags-input");
-    await part(page, "notes-input").fill("gone");
-    await page.keyboard.press("Escape");
-    await isLeft("edit-notes", "notes-input");
-    await write("rename", "name-input", "");
-    await page.keyboard.press("Enter");
-    await part(page, "name-input-error").waitFor();
-    await page.keyboard.press("Escape");
-    await isLeft("rename", "name-input");
-    const { name, notes: kept, tags } = await stored();
-    assert.deepEqual([name, kept, tags], ["To be described", notes, ["PET", "batch 7"]]);
-
-    // what no longer waits has no priority to change
-    for (const id of ids) await page.request.post(`/v1/jobs/${id}/cancel`);
-    await state(page, "cancelled").waitFor();
-    await part(page, "edit-priority").waitFor({ state: "detached" });
-    await part(page, "edit-notes").waitFor();
-    await page.setViewportSize(PHONE);
-    await part(page, "edit-tags").click();
-    await part(page, "edit-notes").click();
-    await fitsThePhone(page, "a job being edited");
-    await picture(page, "phone-edit");
-    // the browser itself reports the refusals in its console
-  }, { expected: /status of 422/ }));
+      // what no longer waits has no priority to change
+      for (const id of ids) await page.request.post(`/v1/jobs/${id}/cancel`);
+      await state(page, "cancelled").waitFor();
+      await part(page, "edit-priority").waitFor({ state: "detached" });
+      await part(page, "edit-notes").waitFor();
+      await page.setViewportSize(PHONE);
+      await part(page, "edit-tags").click();
+      await part(page, "edit-notes").click();
+      await fitsThePhone(page, "a job being edited");
+      await picture(page, "phone-edit");
+      // the browser itself reports the refusals in its console
+    },
+    { expected: /status of 422/ },
+  ));
 
 test("every view fits a phone", async () => {
   const created = await fetch(`${lab.url}/v1/jobs`, {
     method: "POST",
     headers: { "content-type": "application/json" },
-    body: JSON.stringify({ ...job(), name: "Ein_Name_ohne_jeden_Zwischenraum_der_länger_ist_als_ein_Bildschirm_breit" }),
+    body: JSON.stringify({
+      ...job(),
+      name: "Ein_Name_ohne_jeden_Zwischenraum_der_länger_ist_als_ein_Bildschirm_breit",
+    }),
   });
   const { id } = await created.json();
   for (const [address, ready, name] of [
@@ -326,18 +354,26 @@ test("every view fits a phone", async () => {
     ["/submit", "estimate", "submit"],
     [`/jobs/${id}`, "results", "job"],
   ]) {
-    await visit(address, async (page) => {
-      await part(page, ready).waitFor();
-      await fitsThePhone(page, address);
-      await picture(page, `phone-${name}`);
-      await isAccessible(page, `${address} on a phone`);
-    }, { viewport: PHONE });
+    await visit(
+      address,
+      async (page) => {
+        await part(page, ready).waitFor();
+        await fitsThePhone(page, address);
+        await picture(page, `phone-${name}`);
+        await isAccessible(page, `${address} on a phone`);
+      },
+      { viewport: PHONE },
+    );
   }
 });
 
 test("what is not there is said plainly", () =>
-  visit("/jobs/00000000-0000-4000-8000-000000000000", async (page) => {
-    await page.getByRole("alert").waitFor();
-    await isAccessible(page, "a job that is not there");
-    // the browser itself reports the answer in its console
-  }, { expected: /status of 404/ }));
+  visit(
+    "/jobs/00000000-0000-4000-8000-000000000000",
+    async (page) => {
+      await page.getByRole("alert").waitFor();
+      await isAccessible(page, "a job that is not there");
+      // the browser itself reports the answer in its console
+    },
+    { expected: /status of 404/ },
+  ));

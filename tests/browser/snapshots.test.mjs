@@ -1,7 +1,7 @@
 // Snapshots in three dimensions: what they hold, how they are coloured, and that they move.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { close, fitsThePhone, isAccessible, open, part, PHONE, picture, state, visit } from "./desk.mjs";
+import { close, fitsThePhone, isAccessible, open, part, PHONE, picture, state, visit } from "./browser.mjs";
 
 before(open);
 after(close);
@@ -15,26 +15,36 @@ async function view(page, kind, name) {
   const { id } = await answer.json();
   await page.goto(`/jobs/${id}`);
   await state(page, "succeeded").waitFor();
-  assert.ok(!(await page.evaluate(() => performance.getEntriesByType("resource").some(({ name }) => name.includes("three")))), "three dimensions are fetched before anybody asks");
+  assert.ok(
+    !(await page.evaluate(() => performance.getEntriesByType("resource").some(({ name }) => name.includes("three")))),
+    "three dimensions are fetched before anybody asks",
+  );
   await part(page, "show-snapshots").press("Enter");
-  await page.waitForFunction(() => Number(document.querySelector("[data-testid=stage]")?.dataset.frame) >= 0);
+  await page.waitForFunction(() => Number(document.querySelector("[data-testid=viewport]")?.dataset.frame) >= 0);
   return id;
 }
 
 /** The picture as it is seen, once it has been drawn. */
 async function seen(page) {
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
-  return (await part(page, "stage").screenshot()).toString("base64");
+  return (await part(page, "viewport").screenshot()).toString("base64");
 }
 
-const isAt = (page, frame) => page.waitForFunction((frame) => document.querySelector("[data-testid=stage]").dataset.frame === String(frame), frame);
+const isAt = (page, frame) =>
+  page.waitForFunction(
+    (frame) => document.querySelector("[data-testid=viewport]").dataset.frame === String(frame),
+    frame,
+  );
 
 test("a grain breaks into its fragments before one's eyes", () =>
   visit("/", async (page) => {
     await view(page, "granular_scene", "granular_scene_breaking_clump");
     const moment = part(page, "snapshots").getByRole("slider", { name: "Moment" });
     const last = Number(await moment.getAttribute("max"));
-    assert.match(await part(page, "inventory").innerText(), /^57 spheres, 1 polygon of walls and \d+ contact forces\.$/);
+    assert.match(
+      await part(page, "inventory").innerText(),
+      /^57 spheres, 1 polygon of walls and \d+ contact forces\.$/,
+    );
     assert.equal(await part(page, "spheres-by").inputValue(), "fragment");
     const broken = await seen(page);
     await picture(page, "snapshots");
@@ -65,6 +75,9 @@ test("a fabric shows its bonds, and those that broke no more", () =>
     const id = await view(page, "nonwoven_tensile", "nonwoven_tensile_quick");
     const { summary } = await (await page.request.get(`/v1/jobs/${id}`)).json();
     const broken = summary.broken_bonds.value;
-    assert.equal(await part(page, "inventory").innerText(), `${summary.bonds.value - broken} bonds and ${broken} broken bonds.`);
+    assert.equal(
+      await part(page, "inventory").innerText(),
+      `${summary.bonds.value - broken} bonds and ${broken} broken bonds.`,
+    );
     assert.equal(await part(page, "has-lines").isChecked(), true);
   }));

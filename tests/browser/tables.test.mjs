@@ -1,7 +1,7 @@
 // What a test found is on its page: every file that can be drawn, as a plot and as a table.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { close, fitsThePhone, isAccessible, open, part, PHONE, picture, state, visit } from "./desk.mjs";
+import { close, fitsThePhone, isAccessible, open, part, PHONE, picture, state, visit } from "./browser.mjs";
 
 before(open);
 after(close);
@@ -12,9 +12,26 @@ const BREAKING = {
   name: "Breaking grains",
   spec: {
     version: 1,
-    grains: { shape: { breakable: { filled: { shape: { ellipsoid: { semi_axes_m: [0.024, 0.024, 0.024] } }, member_radius_m: 0.0085, lattice: "simple_cubic" } } } },
+    grains: {
+      shape: {
+        breakable: {
+          filled: {
+            shape: { ellipsoid: { semi_axes_m: [0.024, 0.024, 0.024] } },
+            member_radius_m: 0.0085,
+            lattice: "simple_cubic",
+          },
+        },
+      },
+    },
     materials: {
-      aggregate: { density_kg_per_m3: 2600, youngs_modulus_pa: 1e8, stiffness_ratio: 0.3, friction_angle_rad: 0.5, normal_cohesion_pa: 1e6, shear_cohesion_pa: 1e6 },
+      aggregate: {
+        density_kg_per_m3: 2600,
+        youngs_modulus_pa: 1e8,
+        stiffness_ratio: 0.3,
+        friction_angle_rad: 0.5,
+        normal_cohesion_pa: 1e6,
+        shear_cohesion_pa: 1e6,
+      },
     },
     apparatus: { diameter_m: 0.15, height_m: 0.1, facets: 12 },
     preparation: { compaction: null },
@@ -23,7 +40,14 @@ const BREAKING = {
     output: { rows_per_cycle: 100, snapshots: 0 },
   },
 };
-const PLOTS = ["cycles.csv", "oedometer.csv", "oedometric_modulus.csv", "porosity_profile.csv", "fragment_moments.csv", "fragments.csv"];
+const PLOTS = [
+  "cycles.csv",
+  "oedometer.csv",
+  "oedometric_modulus.csv",
+  "porosity_profile.csv",
+  "fragment_moments.csv",
+  "fragments.csv",
+];
 
 const card = (page, file) => page.locator(`[data-testid=file-plot][data-file="${file}"]`);
 /** A number as the page writes it. */
@@ -31,12 +55,16 @@ const read = (text) => Number(text.replaceAll(/[^\d.−]/g, "").replace("−", "
 /** The value in a button of the legend. */
 const valueOf = async (button) => (await button.innerText()).split("\n").at(-1);
 /** Four digits are shown. */
-const isClose = (shown, value, what) => assert.ok(Math.abs(read(shown) - value) <= 5e-4 * Math.abs(value), `${what}: ${shown} is not ${value}`);
+const isClose = (shown, value, what) =>
+  assert.ok(Math.abs(read(shown) - value) <= 5e-4 * Math.abs(value), `${what}: ${shown} is not ${value}`);
 
 /** A file of a job, as its names and rows. */
 async function table(page, id, file) {
   const text = await (await page.request.get(`/v1/jobs/${id}/files/${file}`)).text();
-  const [names, ...rows] = text.trim().split("\n").map((line) => line.split(","));
+  const [names, ...rows] = text
+    .trim()
+    .split("\n")
+    .map((line) => line.split(","));
   return { names, rows, number: (row, name) => Number(rows.at(row)[names.indexOf(name)]) };
 }
 
@@ -51,15 +79,17 @@ async function cells(page, file) {
 
 /** Whether a card's canvas has a line in a colour that is none of the grid's greys. */
 const isDrawn = (page, file) =>
-  card(page, file).locator("canvas").evaluate((canvas) => {
-    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-    let coloured = 0;
-    for (let at = 0; at < data.length; at += 4) {
-      const [red, green, blue, alpha] = data.slice(at, at + 4);
-      if (alpha > 200 && Math.max(red, green, blue) - Math.min(red, green, blue) > 60) coloured++;
-    }
-    return coloured > 100;
-  });
+  card(page, file)
+    .locator("canvas")
+    .evaluate((canvas) => {
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      let coloured = 0;
+      for (let at = 0; at < data.length; at += 4) {
+        const [red, green, blue, alpha] = data.slice(at, at + 4);
+        if (alpha > 200 && Math.max(red, green, blue) - Math.min(red, green, blue) > 60) coloured++;
+      }
+      return coloured > 100;
+    });
 
 test("a ballast test shows what it found, from its files", () =>
   visit("/", async (page) => {
@@ -102,19 +132,29 @@ test("a ballast test shows what it found, from its files", () =>
     await upward.getByRole("slider").fill("0");
     // the cursor's line lies: height goes upward
     assert.ok(await upward.locator(".u-cursor-y").isVisible());
-    isClose(await valueOf(card(page, "porosity_profile.csv").getByRole("button", { name: "At the peak" })), profile.number(0, "porosity_at_peak"), "porosity");
+    isClose(
+      await valueOf(card(page, "porosity_profile.csv").getByRole("button", { name: "At the peak" })),
+      profile.number(0, "porosity_at_peak"),
+      "porosity",
+    );
 
     const curves = await cells(page, "fragment_moments.csv");
     const moments = await table(page, id, "fragment_moments.csv");
     assert.deepEqual(curves.at(-1).slice(1).map(read), [100, 100, 100, 100]);
-    assert.equal(read(curves.at(-1)[0]), Math.max(...moments.rows.map((_, row) => moments.number(row, "largest_fragment_members"))));
+    assert.equal(
+      read(curves.at(-1)[0]),
+      Math.max(...moments.rows.map((_, row) => moments.number(row, "largest_fragment_members"))),
+    );
     const singles = moments.number(-1, "mass_share_1");
     assert.ok(singles > 0, "nothing has broken");
     isClose(curves[0].at(-1), 100 * singles, "single spheres at the end");
 
     const preparation = await table(page, id, "preparation.csv");
     const stages = await cells(page, "preparation.csv");
-    assert.deepEqual(stages.map(([, phase]) => phase.toLowerCase()), preparation.rows.map(([, phase]) => phase));
+    assert.deepEqual(
+      stages.map(([, phase]) => phase.toLowerCase()),
+      preparation.rows.map(([, phase]) => phase),
+    );
 
     await page.setViewportSize(PHONE);
     await fitsThePhone(page, "the tables of a test");

@@ -1,4 +1,4 @@
-// `npm run dev`: the page against canned answers (dev/mock.ts), or against a server that runs:
+// `npm run dev`: the page against sample answers (dev/mock.ts), or against a server that runs:
 // `LOADFRAME=http://127.0.0.1:8400 npm run dev`.
 import { fileURLToPath } from "node:url";
 import { defineConfig, mergeConfig } from "vite";
@@ -11,6 +11,8 @@ export default mergeConfig(
   base,
   defineConfig({
     root: fileURLToPath(new URL("..", import.meta.url)),
-    ...(target ? { server: { proxy: { "^/(v1|version|docs)": { target, changeOrigin: true } } } } : { plugins: [mock()] }),
+    ...(target
+      ? { server: { proxy: { "^/(v1|version|docs|guide|openapi.json)": { target, changeOrigin: true } } } }
+      : { plugins: [mock()] }),
   }),
 );

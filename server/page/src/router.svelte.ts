@@ -34,7 +34,7 @@ export function replaceQuery(query: URLSearchParams): void {
   history.replaceState(null, "", window.location.pathname + (text ? `?${text}` : ""));
 }
 
-const SERVED = /^\/(v1|docs|openapi\.json|version|healthz|readyz|metrics|licenses\.md|assets)(\/|$)/;
+const SERVED = /^\/(v1|guide|docs|openapi\.json|version|healthz|readyz|metrics|licenses\.md|assets)(\/|$)/;
 
 /** Takes over clicks on links within the page; those to the server's own answers stay. */
 export function takeOverLinks(): () => void {

@@ -4,7 +4,7 @@ use axum::extract::Path;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use loadframe_api::{Envelope, Example, JobKind, Page, kind_schema};
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::IntoParams;
@@ -61,8 +61,12 @@ pub(super) struct ExampleView {
     title: String,
     description: String,
     /// The body to post.
-    #[schemars(with = "Envelope")]
+    #[schemars(schema_with = "submission")]
     job: Box<RawValue>,
+}
+
+fn submission(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "$ref": "#/components/schemas/Submission" })
 }
 
 impl KindView {

@@ -1,5 +1,7 @@
 //! The document against itself and against the router.
-use serde_json::Value;
+use std::fs;
+
+use serde_json::{Value, json};
 
 use crate::support::{Lab, request};
 
@@ -142,4 +144,66 @@ async fn a_submission_is_one_named_variant_for_each_kind() {
             Some(kind.examples().len())
         );
     }
+}
+
+/// What the page's types are made from.
+const PAGE_COPY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/page/openapi.json");
+
+/// The document without the specs of the kinds and without example jobs: the page reads those when it
+/// runs, so that a word changed in a spec does not change the page.
+fn page_document() -> Value {
+    let document = loadframe_server::http::document().expect("a document");
+    let mut document = document.clone();
+    let submit = &mut document["paths"]["/v1/jobs"]["post"]["requestBody"]["content"];
+    let body = submit["application/json"].as_object_mut().expect("a body");
+    body.remove("examples");
+    let schemas = &mut document["components"]["schemas"];
+    let variants = schemas["Submission"]["oneOf"].as_array().cloned();
+    for variant in variants.expect("variants") {
+        let submission = &mut schemas[schema_name(&variant)];
+        let fields = submission.as_object_mut().expect("a schema");
+        fields.remove("examples");
+        let spec = schema_name(&fields["properties"]["spec"]).to_owned();
+        schemas[spec] = json!({ "type": "object" });
+    }
+    document
+}
+
+fn schema_name(reference: &Value) -> &str {
+    let target = reference["$ref"].as_str().expect("a reference");
+    target.rsplit('/').next().unwrap_or(target)
+}
+
+#[test]
+fn the_page_has_the_types_of_this_server() {
+    let text = serde_json::to_string_pretty(&page_document()).expect("JSON") + "\n";
+    if std::env::var("LOADFRAME_WRITE").as_deref() == Ok("openapi") {
+        fs::write(PAGE_COPY, &text).expect("the copy is written");
+    }
+    let copy = fs::read_to_string(PAGE_COPY).unwrap_or_default();
+    // both are too long to be shown
+    assert!(
+        copy == text,
+        "server/page/openapi.json is out of date. Write it with \
+         `LOADFRAME_WRITE=openapi cargo test -p loadframe-server --test http openapi`, \
+         then the page's types with `npm run types` in server/page"
+    );
+}
+
+#[tokio::test]
+async fn what_is_always_sent_is_required() {
+    let document = Lab::open().await.get("/openapi.json").await.json();
+    let required = |name: &str| document["components"]["schemas"][name]["required"].to_string();
+    assert!(required("JobView").contains("\"eta_s\""));
+    assert!(
+        !required("JobView").contains("\"spec\""),
+        "only on a single job"
+    );
+    assert!(required("Quantity").contains("\"value\""));
+    assert!(required("JobViewPage").contains("\"next\""));
+    let deviation = &document["components"]["schemas"]["Quantity"]["properties"]["deviation"];
+    assert_eq!(deviation["type"], "number", "left out, never null");
+    // what a client may leave out is not required
+    assert!(!required("ClaimRequest").contains("\"calibration\""));
+    assert!(!required("ProgressReport").contains("\"log\""));
 }

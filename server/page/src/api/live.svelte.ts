@@ -1,6 +1,7 @@
 // Following the server's events, and whether the page still hears it.
 import { Refusal, request } from "./client";
-import { EventReader, type ServerEvent } from "./sse";
+import { EventReader, jobEvent } from "./sse";
+import type { JobEvent } from "./types";
 
 export const connection = $state({ isLost: false, retryAt: 0 });
 
@@ -18,7 +19,7 @@ const LONGEST_SILENCE = 45_000;
 const HIDDEN_POLL = 20_000;
 
 export interface Follower {
-  event(event: ServerEvent): void;
+  event(event: JobEvent): void;
   /** Events may have been missed: fetch everything again. */
   refresh(): void;
 }
@@ -85,7 +86,7 @@ async function listen(path: string, follower: Follower, stopped: AbortSignal): P
       if (done) return "ended";
       clearTimeout(silence);
       silence = setTimeout(giveUp, LONGEST_SILENCE, "silent");
-      for (const event of reader.read(value)) follower.event(event);
+      for (const event of reader.read(value)) follower.event(jobEvent(event));
     }
   } catch (error) {
     if (stopped.aborted) return "ended";

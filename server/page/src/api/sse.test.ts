@@ -1,8 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { EventReader } from "./sse";
 
-const STREAM =
-  ": hello\n\nid: 7\nevent: progress\ndata: {\"a\":\ndata: 1}\n\nid: 8\r\nevent: job\r\ndata:{}\r\n\r\n";
+const STREAM = ': hello\n\nid: 7\nevent: progress\ndata: {"a":\ndata: 1}\n\nid: 8\r\nevent: job\r\ndata:{}\r\n\r\n';
 
 describe("EventReader", () => {
   it("reads name and joined data and skips comments", () => {

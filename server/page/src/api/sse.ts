@@ -1,10 +1,16 @@
 // Server-sent events read from a stream of text. EventSource cannot send the Authorization header,
 // so the page reads the stream itself. Ids are not kept: after an interruption the page fetches the
 // present state, which is shorter than a replay.
+import type { JobEvent } from "./types";
 
 export interface ServerEvent {
   name: string;
   data: string;
+}
+
+/** An event of the server's as what it says. */
+export function jobEvent({ name, data }: ServerEvent): JobEvent {
+  return { event: name, data: JSON.parse(data) as unknown } as JobEvent;
 }
 
 /** Takes text as it comes, in pieces cut anywhere, and gives the events that are complete. */

@@ -87,15 +87,17 @@ describe("quantities", () => {
   });
 
   it("writes products and powers", () => {
-    expect([showUnit("N m/g"), showUnit("J/m2"), showUnit("N"), showUnit("1")]).toEqual(
-      ["N·m/g", "J/m²", "N", ""],
-    );
+    expect([showUnit("N m/g"), showUnit("J/m2"), showUnit("N"), showUnit("1")]).toEqual(["N·m/g", "J/m²", "N", ""]);
   });
 });
 
 describe("chosen numbers", () => {
-  it.each([[0.01, "0.01"], [1000, "1000"], [12.5, "12.5"], [1e-6, "1 × 10⁻⁶"]])("%f reads %s", (value, text) =>
-    expect(plain(formatChosen(value))).toBe(text));
+  it.each([
+    [0.01, "0.01"],
+    [1000, "1000"],
+    [12.5, "12.5"],
+    [1e-6, "1 × 10⁻⁶"],
+  ])("%f reads %s", (value, text) => expect(plain(formatChosen(value))).toBe(text));
 });
 
 describe("reasons", () => {
@@ -106,7 +108,12 @@ describe("reasons", () => {
 
 describe("JSON", () => {
   it("keeps short lists on a line, and every value", () => {
-    const value = { a: [1, 2.5, 3], b: { c: null, d: [] }, e: [{ nodes: [0, 1] }, { nodes: [1, 2] }], f: "x".repeat(90) };
+    const value = {
+      a: [1, 2.5, 3],
+      b: { c: null, d: [] },
+      e: [{ nodes: [0, 1] }, { nodes: [1, 2] }],
+      f: "x".repeat(90),
+    };
     const text = formatJson(value);
     expect(JSON.parse(text)).toEqual(value);
     expect(text).toContain('"a": [1, 2.5, 3],');

@@ -58,7 +58,10 @@ function pascals(value: number): [factor: number, unit: string] {
 /** `N m/g` with real products and powers: `N·m/g`, `J/m²`. */
 export function showUnit(unit: string): string {
   if (unit === "1") return "";
-  return unit.replaceAll(" ", "·").replace(/(?<=[a-z])\^?2/g, "²").replace(/(?<=[a-z])\^?3/g, "³");
+  return unit
+    .replaceAll(" ", "·")
+    .replace(/(?<=[a-z])\^?2/g, "²")
+    .replace(/(?<=[a-z])\^?3/g, "³");
 }
 
 /** Value and unit in one text. */

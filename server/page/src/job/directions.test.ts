@@ -4,9 +4,15 @@ import { byDirection } from "./directions";
 const quantity = (value: number, unit = "N") => ({ value, unit, description: "words" });
 
 test("a test in one direction has one value in each row", () => {
-  const { second, rows } = byDirection([["max_force", quantity(1)], ["nodes", quantity(2, "1")]]);
+  const { second, rows } = byDirection([
+    ["max_force", quantity(1)],
+    ["nodes", quantity(2, "1")],
+  ]);
   expect(second).toBe(null);
-  expect(rows.map(({ name, shown }) => [name, shown.length])).toEqual([["max_force", 1], ["nodes", 1]]);
+  expect(rows.map(({ name, shown }) => [name, shown.length])).toEqual([
+    ["max_force", 1],
+    ["nodes", 1],
+  ]);
 });
 
 test("the second direction stands beside the first, and ratios alone", () => {

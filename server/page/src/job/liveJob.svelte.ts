@@ -1,7 +1,6 @@
 // One job as it stands on the server, with everything its page shows.
 import { getJson, messageOf, sendJson, Unreachable } from "../api/client";
-import type { ServerEvent } from "../api/sse";
-import type { FileEntry, Job, LogLine, Outcome, Page, PointsReady, Progress } from "../api/types";
+import type { FileEntry, Job, JobChanges, JobEvent, LogLine, Outcome, Page } from "../api/types";
 import { LiveCurve } from "./liveCurve.svelte";
 
 /** The log has no event of its own; it is read again at most this often [ms] while events come. */
@@ -37,25 +36,30 @@ export class LiveJob {
     }
   }
 
-  event(event: ServerEvent): void {
+  event({ event, data }: JobEvent): void {
     const before = this.job;
-    if (event.name === "job") {
-      this.#take(JSON.parse(event.data) as Job);
-      // The first fetch is under way: it brings the rest, but may be older than this event.
-      if (!before) return;
-      const hasChanged = before.status !== this.job?.status || before.attempt !== this.job?.attempt;
-      if (hasChanged) void this.#readRest().catch(() => {});
-      else this.#readLogSoon();
-    } else if (event.name === "deleted") {
-      this.isDeleted = true;
-    } else if (!before) {
-      return;
-    } else if (event.name === "progress") {
-      const { progress, phase, eta_s } = JSON.parse(event.data) as Progress;
-      if (before.status === "running") this.job = { ...before, progress, phase, eta_s };
-      this.#readLogSoon();
-    } else if (event.name === "points") {
-      this.curve.grow(JSON.parse(event.data) as PointsReady);
+    switch (event) {
+      case "job":
+        this.#take(data);
+        // The first fetch is under way: it brings the rest, but may be older than this event.
+        if (!before) return;
+        if (before.status !== this.job?.status || before.attempt !== this.job.attempt) {
+          void this.#readRest().catch(() => {});
+        } else this.#readLogSoon();
+        return;
+      case "progress":
+        if (!before) return;
+        if (before.status === "running") {
+          const { progress, phase, eta_s } = data;
+          this.job = { ...before, progress, phase, eta_s };
+        }
+        this.#readLogSoon();
+        return;
+      case "points":
+        if (before) this.curve.grow(data);
+        return;
+      case "deleted":
+        this.isDeleted = true;
     }
   }
 
@@ -65,7 +69,7 @@ export class LiveJob {
     await this.refresh();
   }
 
-  async change(changes: Partial<Pick<Job, "name" | "notes" | "tags" | "priority">>): Promise<void> {
+  async change(changes: JobChanges): Promise<void> {
     this.#take(await sendJson<Job>("PATCH", this.#path, changes));
   }
 

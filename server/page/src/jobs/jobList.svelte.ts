@@ -1,7 +1,6 @@
 // The job list as it stands on the server: fetched in pages, kept true by events.
 import { getJson, messageOf, Unreachable } from "../api/client";
-import type { ServerEvent } from "../api/sse";
-import type { Job, Page, Progress } from "../api/types";
+import type { Job, JobEvent, Page } from "../api/types";
 
 export interface Filter {
   /** A status or, for jobs that have ended, an outcome. */
@@ -50,7 +49,7 @@ export class JobList {
       const jobs: Job[] = [];
       let cursor: string | null = null;
       do {
-        const page: Page<Job> = await getJson(this.#path(cursor, count - jobs.length), loading.signal);
+        const page: Page<Job> = await getJson(addressOf(this.#filter, cursor, count - jobs.length), loading.signal);
         jobs.push(...page.items);
         cursor = page.next;
       } while (cursor !== null && jobs.length < count);
@@ -68,9 +67,9 @@ export class JobList {
     if (this.next === null || this.isLoadingMore) return;
     this.isLoadingMore = true;
     try {
-      const page = await getJson<Page<Job>>(this.#path(this.next, PAGE));
-      const known = new Set(this.jobs.map((job) => job.id));
-      this.jobs = [...this.jobs, ...page.items.filter((job) => !known.has(job.id))];
+      const page = await getJson<Page<Job>>(addressOf(this.#filter, this.next, PAGE));
+      const known = this.jobs.map((job) => job.id);
+      this.jobs = [...this.jobs, ...page.items.filter((job) => !known.includes(job.id))];
       this.next = page.next;
     } catch (error) {
       this.error = messageOf(error);
@@ -78,18 +77,23 @@ export class JobList {
     this.isLoadingMore = false;
   }
 
-  event(event: ServerEvent): void {
-    if (event.name === "progress") {
-      const { job_id, progress, phase, eta_s } = JSON.parse(event.data) as Progress;
-      this.#change(job_id, (job) => ({ ...job, progress, phase, eta_s }));
-    } else if (event.name === "deleted") {
-      const { job_id } = JSON.parse(event.data) as { job_id: string };
-      this.jobs = this.jobs.filter((job) => job.id !== job_id);
-    } else if (event.name === "job") {
-      const news = JSON.parse(event.data) as Job;
-      this.#change(news.id, () => news);
-      // Order, filters and queue positions are the server's to decide.
-      this.#timer ??= setTimeout(() => void this.load(), REFRESH_PAUSE);
+  event({ event, data }: JobEvent): void {
+    switch (event) {
+      case "job":
+        this.#change(data.id, () => data);
+        // Order, filters and queue positions are the server's to decide.
+        this.#timer ??= setTimeout(() => void this.load(), REFRESH_PAUSE);
+        return;
+      case "progress": {
+        const { job_id, progress, phase, eta_s } = data;
+        this.#change(job_id, (job) => ({ ...job, progress, phase, eta_s }));
+        return;
+      }
+      case "deleted":
+        this.jobs = this.jobs.filter((job) => job.id !== data.job_id);
+        return;
+      case "points":
+      // The list shows no curves.
     }
   }
 
@@ -103,14 +107,12 @@ export class JobList {
     const job = this.jobs[index];
     if (job) this.jobs = this.jobs.with(index, change(job));
   }
+}
 
-  #path(cursor: string | null, count: number): string {
-    const query = new URLSearchParams({ limit: String(Math.min(count, LARGEST_PAGE)) });
-    const { status: state, kind, tag, text } = this.#filter;
-    const [status, outcome] = STATUSES.includes(state) ? [state, ""] : ["", state];
-    for (const [name, value] of Object.entries({ status, outcome, kind, tag, q: text, cursor: cursor ?? "" })) {
-      if (value !== "") query.set(name, value);
-    }
-    return `/v1/jobs?${query}`;
-  }
+/** Where the server lists `count` jobs that pass the filter, from the cursor on. */
+function addressOf({ status: state, kind, tag, text }: Filter, cursor: string | null, count: number): string {
+  const [status, outcome] = STATUSES.includes(state) ? [state, ""] : ["", state];
+  const limit = String(Math.min(count, LARGEST_PAGE));
+  const given = Object.entries({ limit, status, outcome, kind, tag, q: text, cursor: cursor ?? "" });
+  return `/v1/jobs?${new URLSearchParams(given.filter(([, value]) => value !== "")).toString()}`;
 }

@@ -1,4 +1,4 @@
-// The machines that compute.
+// The workers, as the server knows them.
 import { getJson } from "../api/client";
 import type { Page, Worker } from "../api/types";
 

@@ -39,3 +39,11 @@ export function branchesOf(count: number, cycles: number[] | undefined, unloadin
   }
   return branches;
 }
+
+/** How a curve runs. */
+export interface Course {
+  /** Values in the order of time, one list for each column. */
+  values: number[][];
+  turnsBack: boolean;
+  branches: Branch[];
+}

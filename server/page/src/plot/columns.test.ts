@@ -6,7 +6,10 @@ const SCENE = ["step", "time_s", "stage", "plate_displacement_m", "plate_force_n
 const BALLAST = ["time_s", "force_kn", "displacement_mm", "cycle", "unloading", "inertial_number", "broken_bonds"];
 
 /** What is drawn over a column: the main line, and all that is shown. */
-function drawn(columns: string[], horizontal = usualHorizontal(columns)): { over?: string; main?: string; shown: string[] } {
+function drawn(
+  columns: string[],
+  horizontal = usualHorizontal(columns),
+): { over?: string; main?: string; shown: string[] } {
   const names = drawnOver(horizontal, columns);
   expect(names.toSorted()).toEqual(columns.toSorted());
   const described = describeColumns(names);
@@ -28,7 +31,10 @@ test("a ballast test is drawn as force over displacement", () => {
 });
 
 test("over the force, the first thing measured is the line", () => {
-  expect(drawn(BALLAST, "force_kn")).toMatchObject({ main: "displacement_mm", shown: ["displacement_mm", "broken_bonds"] });
+  expect(drawn(BALLAST, "force_kn")).toMatchObject({
+    main: "displacement_mm",
+    shown: ["displacement_mm", "broken_bonds"],
+  });
 });
 
 test("a curve of unknown columns is about the second one", () => {

@@ -1,6 +1,6 @@
 // Lines that turn back: loading solid, unloading dashed, earlier cycles paler.
 import type uPlot from "uplot";
-import type { Course } from "./plot";
+import type { Course } from "./branches";
 
 /** Dashes of unloading [px]. */
 const UNLOADING = [5, 4];

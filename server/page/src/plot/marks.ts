@@ -1,9 +1,10 @@
 // What is written into the plot: the maximum of the main line, and the numbers of its cycles.
 import type uPlot from "uplot";
 import { formatNumber, NARROW } from "../format/numbers";
+import type { Course } from "./branches";
 import { indexOfMaximum, mainLine } from "./columns";
 import type { Column } from "./names";
-import { seriesColour, type Course, type PlotInput } from "./plot";
+import { seriesColour, type Palette } from "./style";
 
 const FONT_SIZE = 12;
 /** Room between two texts side by side [px]. */
@@ -11,7 +12,7 @@ const GAP = 6;
 
 type Box = [left: number, top: number, right: number, bottom: number];
 
-export function drawMarks(plot: uPlot, columns: Column[], course: Course, colour: PlotInput["colour"]): void {
+export function drawMarks(plot: uPlot, columns: Column[], course: Course, colour: Palette): void {
   const main = mainLine(columns);
   const column = columns[main];
   const series = plot.series[main];

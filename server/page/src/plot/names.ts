@@ -59,8 +59,20 @@ export const MASS_SHARE = /^mass_share_(from_)?(\d+)(?:_to_(\d+))?$/;
 
 // The unit is the end of a column's name; the longest ending wins.
 const ENDINGS: [ending: string, unit: string][] = [
-  ["_rad_per_s", "rad/s"], ["_m_per_s", "m/s"], ["_n_mm", "N·mm"], ["_n_per_m", "N/m"], ["_kpa", "kPa"], ["_mpa", "MPa"], ["_pa", "Pa"],
-  ["_kn", "kN"], ["_mm", "mm"], ["_rad", "rad"], ["_n", "N"], ["_m", "m"], ["_s", "s"], ["_j", "J"],
+  ["_rad_per_s", "rad/s"],
+  ["_m_per_s", "m/s"],
+  ["_n_mm", "N·mm"],
+  ["_n_per_m", "N/m"],
+  ["_kpa", "kPa"],
+  ["_mpa", "MPa"],
+  ["_pa", "Pa"],
+  ["_kn", "kN"],
+  ["_mm", "mm"],
+  ["_rad", "rad"],
+  ["_n", "N"],
+  ["_m", "m"],
+  ["_s", "s"],
+  ["_j", "J"],
 ];
 
 export function describe(name: string): Column {

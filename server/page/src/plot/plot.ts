@@ -1,33 +1,19 @@
 // How a plot is drawn: axes by unit, what matters strong, the rest thin.
 import uPlot from "uplot";
-import type { Branch } from "./branches";
+import type { Course } from "./branches";
 import { axisLabel, stemOf, type Column } from "./names";
 import { drawBranches, nearestPoint } from "./loops";
 import { drawMarks } from "./marks";
-
-/** What a plot may do differently. */
-export interface Look {
-  /** The largest value of the main line is marked, and so are the cycles of a load that comes back. */
-  marksMaximum?: boolean;
-  /** Lines are as high as their values reach; otherwise zero belongs to their axis. */
-  floats?: boolean;
-  /** The first column by powers of ten; values that have none are left out. */
-  isLogarithmic?: boolean;
-  /** The first column goes upward, as a height does. */
-  isUpright?: boolean;
-  /** Few values that were measured one by one. */
-  hasPoints?: boolean;
-}
+import { seriesColour, seriesDash, type Palette, type PlotStyle } from "./style";
 
 export interface PlotInput {
   columns: Column[];
   shown: boolean[];
-  look: Look;
+  style: PlotStyle;
   /** Whether the first column counts something. */
   isWhole: boolean;
   width: number;
-  /** Gives a palette name's colour in the present light. */
-  colour: (name: string) => string;
+  colour: Palette;
   /** How the curve runs now; it may turn back only as it grows. */
   course: () => Course;
   /** Told the point at the cursor, as a number in the plot's own ascending order. */
@@ -36,16 +22,6 @@ export interface PlotInput {
   pinned: () => number | null;
 }
 
-export interface Course {
-  /** Values in the order of time, one list for each column. */
-  values: number[][];
-  turnsBack: boolean;
-  branches: Branch[];
-}
-
-/** Dashes tell lines apart without colour; seven colours and four dashes repeat only together. */
-const DASHES = [[], [6, 4], [2, 3], [9, 3, 2, 3]];
-const COLOURS = 7;
 /** Below this width [px] the axes give up some of theirs. */
 const NARROW_PLOT = 520;
 const WHOLE_STEPS = [1, 2, 5].flatMap((step) => [step, 10 * step, 100 * step, 1000 * step]).toSorted((a, b) => a - b);
@@ -56,7 +32,7 @@ export function plotHeight(width: number): number {
 }
 
 export function plotOptions(input: PlotInput): uPlot.Options {
-  const { columns, width, colour, shown, look } = input;
+  const { columns, width, colour, shown, style } = input;
   const [horizontal, ...vertical] = columns;
   const linear = uPlot.paths.linear?.();
   // uPlot's own lines go right only; those that turn back are drawn when it is done with them.
@@ -66,14 +42,14 @@ export function plotOptions(input: PlotInput): uPlot.Options {
   const pointAt = (plot: uPlot, closest: number): number =>
     input.pinned() ?? (input.course().turnsBack ? nearestPoint(plot) : closest);
   const scales = scaleNames(vertical);
-  const { isUpright = false } = look;
+  const { isUpright = false } = style;
   // There is room for two axes: those of the first lines that are shown.
   const withAxis = scaleNames(vertical.filter((_, index) => shown[index + 1])).slice(0, 2);
   return {
     width,
     height: plotHeight(width),
     // Powers of ten are long texts, and may stand at the very end.
-    padding: [14, look.isLogarithmic ? 18 : 8, 0, 0],
+    padding: [14, style.isLogarithmic ? 18 : 8, 0, 0],
     legend: { show: false },
     cursor: {
       drag: { x: !isUpright, y: isUpright },
@@ -83,14 +59,16 @@ export function plotOptions(input: PlotInput): uPlot.Options {
       dataIdx: (plot, _, closest) => pointAt(plot, closest),
     },
     scales: {
-      x: { time: false, ori: isUpright ? 1 : 0, ...(look.isLogarithmic && { distr: 3, range: toTheEnds }) },
-      ...Object.fromEntries(scales.map((name) => [name, { ori: isUpright ? 0 : 1, ...(!look.floats && { range: fromZero }) }])),
+      x: { time: false, ori: isUpright ? 1 : 0, ...(style.isLogarithmic && { distr: 3, range: toTheEnds }) },
+      ...Object.fromEntries(
+        scales.map((name) => [name, { ori: isUpright ? 0 : 1, ...(!style.floats && { range: fromZero }) }]),
+      ),
     },
     axes: [
       {
         ...axis("x", horizontal ? axisLabel(horizontal) : "", colour, true),
         ...sideOf(isUpright ? 3 : 2, width),
-        ...(look.isLogarithmic && (look.hasPoints ? atPoints : atDigits)),
+        ...(style.isLogarithmic && (style.hasPoints ? atPoints : atDigits)),
         ...(input.isWhole && { incrs: WHOLE_STEPS }),
       },
       ...withAxis.map((scale, index) => ({
@@ -107,24 +85,16 @@ export function plotOptions(input: PlotInput): uPlot.Options {
         stroke: colour(seriesColour(index)),
         width: column.isMinor ? 1.1 : 2.2,
         dash: seriesDash(index),
-        points: { show: look.hasPoints ?? false, size: 7, fill: colour("--surface") },
+        points: { show: style.hasPoints ?? false, size: 7, fill: colour("--surface") },
         paths,
       })),
     ],
     hooks: {
       setCursor: [(plot) => input.onCursor(plot.cursor.idx == null ? null : (plot.cursor.idxs?.[0] ?? null))],
       drawSeries: [(plot, line) => input.course().turnsBack && drawBranches(plot, line, input.course())],
-      draw: [(plot) => look.marksMaximum && drawMarks(plot, columns, input.course(), colour)],
+      draw: [(plot) => style.marksMaximum && drawMarks(plot, columns, input.course(), colour)],
     },
   };
-}
-
-export function seriesColour(index: number): string {
-  return `--series-${(index % COLOURS) + 1}`;
-}
-
-export function seriesDash(index: number): number[] {
-  return DASHES[index % DASHES.length] ?? [];
 }
 
 /** Lines of one unit share a scale; without a unit, those whose names begin alike. */
@@ -156,7 +126,10 @@ function axis(scale: string, label: string, colour: PlotInput["colour"], hasGrid
     grid: { show: hasGrid, stroke: colour("--line"), width: 1 },
     ticks: { stroke: colour("--line"), width: 1, size: 5 },
     // A logarithmic axis leaves out what it has no room for.
-    values: (_, splits) => splits.map((split: number | null) => (split === null ? "" : String(Number(split.toPrecision(6))).replace("-", "−"))),
+    values: (_, splits) =>
+      splits.map((split: number | null) =>
+        split === null ? "" : String(Number(split.toPrecision(6))).replace("-", "−"),
+      ),
   };
 }
 

@@ -3,8 +3,12 @@ import { paint } from "./paint";
 
 describe("paint", () => {
   it("loses no character, whatever is being typed", () => {
-    for (const line of ['  "a": [1, -2.5e3, true, "x\\"y"],', '"open', '{"k" : nul', "}} \\ \"", ""]) {
-      expect(paint(line).map((token) => token.text).join("")).toBe(line);
+    for (const line of ['  "a": [1, -2.5e3, true, "x\\"y"],', '"open', '{"k" : nul', '}} \\ "', ""]) {
+      expect(
+        paint(line)
+          .map((token) => token.text)
+          .join(""),
+      ).toBe(line);
     }
   });
 

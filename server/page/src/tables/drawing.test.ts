@@ -9,7 +9,8 @@ function known(file: string): FileTable {
   return found;
 }
 
-const PATH = "stress_kpa,log10_stress_over_kpa,axial_strain,void_ratio\n-1,0,0,0.96\n10,1,0.01,0.94\n100,2,0.1,0.7\n10,1,0.08,0.75\n";
+const PATH =
+  "stress_kpa,log10_stress_over_kpa,axial_strain,void_ratio\n-1,0,0,0.96\n10,1,0.01,0.94\n100,2,0.1,0.7\n10,1,0.08,0.75\n";
 
 test("void ratio over the logarithm of stress leaves out tension", () => {
   const drawing = drawingOf(known("oedometer.csv"), parseCsv(PATH));
@@ -22,21 +23,32 @@ test("void ratio over the logarithm of stress leaves out tension", () => {
 
 test("the curve beside it tells cycles and unloading, if it has the same rows", () => {
   const curve = parseCsv("cycle,unloading\n1,0\n1,0\n1,0\n1,1\n");
-  expect(drawingOf(known("oedometer.csv"), parseCsv(PATH), curve)).toMatchObject({ cycles: [1, 1, 1, 1], unloading: [0, 0, 0, 1] });
+  expect(drawingOf(known("oedometer.csv"), parseCsv(PATH), curve)).toMatchObject({
+    cycles: [1, 1, 1, 1],
+    unloading: [0, 0, 0, 1],
+  });
   const longer = parseCsv("cycle,unloading\n1,0\n1,0\n1,0\n1,1\n1,1\n");
-  expect(drawingOf(known("oedometer.csv"), parseCsv(PATH), longer)).toMatchObject({ cycles: undefined, unloading: undefined });
+  expect(drawingOf(known("oedometer.csv"), parseCsv(PATH), longer)).toMatchObject({
+    cycles: undefined,
+    unloading: undefined,
+  });
 });
 
 test("a step of stress has one modulus from its one end to the other", () => {
   const steps = parseCsv("unloading,from_stress_kpa,to_stress_kpa,oedometric_modulus_mpa\n0,50,100,4\n1,100,50,12\n");
   const drawing = drawingOf(known("oedometric_modulus.csv"), steps);
-  expect(drawing?.values).toEqual([[50, 100, 100, 50], [4, 4, 12, 12]]);
+  expect(drawing?.values).toEqual([
+    [50, 100, 100, 50],
+    [4, 4, 12, 12],
+  ]);
   expect(drawing?.unloading).toEqual([0, 0, 1, 1]);
   expect(drawing?.columns[0]).toMatchObject({ label: "Stress", unit: "kPa" });
 });
 
 test("slices of the bed stand above each other, each with three porosities", () => {
-  const slices = parseCsv("lower_m,upper_m,porosity_before_loading,porosity_at_peak,porosity_at_end\n0,0.03,0.45,0.42,\n0.03,0.06,0.42,0.36,0.41\n");
+  const slices = parseCsv(
+    "lower_m,upper_m,porosity_before_loading,porosity_at_peak,porosity_at_end\n0,0.03,0.45,0.42,\n0.03,0.06,0.42,0.36,0.41\n",
+  );
   const drawing = drawingOf(known("porosity_profile.csv"), slices);
   expect(drawing?.values[0]).toEqual([0, 0.03, 0.03, 0.06]);
   expect(drawing?.values[3]).toEqual([NaN, NaN, 0.41, 0.41]);
@@ -45,7 +57,14 @@ test("slices of the bed stand above each other, each with three porosities", () 
 
 test("settlement is drawn over its cycles, which are no branches then", () => {
   const cycles = parseCsv("cycle,end_displacement_mm,settlement_in_cycle_mm\n1,26.5,26.5\n2,29.85,3.35\n");
-  expect(drawingOf(known("cycles.csv"), cycles)).toMatchObject({ values: [[1, 2], [26.5, 29.85], [26.5, 3.35]], cycles: undefined });
+  expect(drawingOf(known("cycles.csv"), cycles)).toMatchObject({
+    values: [
+      [1, 2],
+      [26.5, 29.85],
+      [26.5, 3.35],
+    ],
+    cycles: undefined,
+  });
 });
 
 test("fragments of each moment are a curve that rises with their size to all of the mass", () => {
@@ -58,10 +77,21 @@ test("fragments of each moment are a curve that rises with their size to all of 
   );
   expect(curves).toEqual({
     columns: ["fragment_members", "finer_poured", "finer_end"],
-    rows: [["1", "0", "0.25"], ["9", "0", "0.5"], ["49", "0", "0.5"], ["134", "0", "0.75"], ["140", "1", "1"]],
+    rows: [
+      ["1", "0", "0.25"],
+      ["9", "0", "0.5"],
+      ["49", "0", "0.5"],
+      ["134", "0", "0.75"],
+      ["140", "1", "1"],
+    ],
   });
-  const small = rearrange?.(parseCsv("moment,largest_fragment_members,mass_share_1,mass_share_2_to_9,mass_share_10_to_49\npeak,8,0.5,0.5,0\n"));
-  expect(small?.rows).toEqual([["1", "0.5"], ["8", "1"]]);
+  const small = rearrange?.(
+    parseCsv("moment,largest_fragment_members,mass_share_1,mass_share_2_to_9,mass_share_10_to_49\npeak,8,0.5,0.5,0\n"),
+  );
+  expect(small?.rows).toEqual([
+    ["1", "0.5"],
+    ["8", "1"],
+  ]);
 });
 
 test("what a file lacks is not drawn, and a file of words is a table only", () => {

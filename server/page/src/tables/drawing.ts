@@ -12,7 +12,11 @@ export interface Drawing {
 }
 
 /** Nothing when the file is not for drawing, or lacks what is drawn. */
-export function drawingOf({ over, lines = [], more = [], look }: FileTable, table: Table, beside?: Table): Drawing | null {
+export function drawingOf(
+  { over, lines = [], more = [], style }: FileTable,
+  table: Table,
+  beside?: Table,
+): Drawing | null {
   if (over === undefined) return null;
   const edges = typeof over === "string" ? [over] : over;
   const ends = edges.map((name) => numbers(table, name));
@@ -36,7 +40,7 @@ export function drawingOf({ over, lines = [], more = [], look }: FileTable, tabl
   return {
     columns: [column, ...named.map(({ column }) => column)],
     values: [
-      look?.isLogarithmic ? across.map((value) => (value > 0 ? value : NaN)) : across,
+      style?.isLogarithmic ? across.map((value) => (value > 0 ? value : NaN)) : across,
       ...named.map(({ column, list }) => spread(list.map((value) => value * column.factor))),
     ],
     cycles: whole("cycle"),

@@ -1,6 +1,6 @@
 // The files of tests that are shown as plots or tables. A file's name means the same whatever the
 // kind of job that writes it, so the list is by file; what a job has not written is not shown.
-import type { Look } from "../plot/plot";
+import type { PlotStyle } from "../plot/style";
 import type { Table } from "./csv";
 import { massCurves } from "./fragments";
 
@@ -14,7 +14,7 @@ export interface FileTable {
   /** Columns drawn, and those drawn when asked for. */
   lines?: string[];
   more?: string[];
-  look?: Look;
+  style?: PlotStyle;
   /** The first row tells more than the last, which is the same for all. */
   restsAtFirst?: boolean;
   /** Fewer rows tell nothing. */
@@ -33,7 +33,7 @@ export const TABLES: FileTable[] = [
     over: "cycle",
     lines: ["end_displacement_mm", "settlement_in_cycle_mm"],
     more: ["peak_displacement_mm", "unloading_stiffness_n_per_m", "loading_stiffness_n_per_m", "dissipated_energy_j"],
-    look: { hasPoints: true },
+    style: { hasPoints: true },
     leastRows: 2,
   },
   {
@@ -43,16 +43,17 @@ export const TABLES: FileTable[] = [
     over: "stress_kpa",
     lines: ["void_ratio"],
     more: ["axial_strain"],
-    look: { isLogarithmic: true, floats: true },
+    style: { isLogarithmic: true, floats: true },
     beside: "curve.csv",
   },
   {
     file: "oedometric_modulus.csv",
     title: "Oedometric modulus by step",
-    about: "Change of stress over change of strain in each step of the first cycle; a step doubles or halves the stress.",
+    about:
+      "Change of stress over change of strain in each step of the first cycle; a step doubles or halves the stress.",
     over: ["from_stress_kpa", "to_stress_kpa"],
     lines: ["oedometric_modulus_mpa"],
-    look: { isLogarithmic: true },
+    style: { isLogarithmic: true },
   },
   {
     file: "porosity_profile.csv",
@@ -60,7 +61,7 @@ export const TABLES: FileTable[] = [
     about: "In slices of the bed below plate or sleeper, from the ground up.",
     over: ["lower_m", "upper_m"],
     lines: ["porosity_before_loading", "porosity_at_peak", "porosity_at_end"],
-    look: { isUpright: true, floats: true },
+    style: { isUpright: true, floats: true },
   },
   {
     file: "fragment_moments.csv",
@@ -68,7 +69,7 @@ export const TABLES: FileTable[] = [
     about: "Share of the mass in fragments of at most so many spheres, as a sieve curve.",
     over: "fragment_members",
     lines: ["finer_poured", "finer_before_loading", "finer_peak", "finer_end"],
-    look: { isLogarithmic: true, hasPoints: true },
+    style: { isLogarithmic: true, hasPoints: true },
     restsAtFirst: true,
     rearrange: massCurves,
   },
@@ -103,7 +104,7 @@ export const TABLES: FileTable[] = [
     about: "Root mean square of the residuals of every trial; the last ones are steps around the best.",
     over: "trial",
     lines: ["misfit"],
-    look: { hasPoints: true },
+    style: { hasPoints: true },
   },
   {
     file: "poisson_ratio.csv",

@@ -100,8 +100,8 @@ fn complete_answers(answers: &mut Value) {
     }
 }
 
-/// A parameter is left out, never null.
-fn without_null(schema: &mut Value) {
+/// What is left out is never null.
+pub(super) fn without_null(schema: &mut Value) {
     if let Some(types) = schema.get_mut("type")
         && let Some([only]) = types
             .as_array()

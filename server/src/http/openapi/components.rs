@@ -5,7 +5,7 @@ use loadframe_api::worker::{
 };
 use loadframe_api::{
     CurveView, Envelope, Event, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
-    Problem, Timestamp, WorkerView, component_schemas, kind_schema,
+    Problem, Timestamp, WorkerView, answer_schemas, body_schemas, kind_schema,
 };
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};
@@ -13,6 +13,7 @@ use serde_json::{Map, Value, json};
 use super::super::health::{Health, VersionView};
 use super::super::jobs::DryRun;
 use super::super::kinds::{ExampleView, KindView};
+use super::answers::without_null;
 
 macro_rules! add {
     ($generator:ident: $($type:ty),+ $(,)?) => { $($generator.subschema_for::<$type>();)+ };
@@ -21,13 +22,9 @@ macro_rules! add {
 /// All schemas. A type of the wire that a handler names must be listed here; a test follows every
 /// reference.
 pub(super) fn schemas() -> Map<String, Value> {
-    let mut schemas = component_schemas(|generator: &mut SchemaGenerator| {
-        add!(generator: Problem, Timestamp, JobKind, JobView, JobChanges, Page<JobView>, DryRun,
-            CurveView, Page<FileEntry>, Outcome, Page<LogLine>, Event,
-            KindView, Page<KindView>, Page<ExampleView>, Page<WorkerView>, Health, VersionView,
-            ClaimRequest, Lease, ProgressReport, HeartbeatAnswer, CompleteRequest, FailRequest, ReleaseRequest,
-            Envelope);
-    });
+    let mut schemas = bodies();
+    // what is both read and written, such as an outcome, is told as it is written
+    schemas.extend(answers());
     let envelope = schemas.get("Envelope").cloned().unwrap_or_default();
     let mut variants = Vec::new();
     let mut mapping = Map::new();
@@ -49,6 +46,32 @@ pub(super) fn schemas() -> Map<String, Value> {
         "discriminator": { "propertyName": "kind", "mapping": mapping },
     });
     schemas.insert("Submission".to_owned(), submission);
+    schemas
+}
+
+/// What the service reads.
+fn bodies() -> Map<String, Value> {
+    body_schemas(|generator: &mut SchemaGenerator| {
+        add!(generator: JobChanges, Envelope,
+            ClaimRequest, ProgressReport, CompleteRequest, FailRequest, ReleaseRequest);
+    })
+}
+
+/// What the service writes.
+fn answers() -> Map<String, Value> {
+    let mut schemas = answer_schemas(|generator: &mut SchemaGenerator| {
+        add!(generator: Problem, Timestamp, JobKind, JobView, Page<JobView>, DryRun,
+            CurveView, Page<FileEntry>, Outcome, Page<LogLine>, Event,
+            KindView, Page<KindView>, Page<ExampleView>, Page<WorkerView>, Health, VersionView,
+            Lease, HeartbeatAnswer);
+    });
+    for schema in schemas.values_mut() {
+        let required = schema["required"].as_array().cloned().unwrap_or_default();
+        let fields = schema.get_mut("properties").and_then(Value::as_object_mut);
+        let fields = fields.into_iter().flatten();
+        let optional = fields.filter(|(name, _)| !required.iter().any(|one| one == name.as_str()));
+        optional.for_each(|(_, field)| without_null(field));
+    }
     schemas
 }
 

@@ -20,9 +20,34 @@ function textAt(pointer: string): string {
 describe("scan", () => {
   it("accepts what JSON.parse accepts and refuses what it refuses", () => {
     const texts = [
-      "1", "-0.5e+3", '"a\\u00e9\\n"', "[]", "{}", "[1,2]", '{"a":[{}]}', " true ", TEXT,
-      "", "01", "1.", ".5", "+1", "tru", "[1,]", '{"a":1,}', '{"a" 1}', "{'a':1}", '"\\x"', '"a', "[1 2]",
-      "{a:1}", "[", "1 2", '"a\nb"', "NaN", "-",
+      "1",
+      "-0.5e+3",
+      '"a\\u00e9\\n"',
+      "[]",
+      "{}",
+      "[1,2]",
+      '{"a":[{}]}',
+      " true ",
+      TEXT,
+      "",
+      "01",
+      "1.",
+      ".5",
+      "+1",
+      "tru",
+      "[1,]",
+      '{"a":1,}',
+      '{"a" 1}',
+      "{'a':1}",
+      '"\\x"',
+      '"a',
+      "[1 2]",
+      "{a:1}",
+      "[",
+      "1 2",
+      '"a\nb"',
+      "NaN",
+      "-",
     ];
     for (const text of texts) {
       let isValid = true;

@@ -37,6 +37,11 @@ const SCHEMA = {
         sigma: { type: "number", exclusiveMinimum: 0, default: 0.5 },
       },
     },
+    materials: {
+      type: "object",
+      additionalProperties: { type: "object", properties: { density: { type: "number", "x-unit": "kg/m3" } } },
+    },
+    stages: { type: "array", items: { type: "object", properties: { steps: { type: "integer" } } } },
     breaking: {
       description: "Which bonds break.",
       oneOf: [
@@ -75,6 +80,18 @@ describe("describeField", () => {
       { value: '"weakest_first"', description: "Only one." },
       { value: '"none"', description: "Never." },
     ]);
+  });
+
+  it("names a field as the guide does", () => {
+    expect(describeField(SCHEMA, ["bond", "modulus_n"])?.anchor).toBe("bond.modulus_n");
+    expect(describeField(SCHEMA, ["fabric", "lattice", "spacing_mm", "2"])?.anchor).toBe("fabric.lattice.spacing_mm");
+    expect(describeField(SCHEMA, ["materials", "basalt"])?.anchor).toBe("materials.*");
+    expect(describeField(SCHEMA, ["materials", "basalt", "density"])).toMatchObject({
+      anchor: "materials.*.density",
+      unit: "kg/m3",
+    });
+    expect(describeField(SCHEMA, ["stages", "0", "steps"])?.anchor).toBe("stages.*.steps");
+    expect(describeField(SCHEMA, [])?.anchor).toBe("");
   });
 
   it("does not know fields that do not exist", () => {

@@ -11,7 +11,8 @@ export interface Option {
 }
 
 export interface FieldDoc {
-  pointer: string;
+  /** What the guide calls it: names joined by dots, `*` for entries and for what is named freely. */
+  anchor: string;
   description: string;
   unit: string;
   type: string;
@@ -26,6 +27,8 @@ export interface FieldDoc {
 
 /** What `root` says about the value at `path`, or null when it knows no such field. */
 export function describeField(root: Schema, path: string[]): FieldDoc | null {
+  const names: string[] = [];
+  let anchor = "";
   let here: Schema[] = [root];
   let isRequired = false;
   let unit = "";
@@ -33,17 +36,20 @@ export function describeField(root: Schema, path: string[]): FieldDoc | null {
   for (const part of path) {
     const parents = here.flatMap(expand);
     here = parents.flatMap((parent) => child(parent, part));
+    names.push(parents.some((parent) => part in object(parent["properties"])) ? part : "*");
     if (here.length === 0) return null;
     isRequired = parents.some((parent) => list(parent["required"]).includes(part));
     // A list says unit and meaning once, for all of its entries.
     const isEntry = INDEX.test(part);
+    // Entries that are plain values have no anchor of their own.
+    if (!isEntry) anchor = names.join(".");
     unit = isEntry ? first(parents, "x-unit") || unit : "";
     description = isEntry ? first(parents, "description") || description : "";
   }
   const all = here.flatMap(expand);
   const given = here.find((schema) => "default" in schema) ?? all.find((schema) => "default" in schema);
   return {
-    pointer: path.map((part) => `/${part}`).join(""),
+    anchor,
     description: reflow(first(here, "description") || first(all, "description") || description),
     unit: first(all, "x-unit") || unit,
     type: typeOf(all),
@@ -64,6 +70,8 @@ function expand(schema: Schema): Schema[] {
 function child(parent: Schema, part: string): Schema[] {
   const property = object(parent["properties"])[part];
   if (property !== undefined) return [object(property)];
+  const any = parent["additionalProperties"];
+  if (typeof any === "object") return [object(any)];
   if (!INDEX.test(part)) return [];
   const ordered = list(parent["prefixItems"])[Number(part)];
   const item = ordered ?? parent["items"];
@@ -99,7 +107,7 @@ function options(schema: Schema): Option[] {
 }
 
 function typeOf(all: Schema[]): string {
-  const types = all.flatMap((schema) => (Array.isArray(schema["type"]) ? schema["type"] : [schema["type"]]));
+  const types = all.flatMap((schema) => (Array.isArray(schema["type"]) ? list(schema["type"]) : [schema["type"]]));
   const names = types.filter((type): type is string => typeof type === "string" && type !== "null");
   return [...new Set(names)].join(" or ");
 }

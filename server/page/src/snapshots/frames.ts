@@ -12,7 +12,9 @@ export interface Frame {
 /** Moments of several series (`.pvd`) together; files of one moment are one picture. */
 export function framesOf(series: string[]): Frame[] {
   const frames = new Map<number, string[]>();
-  for (const [, at, file = ""] of series.flatMap((text) => [...text.matchAll(/<DataSet timestep="([^"]+)"[^>]* file="([^"]+)"/g)])) {
+  for (const [, at, file = ""] of series.flatMap((text) => [
+    ...text.matchAll(/<DataSet timestep="([^"]+)"[^>]* file="([^"]+)"/g),
+  ])) {
     frames.set(Number(at), [...(frames.get(Number(at)) ?? []), file]);
   }
   return [...frames].map(([at, files]) => ({ at, files })).toSorted((a, b) => a.at - b.at);
@@ -27,7 +29,10 @@ export interface Picture {
 
 export function pictureOf(parts: PolyData[]): Picture {
   return {
-    spheres: parts.find(({ points, lines, ends, pointData }) => points.length > 0 && lines.length + ends.length === 0 && pointData.some(({ name }) => name === "radius_m")),
+    spheres: parts.find(
+      ({ points, lines, ends, pointData }) =>
+        points.length > 0 && lines.length + ends.length === 0 && pointData.some(({ name }) => name === "radius_m"),
+    ),
     lines: parts.find(({ lines }) => lines.length > 0),
     walls: parts.find(({ ends }) => ends.length > 0),
   };
@@ -57,31 +62,36 @@ function count(number: number, what: string, rest = ""): string {
 }
 
 /** What bodies or lines can be coloured by: single values, and the size of vectors. */
-export interface Quality {
+export interface Scalars {
   name: string;
   label: string;
   unit: string;
   /** Each value is a colour of its own, and no more or less than another. */
-  isName: boolean;
+  isCategory: boolean;
   values: ArrayLike<number>;
 }
 
 const NAMES = ["fragment", "body", "grain", "clump", "material"];
 
-export function qualitiesOf(data: Values[]): Quality[] {
+export function scalarsOf(data: Values[]): Scalars[] {
   return data
     .filter(({ name }) => name !== "radius_m" && name !== "broken")
     .map(({ name, components, values }) => ({
       name,
       label: describe(name).label,
       unit: describe(name).unit,
-      isName: NAMES.includes(name),
-      values: components === 1 ? values : Array.from({ length: values.length / components }, (_, row) => Math.hypot(...values.subarray(row * components, (row + 1) * components))),
+      isCategory: NAMES.includes(name),
+      values:
+        components === 1
+          ? values
+          : Array.from({ length: values.length / components }, (_, row) =>
+              Math.hypot(...values.subarray(row * components, (row + 1) * components)),
+            ),
     }));
 }
 
 /** The one that tells most when nobody has chosen: pieces, where grains break. */
-export function usualQuality(qualities: Quality[]): string {
+export function usualScalars(all: Scalars[]): string {
   const known = ["fragment", "velocity_m_per_s", "normal_force_n", "force_over_strength"];
-  return known.find((name) => qualities.some((quality) => quality.name === name)) ?? qualities[0]?.name ?? "";
+  return known.find((name) => all.some((scalars) => scalars.name === name)) ?? all[0]?.name ?? "";
 }

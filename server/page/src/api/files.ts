@@ -1,10 +1,11 @@
 // A job's files, and downloads that need the access token: a link cannot send headers, so the page fetches the file
 // and hands it to the browser. The whole file passes through memory.
-import { request } from "../api/client";
+import { request } from "./client";
+import type { JobLinks } from "./types";
 
 /** The address of a job's file; folders keep their slashes. */
-export function fileAddress(links: Record<string, string>, name: string): string {
-  return `${links["files"]}/${name.split("/").map(encodeURIComponent).join("/")}`;
+export function fileAddress(links: JobLinks, name: string): string {
+  return `${links.files}/${name.split("/").map(encodeURIComponent).join("/")}`;
 }
 
 export async function download(href: string, name: string): Promise<void> {

@@ -1,8 +1,11 @@
-// Pictures of every view, for eyes: `node dev/look.mjs FOLDER [ADDRESS]` against `npm run dev`.
+// Pictures of every view, for eyes: `node dev/screenshots.mjs FOLDER [ADDRESS]` against `npm run dev`.
 import { chromium } from "playwright-core";
 
-const [folder = "look", address = "http://localhost:5173"] = process.argv.slice(2);
-const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu"] });
+const [folder = "screenshots", address = "http://localhost:5173"] = process.argv.slice(2);
+const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  args: ["--no-sandbox", "--disable-gpu"],
+});
 
 const first = await (await fetch(`${address}/v1/jobs?limit=100`)).json();
 const oneOf = (test) => first.items.find(test)?.id;

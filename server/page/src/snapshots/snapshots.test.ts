@@ -2,7 +2,7 @@ import { deflateSync } from "node:zlib";
 import { expect, test } from "vitest";
 import { NARROW } from "../format/numbers";
 import { rangeOf } from "./colours";
-import { framesOf, inventory, pictureOf, qualitiesOf, usualQuality } from "./frames";
+import { framesOf, inventory, pictureOf, scalarsOf, usualScalars } from "./frames";
 import { readVtp, type PolyData } from "./vtp";
 
 /** An array as the engine appends it, in blocks of so many bytes. */
@@ -46,27 +46,40 @@ const SPHERES = vtp({
 const WALLS = vtp({
   CellData: [["wall", 1, Int32Array.of(0)]],
   Points: [["Points", 3, Float64Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0)]],
-  Polys: [["connectivity", 1, Int32Array.of(0, 1, 2)], ["offsets", 1, Int32Array.of(3)]],
+  Polys: [
+    ["connectivity", 1, Int32Array.of(0, 1, 2)],
+    ["offsets", 1, Int32Array.of(3)],
+  ],
 });
 const BONDS = vtp({
-  CellData: [["force_n", 1, Float64Array.of(1, 5)], ["broken", 1, Uint8Array.of(0, 1)]],
+  CellData: [
+    ["force_n", 1, Float64Array.of(1, 5)],
+    ["broken", 1, Uint8Array.of(0, 1)],
+  ],
   Points: [["Points", 3, Float64Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0)]],
-  Lines: [["connectivity", 1, Int32Array.of(0, 1, 1, 2)], ["offsets", 1, Int32Array.of(2, 4)]],
+  Lines: [
+    ["connectivity", 1, Int32Array.of(0, 1, 1, 2)],
+    ["offsets", 1, Int32Array.of(2, 4)],
+  ],
 });
 const read = (...files: ArrayBuffer[]): Promise<PolyData[]> => Promise.all(files.map(readVtp));
 
 test("a snapshot is read over several blocks, to the last bit", async () => {
   const [spheres] = await read(SPHERES);
   expect([...(spheres?.points ?? [])]).toEqual([0, 0, 0, 1, 0, 0, 0, 1, -1e-9]);
-  expect(spheres?.pointData.map(({ name, values }) => [name, values.length])).toEqual([["radius_m", 3], ["velocity_m_per_s", 9], ["fragment", 3]]);
+  expect(spheres?.pointData.map(({ name, values }) => [name, values.length])).toEqual([
+    ["radius_m", 3],
+    ["velocity_m_per_s", 9],
+    ["fragment", 3],
+  ]);
 });
 
 test("bodies are coloured by their fragments, and vectors by their size", async () => {
   const [spheres] = await read(SPHERES);
-  const qualities = qualitiesOf(spheres?.pointData ?? []);
-  expect(usualQuality(qualities)).toBe("fragment");
-  expect(qualities[0]).toMatchObject({ label: "Velocity", unit: "m/s", isName: false, values: [5, 0, 2] });
-  expect(qualities[0] && rangeOf(qualities[0])).toEqual([0, 5]);
+  const scalars = scalarsOf(spheres?.pointData ?? []);
+  expect(usualScalars(scalars)).toBe("fragment");
+  expect(scalars[0]).toMatchObject({ label: "Velocity", unit: "m/s", isCategory: false, values: [5, 0, 2] });
+  expect(scalars[0] && rangeOf(scalars[0])).toEqual([0, 5]);
 });
 
 test("what a snapshot holds is said, and also what it does not", async () => {
@@ -75,17 +88,30 @@ test("what a snapshot holds is said, and also what it does not", async () => {
   expect(inventory(pictureOf(await read(WALLS)), true)).toBe("1 polygon of walls. No bodies are recorded in it.");
   const none = new Int32Array();
   const radii = { name: "radius_m", components: 1, values: new Float64Array(20_000) };
-  const many = { points: new Float64Array(60_000), lines: none, corners: none, ends: none, pointData: [radii], cellData: [] };
+  const many = {
+    points: new Float64Array(60_000),
+    lines: none,
+    corners: none,
+    ends: none,
+    pointData: [radii],
+    cellData: [],
+  };
   expect(inventory(pictureOf([many]), true)).toBe(`20${NARROW}000 spheres.`);
   expect(inventory(pictureOf([]), true)).toBe("Nothing is recorded in this snapshot.");
 });
 
 test("a file of another form is refused in words", async () => {
-  await expect(readVtp(new TextEncoder().encode("<VTKFile/>").buffer as ArrayBuffer)).rejects.toThrow("not in the form");
+  await expect(readVtp(new TextEncoder().encode("<VTKFile/>").buffer)).rejects.toThrow("not in the form");
 });
 
 test("files of one moment are one picture, whichever list names them", () => {
   const set = (at: string, file: string): string => `<DataSet timestep="${at}" part="0" file="${file}"/>`;
-  const frames = framesOf([set("0", "a_0.vtp") + set("0.5", "a_1.vtp") + set("0.5", "walls_1.vtp"), set("0.50", "contacts_1.vtp")]);
-  expect(frames).toEqual([{ at: 0, files: ["a_0.vtp"] }, { at: 0.5, files: ["a_1.vtp", "walls_1.vtp", "contacts_1.vtp"] }]);
+  const frames = framesOf([
+    set("0", "a_0.vtp") + set("0.5", "a_1.vtp") + set("0.5", "walls_1.vtp"),
+    set("0.50", "contacts_1.vtp"),
+  ]);
+  expect(frames).toEqual([
+    { at: 0, files: ["a_0.vtp"] },
+    { at: 0.5, files: ["a_1.vtp", "walls_1.vtp", "contacts_1.vtp"] },
+  ]);
 });

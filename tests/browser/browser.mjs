@@ -1,4 +1,4 @@
-// A desk at the lab: a lab, a browser, and what one does there. Screenshots for people go to the
+// A lab, a browser, and what tests do there again and again. Screenshots for people go to the
 // folder LOADFRAME_SCREENSHOTS.
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
@@ -9,9 +9,17 @@ import { chromium } from "playwright-core";
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 // Without a graphics card the picture in three dimensions is drawn in software.
-const FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+const FLAGS = [
+  "--no-sandbox",
+  "--use-gl=angle",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+];
 const SCREENSHOTS = process.env.LOADFRAME_SCREENSHOTS ?? "../../target/screenshots";
-const DESK = { width: 1280, height: 900 };
+const DESKTOP = { width: 1280, height: 900 };
 export const PHONE = { width: 390, height: 844 };
 /** Longest wait for anything on the page: only what hangs reaches it. */
 const PATIENCE_MS = 60_000;
@@ -36,7 +44,7 @@ export async function close() {
  * Opens an address of the lab and gives the page to `act`; fails on anything in its console that is
  * not `expected`, and on any request to elsewhere.
  */
-export async function visit(address, act, { viewport = DESK, expected = null } = {}) {
+export async function visit(address, act, { viewport = DESKTOP, expected = null } = {}) {
   const context = await browser.newContext({ viewport, baseURL: lab.url, acceptDownloads: true });
   context.setDefaultTimeout(PATIENCE_MS);
   const page = await context.newPage();
@@ -50,7 +58,10 @@ export async function visit(address, act, { viewport = DESK, expected = null } =
   try {
     await page.goto(address);
     await act(page);
-    assert.deepEqual(complaints.filter((text) => !expected?.test(text)), []);
+    assert.deepEqual(
+      complaints.filter((text) => !expected?.test(text)),
+      [],
+    );
   } finally {
     await context.close();
   }

@@ -1,13 +1,13 @@
 // Colours of values: a ramp that grows lighter, or a colour for each name.
 import { Color } from "three";
-import type { Quality } from "./frames";
+import type { Scalars } from "./frames";
 
 /** Dark blue over green to yellow: readable without telling red from green, and in grey. */
 const RAMP = ["#31356e", "#2c6a8f", "#2f9c8b", "#7cc66a", "#f2e14c"].map((text) => new Color(text));
 /** Neighbouring numbers lie far apart on the circle of hues. */
 const GOLDEN = 0.618034;
 
-export function rangeOf({ values }: Quality): [low: number, high: number] {
+export function rangeOf({ values }: Scalars): [low: number, high: number] {
   let [low, high] = [Infinity, -Infinity];
   for (let index = 0; index < values.length; index++) {
     const value = values[index] ?? NaN;
@@ -18,14 +18,14 @@ export function rangeOf({ values }: Quality): [low: number, high: number] {
 }
 
 /** Writes the colour of each value into a list, three numbers each. */
-export function colourOf(quality: Quality | undefined, count: number): Float32Array {
+export function colourOf(scalars: Scalars | undefined, count: number): Float32Array {
   const colours = new Float32Array(3 * count);
   const colour = new Color();
-  const [low, high] = quality ? rangeOf(quality) : [0, 0];
+  const [low, high] = scalars ? rangeOf(scalars) : [0, 0];
   for (let index = 0; index < count; index++) {
-    const value = quality?.values[index] ?? NaN;
-    if (!quality || Number.isNaN(value)) colour.set("#8a938f");
-    else if (quality.isName) colour.setHSL((value * GOLDEN) % 1, 0.55, 0.58);
+    const value = scalars?.values[index] ?? NaN;
+    if (!scalars || Number.isNaN(value)) colour.set("#8a938f");
+    else if (scalars.isCategory) colour.setHSL((value * GOLDEN) % 1, 0.55, 0.58);
     else {
       const place = high > low ? ((value - low) / (high - low)) * (RAMP.length - 1) : 0;
       const below = Math.min(Math.floor(place), RAMP.length - 2);

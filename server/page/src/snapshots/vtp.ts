@@ -33,10 +33,15 @@ export async function readVtp(file: ArrayBuffer): Promise<PolyData> {
   const [start, header] = splitHeader(bytes);
   const arrays = (section: string): Promise<Values[]> => {
     const [, inside = ""] = new RegExp(`<${section}>([^]*?)</${section}>`).exec(header) ?? [];
-    return Promise.all([...inside.matchAll(/<DataArray ([^>]*)>/g)].map(([, element = ""]) => readArray(bytes, start, element)));
+    return Promise.all(
+      [...inside.matchAll(/<DataArray ([^>]*)>/g)].map(([, element = ""]) => readArray(bytes, start, element)),
+    );
   };
-  const [points, lines, polygons, pointData, cellData] = await Promise.all(["Points", "Lines", "Polys", "PointData", "CellData"].map(arrays));
-  const whole = (list: Values[] | undefined, name: string): Int32Array => (list?.find((array) => array.name === name)?.values ?? new Int32Array()) as Int32Array;
+  const [points, lines, polygons, pointData, cellData] = await Promise.all(
+    ["Points", "Lines", "Polys", "PointData", "CellData"].map(arrays),
+  );
+  const whole = (list: Values[] | undefined, name: string): Int32Array =>
+    (list?.find((array) => array.name === name)?.values ?? new Int32Array()) as Int32Array;
   return {
     points: (points?.[0]?.values ?? new Float64Array()) as Float64Array,
     lines: whole(lines, "connectivity"),

@@ -1,12 +1,28 @@
 // A picture of a scene: bodies as spheres, walls as surfaces one sees through, forces as lines.
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group, IcosahedronGeometry,
-  InstancedBufferAttribute, InstancedMesh, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshLambertMaterial,
-  PerspectiveCamera, Scene, Vector3, WebGLRenderer,
+  AmbientLight,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DirectionalLight,
+  DoubleSide,
+  Group,
+  IcosahedronGeometry,
+  InstancedBufferAttribute,
+  InstancedMesh,
+  LineBasicMaterial,
+  LineSegments,
+  Matrix4,
+  Mesh,
+  MeshLambertMaterial,
+  PerspectiveCamera,
+  Scene,
+  Vector3,
+  WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { colourOf } from "./colours";
-import { brokenOf, type Picture, type Quality } from "./frames";
+import { brokenOf, type Picture, type Scalars } from "./frames";
 import type { PolyData } from "./vtp";
 
 /** Beyond this many spheres each has fewer triangles. */
@@ -14,13 +30,13 @@ const MANY = 3000;
 
 export interface Shown {
   picture: Picture;
-  spheresBy: Quality | undefined;
-  linesBy: Quality | undefined;
+  spheresBy: Scalars | undefined;
+  linesBy: Scalars | undefined;
   hasWalls: boolean;
   hasLines: boolean;
 }
 
-export class Stage {
+export class Viewport {
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
   readonly #camera = new PerspectiveCamera(35, 1);
@@ -83,7 +99,9 @@ export class Stage {
     if (low.x > high.x) return;
     const size = Math.max(high.distanceTo(low), 1e-9);
     this.#controls.target.copy(low).lerp(high, 0.5);
-    this.#camera.position.copy(this.#controls.target).addScaledVector(new Vector3(0.55, -1, 0.45).normalize(), (1.9 * size) / Math.min(1, this.#camera.aspect));
+    this.#camera.position
+      .copy(this.#controls.target)
+      .addScaledVector(new Vector3(0.55, -1, 0.45).normalize(), (1.9 * size) / Math.min(1, this.#camera.aspect));
     this.#camera.near = 0.01 * size;
     this.#camera.far = 20 * size;
     this.#camera.updateProjectionMatrix();
@@ -107,14 +125,16 @@ export class Stage {
   }
 }
 
-function spheresOf({ points, pointData }: PolyData, by: Quality | undefined): InstancedMesh {
+function spheresOf({ points, pointData }: PolyData, by: Scalars | undefined): InstancedMesh {
   const count = points.length / 3;
   const radii = pointData.find(({ name }) => name === "radius_m")?.values;
   const mesh = new InstancedMesh(new IcosahedronGeometry(1, count > MANY ? 1 : 3), new MeshLambertMaterial(), count);
   const matrix = new Matrix4();
   for (let index = 0; index < count; index++) {
     const radius = radii?.[index] ?? 0;
-    matrix.makeScale(radius, radius, radius).setPosition(points[3 * index] ?? 0, points[3 * index + 1] ?? 0, points[3 * index + 2] ?? 0);
+    matrix
+      .makeScale(radius, radius, radius)
+      .setPosition(points[3 * index] ?? 0, points[3 * index + 1] ?? 0, points[3 * index + 2] ?? 0);
     mesh.setMatrixAt(index, matrix);
   }
   mesh.instanceColor = new InstancedBufferAttribute(colourOf(by, count), 3);
@@ -130,7 +150,8 @@ function wallsOf({ points, corners, ends }: PolyData): Group {
     for (let corner = first; corner < end; corner++) {
       const next = corner + 1 < end ? corner + 1 : first;
       edges.push(corners[corner] ?? 0, corners[next] ?? 0);
-      if (corner > first && corner + 1 < end) triangles.push(corners[first] ?? 0, corners[corner] ?? 0, corners[corner + 1] ?? 0);
+      if (corner > first && corner + 1 < end)
+        triangles.push(corners[first] ?? 0, corners[corner] ?? 0, corners[corner + 1] ?? 0);
     }
     first = end;
   }
@@ -139,13 +160,16 @@ function wallsOf({ points, corners, ends }: PolyData): Group {
   const outline = geometryOf(points, edges);
   const grey = new Color("#7d8c88");
   return new Group().add(
-    new Mesh(surface, new MeshLambertMaterial({ color: grey, side: DoubleSide, transparent: true, opacity: 0.12, depthWrite: false })),
+    new Mesh(
+      surface,
+      new MeshLambertMaterial({ color: grey, side: DoubleSide, transparent: true, opacity: 0.12, depthWrite: false }),
+    ),
     new LineSegments(outline, new LineBasicMaterial({ color: grey, transparent: true, opacity: 0.45 })),
   );
 }
 
 /** Lines that have broken are left out. Each line has ends of its own, so that it has one colour, and is seen through the bodies it joins. */
-function linesOf(part: PolyData, by: Quality | undefined): LineSegments {
+function linesOf(part: PolyData, by: Scalars | undefined): LineSegments {
   const { points, lines } = part;
   const isBroken = brokenOf(part);
   const whole = [...lines.keys()].filter((end) => !(isBroken[end >> 1] ?? 0));

@@ -1,0 +1,1 @@
+export { scripts as default } from "../../server/page/eslint.config.js";
