@@ -2,12 +2,21 @@
 // without scripts.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { close, fitsThePhone, isAccessible, open, PHONE, picture, visit } from "./desk.mjs";
+import { close, fitsThePhone, isAccessible, open, PHONE, picture, visit } from "./browser.mjs";
 
 before(open);
 after(close);
 
-const PAGES = ["/guide", "/guide/start", "/guide/quality", "/guide/accuracy", "/guide/granular_scene/fields", "/guide/validation-ballast", "/guide/search?q=inertial+number", "/docs"];
+const PAGES = [
+  "/guide",
+  "/guide/start",
+  "/guide/quality",
+  "/guide/accuracy",
+  "/guide/granular_scene/fields",
+  "/guide/validation-ballast",
+  "/guide/search?q=inertial+number",
+  "/docs",
+];
 const name = (address) => address.replace(/\W+/g, "-").slice(1);
 
 for (const address of PAGES) {

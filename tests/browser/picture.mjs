@@ -1,14 +1,16 @@
 // Takes the picture that README and guide show: the page of the demo's job, finished.
 //   node picture.mjs        writes server/guide/pictures/lab.png
 import { execFileSync } from "node:child_process";
-import { readFileSync } from "node:fs";
-import { close, open, part, state, visit } from "./desk.mjs";
+import { mkdirSync, readFileSync } from "node:fs";
+import { dirname } from "node:path";
+import { close, open, part, state, visit } from "./browser.mjs";
 
 const PATH = "../../server/guide/pictures/lab.png";
 const EXAMPLE = "../../api/examples/nonwoven_tensile.json";
 
 await open();
 try {
+  mkdirSync(dirname(PATH), { recursive: true });
   await visit(
     "/",
     async (page) => {
