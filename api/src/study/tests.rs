@@ -198,6 +198,6 @@ fn pointers_seeds_labels_and_counts_are_checked() {
         violation
             .allowed
             .as_deref()
-            .is_some_and(|all| all.contains("nonwoven_tensile_quick"))
+            .is_some_and(|all| all.contains("nonwoven_tensile"))
     );
 }
