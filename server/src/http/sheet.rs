@@ -81,7 +81,7 @@ fn html(content: &Content<'_>) -> String {
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
          <meta name=\"color-scheme\" content=\"light dark\">\
-         <title>{title} · loadframe</title><style>{STYLE}</style></head><body>\n\
+         <link rel=\"icon\" href=\"data:,\"><title>{title} · loadframe</title><style>{STYLE}</style></head><body>\n\
          <a class=\"skip\" href=\"#main\">Skip to the text</a>\n\
          <header class=\"top\"><a class=\"home\" href=\"/\">loadframe</a>\
          <nav aria-label=\"loadframe\"><a href=\"/guide\"{guide}>Guide</a> <a href=\"/docs\"{service}>REST</a> <a href=\"/\">Jobs</a></nav>\

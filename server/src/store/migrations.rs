@@ -42,10 +42,9 @@ mod tests {
     #[test]
     fn every_file_is_listed() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../migrations");
-        let files = std::fs::read_dir(folder).unwrap();
-        let mut files: Vec<String> = files
-            .map(|file| file.unwrap().file_name().into_string().unwrap())
-            .collect();
+        let files = std::fs::read_dir(folder).expect("the folder is in the repository");
+        let files = files.map(|file| file.expect("its entries can be read").file_name());
+        let mut files: Vec<_> = files.collect();
         files.sort();
         assert_eq!(files, NAMES);
     }
