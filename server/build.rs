@@ -9,6 +9,10 @@ fn main() {
     if Path::new("../.git/logs/HEAD").exists() {
         println!("cargo::rerun-if-changed=../.git/logs/HEAD");
     }
+    // a new text of the guide is built in; debug builds read the folder itself
+    if std::env::var("PROFILE").is_ok_and(|profile| profile == "release") {
+        println!("cargo::rerun-if-changed=guide");
+    }
     let commit = std::env::var("LOADFRAME_COMMIT")
         .ok()
         .filter(|commit| !commit.is_empty())
