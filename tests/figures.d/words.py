@@ -31,7 +31,9 @@ def percent(error: float) -> str:
     value = 100 * abs(error)
     if value < 1e-6:
         return "0"
-    return f"{power(float(f'{value:.0e}'))} %" if value < 1e-3 else f"{digits(value)} %"
+    if value < 1e-3:
+        return f"{power(float(f'{value:.0e}'), 1e-4)} %"
+    return f"{digits(value)} %"
 
 
 def signed(error: float, standard_error: float | None) -> str:
@@ -83,9 +85,9 @@ def raised(number: int) -> str:
     return str(number).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def power(value: float) -> str:
-    """2·10⁻³, 10⁸, 0.4: as short as it is exact."""
-    if 1e-2 < abs(value) < 1e4:
+def power(value: float, smallest: float = 0.02) -> str:
+    """2·10⁻³, 10⁸, 0.4: as short as it is exact; from `smallest` to 10⁴ without a power."""
+    if smallest <= abs(value) < 1e4:
         return f"{value:g}"
     factor, exponent = f"{value:e}".split("e")
     ten = f"10{raised(int(exponent))}"
