@@ -1,8 +1,8 @@
-// What is looked for in the page, its mock server and the browser's tests: mistakes that the compiler does not see, and
-// circles of imports.
+// Mistakes that the compiler does not see, in the page, its mock server and the browser's tests. Circles of imports are
+// looked for by .dependency-cruiser.js.
 import js from "@eslint/js";
-import { createNodeResolver, importX } from "eslint-plugin-import-x";
 import svelte from "eslint-plugin-svelte";
+import { defineConfig } from "eslint/config";
 import globals from "globals";
 import ts from "typescript-eslint";
 
@@ -12,25 +12,17 @@ export const scripts = [
   { languageOptions: { globals: { ...globals.node, ...globals.browser } } },
 ];
 
-export default ts.config(
+export default defineConfig(
   { ignores: ["dist", "src/api/wire.ts"] },
   scripts,
   ts.configs.recommendedTypeChecked,
   svelte.configs.recommended,
   {
-    plugins: { "import-x": importX },
-    settings: {
-      // `./liveJob.svelte` is `liveJob.svelte.ts`
-      "import-x/resolver-next": [createNodeResolver({ extensions: [".ts", ".js", ".mjs"] })],
-      "import-x/extensions": [".ts", ".svelte"],
-      "import-x/parsers": { "@typescript-eslint/parser": [".ts"], "svelte-eslint-parser": [".svelte"] },
-    },
     languageOptions: {
       parserOptions: { projectService: true, extraFileExtensions: [".svelte"], parser: ts.parser },
     },
     rules: {
       eqeqeq: ["error", "always", { null: "ignore" }],
-      "import-x/no-cycle": "error",
       "@typescript-eslint/consistent-type-imports": "error",
       "@typescript-eslint/switch-exhaustiveness-check": "error",
     },

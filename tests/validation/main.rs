@@ -70,6 +70,11 @@ fn run_all(seeds: RangeInclusive<u64>) -> Vec<Run> {
 }
 
 #[test]
+fn same_specimens_by_a_second_program() {
+    reference::check_specimens();
+}
+
+#[test]
 fn pet_fabric_against_thesis_and_experiment() {
     const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/validation/nonwoven.md");
     let writes = std::env::var("LOADFRAME_VALIDATION").is_ok_and(|word| word == "write");

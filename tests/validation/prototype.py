@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """The nonwoven tensile test by a second program, which shares nothing with the engine.
 
-  tests/validation/prototype.py                       means and deviations over ten seeds, each jaw form
+  tests/validation/prototype.py                       means and deviations over seeds, each jaw form
   tests/validation/prototype.py --out FILE            keeps every test as JSON and goes on with what is there;
                                                       tests/validation/prototype.json is made so: delete it first
+  tests/validation/prototype.py --specimens FILE      small specimens, bond by bond, and what is found of them:
+                                                      tests/validation/specimens.json
 
 Its own lattice, random streams, assembly and solver, so that engine and prototype can be wrong together
 only in the model itself (equations of [Zilka2022], parameters of its tables 5 and 6):
@@ -19,7 +21,8 @@ matrices, inner conjugate gradients, until every resultant is below 1e-4 of the 
 (e eps + f_r eps^2)/100. A test ends when the jaw force has fallen below 0.9 of its maximum: what is told of
 it lies before, maximum force, strain there, and at 10 % strain secant stiffness and Poisson ratio.
 
-Needs numpy and scipy (tests/requirements.txt). A seed takes minutes, tests run side by side (--jobs).
+Needs numpy and scipy (tests/requirements.txt). A specimen takes some two minutes until it parts and seconds
+to 10 % strain; tests run side by side (--jobs).
 """
 
 import argparse
@@ -43,7 +46,7 @@ from scipy.sparse import bsr_array, coo_array  # noqa: E402
 from scipy.stats import t as student  # noqa: E402
 
 # [Zilka2022] tables 5 and 6; lengths in mm, forces in N
-COLUMNS, ROWS, LAYERS = 49, 51, 3
+PET = (49, 51, 3)
 SPACING = np.array([20.0, 20.0, 10.0])
 IRREGULARITY = 0.5
 MODULUS, FRICTION_MODULUS, COMPRESSION_STIFFNESS = 0.399, 1.473, 0.157
@@ -61,13 +64,14 @@ QUANTITIES = ["max_force", "strain_at_max_force", "poisson_ratio", "secant_stiff
 class Fabric:
     """Nodes, who is held, bonds with rest length and strength."""
 
-    def __init__(self, jaws: str, seed: int) -> None:
+    def __init__(self, jaws: str, seed: int, size: tuple[int, int, int] = PET) -> None:
+        columns, rows, layers = size
         chance = np.random.default_rng([seed, JAWS.index(jaws)])
         places, number = [], {}
-        for row in range(ROWS):
+        for row in range(rows):
             # even rows have n_x points half a spacing in, odd rows one more
-            for column in range(COLUMNS + row % 2):
-                for layer in range(LAYERS):
+            for column in range(columns + row % 2):
+                for layer in range(layers):
                     number[row, column, layer] = len(places)
                     places.append([column + 0.5 * (1 - row % 2), row, layer])
         places = np.array(places, float) * SPACING
@@ -77,17 +81,16 @@ class Fabric:
             others = [(row, column + 1, layer), (row, column, layer + 1)]
             others += [(row + 1, other, layer) for other in above]
             pairs += [(node, number[other]) for other in others if other in number]
-        end_rows = [[node for (row, _, _), node in number.items() if row == end] for end in (0, ROWS - 1)]
-        lattice = len(places)
+        end_rows = [[node for (row, _, _), node in number.items() if row == end] for end in (0, rows - 1)]
         held = [np.array(nodes) for nodes in end_rows]
-        self.gauge_length = (ROWS - 1) * SPACING[1]
+        self.gauge_length = (rows - 1) * SPACING[1]
         if jaws == "half_bond":
             # the diagonals beyond the end rows, cut in half; all layers meet in the mid-plane
-            middle = 0.5 * (LAYERS - 1) * SPACING[2]
+            middle = 0.5 * (layers - 1) * SPACING[2]
             for end, side in ((0, -1), (1, 1)):
                 first = len(places)
                 height = places[end_rows[end][0], 1] + 0.5 * side * SPACING[1]
-                points = [[0.5 * (k + 0.5) * SPACING[0], height, middle] for k in range(2 * COLUMNS)]
+                points = [[0.5 * (k + 0.5) * SPACING[0], height, middle] for k in range(2 * columns)]
                 places = np.vstack([places, points])
                 column_of = {node: column for (_, column, _), node in number.items()}
                 for node in end_rows[end]:
@@ -96,7 +99,7 @@ class Fabric:
             self.gauge_length += SPACING[1]
         self.is_free = np.ones(len(places), bool)
         self.is_free[np.concatenate(held)] = False
-        self.top = held[1]
+        self.bottom, self.top = held
         moved = chance.uniform(-0.5, 0.5, places.shape) * IRREGULARITY * SPACING
         moved[~self.is_free] = 0
         places = places + moved
@@ -105,15 +108,31 @@ class Fabric:
         self.places, self.ends = places, pairs
         self.rest = np.linalg.norm(places[pairs[:, 1]] - places[pairs[:, 0]], axis=1)
         self.strength = MEAN_STRENGTH * factors(chance, len(pairs))
-        middle_rows = [row for row in range(ROWS) if (ROWS - 1) / 3 <= row <= 2 * (ROWS - 1) / 3]
-        last = {row: COLUMNS + row % 2 - 1 for row in middle_rows}
-        sides = [(number[row, 0, layer], number[row, last[row], layer]) for row in middle_rows for layer in range(LAYERS)]
+        middle_rows = [row for row in range(rows) if (rows - 1) / 3 <= row <= 2 * (rows - 1) / 3]
+        last = {row: columns + row % 2 - 1 for row in middle_rows}
+        sides = [(number[row, 0, layer], number[row, last[row], layer]) for row in middle_rows for layer in range(layers)]
         self.left, self.right = np.array(sides).T
-        assert lattice == 7572, "the thesis' table 6 has 7572 nodes"
 
     def width(self, places: np.ndarray) -> float:
         """Mean length of the rows in the middle third, end to end, over all layers."""
         return float(np.mean(places[self.right, 0] - places[self.left, 0]))
+
+    def job(self) -> dict:
+        """The same specimen as a job for loadframe, node by node and bond by bond."""
+        holds = np.full(len(self.places), "free", dtype=object)
+        holds[self.bottom], holds[self.top] = "bottom", "top"
+        bonds = [{"nodes": pair, "strength_n": strength} for pair, strength in zip(self.ends.tolist(), self.strength.tolist())]
+        return {"kind": "nonwoven_tensile", "spec": {
+            "version": 1,
+            "fabric": {"network": {"nodes_mm": self.places.tolist(), "jaws": holds.tolist(), "bonds": bonds}},
+            "bond": {
+                "modulus_n": MODULUS, "friction_modulus_n": FRICTION_MODULUS,
+                "compression_stiffness_n": COMPRESSION_STIFFNESS, "mean_strength_n": MEAN_STRENGTH,
+            },
+            "test": {"strain_step": STRAIN_STEP, "max_strain": LARGEST_STRAIN, "breaking": "all_over_strength"},
+            "accuracy": {"solver": "newton_cg", "force_accuracy": FORCE_ACCURACY / SHARE_OF_LIMIT},
+            "output": {"snapshot_every_steps": 0},
+        }}
 
 
 def factors(chance: np.random.Generator, count: int) -> np.ndarray:
@@ -249,17 +268,22 @@ class Equilibrium:
         return found
 
 
-def test(jaws: str, seed: int) -> dict:
-    """Pulls one specimen and tells its results."""
+def test(jaws: str, seed: int, is_to_rupture: bool) -> dict:
+    """Pulls one specimen, perhaps to 10 % strain only, and tells its results."""
+    return {"jaws": jaws, "seed": seed, **pull(Fabric(jaws, seed), is_to_rupture)}
+
+
+def pull(fabric: Fabric, is_to_rupture: bool) -> dict:
     begin = time.process_time()
-    fabric = Fabric(jaws, seed)
     network = Equilibrium(fabric)
-    places, curve, result = fabric.places, [], {"jaws": jaws, "seed": seed}
-    for count in range(1, round(LARGEST_STRAIN / STRAIN_STEP) + 1):
-        strain = count * STRAIN_STEP
+    places, curve, result = fabric.places, [], {}
+    # what is elastic does not know the steps
+    step = STRAIN_STEP if is_to_rupture else AT_STRAIN / 2
+    for count in range(1, round(LARGEST_STRAIN / step) + 1):
+        strain = count * step
         limit = SHARE_OF_LIMIT * (MODULUS * strain + FRICTION_MODULUS * strain**2) / FORCE_ACCURACY
         # all heights grow alike; nodes that have just snapped through would lead any extrapolation astray
-        begun = places * [1, (1 + strain) / (1 + strain - STRAIN_STEP), 1]
+        begun = places * [1, (1 + strain) / (1 + strain - step), 1]
         begun[~fabric.is_free] = fabric.places[~fabric.is_free]
         begun[fabric.top, 1] += strain * fabric.gauge_length
         places = network.find(begun, limit)
@@ -276,10 +300,12 @@ def test(jaws: str, seed: int) -> dict:
             contraction = 1 - fabric.width(places) / fabric.width(fabric.places)
             result["poisson_ratio"] = contraction / strain
             result["secant_stiffness_at_10_percent"] = force / strain
-        if force < PARTED * max(curve):
+        has_parted = force < PARTED * max(curve)
+        if has_parted:
             result["max_force"] = max(curve)
-            result["strain_at_max_force"] = (curve.index(max(curve)) + 1) * STRAIN_STEP
-            return {**result, "cpu_s": time.process_time() - begin}
+            result["strain_at_max_force"] = (curve.index(max(curve)) + 1) * step
+        if has_parted or (not is_to_rupture and result):
+            return {**result, "cpu_s": round(time.process_time() - begin, 1)}
     raise ArithmeticError("the fabric did not part")
 
 
@@ -290,7 +316,9 @@ def summary(tests: list) -> list:
     for jaws in JAWS:
         own = sorted((test for test in tests if test["jaws"] == jaws), key=lambda test: test["seed"])
         for name in QUANTITIES:
-            values = [test[name] for test in own]
+            values = [test[name] for test in own if name in test]
+            if len(values) < 2:
+                continue
             mean, deviation = statistics.mean(values), statistics.stdev(values)
             row = {"jaws": jaws, "quantity": name, "mean": mean, "deviation": deviation, "n": len(values)}
             rows.append({**row, "student_99": float(student.ppf(0.995, len(values) - 1))})
@@ -298,35 +326,51 @@ def summary(tests: list) -> list:
 
 
 def write(path: Path, tests: list) -> None:
-    """Every test, and what those of each jaw form say together once there are two."""
+    """Every test, and what those of each jaw form say together."""
     tests = sorted(tests, key=lambda test: (test["jaws"], test["seed"]))
-    is_enough = all(sum(test["jaws"] == jaws for test in tests) >= 2 for jaws in JAWS)
     lines = lambda rows: "[\n" + ",\n".join(f"  {json.dumps(row)}" for row in rows) + "\n ]"
     parts = {
         "command": json.dumps("tests/validation/prototype.py --out tests/validation/prototype.json"),
         "versions": json.dumps(f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}"),
-        "results": lines(summary(tests) if is_enough else []),
+        "results": lines(summary(tests)),
         "tests": lines(tests),
     }
     path.write_text("{\n" + ",\n".join(f' "{name}": {part}' for name, part in parts.items()) + "\n}\n")
 
 
+def write_specimens(path: Path, size: tuple[int, int, int]) -> None:
+    """A specimen of each jaw form, and what this program finds of it."""
+    written = []
+    for jaws in JAWS:
+        fabric = Fabric(jaws, 1, size)
+        job = {**fabric.job(), "name": f"{jaws}, {' x '.join(map(str, size))}"}
+        found = pull(fabric, is_to_rupture=True)
+        # a network given bond by bond has no rows: its width is read otherwise
+        written.append({"job": job, "found": {name: found[name] for name in QUANTITIES if name != "poisson_ratio"}})
+        print(f"{job['name']}: {written[-1]['found']}")
+    path.write_text("[\n" + ",\n".join(map(json.dumps, written)) + "\n]\n")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, default=10, help="specimens of each jaw form, two at least (10)")
+    parser.add_argument("--ruptures", type=int, default=10, help="specimens of each jaw form pulled until they part (10)")
+    parser.add_argument("--seeds", type=int, default=20, help="specimens of each jaw form in all, the others to 10 %% strain (20)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="tests side by side (all cores)")
     parser.add_argument("--out", type=Path, help="where every test is kept, as JSON; tests found there are not done again")
+    parser.add_argument("--specimens", type=Path, help="write specimens as jobs with what is found of them, and nothing else")
+    parser.add_argument("--size", default="7x9x2", help="of those: points per row, rows (odd), layers (7x9x2)")
     args = parser.parse_args()
-    if args.seeds < 2:
-        parser.error("a deviation needs two seeds")
+    if args.specimens:
+        write_specimens(args.specimens, tuple(map(int, args.size.split("x"))))
+        return 0
     tests = json.loads(args.out.read_text())["tests"] if args.out and args.out.exists() else []
     known = {(found["jaws"], found["seed"]) for found in tests}
-    asked = [(jaws, seed) for seed in range(1, args.seeds + 1) for jaws in JAWS if (jaws, seed) not in known]
+    asked = [(jaws, seed, seed <= args.ruptures) for seed in range(1, args.seeds + 1) for jaws in JAWS]
     with ProcessPoolExecutor(args.jobs) as pool:
-        for done in as_completed([pool.submit(test, *one) for one in asked]):
+        for done in as_completed([pool.submit(test, *one) for one in asked if one[:2] not in known]):
             found = done.result()
             tests.append(found)
-            told = ", ".join(f"{name} {found[name]:.4f}" for name in QUANTITIES)
+            told = ", ".join(f"{name} {found[name]:.4f}" for name in QUANTITIES if name in found)
             print(f"{found['jaws']}, seed {found['seed']}: {told}; {found['cpu_s']:.0f} s", file=sys.stderr, flush=True)
             if args.out:
                 write(args.out, tests)

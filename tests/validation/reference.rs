@@ -1,6 +1,9 @@
 //! What the engine must reproduce: near-exact solutions of the same fabric by a second program.
 use crate::{QUANTITIES, Run};
+use loadframe_tests::run_alone;
 use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// What `tests/validation/prototype.py --out tests/validation/prototype.json` found: Newton's method
 /// to 10⁻⁴ of the force limit, in a program that shares nothing with the engine. Its random streams
@@ -70,4 +73,34 @@ pub(crate) fn check(runs: &[Run]) {
         crate::JAWS.len() * QUANTITIES.len()
     );
     assert!(misses.is_empty(), "{misses:#?}");
+}
+
+/// Relative difference of two solutions that both end at a millionth of a bond's force.
+const NEAR_EXACT: f64 = 1e-6;
+
+/// Specimens that `prototype.py --specimens` wrote out bond by bond: where every node, bond and
+/// strength is the same, so must be the order in which bonds break, and with it every result.
+///
+/// # Panics
+/// When a result differs.
+pub(crate) fn check_specimens() {
+    #[derive(Deserialize)]
+    struct Specimen {
+        job: Value,
+        found: BTreeMap<String, f64>,
+    }
+    let specimens: Vec<Specimen> = serde_json::from_str(include_str!("specimens.json")).unwrap();
+    let folder = tempfile::TempDir::new().unwrap();
+    assert_eq!(specimens.len(), crate::JAWS.len());
+    for (number, Specimen { job, found }) in specimens.iter().enumerate() {
+        let files = run_alone(job, 1, &folder.path().join(number.to_string()));
+        for (name, expected) in found {
+            let own = files.outcome["summary"][name]["value"].as_f64().unwrap();
+            assert!(
+                (own - expected).abs() <= NEAR_EXACT * expected,
+                "{}: {name} {own}, the prototype finds {expected}",
+                job["name"]
+            );
+        }
+    }
 }

@@ -123,7 +123,7 @@ pub enum Accuracy {
     Knobs(Knobs),
 }
 
-/// Named choices of the knobs; their measured error and cost are in the README.
+/// Named choices of the knobs; their measured error and cost are in the guide, under "Speed against accuracy".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {

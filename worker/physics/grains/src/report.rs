@@ -11,7 +11,7 @@ const LARGEST_OVERLAP: f64 = 0.05;
 /// Of the critical step; beyond it an undamped gas of grains gains 20 % energy in a minute's run.
 const LARGEST_STEP_RATIO: f64 = 0.4;
 /// The same where local damping takes what a step creates: beds pressed at 0.8 are those pressed at 0.1, to
-/// within what beds differ (README, ballast tests).
+/// within what beds differ (guide, ballast).
 const LARGEST_DAMPED_STEP_RATIO: f64 = 0.8;
 /// Created over largest energy.
 const LARGEST_CREATION: f64 = 0.05;
