@@ -1,14 +1,14 @@
 //! Contacts of a sphere and facets.
 //!
 //! The sphere is a, the facet b: n points from the centre to the nearest point of the triangle, at a
-//! distance d; δ = r − d. A facet is like a plane ([`walls`](super::walls)), with the sphere's radius
+//! distance d; δ = r − d. A facet is like a plane ([`planes`](super::planes)), with the sphere's radius
 //! as its own and (G.7). By Yade's rule it has twice that radius in the stiffness, and slip is that
 //! of the surfaces in the middle of the overlap:
 //!
 //!   v = v_b − v_a − (r − δ/2) ω_a × n (G.20)
 //!
 //! Candidates are listed by sphere, so that one sphere's facets are looked at together and features
-//! that they share count once ([`once`](super::super::facets::once)). Where they are is found one by
+//! that they share count once ([`once`](crate::walls::facets::once)). Where they are is found one by
 //! one: most end at their distance from the triangle's plane. The law then works in vectors, each as
 //! soon as all spheres in it were looked at.
 //!
@@ -18,18 +18,21 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Scenery, Slip, Touch, Wrenches,
+    Scenery, Slip, Touch,
     law::{Law, Past},
     stiffness::Springs,
     tangents::{Tangent, Tangents},
 };
 use crate::{
-    facets::{
+    motion::Wrenches,
+    numbers::{
+        lanes::{Array, LANES, Lanes, Vectors, bits},
+        rows::{Row, gather},
+    },
+    walls::facets::{
         FacetRule,
         once::{Near, last_heir},
     },
-    lanes::{Array, LANES, Lanes, Vectors, bits},
-    rows::{Row, gather},
 };
 
 /// Candidates in vectors; what fills up the last block belongs to no sphere.

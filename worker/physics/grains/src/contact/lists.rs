@@ -9,15 +9,15 @@ use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Scenery, Wrenches,
+    Scenery,
     facets::{FacetCandidate, FacetList, Sides},
     law::{Lanewise, Law, Past},
     pairs::PairList,
+    planes::WallList,
     stiffness::Springs,
     tangents::Tangents,
-    walls::WallList,
 };
-use crate::lanes::LANES;
+use crate::{motion::Wrenches, numbers::lanes::LANES};
 
 /// What the contacts of a patch act on.
 #[derive(Debug)]

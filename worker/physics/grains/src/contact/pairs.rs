@@ -13,15 +13,18 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Kinematics, Slip, Touch, Wrenches,
+    Kinematics, Slip, Touch,
     law::{Law, Past, direction},
     stiffness::Springs,
     tangents::{Tangent, Tangents},
 };
 use crate::{
-    ahead::ask,
-    lanes::{Array, LANES, Lanes, Vectors, bits},
-    rows::{Gathered, Row, gather, scatter},
+    motion::Wrenches,
+    numbers::{
+        ahead::ask,
+        lanes::{Array, LANES, Lanes, Vectors, bits},
+        rows::{Gathered, Row, gather, scatter},
+    },
 };
 
 /// Candidates in vectors; the last ones of a list may be padding, which never touches.

@@ -13,8 +13,8 @@
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
-use super::Drive;
-use crate::{Vector, contact::Wrenches, rows::Row};
+use super::{Drive, Wrenches};
+use crate::numbers::{Vector, rows::Row};
 
 /// A rigid clump.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

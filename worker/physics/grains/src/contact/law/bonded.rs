@@ -18,7 +18,7 @@ use super::{
     Bond, ContactForces, Kept, Lanewise, Law, Linear, Past, Push, Slip, Spring, Touch,
     coulomb::{Coulomb, cut},
 };
-use crate::{
+use crate::numbers::{
     ahead::ask,
     lanes::{Array, Lanes, Vectors},
 };

@@ -5,7 +5,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{ContactForces, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch};
-use crate::{
+use crate::numbers::{
     Vector,
     lanes::{Lanes, Vectors},
 };

@@ -18,16 +18,11 @@ mod viscous_shear;
 
 use std::fmt::Debug;
 
-use loadframe_harness::checkpoint::CheckpointError;
 use pulp::Simd;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use super::{
-    Push, Slip, Touch,
-    lists::{Lists, PatchLists},
-    stiffness::{Side, Springs},
-};
-use crate::Vector;
+use super::{Push, Slip, Touch, stiffness::Springs};
+use crate::numbers::Vector;
 
 pub(crate) use bonded::Bonded;
 pub(crate) use coulomb::Coulomb;
@@ -138,36 +133,6 @@ pub(crate) trait Law:
     fn forget<S: Simd>(&mut self, simd: S, part: usize);
 }
 
-/// Lists that were read from a checkpoint, or why they cannot be.
-pub(crate) type Unpacked = Result<Box<dyn Lists>, CheckpointError>;
-
-/// A law as all see it that do not work through its blocks.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Chosen {
-    /// Constants of the springs between two bodies.
-    pub(crate) springs: fn(&Side, &Side) -> Springs,
-    /// ∫ F_N dδ [J], given the square of F_N.
-    pub(crate) energy: fn(&Spring, f64) -> f64,
-    /// Stiffness [N/m] of a contact that a body may come to, at a speed [m/s].
-    pub(crate) foreseen: fn(&Side, f64) -> f64,
-    /// The lists of a patch without contacts.
-    pub(crate) lists: fn() -> Box<dyn Lists>,
-    /// Reads what [`Lists::pack`] wrote.
-    pub(crate) unpack: fn(&[u8]) -> Unpacked,
-}
-
-impl Chosen {
-    pub(crate) fn of<F: Law>() -> Self {
-        Self {
-            springs: F::Normal::springs,
-            energy: F::Normal::energy,
-            foreseen: F::Normal::foreseen,
-            lists: || Box::new(PatchLists::<F>::default()),
-            unpack: |bytes| Ok(Box::new(PatchLists::<F>::unpack(bytes)?)),
-        }
-    }
-}
-
 impl ContactForces {
     /// A normal spring alone, with what shears it: the constant of k_T and the force on b.
     fn spring<N: Normal>(spring: &Spring, shear_constant: f64, shear: Vector) -> Self {
@@ -208,7 +173,7 @@ impl Past {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{Array, LANES, Lanes, Vectors};
+    use crate::numbers::lanes::{Array, LANES, Lanes, Vectors};
     use pulp::{Arch, Scalar, WithSimd};
 
     /// Some steps of one block of contacts, all different; the last step in bits.

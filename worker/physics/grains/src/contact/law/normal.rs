@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use super::Touch;
 use crate::{
     contact::stiffness::{Side, Springs},
-    lanes::{Lanes, Vectors},
+    numbers::lanes::{Lanes, Vectors},
 };
 
 /// The normal spring of one contact, as observers see it.

@@ -18,9 +18,11 @@ use serde::{Deserialize, Serialize};
 
 use super::{ContactForces, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch};
 use crate::{
-    ahead::ask,
     contact::stiffness::Springs,
-    lanes::{Array, Lanes},
+    numbers::{
+        ahead::ask,
+        lanes::{Array, Lanes},
+    },
 };
 
 /// A law and a dashpot.

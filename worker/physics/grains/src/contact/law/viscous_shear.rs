@@ -19,10 +19,12 @@ use serde::{Deserialize, Serialize};
 
 use super::{ContactForces, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch, coulomb::cut};
 use crate::{
-    Vector,
-    ahead::{ask, ask_all},
     contact::stiffness::Springs,
-    lanes::{Array, Lanes, Vectors},
+    numbers::{
+        Vector,
+        ahead::{ask, ask_all},
+        lanes::{Array, Lanes, Vectors},
+    },
 };
 
 /// A law with friction and a dashpot.
