@@ -22,6 +22,10 @@ pub(crate) struct Chosen {
     pub(crate) springs: fn(&Side, &Side) -> Springs,
     /// ∫ F_N dδ [J], given the square of F_N.
     pub(crate) energy: fn(&Spring, f64) -> f64,
+    /// Tangents k_N, k_T [N/m].
+    pub(crate) tangents: fn(&Spring) -> [f64; 2],
+    /// What the constants of dashpots are multiplied with.
+    pub(crate) dashpot: fn(&Spring) -> f64,
     /// Stiffness [N/m] of a contact that a body may come to, at a speed [m/s].
     pub(crate) foreseen: fn(&Side, f64) -> f64,
     /// The lists of a patch without contacts.
@@ -35,6 +39,8 @@ impl Chosen {
         Self {
             springs: F::Normal::springs,
             energy: F::Normal::energy,
+            tangents: Spring::tangents::<F::Normal>,
+            dashpot: Spring::dashpot::<F::Normal>,
             foreseen: F::Normal::foreseen,
             lists: || Box::new(PatchLists::<F>::default()),
             unpack: |bytes| Ok(Box::new(PatchLists::<F>::unpack(bytes)?)),

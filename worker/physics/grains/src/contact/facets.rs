@@ -18,7 +18,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Scenery, Slip, Touch,
+    Deepest, Scenery, Slip, Touch,
     law::{Law, Past},
     stiffness::Springs,
     tangents::{Tangent, Tangents},
@@ -80,6 +80,7 @@ pub(super) struct Sides<'a> {
     pub(super) wrenches: &'a mut Wrenches,
     /// On each mesh [N]; the fourth number is the power of its turning [W].
     pub(super) on_meshes: &'a mut [[f64; 4]],
+    pub(super) deepest: &'a mut Deepest,
 }
 
 /// The facets of a block that are touched, as the law wants them.
@@ -163,6 +164,7 @@ impl<F: Law> FacetList<F> {
             &touched,
             self.tangents.of::<F>(number),
             *touching,
+            sides.deepest,
             #[inline(always)]
             |lane: usize, force: [f64; 4], moment: [f64; 4]| {
                 if touched.touches[lane] == 0.0 {
@@ -301,6 +303,7 @@ impl<F: Law> FacetBlock<F> {
         touched: &Touched,
         tangent: Tangent<'_>,
         before: u8,
+        deepest: &mut Deepest,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
         let kinematics = scenery.kinematics;
@@ -346,6 +349,7 @@ impl<F: Law> FacetBlock<F> {
                 .law
                 .advance(simd, part, touch, slip, kinematics.time_step);
             touching |= bits::<S>(push.acts, part);
+            push.tell(simd, radius, deepest);
             push.against_wall(simd, part, &touch, radius, &mut act);
         }
         touching

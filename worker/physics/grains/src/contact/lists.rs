@@ -9,7 +9,7 @@ use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Scenery,
+    Deepest, Scenery,
     facets::{FacetCandidate, FacetList, Sides},
     law::{Lanewise, Law, Past},
     pairs::PairList,
@@ -30,6 +30,8 @@ pub(crate) struct Acting<'a> {
     pub(crate) halo: &'a mut Wrenches,
     /// On each wall, planes before meshes [N]; the fourth number is the power of a mesh's turning [W].
     pub(crate) on_walls: &'a mut [[f64; 4]],
+    /// Of all its contacts.
+    pub(crate) deepest: &'a mut Deepest,
 }
 
 /// Who touches.
@@ -272,18 +274,20 @@ impl<F: Law> WithSimd for Push<'_, F> {
             wrenches,
             halo,
             on_walls,
+            deepest,
         } = acting;
-        (lists.inner).push_inner(simd, kinematics, first, wrenches);
-        (lists.outer).push_outer(simd, kinematics, first, wrenches, halo);
+        (lists.inner).push_inner(simd, kinematics, first, wrenches, deepest);
+        (lists.outer).push_outer(simd, kinematics, first, wrenches, halo, deepest);
         let (on_planes, on_meshes) = on_walls.split_at_mut(scenery.faces.len());
         let planes = lists.walls.iter_mut().zip(scenery.faces).zip(on_planes);
         for ((list, face), on_plane) in planes {
-            *on_plane = list.push(simd, face, kinematics, first, wrenches);
+            *on_plane = list.push(simd, face, kinematics, first, wrenches, deepest);
         }
         let sides = Sides {
             first,
             wrenches,
             on_meshes,
+            deepest,
         };
         (lists.facets).push(simd, scenery, sides);
     }

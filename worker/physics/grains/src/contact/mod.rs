@@ -28,11 +28,12 @@ mod tangents;
 use std::ops::Range;
 
 use pulp::Simd;
+use serde::{Deserialize, Serialize};
 
 use crate::{
     numbers::{
         ahead::ask,
-        lanes::{Lanes, Vectors},
+        lanes::{Array, LANES, Lanes, Vectors, bits},
         rows::{Gathered, Row, scatter},
     },
     walls::{
@@ -117,7 +118,27 @@ pub(crate) struct Push<S: Simd> {
     pub(crate) shear: Vectors<S>,
     /// F_N tan φ [N], at which it slides, with F_N of the spring.
     pub(crate) limit: Lanes<S>,
+    /// Of the spring [m]: δ, or the change of a bond's overlap.
+    pub(crate) compression: Lanes<S>,
     pub(crate) acts: S::m64s,
+}
+
+/// Largest compression over the smaller radius that contacts had, step by step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Deepest(pub(crate) f64);
+
+/// What is compared with a product may be rounded either way.
+const NEARLY_ONE: f64 = 1.0 - 4.0 * f64::EPSILON;
+
+impl Deepest {
+    /// Takes in the lanes `deeper`, by the quotient itself: the largest of them is the same in any order.
+    #[cold]
+    #[inline(never)]
+    fn raise(&mut self, compression: &Array, radius: &Array, deeper: u8) {
+        for lane in (0..LANES).filter(|lane| deeper >> lane & 1 == 1) {
+            self.0 = self.0.max(compression[lane] / radius[lane]);
+        }
+    }
 }
 
 /// How the surfaces of a part of a block move past each other.
@@ -147,6 +168,21 @@ impl<S: Simd> Slip<S> {
 }
 
 impl<S: Simd> Push<S> {
+    /// Tells `deepest` of contacts with these smaller radii. After some steps hardly any is deeper than
+    /// those before, so that this is a comparison.
+    #[inline(always)]
+    fn tell(&self, simd: S, radius: Lanes<S>, deepest: &mut Deepest) {
+        let known = radius * Lanes::splat(simd, NEARLY_ONE * deepest.0);
+        let is_deeper = simd.and_m64s(known.below(self.compression), self.acts);
+        let deeper = bits::<S>(is_deeper, 0);
+        if deeper != 0 {
+            let mut arrays = [[0.0; LANES]; 2];
+            self.compression.store(&mut arrays[0], 0);
+            radius.store(&mut arrays[1], 0);
+            deepest.raise(&arrays[0], &arrays[1], deeper);
+        }
+    }
+
     /// Gives `act` what a part of a block of spheres at walls does, lane by lane: the force on the
     /// wall and its moment about the centre of the sphere of this radius (G.2).
     #[inline(always)]

@@ -13,7 +13,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Kinematics, Slip, Touch,
+    Deepest, Kinematics, Slip, Touch,
     law::{Law, Past, direction},
     stiffness::Springs,
     tangents::{Tangent, Tangents},
@@ -83,6 +83,7 @@ impl<F: Law> PairList<F> {
         kinematics: Kinematics<'_>,
         first: usize,
         wrenches: &mut Wrenches,
+        deepest: &mut Deepest,
     ) {
         for index in 0..self.blocks.len() {
             self.ask(index + BLOCKS_AHEAD);
@@ -94,6 +95,7 @@ impl<F: Law> PairList<F> {
                 kinematics,
                 tangent,
                 *touching,
+                deepest,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], torque: [f64; 4]| {
                     let (a, b) = (a[lane] as usize - first, b[lane] as usize - first);
@@ -118,6 +120,7 @@ impl<F: Law> PairList<F> {
         first: usize,
         wrenches: &mut Wrenches,
         halo: &mut Wrenches,
+        deepest: &mut Deepest,
     ) {
         for index in 0..self.blocks.len() {
             self.ask(index + BLOCKS_AHEAD);
@@ -133,6 +136,7 @@ impl<F: Law> PairList<F> {
                 kinematics,
                 tangent,
                 *touching,
+                deepest,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], torque: [f64; 4]| {
                     let a = a[lane] as usize - first;
@@ -228,6 +232,7 @@ impl<F: Law> PairBlock<F> {
         kinematics: Kinematics<'_>,
         tangent: Tangent<'_>,
         touched: u8,
+        deepest: &mut Deepest,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
         let mut touching = 0;
@@ -288,6 +293,8 @@ impl<F: Law> PairBlock<F> {
                 .law
                 .advance(simd, part, touch, slip, kinematics.time_step);
             touching |= bits::<S>(push.acts, part);
+            let smaller = a.fourth.only_if(a.fourth.below(b.fourth), b.fourth);
+            push.tell(simd, smaller, deepest);
             let half = Lanes::splat(simd, 0.5) * overlap;
             let force = Gathered {
                 vector: normal.scaled(push.normal) + push.shear,

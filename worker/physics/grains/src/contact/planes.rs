@@ -11,7 +11,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Kinematics, Slip, Touch,
+    Deepest, Kinematics, Slip, Touch,
     law::{Law, Past},
     stiffness::Springs,
     tangents::{Tangent, Tangents},
@@ -58,6 +58,7 @@ impl<F: Law> WallList<F> {
         kinematics: Kinematics<'_>,
         first: usize,
         wrenches: &mut Wrenches,
+        deepest: &mut Deepest,
     ) -> [f64; 4] {
         let mut on_plane = [0.0; 4];
         let blocks = self.blocks.iter_mut().zip(&mut self.touching);
@@ -71,6 +72,7 @@ impl<F: Law> WallList<F> {
                 kinematics,
                 tangent,
                 touched,
+                deepest,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], moment: [f64; 4]| {
                     let particle = particles[lane] as usize - first;
@@ -128,6 +130,7 @@ impl<F: Law> WallBlock<F> {
         kinematics: Kinematics<'_>,
         tangent: Tangent<'_>,
         touched: u8,
+        deepest: &mut Deepest,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
         let normal = Vectors::splat(simd, face.normal());
@@ -179,6 +182,7 @@ impl<F: Law> WallBlock<F> {
                 .law
                 .advance(simd, part, touch, slip, kinematics.time_step);
             touching |= bits::<S>(push.acts, part);
+            push.tell(simd, radius, deepest);
             push.against_wall(simd, part, &touch, radius, &mut act);
         }
         touching

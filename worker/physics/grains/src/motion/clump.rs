@@ -61,6 +61,12 @@ impl Clump {
         first..first + self.offsets.len()
     }
 
+    /// Arm² over inertia of a contact of a member, at most [1/kg].
+    pub(crate) fn turning(&self, member: &Row) -> f64 {
+        let arm = (member.vector() - self.centre).norm() + member.0[3];
+        arm.powi(2) / self.inertia.min()
+    }
+
     /// Inertia in the global frame [kg m²].
     pub(crate) fn global_inertia(&self) -> Matrix3<f64> {
         let axes = self.orientation.to_rotation_matrix();

@@ -18,8 +18,7 @@ use serde::{Deserialize, Serialize};
 use super::contact::Contact;
 use crate::{
     contact::stiffness::Side,
-    motion::clump::Clump,
-    numbers::rows::Row,
+    motion::critical_step,
     scene::model::Model,
     step::{engine::Engine, patch::Patch},
 };
@@ -33,8 +32,8 @@ pub(crate) struct Critical {
     pub(crate) body: u32,
     /// Its stiffest contact.
     pub(crate) partner: u32,
-    /// Critical step of the body in the middle, of all that touch something [s].
-    pub(crate) median: f64,
+    /// Critical step of the body in the middle, of all that touch something [s], where all were looked at.
+    pub(crate) median: Option<f64>,
 }
 
 /// What the contacts of a particle, or a body, add up to.
@@ -92,13 +91,7 @@ impl Rows {
         let most = |rows: &[f64]| rows.iter().copied().fold(0.0, f64::max);
         let square = most(&self.along).max(most(&self.about));
         let damped = most(self.damped.as_flattened());
-        let step = if damped > 0.0 {
-            // the root of (G.19)
-            4.0 / (damped + (damped * damped + 4.0 * square).sqrt())
-        } else {
-            2.0 / square.sqrt()
-        };
-        (square > 0.0).then_some(step)
+        (square > 0.0).then(|| critical_step(square, damped))
     }
 }
 
@@ -159,7 +152,7 @@ impl Engine {
         let mut steps: Vec<f64> = found().map(|body| body.step).collect();
         let middle = steps.len() / 2;
         Some(Critical {
-            median: *steps.select_nth_unstable_by(middle, f64::total_cmp).1,
+            median: Some(*steps.select_nth_unstable_by(middle, f64::total_cmp).1),
             ..*critical
         })
     }
@@ -175,7 +168,7 @@ impl Engine {
                 step,
                 body,
                 partner: row.stiffest.1,
-                median: step,
+                median: None,
             }));
         };
         for place in patch.single_spheres(clumps).flatten() {
@@ -242,13 +235,5 @@ impl Engine {
             })
         });
         steps.min_by(f64::total_cmp)
-    }
-}
-
-impl Clump {
-    /// Arm² over inertia of a contact of a member, at most [1/kg].
-    fn turning(&self, member: &Row) -> f64 {
-        let arm = (member.vector() - self.centre).norm() + member.0[3];
-        arm.powi(2) / self.inertia.min()
     }
 }

@@ -2,7 +2,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::fragments::FragmentRow;
-use crate::observe::{measure::Measure, survey::Reading, time_step::Critical};
+use crate::{
+    observe::{measure::Measure, survey::Reading, time_step::Critical},
+    step::alone::Seen,
+};
 
 /// Everything a run has to say at its end, beside the state of its bodies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -50,16 +53,19 @@ pub(crate) struct Journal {
     pub(crate) candidate_steps: u64,
 }
 
-/// The worst that was observed.
+/// The worst of looks, and of every step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Worst {
-    /// δ over the smaller radius.
+    /// Compression over the smaller radius.
     pub(crate) overlap_ratio: f64,
     /// Δt over the critical step.
     pub(crate) step_ratio: f64,
     /// What was critical then.
     pub(crate) critical: Option<Critical>,
 }
+
+/// What round-off may make of one ratio reckoned in two ways.
+const ROUND_OFF: f64 = 1e-12;
 
 /// Energy that came from nowhere.
 ///
@@ -68,6 +74,8 @@ pub(crate) struct Worst {
 /// by the integration. While a scene is shaken nothing is added: that work is not measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Balance {
+    /// Looks that were added.
+    pub(crate) looks: u64,
     lowest: Option<f64>,
     /// Largest rise [J].
     pub(crate) created: f64,
@@ -88,6 +96,7 @@ pub(crate) struct Driving {
 
 impl Balance {
     pub(crate) fn add(&mut self, reading: &Reading, work: f64) {
+        self.looks += 1;
         let left = reading.kinetic + reading.elastic + reading.gravitational - work;
         let lowest = self.lowest.map_or(left, |lowest| lowest.min(left));
         self.lowest = Some(lowest);
@@ -137,6 +146,26 @@ impl Driving {
 }
 
 impl Worst {
+    /// The same with what every step had, contact by contact.
+    pub(crate) fn with(&self, seen: &Seen) -> Self {
+        let mut worst = Self {
+            overlap_ratio: self.overlap_ratio.max(seen.overlap_ratio),
+            ..*self
+        };
+        if let Some((step, [body, partner])) = seen.critical
+            && seen.step_ratio > self.step_ratio * (1.0 + ROUND_OFF)
+        {
+            worst.step_ratio = seen.step_ratio;
+            worst.critical = Some(Critical {
+                step,
+                body,
+                partner,
+                median: None,
+            });
+        }
+        worst
+    }
+
     pub(crate) fn see_step(&mut self, time_step: f64, critical: Option<Critical>) {
         if let Some(critical) = critical {
             let ratio = time_step / critical.step;

@@ -4,7 +4,7 @@ use loadframe_api::{
     BodyProperties, QualityCheck, Quantity, Report, Warning, spec::granular_scene::GranularScene,
 };
 
-use super::journal::Journal;
+use super::journal::{Journal, Worst};
 use crate::{numbers::Vector, step::engine::Engine};
 
 /// δ/r beyond which a linear contact of stiff grains is not what it stands for.
@@ -29,7 +29,7 @@ pub(crate) fn report(spec: &GranularScene, engine: &Engine, journal: &Journal) -
     Report {
         stop_reason: "stages_done".to_owned(),
         summary: summary(engine, journal, escaped.len()),
-        warnings: warnings(spec, engine.model.masses.len(), journal, &quality, &escaped),
+        warnings: warnings(spec, engine, journal, &quality, &escaped),
         quality,
         bodies: if GranularScene::describes_bodies(engine.model.masses.len()) {
             bodies(engine)
@@ -161,32 +161,38 @@ fn summary(engine: &Engine, journal: &Journal, escaped: usize) -> IndexMap<Strin
     summary
 }
 
+/// What looks saw, and every step.
+fn worst(engine: &Engine, journal: &Journal) -> Worst {
+    journal.worst.with(&engine.state.seen)
+}
+
 fn quality(
     spec: &GranularScene,
     engine: &Engine,
     journal: &Journal,
 ) -> IndexMap<String, QualityCheck> {
+    let worst = worst(engine, journal);
     let mut quality = IndexMap::from([
         (
             "largest_overlap_ratio".to_owned(),
             QualityCheck::at_most(
-                journal.worst.overlap_ratio,
+                worst.overlap_ratio,
                 LARGEST_OVERLAP,
                 "1",
-                "Largest overlap seen over the smaller radius: grains this soft are not stiff grains.",
+                "Largest overlap of any step over the smaller radius: grains this soft are not stiff grains.",
             ),
         ),
         (
             "step_over_critical".to_owned(),
             QualityCheck::at_most(
-                journal.worst.step_ratio,
+                worst.step_ratio,
                 if spec.local_damping() > 0.0 {
                     LARGEST_DAMPED_STEP_RATIO
                 } else {
                     LARGEST_STEP_RATIO
                 },
                 "1",
-                &limit(spec, engine.model.masses.len(), journal),
+                &limit(spec, engine, &worst),
             ),
         ),
     ]);
@@ -197,7 +203,11 @@ fn quality(
                 journal.balance.created_ratio(),
                 LARGEST_CREATION,
                 "1",
-                "Energy that the integration made, over the largest kinetic and elastic energy.",
+                &format!(
+                    "Energy that the integration made, over the largest kinetic and elastic energy: by \
+                     {} looks in {} steps, between which more may come and go.",
+                    journal.balance.looks, engine.state.step
+                ),
             ),
         );
     }
@@ -208,7 +218,7 @@ fn quality(
                 number,
                 LARGEST_INERTIAL_NUMBER,
                 "1",
-                "Mean over the stages that drive, weighed by pressure: above the bound the bodies' inertia shows.",
+                "Mean over the looks at stages that drive, weighed by pressure: above the bound the bodies' inertia shows.",
             ),
         );
         quality.insert(
@@ -217,7 +227,7 @@ fn quality(
                 ratio,
                 LARGEST_UNBALANCED,
                 "1",
-                "Mean resultant force on a body over the mean contact force, over the stages that drive, weighed by pressure.",
+                "Mean resultant force on a body over the mean contact force, over the looks at stages that drive, weighed by pressure.",
             ),
         );
     }
@@ -225,43 +235,50 @@ fn quality(
 }
 
 /// What set the time step, and what softening it would save.
-fn limit(spec: &GranularScene, bodies: usize, journal: &Journal) -> String {
-    let first = "Largest time step seen over the critical one of the contacts at that time.";
-    let Some(critical) = journal.worst.critical else {
+fn limit(spec: &GranularScene, engine: &Engine, worst: &Worst) -> String {
+    let first = "Largest time step over the critical one: of the contacts of each body together \
+                 when they were looked at, of any that may touch alone at every step.";
+    let Some(critical) = worst.critical else {
         return format!("{first} Nothing touched.");
     };
-    let factor = critical.median / critical.step;
-    let saving = if factor > 1.01 {
+    let factor = critical.median.map(|median| median / critical.step);
+    let saving = if let Some(factor) = factor.filter(|factor| *factor > 1.01) {
         format!(
-            "half of the bodies would allow {factor:.1} times as much, so softening this contact \
+            "; half of the bodies would allow {factor:.1} times as much, so softening this contact \
              would save up to {:.0} % of the steps",
             100.0 * (1.0 - 1.0 / factor)
         )
-    } else {
-        "most bodies are as critical, so only softening all of them would save steps: a hundredth \
+    } else if factor.is_some() {
+        "; most bodies are as critical, so only softening all of them would save steps: a hundredth \
          of the modulus takes a tenth"
             .to_owned()
+    } else {
+        String::new()
     };
+    let bodies = engine.model.masses.len();
     format!(
-        "{first} That was {:.2e} s, set by body {} and its contact with {}; {saving}.",
+        "{first} That was {:.2e} s, set by body {} and its contact with {}{saving}.",
         critical.step,
         critical.body,
         partner(spec, bodies, critical.partner)
     )
 }
 
-/// What a body touches: another, or a plane, which are numbered after the bodies.
+/// What a body touches: another, or a wall, which are numbered after the bodies, planes before meshes.
 fn partner(spec: &GranularScene, bodies: usize, number: u32) -> String {
-    let plane = (number as usize).checked_sub(bodies);
-    match plane.and_then(|plane| spec.planes.get(plane)) {
-        Some(plane) => format!("plane {:?}", plane.name),
-        None => format!("body {number}"),
+    let wall = (number as usize).checked_sub(bodies);
+    let plane = wall.and_then(|wall| spec.planes.get(wall));
+    let mesh = wall.and_then(|wall| spec.facets.get(wall.checked_sub(spec.planes.len())?));
+    match (plane, mesh) {
+        (Some(plane), _) => format!("plane {:?}", plane.name),
+        (None, Some(mesh)) => format!("facets {:?}", mesh.name),
+        (None, None) => format!("body {number}"),
     }
 }
 
 fn warnings(
     spec: &GranularScene,
-    bodies: usize,
+    engine: &Engine,
     journal: &Journal,
     quality: &IndexMap<String, QualityCheck>,
     escaped: &[u32],
@@ -275,13 +292,13 @@ fn warnings(
                 "inertial_number" | "driven_unbalanced_force_ratio" => {
                     "drive more slowly".to_owned()
                 }
-                _ => match journal.worst.critical {
+                _ => match worst(engine, journal).critical {
                     Some(critical) => format!(
                         "choose a smaller time step; the smallest critical step seen was {:e} s, \
                          set by body {} and its contact with {}",
                         critical.step,
                         critical.body,
-                        partner(spec, bodies, critical.partner)
+                        partner(spec, engine.model.masses.len(), critical.partner)
                     ),
                     None => "choose a smaller time step".to_owned(),
                 },

@@ -110,7 +110,7 @@ impl Runner<'_> {
                 step: self.engine.state.step,
             });
         }
-        journal.worst.overlap_ratio = journal.worst.overlap_ratio.max(largest);
+        journal.worst = journal.worst.with(&self.engine.state.seen);
         if stage.is_some_and(Stage::is_quasi_static) {
             let scene = self.engine.cuboid([None; 2]);
             let scene = self

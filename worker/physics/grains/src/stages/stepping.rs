@@ -5,6 +5,7 @@ use loadframe_api::spec::granular_scene::Stage;
 use loadframe_harness::{Recorder, SimulationError};
 
 use super::runner::Runner;
+use crate::step::alone::Seen;
 
 /// Steps between looks at energies, overlaps and the critical step, beside those recorded.
 pub(super) const STEPS_PER_LOOK: u64 = 256;
@@ -83,15 +84,19 @@ impl Runner<'_> {
 
     /// A step that nobody looks at.
     fn plain_step(&mut self) -> Result<(), SimulationError> {
+        let seen = self.engine.state.seen;
         self.engine.step(self.journal.time_step);
         self.journal.stage_steps += 1;
-        self.end_step()
+        self.end_step(seen)
     }
 
-    fn end_step(&mut self) -> Result<(), SimulationError> {
+    /// `seen` is what was before the step.
+    fn end_step(&mut self, seen: Seen) -> Result<(), SimulationError> {
         self.journal.candidate_steps += self.engine.candidates();
         if let Some(Stage::Relax(_)) = self.spec.stages.get(self.journal.stage) {
             self.engine.halt();
+            // what is relaxed is not yet the scene that is asked about
+            self.engine.unsee(seen);
             return Ok(());
         }
         self.check_speed()
@@ -144,6 +149,7 @@ impl Runner<'_> {
             records_ends,
         } = reason;
         let time_step = self.journal.time_step;
+        let seen = self.engine.state.seen;
         self.engine.push(time_step);
         let mut survey = self.engine.survey(self.needs_contacts(reason));
         let before = self.engine.body_sums();
@@ -174,6 +180,6 @@ impl Runner<'_> {
             };
             journal.time_step = step;
         }
-        self.end_step()
+        self.end_step(seen)
     }
 }

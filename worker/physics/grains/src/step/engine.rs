@@ -5,8 +5,9 @@ use loadframe_api::spec::granular_scene::GranularScene;
 use loadframe_numerics::Team;
 
 use super::{
+    alone::Seen,
     listing::{self, Listing, memories::Memories},
-    patch::{BodyLoad, on_wall},
+    patch::{BodyLoad, Patch, on_wall},
     shares::{share, shares},
     state::State,
 };
@@ -248,6 +249,8 @@ impl Engine {
         let state = &mut self.state;
         // shear forces were turned to the present normals
         state.last_step = 0.0;
+        // whether this counts is said by the step that follows
+        state.patches.iter_mut().for_each(Patch::forget);
         let owners = &state.particles.owners;
         for patch in &mut state.patches {
             let clumps = &state.clumps[patch.clumps.clone()];
@@ -281,6 +284,9 @@ impl Engine {
         let drive = self.drive(time_step);
         let state = &mut self.state;
         state.speed_bound = speed_square.sqrt();
+        for patch in &mut state.patches {
+            (state.seen).see(&self.law, patch.deepest, &mut patch.shortest, time_step);
+        }
         let mut wall_way = 0.0_f64;
         for (plane, face) in state.faces.iter_mut().enumerate() {
             let force = on_wall(&state.patches, plane);
@@ -310,6 +316,12 @@ impl Engine {
         state.last_step = time_step;
         let way = state.speed_bound * time_step;
         state.is_listed = (state.skin).holds_after(way, wall_way, &state.particles.centres);
+    }
+
+    /// The steps since the scene was seen like this do not count.
+    pub(crate) fn unsee(&mut self, seen: Seen) {
+        self.state.seen = seen;
+        self.state.patches.iter_mut().for_each(Patch::forget);
     }
 
     /// Force of all bodies on a wall, planes before meshes, in the last step [N].

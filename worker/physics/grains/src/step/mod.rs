@@ -2,8 +2,9 @@
 //!
 //! [`state`] is all that changes. [`listing`] makes the lists of contacts, [`patch`](self::patch) by patch; the
 //! [`engine`] works through them and moves the bodies, which [`shares`] hands out; [`walls`] are those
-//! of the engine by number. Stages and observers are [`above`](crate::observe): nothing here knows why
+//! of the engine by number; [`alone`] keeps the worst that any step had. Stages and observers are [`above`](crate::observe): nothing here knows why
 //! a step is done, or who looks. Below: [`scene`](crate::scene).
+pub(crate) mod alone;
 pub(crate) mod engine;
 pub(crate) mod listing;
 pub(crate) mod patch;

@@ -9,9 +9,10 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
+use super::alone::Shortest;
 use crate::{
     contact::{
-        Scenery,
+        Deepest, Scenery,
         lists::{Acting, Lists},
     },
     motion::{
@@ -41,6 +42,9 @@ pub(crate) struct Patch {
     /// On each wall, planes before meshes, from the last step [N]; the fourth number is the power of a
     /// mesh's turning [W].
     pub(crate) wall_forces: Vec<[f64; 4]>,
+    /// Of its contacts since they were listed.
+    pub(crate) deepest: Deepest,
+    pub(crate) shortest: Shortest,
 }
 
 /// The part of a halo that acts on particles of a patch.
@@ -94,8 +98,14 @@ impl Patch {
             wrenches: &mut self.wrenches,
             halo,
             on_walls: &mut self.wall_forces,
+            deepest: &mut self.deepest,
         };
         lists.push(scenery, acting);
+    }
+
+    /// What its contacts were does not count.
+    pub(crate) fn forget(&mut self) {
+        self.deepest = Deepest::default();
     }
 
     /// The second phase. Returns the square of an upper bound of the speeds.

@@ -1,7 +1,7 @@
 //! All that changes during a run, bodies, walls and time.
 use serde::{Deserialize, Serialize};
 
-use super::patch::Patch;
+use super::{alone::Seen, patch::Patch};
 use crate::{
     geometry::neighbours::skin::Skin,
     motion::clump::Clump,
@@ -35,6 +35,8 @@ pub(crate) struct State {
     pub(crate) bonds_made: u64,
     /// Intact bonds of bodies that were taken out.
     pub(crate) bonds_removed: u64,
+    /// Of all steps that count.
+    pub(crate) seen: Seen,
     /// Upper bound of the speeds after the last step [m/s].
     pub(crate) speed_bound: f64,
     /// What tan φ is multiplied with.

@@ -108,6 +108,7 @@ impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
             normal,
             shear,
             limit,
+            compression: touch.overlap,
             acts: touch.is_touching,
         }
     }

@@ -33,6 +33,7 @@ impl<N: Normal> Law for Frictionless<N> {
             normal: N::force(simd, &touch),
             shear: Vectors::zero(simd),
             limit: Lanes::splat(simd, 0.0),
+            compression: touch.overlap,
             acts: touch.is_touching,
         }
     }

@@ -124,6 +124,7 @@ impl Law for HertzMindlin {
             normal,
             shear,
             limit,
+            compression: touch.overlap,
             acts: touch.is_touching,
         }
     }

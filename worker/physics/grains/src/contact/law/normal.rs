@@ -66,6 +66,12 @@ impl Spring {
         N::force(simd, &self.touch(simd)).value
     }
 
+    /// Tangents k_N, k_T [N/m].
+    pub(crate) fn tangents<N: Normal>(&self) -> [f64; 2] {
+        let constant = self.shear_ratio * self.constant;
+        [N::tangent(self), N::shear(constant, self)]
+    }
+
     /// What the constants of dashpots are multiplied with.
     pub(crate) fn dashpot<N: Normal>(&self) -> f64 {
         let simd = Scalar::new();

@@ -7,9 +7,16 @@ use loadframe_numerics::Team;
 
 use memories::Memories;
 
-use super::patch::{Incoming, Patch};
+use super::{
+    alone::{self, Mobility},
+    patch::{Incoming, Patch},
+};
 use crate::{
-    contact::{chosen::Chosen, lists::Lists, stiffness::Side},
+    contact::{
+        chosen::Chosen,
+        lists::Lists,
+        stiffness::{Side, Springs},
+    },
     geometry::neighbours::{
         grid::{Candidates, candidates},
         order::along_curve,
@@ -92,7 +99,68 @@ pub(crate) struct Listing<'a> {
     pub(crate) skin: f64,
 }
 
+/// A patch whose lists are being filled.
+struct Filling<'a> {
+    range: Range<usize>,
+    lists: &'a mut dyn Lists,
+    /// Of all particles.
+    mobilities: &'a [Mobility],
+    alone: alone::Candidates<'a>,
+}
+
+impl Filling<'_> {
+    /// A candidate of two particles, or of one and a wall; `radius` is the smaller one [m].
+    fn see(
+        &mut self,
+        listing: &Listing<'_>,
+        [a, b]: [u32; 2],
+        wall: Option<usize>,
+        radius: f64,
+        springs: &Springs,
+    ) {
+        let owner = |particle: u32| listing.particles.owners[particle as usize];
+        let own = &self.mobilities[a as usize];
+        let (partner, other) = match wall {
+            Some(wall) => {
+                let number = listing.model.masses.len() + wall;
+                (number as u32, &Mobility::default())
+            }
+            None => (owner(b), &self.mobilities[b as usize]),
+        };
+        (self.alone).add([owner(a), partner], [own, other], radius, springs);
+    }
+}
+
 impl Listing<'_> {
+    /// How easily each particle is pushed away.
+    fn mobilities(&self, clumps: &[Clump]) -> Vec<Mobility> {
+        let (model, particles) = (self.model, self.particles);
+        let of_sphere = |(particle, owner): (usize, &u32)| {
+            let body = *owner as usize;
+            let inertia = model.sphere_inertias[body];
+            if model.is_movable[body] && inertia > 0.0 {
+                Mobility::new(model.masses[body], self.radius(particle).powi(2) / inertia)
+            } else {
+                Mobility::default()
+            }
+        };
+        let owners = particles.owners.iter().enumerate();
+        let mut mobilities: Vec<Mobility> = owners.map(of_sphere).collect();
+        let movable = |clump: &&Clump| model.is_movable[clump.body as usize];
+        for clump in clumps.iter().filter(movable) {
+            for member in clump.members() {
+                let turning = clump.turning(&particles.centres[member]);
+                mobilities[member] = Mobility::new(clump.mass, turning);
+            }
+        }
+        mobilities
+    }
+
+    /// [m].
+    fn radius(&self, particle: usize) -> f64 {
+        self.particles.centres[particle].0[3]
+    }
+
     /// Cuts the particles into patches and fills the lists of each.
     pub(crate) fn list(&self, clumps: &[Clump], team: &Team) -> (Vec<Patch>, Vec<Box<dyn Lists>>) {
         let centres = &self.particles.centres;
@@ -101,14 +169,23 @@ impl Listing<'_> {
             self.may_touch(a, b)
         });
         let ranges = cut(&candidates, clumps);
+        let mobilities = self.mobilities(clumps);
         let filled = team.map(ranges, |(particles, clumps)| {
             let mut lists = (self.law.lists)();
             let others = others(particles.clone(), &candidates);
-            self.fill_pairs(particles.clone(), &others, &candidates, lists.as_mut());
-            self.fill_walls(particles.clone(), lists.as_mut());
-            self.fill_facets(particles.clone(), lists.as_mut());
+            let mut filling = Filling {
+                range: particles.clone(),
+                lists: lists.as_mut(),
+                mobilities: &mobilities,
+                alone: alone::Candidates::new(self.law, self.model),
+            };
+            self.fill_pairs(&others, &candidates, &mut filling);
+            self.fill_walls(&mut filling);
+            self.fill_facets(&mut filling);
+            let shortest = filling.alone.shortest();
             lists.finish(self.faces.len());
             let patch = Patch {
+                shortest,
                 others,
                 partly_fixed: partly_fixed(self.particles, particles.clone()),
                 particles,
@@ -128,13 +205,8 @@ impl Listing<'_> {
     }
 
     /// Adds the pairs whose first particle is one of these.
-    fn fill_pairs(
-        &self,
-        range: Range<usize>,
-        others: &[u32],
-        candidates: &Candidates,
-        lists: &mut dyn Lists,
-    ) {
+    fn fill_pairs(&self, others: &[u32], candidates: &Candidates, filling: &mut Filling<'_>) {
+        let range = filling.range.clone();
         let past =
             |a: usize, b: usize| (self.memories).pair_or_bond(self.model, self.particles, a, b);
         let has_bonds = self.memories.has_bonds();
@@ -151,6 +223,9 @@ impl Listing<'_> {
                 let springs = (self.law.springs)(&self.side(a), &self.side(b));
                 let past = past(a, b);
                 let pair = [a as u32, b as u32];
+                let radii = pair.map(|particle| self.radius(particle as usize));
+                filling.see(self, pair, None, radii[0].min(radii[1]), &springs);
+                let lists = &mut *filling.lists;
                 if range.contains(&b) {
                     lists.add_inner(pair, &springs, past.as_ref());
                 } else {
@@ -158,7 +233,7 @@ impl Listing<'_> {
                     lists.add_outer(pair, place, &springs, past.as_ref());
                 }
             }
-            lists.close_blocks();
+            filling.lists.close_blocks();
         }
     }
 
@@ -178,9 +253,9 @@ impl Listing<'_> {
         a.overlap(b) >= 0.0
     }
 
-    fn fill_walls(&self, range: Range<usize>, lists: &mut dyn Lists) {
+    fn fill_walls(&self, filling: &mut Filling<'_>) {
         for ((number, plane), face) in self.model.planes.iter().enumerate().zip(self.faces) {
-            for particle in range.clone() {
+            for particle in filling.range.clone() {
                 let centre = &self.particles.centres[particle].0;
                 let radius = centre[3];
                 let owner = self.particles.owners[particle] as usize;
@@ -191,18 +266,20 @@ impl Listing<'_> {
                 let wall = own.wall(self.model.surfaces[plane.surface]);
                 let springs = (self.law.springs)(&own, &wall);
                 let past = (self.memories).wall(self.particles.numbers[particle], number as u32);
-                lists.add_plane(number, particle as u32, &springs, past.as_ref());
+                let particle = particle as u32;
+                filling.see(self, [particle; 2], Some(number), radius, &springs);
+                (filling.lists).add_plane(number, particle, &springs, past.as_ref());
             }
         }
     }
 
-    fn fill_facets(&self, range: Range<usize>, lists: &mut dyn Lists) {
+    fn fill_facets(&self, filling: &mut Filling<'_>) {
         let facets = &self.model.facets;
         if facets.facets.is_empty() {
             return;
         }
         let (mut found, mut near) = (Vec::new(), Vec::new());
-        for particle in range {
+        for particle in filling.range.clone() {
             if !self.model.is_movable[self.particles.owners[particle] as usize] {
                 continue;
             }
@@ -218,7 +295,12 @@ impl Listing<'_> {
                 let springs = (self.law.springs)(&own, &wall);
                 (*facet, springs, self.memories.facet(number, *facet))
             }));
-            lists.add_facets(particle as u32, &near);
+            for (facet, springs, _) in &near {
+                let mesh = facets.facets[*facet as usize].mesh as usize;
+                let wall = Some(self.faces.len() + mesh);
+                filling.see(self, [particle as u32; 2], wall, sphere.0[3], springs);
+            }
+            filling.lists.add_facets(particle as u32, &near);
         }
     }
 }
