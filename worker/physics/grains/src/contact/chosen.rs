@@ -5,8 +5,8 @@ use loadframe_harness::checkpoint::CheckpointError;
 
 use super::{
     law::{
-        Bonded, Coulomb, Followed, Frictionless, Hertz, HertzMindlin, Kept, Law, Linear,
-        Logarithmic, Normal as _, Spring, Viscous, ViscousShear,
+        Across, Along, Bonded, Coulomb, Followed, Frictionless, Hertz, HertzMindlin, Kept, Law,
+        Linear, Logarithmic, Normal as _, Spring, Viscous,
     },
     lists::{Lists, PatchLists},
     stiffness::{Side, Springs},
@@ -78,10 +78,10 @@ fn law_for<Smooth: Law, Rough: Law>(spec: &GranularScene) -> Chosen {
     let is_rough = materials.any(|material| material.friction_angle_rad > 0.0);
     match (is_rough, spec.is_viscous()) {
         (false, [false, _]) => Chosen::of::<Smooth>(),
-        (false, [true, _]) => Chosen::of::<Viscous<Smooth>>(),
+        (false, [true, _]) => Chosen::of::<Viscous<Smooth, Along>>(),
         (true, [false, false]) => Chosen::of::<Rough>(),
-        (true, [true, false]) => Chosen::of::<Viscous<Rough>>(),
+        (true, [true, false]) => Chosen::of::<Viscous<Rough, Along>>(),
         // one across the normal alone is rare, and has an idle one along it
-        (true, [_, true]) => Chosen::of::<Viscous<ViscousShear<Rough>>>(),
+        (true, [_, true]) => Chosen::of::<Viscous<Viscous<Rough, Across>, Along>>(),
     }
 }

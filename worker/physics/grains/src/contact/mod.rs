@@ -7,15 +7,18 @@
 //!   F_N = k_N δ, never negative (G.1);
 //! - torque on either body (r − δ/2) n × (−F) (G.2).
 //!
-//! Contacts live in blocks of [`LANES`], worked through as vectors; the blocks of a patch make up its
-//! [`lists`], behind which laws are types and before which they are not. [`pairs`] are contacts of two
-//! spheres, [`planes`] of a sphere and a plane, [`facets`] of a sphere and a triangle; [`stiffness`] knows what the two bodies bring to a
-//! contact, of which the law's normal spring makes its constants. A block holds *candidates*,
+//! Contacts live in [`blocks`] of [`LANES`], worked through as vectors: [`pairs`] are contacts of two
+//! spheres, [`planes`] of a sphere and a plane, [`facets`] of a sphere and a triangle. Those of a patch make
+//! up its [`lists`], behind which laws are types and before which they are not; which law is
+//! [`chosen`] once. [`stiffness`] knows what the two bodies bring to a contact, of which the law's
+//! normal spring makes its constants, [`tangents`] what shears. Below: [`walls`](crate::walls) and
+//! [`motion`](crate::motion), of which it asks where things are and how they move. A block holds *candidates*,
 //! some of which do not touch: they cost a look at the distance, and a candidate that stops
 //! touching forgets its shear force.
 //!
 //! Source: [CundallStrack1979]; order of operations as in Yade's `ScGeom` and
 //! `Law2_ScGeom_FrictPhys_CundallStrack`.
+mod blocks;
 pub(crate) mod chosen;
 pub(crate) mod facets;
 pub(crate) mod law;
@@ -24,6 +27,7 @@ mod pairs;
 mod planes;
 pub(crate) mod stiffness;
 mod tangents;
+pub(crate) mod touching;
 
 use std::ops::Range;
 

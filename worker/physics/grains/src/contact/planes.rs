@@ -12,46 +12,49 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Deepest, Kinematics, Slip, Touch,
-    law::{Law, Past},
-    stiffness::Springs,
-    tangents::{Tangent, Tangents},
+    blocks::{Block, Blocks, Ends},
+    law::Law,
+    tangents::Tangent,
 };
 use crate::{
     motion::Wrenches,
     numbers::{
-        lanes::{Array, LANES, Lanes, Vectors, bits},
+        lanes::{LANES, Lanes, Vectors, bits},
         rows::gather,
     },
     walls::Face,
 };
 
-/// Candidates in vectors; padding has no stiffness.
+/// Spheres of a block.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Visitors(pub(super) [u32; LANES]);
+
+type WallBlock<F> = Block<Visitors, F>;
+
+/// Candidates of one plane.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
-#[repr(align(64))]
-pub(crate) struct WallBlock<F: Law> {
-    pub(crate) particles: [u32; LANES],
-    /// Constant of the normal spring: k_N [N/m] of a linear one.
-    pub(crate) stiffness: Array,
-    pub(crate) law: F,
+pub(super) struct WallList<F: Law> {
+    pub(super) list: Blocks<Visitors, F>,
 }
 
-/// Candidates of one plane and which of them touched in the last step.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(bound = "")]
-pub(crate) struct WallList<F: Law> {
-    pub(crate) blocks: Vec<WallBlock<F>>,
-    /// Bits by lane.
-    pub(crate) touching: Vec<u8>,
-    pub(super) tangents: Tangents,
-    /// Candidates, padding not counted.
-    pub(crate) count: usize,
+impl Ends for Visitors {
+    type Lane = u32;
+
+    /// It has no stiffness.
+    fn padding(particle: u32) -> Self {
+        Self([particle; LANES])
+    }
+
+    fn set(&mut self, lane: usize, particle: u32) {
+        self.0[lane] = particle;
+    }
 }
 
 impl<F: Law> WallList<F> {
     /// Adds the forces on the particles; returns the force on the plane [N].
     #[inline(always)]
-    pub(crate) fn push<S: Simd>(
+    pub(super) fn push<S: Simd>(
         &mut self,
         simd: S,
         face: &Face,
@@ -61,10 +64,9 @@ impl<F: Law> WallList<F> {
         deepest: &mut Deepest,
     ) -> [f64; 4] {
         let mut on_plane = [0.0; 4];
-        let blocks = self.blocks.iter_mut().zip(&mut self.touching);
-        for (number, (block, touching)) in blocks.enumerate() {
-            let tangent = self.tangents.of::<F>(number);
-            let particles = block.particles;
+        for number in 0..self.list.blocks.len() {
+            let (block, touching, tangent) = self.list.take(number);
+            let Visitors(particles) = block.ends;
             let touched = *touching;
             *touching = block.advance(
                 simd,
@@ -90,35 +92,6 @@ impl<F: Law> WallList<F> {
     }
 }
 
-impl<F: Law> WallList<F> {
-    /// Memory [bytes].
-    pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.blocks.as_slice()) + self.tangents.bytes()
-    }
-
-    /// Adds a candidate, as a list of pairs does.
-    pub(super) fn add(&mut self, particle: u32, springs: &Springs, past: Option<&Past>) {
-        let lane = self.count % LANES;
-        if lane == 0 {
-            let block = WallBlock {
-                particles: [particle; LANES],
-                ..WallBlock::default()
-            };
-            self.blocks.push(block);
-            self.touching.push(0);
-        }
-        self.tangents.set::<F>(self.count / LANES, lane, springs);
-        self.count += 1;
-        if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
-            block.particles[lane] = particle;
-            block.stiffness[lane] = springs.normal;
-            let remembered = past.copied().unwrap_or_default();
-            block.law.start(lane, springs, &remembered);
-            *touching |= u8::from(past.is_some()) << lane;
-        }
-    }
-}
-
 impl<F: Law> WallBlock<F> {
     /// Advances the contacts by a step. Gives `act` the force on the plane and its moment about the
     /// particle's centre. Returns which lanes touch.
@@ -137,7 +110,7 @@ impl<F: Law> WallBlock<F> {
         let none = Lanes::splat(simd, 0.0);
         let mut touching = 0;
         for part in 0..LANES / S::F64_LANES {
-            let sphere = gather(simd, kinematics.centres, &self.particles, part);
+            let sphere = gather(simd, kinematics.centres, &self.ends.0, part);
             let radius = sphere.fourth;
             let along = [sphere.vector.x, sphere.vector.y, sphere.vector.z][face.axis];
             let height =
@@ -164,12 +137,12 @@ impl<F: Law> WallBlock<F> {
             };
             let mut slip = Slip::none(simd);
             if F::FEELS_SPEED {
-                let velocity = gather(simd, kinematics.velocities, &self.particles, part).vector;
+                let velocity = gather(simd, kinematics.velocities, &self.ends.0, part).vector;
                 let plane = Vectors::splat(simd, face.motion.velocity);
                 let relative = plane - velocity;
                 slip.approach = relative.dot(normal);
                 if F::IS_ROUGH {
-                    let spin = gather(simd, kinematics.spins, &self.particles, part).vector;
+                    let spin = gather(simd, kinematics.spins, &self.ends.0, part).vector;
                     let twice = radius + radius;
                     let velocity = relative.scaled(twice.over(twice - overlap))
                         - spin.scaled(radius).cross(normal);

@@ -5,7 +5,7 @@
 use crate::{
     contact::{
         law::Spring,
-        lists::{Touching, Who},
+        touching::{Touching, Who},
     },
     numbers::Vector,
     step::engine::Engine,

@@ -2,7 +2,7 @@
 //!
 //! Bodies are joined by their intact bonds (union-find); a fragment is named by its lowest body.
 use super::survey::Reading;
-use crate::{contact::lists::Who, step::engine::Engine};
+use crate::{contact::touching::Who, step::engine::Engine};
 
 /// The fragment of each body.
 #[derive(Clone, Debug)]

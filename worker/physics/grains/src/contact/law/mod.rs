@@ -5,7 +5,7 @@
 //! last step, [`Kept`] or [`Followed`]), [`HertzMindlin`] the overlap it
 //! belongs to as well, [`Bonded`] holds together until it breaks. Each stands on a spring along the
 //! [`normal`]: [`Linear`], [`Logarithmic`] or [`Hertz`]. [`Viscous`] is a dashpot beside any of them,
-//! [`ViscousShear`] one across the normal beside those with friction.
+//! [`Along`] the normal or, beside those with friction, [`Across`].
 mod bonded;
 mod coulomb;
 mod frictionless;
@@ -14,7 +14,6 @@ mod logarithmic;
 pub(crate) mod normal;
 mod normals;
 mod viscous;
-mod viscous_shear;
 
 use std::fmt::Debug;
 
@@ -31,8 +30,7 @@ pub(crate) use hertz::{Hertz, HertzMindlin};
 pub(crate) use logarithmic::Logarithmic;
 pub(crate) use normal::{Linear, Normal, Spring};
 pub(crate) use normals::{Followed, Kept, Normals, direction};
-pub(crate) use viscous::Viscous;
-pub(crate) use viscous_shear::ViscousShear;
+pub(crate) use viscous::{Across, Along, Viscous};
 
 /// What a contact remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -227,11 +225,13 @@ mod tests {
                     };
                     let push = self.0.advance(simd, part, touch, slip, 1e-5);
                     let nothing = Vectors::zero(simd);
-                    let mut out = [[0.0; LANES]; 4];
+                    let mut out = [[0.0; LANES]; 5];
                     let force = push.normal.only_if(push.acts, nothing.x);
                     force.store(&mut out[0], part);
+                    let compression = push.compression.only_if(push.acts, nothing.x);
+                    compression.store(&mut out[4], part);
                     for (column, shear) in
-                        out[1..]
+                        out[1..4]
                             .iter_mut()
                             .zip([push.shear.x, push.shear.y, push.shear.z])
                     {
@@ -265,9 +265,9 @@ mod tests {
         assert_same_bits::<Coulomb<Logarithmic, Kept>>();
         assert_same_bits::<HertzMindlin>();
         assert_same_bits::<Bonded>();
-        assert_same_bits::<Viscous<HertzMindlin>>();
-        assert_same_bits::<Viscous<Frictionless<Hertz>>>();
-        assert_same_bits::<ViscousShear<Coulomb<Linear, Followed>>>();
-        assert_same_bits::<Viscous<ViscousShear<HertzMindlin>>>();
+        assert_same_bits::<Viscous<HertzMindlin, Along>>();
+        assert_same_bits::<Viscous<Frictionless<Hertz>, Along>>();
+        assert_same_bits::<Viscous<Coulomb<Linear, Followed>, Across>>();
+        assert_same_bits::<Viscous<Viscous<HertzMindlin, Across>, Along>>();
     }
 }

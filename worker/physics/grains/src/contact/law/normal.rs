@@ -98,7 +98,7 @@ pub(crate) struct Linear;
 
 impl Linear {
     /// k_N and k_T of two springs in series, and dashpots that give the restitutions they are asked for
-    /// in every impact (see [`super::viscous`]) and every swing ([`super::viscous_shear`]).
+    /// in every impact and every swing (see [`super::viscous`]).
     pub(super) fn between(a: &Side, b: &Side) -> Springs {
         let [first, second] = [a, b].map(|side| side.surface.youngs_modulus * 2.0 * side.radius);
         let [first_ratio, second_ratio] = [a, b].map(|side| side.surface.stiffness_ratio);

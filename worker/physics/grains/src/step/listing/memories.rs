@@ -4,8 +4,9 @@ use loadframe_numerics::Team;
 use crate::{
     contact::{
         law::{Bond, Past},
-        lists::{Lists, Who},
+        lists::Lists,
         stiffness::bond_strength,
+        touching::Who,
     },
     geometry::neighbours::grid::is_near,
     scene::{model::Model, particles::Particles},
