@@ -49,6 +49,14 @@ pub(super) struct Blocks<E: Ends, F: Law> {
     filled: usize,
 }
 
+/// What is known of a block before its step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Before<'a> {
+    pub(super) tangent: Tangent<'a>,
+    /// Bits of what touched in the last step.
+    pub(super) touched: u8,
+}
+
 impl<E: Ends, F: Law> Blocks<E, F> {
     /// Adds a candidate and returns its place, block by block. Its bit is set when it has a past, so
     /// that the past is forgotten in time.
@@ -86,11 +94,15 @@ impl<E: Ends, F: Law> Blocks<E, F> {
         self.tangents.finish();
     }
 
-    /// A block to work through, its bits, and its shear springs.
+    /// A block to work through, its bits, and what is known before.
     #[inline(always)]
-    pub(super) fn take(&mut self, block: usize) -> (&mut Block<E, F>, &mut u8, Tangent<'_>) {
-        let tangent = self.tangents.of::<F>(block);
-        (&mut self.blocks[block], &mut self.touching[block], tangent)
+    pub(super) fn take(&mut self, block: usize) -> (&mut Block<E, F>, &mut u8, Before<'_>) {
+        let touching = &mut self.touching[block];
+        let before = Before {
+            tangent: self.tangents.of::<F>(block),
+            touched: *touching,
+        };
+        (&mut self.blocks[block], touching, before)
     }
 
     /// Multiplies tan φ of all contacts.

@@ -19,10 +19,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Deepest, Scenery, Slip, Touch,
-    blocks::{Block, Blocks, Ends},
+    blocks::{Before, Block, Blocks, Ends},
     law::{Law, Past},
     stiffness::Springs,
-    tangents::Tangent,
 };
 use crate::{
     motion::Wrenches,
@@ -161,7 +160,7 @@ impl<F: Law> FacetList<F> {
     ) {
         let next = (number + 1) * LANES;
         let end = (self.reached).partition_point(|near| (near.slot as usize) < next);
-        let (block, touching, tangent) = self.list.take(number);
+        let (block, touching, before) = self.list.take(number);
         if end == 0 && *touching == 0 {
             return;
         }
@@ -171,8 +170,7 @@ impl<F: Law> FacetList<F> {
             simd,
             scenery,
             &touched,
-            tangent,
-            *touching,
+            before,
             sides.deepest,
             #[inline(always)]
             |lane: usize, force: [f64; 4], moment: [f64; 4]| {
@@ -288,8 +286,7 @@ impl<F: Law> FacetBlock<F> {
         simd: S,
         scenery: Scenery<'_>,
         touched: &Touched,
-        tangent: Tangent<'_>,
-        before: u8,
+        before: Before<'_>,
         deepest: &mut Deepest,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
@@ -299,7 +296,7 @@ impl<F: Law> FacetBlock<F> {
         for part in 0..LANES / S::F64_LANES {
             let is_touching = none.below(Lanes::load(simd, &touched.touches, part));
             if bits::<S>(is_touching, 0) == 0 {
-                if before != 0 {
+                if before.touched != 0 {
                     self.law.forget(simd, part);
                 }
                 continue;
@@ -307,7 +304,7 @@ impl<F: Law> FacetBlock<F> {
             let radius = gather(simd, kinematics.centres, &self.ends.particles, part).fourth;
             let normal = Vectors::load(simd, &touched.normal, part);
             let overlap = Lanes::load(simd, &touched.overlap, part);
-            let [shear_ratio, friction] = tangent.load(simd, part);
+            let [shear_ratio, friction] = before.tangent.load(simd, part);
             let touch = Touch {
                 normal,
                 overlap,

@@ -14,9 +14,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Deepest, Kinematics, Slip, Touch,
-    blocks::{Block, Blocks, Ends},
+    blocks::{Before, Block, Blocks, Ends},
     law::{Law, direction},
-    tangents::Tangent,
 };
 use crate::{
     motion::Wrenches,
@@ -91,13 +90,12 @@ impl<F: Law> PairList<F> {
     ) {
         for index in 0..self.list.blocks.len() {
             self.ask(index + BLOCKS_AHEAD);
-            let (block, touching, tangent) = self.list.take(index);
+            let (block, touching, before) = self.list.take(index);
             let (a, b) = (block.ends.a, block.ends.b);
             *touching = block.advance(
                 simd,
                 kinematics,
-                tangent,
-                *touching,
+                before,
                 deepest,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], torque: [f64; 4]| {
@@ -131,13 +129,12 @@ impl<F: Law> PairList<F> {
                 kinematics.ask(&block.ends.b);
             }
             let places = self.places[index];
-            let (block, touching, tangent) = self.list.take(index);
+            let (block, touching, before) = self.list.take(index);
             let a = block.ends.a;
             *touching = block.advance(
                 simd,
                 kinematics,
-                tangent,
-                *touching,
+                before,
                 deepest,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], torque: [f64; 4]| {
@@ -197,8 +194,7 @@ impl<F: Law> PairBlock<F> {
         &mut self,
         simd: S,
         kinematics: Kinematics<'_>,
-        tangent: Tangent<'_>,
-        touched: u8,
+        before: Before<'_>,
         deepest: &mut Deepest,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
@@ -215,7 +211,7 @@ impl<F: Law> PairBlock<F> {
             let is_touching = simd.and_m64s(is_near, is_apart);
             let may_act = self.law.acting(simd, part, is_touching);
             if bits::<S>(may_act, 0) == 0 {
-                if touched != 0 {
+                if before.touched != 0 {
                     self.law.forget(simd, part);
                     // adds nothing, but the compiler lays the loop out better: without it a bed without
                     // friction takes 6 to 8 % longer
@@ -229,7 +225,7 @@ impl<F: Law> PairBlock<F> {
             let inverse = Lanes::splat(simd, 1.0).over(distance);
             let normal = between.scaled(inverse);
             let overlap = reach - distance;
-            let [shear_ratio, friction] = tangent.load(simd, part);
+            let [shear_ratio, friction] = before.tangent.load(simd, part);
             let touch = Touch {
                 normal,
                 overlap,

@@ -12,9 +12,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Deepest, Kinematics, Slip, Touch,
-    blocks::{Block, Blocks, Ends},
+    blocks::{Before, Block, Blocks, Ends},
     law::Law,
-    tangents::Tangent,
 };
 use crate::{
     motion::Wrenches,
@@ -65,15 +64,13 @@ impl<F: Law> WallList<F> {
     ) -> [f64; 4] {
         let mut on_plane = [0.0; 4];
         for number in 0..self.list.blocks.len() {
-            let (block, touching, tangent) = self.list.take(number);
+            let (block, touching, before) = self.list.take(number);
             let Visitors(particles) = block.ends;
-            let touched = *touching;
             *touching = block.advance(
                 simd,
                 face,
                 kinematics,
-                tangent,
-                touched,
+                before,
                 deepest,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], moment: [f64; 4]| {
@@ -101,8 +98,7 @@ impl<F: Law> WallBlock<F> {
         simd: S,
         face: &Face,
         kinematics: Kinematics<'_>,
-        tangent: Tangent<'_>,
-        touched: u8,
+        before: Before<'_>,
         deepest: &mut Deepest,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
@@ -119,13 +115,13 @@ impl<F: Law> WallBlock<F> {
             // padding has no stiffness, and touches nothing
             let is_touching = simd.and_m64s(height.at_most(radius), none.below(stiffness));
             if bits::<S>(is_touching, 0) == 0 {
-                if touched != 0 {
+                if before.touched != 0 {
                     self.law.forget(simd, part);
                 }
                 continue;
             }
             let overlap = radius - height;
-            let [shear_ratio, friction] = tangent.load(simd, part);
+            let [shear_ratio, friction] = before.tangent.load(simd, part);
             let touch = Touch {
                 normal,
                 overlap,

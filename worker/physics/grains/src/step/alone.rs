@@ -177,7 +177,9 @@ impl Seen {
         let Deepest(overlap_ratio) = deepest;
         self.overlap_ratio = self.overlap_ratio.max(overlap_ratio);
         let asked = [overlap_ratio, time_step];
-        if shortest.asked == asked {
+        #[allow(clippy::float_cmp, reason = "what was asked before, or not")]
+        let is_known = shortest.asked == asked;
+        if is_known {
             return;
         }
         shortest.asked = asked;
