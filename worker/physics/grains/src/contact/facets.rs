@@ -26,7 +26,7 @@ use super::{
 use crate::{
     motion::Wrenches,
     numbers::{
-        lanes::{Array, LANES, Lanes, Vectors, bits},
+        lanes::{Array, LANES, Lanes, Vectors, any, bits},
         rows::{Row, gather},
     },
     walls::facets::{
@@ -295,7 +295,7 @@ impl<F: Law> FacetBlock<F> {
         let mut touching = 0;
         for part in 0..LANES / S::F64_LANES {
             let is_touching = none.below(Lanes::load(simd, &touched.touches, part));
-            if bits::<S>(is_touching, 0) == 0 {
+            if !any::<S>(is_touching) {
                 if before.touched != 0 {
                     self.law.forget(simd, part);
                 }

@@ -37,7 +37,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     numbers::{
         ahead::ask,
-        lanes::{Array, LANES, Lanes, Vectors, bits},
+        lanes::{Array, LANES, Lanes, Vectors, any, bits},
         rows::{Gathered, Row, scatter},
     },
     walls::{
@@ -129,7 +129,11 @@ pub(crate) struct Push<S: Simd> {
 
 /// Largest compression over the smaller radius that contacts had, step by step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Deepest(pub(crate) f64);
+pub(crate) struct Deepest {
+    pub(crate) ratio: f64,
+    /// A little less, for the comparison.
+    known: f64,
+}
 
 /// What is compared with a product may be rounded either way.
 const NEARLY_ONE: f64 = 1.0 - 4.0 * f64::EPSILON;
@@ -140,8 +144,9 @@ impl Deepest {
     #[inline(never)]
     fn raise(&mut self, compression: &Array, radius: &Array, deeper: u8) {
         for lane in (0..LANES).filter(|lane| deeper >> lane & 1 == 1) {
-            self.0 = self.0.max(compression[lane] / radius[lane]);
+            self.ratio = self.ratio.max(compression[lane] / radius[lane]);
         }
+        self.known = NEARLY_ONE * self.ratio;
     }
 }
 
@@ -176,14 +181,13 @@ impl<S: Simd> Push<S> {
     /// those before, so that this is a comparison.
     #[inline(always)]
     fn tell(&self, simd: S, radius: Lanes<S>, deepest: &mut Deepest) {
-        let known = radius * Lanes::splat(simd, NEARLY_ONE * deepest.0);
+        let known = radius * Lanes::splat(simd, deepest.known);
         let is_deeper = simd.and_m64s(known.below(self.compression), self.acts);
-        let deeper = bits::<S>(is_deeper, 0);
-        if deeper != 0 {
+        if any::<S>(is_deeper) {
             let mut arrays = [[0.0; LANES]; 2];
             self.compression.store(&mut arrays[0], 0);
             radius.store(&mut arrays[1], 0);
-            deepest.raise(&arrays[0], &arrays[1], deeper);
+            deepest.raise(&arrays[0], &arrays[1], bits::<S>(is_deeper, 0));
         }
     }
 

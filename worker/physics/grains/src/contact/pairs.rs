@@ -21,7 +21,7 @@ use crate::{
     motion::Wrenches,
     numbers::{
         ahead::ask,
-        lanes::{LANES, Lanes, Vectors, bits},
+        lanes::{LANES, Lanes, Vectors, any, bits},
         rows::{Gathered, Row, gather, scatter},
     },
 };
@@ -210,7 +210,7 @@ impl<F: Law> PairBlock<F> {
             let is_apart = Lanes::splat(simd, 0.0).below(distance);
             let is_touching = simd.and_m64s(is_near, is_apart);
             let may_act = self.law.acting(simd, part, is_touching);
-            if bits::<S>(may_act, 0) == 0 {
+            if !any::<S>(may_act) {
                 if before.touched != 0 {
                     self.law.forget(simd, part);
                     // adds nothing, but the compiler lays the loop out better: without it a bed without

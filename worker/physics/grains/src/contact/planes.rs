@@ -18,7 +18,7 @@ use super::{
 use crate::{
     motion::Wrenches,
     numbers::{
-        lanes::{LANES, Lanes, Vectors, bits},
+        lanes::{LANES, Lanes, Vectors, any, bits},
         rows::gather,
     },
     walls::Face,
@@ -114,7 +114,7 @@ impl<F: Law> WallBlock<F> {
             let stiffness = Lanes::load(simd, &self.stiffness, part);
             // padding has no stiffness, and touches nothing
             let is_touching = simd.and_m64s(height.at_most(radius), none.below(stiffness));
-            if bits::<S>(is_touching, 0) == 0 {
+            if !any::<S>(is_touching) {
                 if before.touched != 0 {
                     self.law.forget(simd, part);
                 }

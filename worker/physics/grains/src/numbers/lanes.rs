@@ -28,6 +28,16 @@ pub(crate) fn bits<S: Simd>(mask: S::m64s, part: usize) -> u8 {
     bits << (part * S::F64_LANES)
 }
 
+/// Whether `mask` has any lane: cheaper than to ask which.
+#[inline(always)]
+pub(crate) fn any<S: Simd>(mask: S::m64s) -> bool {
+    let mut all = 0;
+    for byte in bytemuck::bytes_of(&mask) {
+        all |= byte;
+    }
+    all != 0
+}
+
 /// Some numbers side by side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lanes<S: Simd> {

@@ -174,7 +174,7 @@ impl Seen {
         shortest: &mut Shortest,
         time_step: f64,
     ) {
-        let Deepest(overlap_ratio) = deepest;
+        let overlap_ratio = deepest.ratio;
         self.overlap_ratio = self.overlap_ratio.max(overlap_ratio);
         let asked = [overlap_ratio, time_step];
         #[allow(clippy::float_cmp, reason = "what was asked before, or not")]
