@@ -106,7 +106,7 @@ mod tests {
         let mut bytes = packed();
         bytes[0] = VERSION + 1;
         let error = unpack::<(u64, Vec<f64>)>(&bytes);
-        assert!(matches!(error, Err(CheckpointError::Version { found } if found == VERSION + 1)));
+        assert!(matches!(error, Err(CheckpointError::Version { found }) if found == VERSION + 1));
     }
 
     #[test]
