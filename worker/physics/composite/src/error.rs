@@ -1,0 +1,143 @@
+//! Why a section cannot be described, or has no result.
+
+/// What is wrong with a description, or what made an equilibrium or a motion impossible.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CompositeError {
+    /// A number is outside the range in which it means something.
+    #[error("{quantity} is {given} and must be {allowed}")]
+    OutOfRange {
+        quantity: &'static str,
+        given: f64,
+        allowed: &'static str,
+    },
+    /// Elastic constants would let the material give out energy when it is strained.
+    #[error(
+        "the elastic constants are not those of a stable material: {quantity} is {given} and must \
+         lie between -{bound} and {bound}"
+    )]
+    UnstableMaterial {
+        quantity: &'static str,
+        given: f64,
+        bound: f64,
+    },
+    /// The three Poisson ratios do not go together, though each alone would.
+    #[error(
+        "the elastic constants are not those of a stable material: 1 - ν₁₂ν₂₁ - ν₂₃ν₃₂ - ν₁₃ν₃₁ - \
+         2 ν₂₁ν₃₂ν₁₃ is {determinant} and must be positive; lower a Poisson ratio"
+    )]
+    UnstableTogether { determinant: f64 },
+    /// Two fibres share a place.
+    #[error(
+        "fibres {first} and {second} overlap by {area_mm2} mm² around ({x_mm} mm, {y_mm} mm): move \
+         one, or cut it with a length"
+    )]
+    Overlap {
+        first: usize,
+        second: usize,
+        area_mm2: f64,
+        x_mm: f64,
+        y_mm: f64,
+    },
+    /// A fibre lies beside the section.
+    #[error("fibre {fibre} does not touch the section: move its point into the section")]
+    FibreOutside { fibre: usize },
+    /// The paper's lattice has no rule for cells that are not square.
+    #[error(
+        "the paper's lattice needs square cells, and these are {width_mm} mm by {height_mm} mm: \
+         choose numbers of cells in proportion to the section's sides, or the exact lattice"
+    )]
+    NotSquare { width_mm: f64, height_mm: f64 },
+    /// The supports leave the section free to move as a whole.
+    #[error("the supports let the section {motion}: fix it where it could move")]
+    Unsupported { motion: &'static str },
+    /// The lattice itself folds without resistance.
+    #[error(
+        "the lattice folds without resistance at ({x_mm} mm, {y_mm} mm): bonds along edges alone do \
+         not keep the shape of a cell; choose crossed bonds or one diagonal"
+    )]
+    Mechanism { x_mm: f64, y_mm: f64 },
+    /// No memory for the equations.
+    #[error(
+        "the equations of {particles} particles do not fit into memory: use fewer cells, or \
+         conjugate gradients"
+    )]
+    TooLarge { particles: usize },
+    /// Supports that meet at a node ask for different displacements.
+    #[error(
+        "supports ask for different displacements along {axis} at ({x_mm} mm, {y_mm} mm): {first_mm} \
+         mm and {second_mm} mm"
+    )]
+    Contradiction {
+        axis: char,
+        x_mm: f64,
+        y_mm: f64,
+        first_mm: f64,
+        second_mm: f64,
+    },
+    /// A place lies outside the section.
+    #[error("{what} at ({x_mm} mm, {y_mm} mm) lies outside the section")]
+    OutsideSection {
+        what: &'static str,
+        x_mm: f64,
+        y_mm: f64,
+    },
+    /// A cell would have to be turned inside out to go on.
+    #[error(
+        "cell ({column}, {row}) at ({x_mm} mm, {y_mm} mm) turns inside out at {load_fraction} of the \
+         load, in step {step}: the load is more than the section can carry in this model"
+    )]
+    Inverted {
+        column: usize,
+        row: usize,
+        x_mm: f64,
+        y_mm: f64,
+        step: u64,
+        load_fraction: f64,
+    },
+    /// Equilibrium was not found.
+    #[error(
+        "no equilibrium was found at {load_fraction} of the load: after {iterations} iterations the \
+         residual is {residual} of the load; use more load steps, or a smaller load"
+    )]
+    NotConverged {
+        load_fraction: f64,
+        iterations: u64,
+        residual: f64,
+    },
+    /// A given time step is beyond the stable one.
+    #[error(
+        "the time step {given_s:e} s is beyond the stable step {critical_s:e} s of this lattice: \
+         choose a smaller one or none"
+    )]
+    UnstableTimeStep { given_s: f64, critical_s: f64 },
+    /// A number left the range of finite numbers.
+    #[error("{quantity} is not finite in step {step}")]
+    NotFinite { quantity: &'static str, step: u64 },
+}
+
+/// The quantity must be finite and positive.
+pub(crate) fn positive(quantity: &'static str, given: f64) -> Result<f64, CompositeError> {
+    if given.is_finite() && given > 0.0 {
+        Ok(given)
+    } else {
+        Err(CompositeError::OutOfRange {
+            quantity,
+            given,
+            allowed: "a finite number above 0",
+        })
+    }
+}
+
+/// The quantity must be finite.
+pub(crate) fn finite(quantity: &'static str, given: f64) -> Result<f64, CompositeError> {
+    if given.is_finite() {
+        Ok(given)
+    } else {
+        Err(CompositeError::OutOfRange {
+            quantity,
+            given,
+            allowed: "a finite number",
+        })
+    }
+}

@@ -1,0 +1,306 @@
+//! Particles on a grid and what holds them together.
+//!
+//! Two lattices share one form: the *exact* one has a [cell](cell) for every four particles, the
+//! *paper's* one has [bonds](bond) between pairs. [`Geometry`] says whether displacements are small
+//! or large; it is chosen once, outside of every loop. Supports, loads and ways to equilibrium are
+//! not known here.
+mod bond;
+mod cell;
+mod large;
+mod paper;
+pub mod springs;
+#[cfg(test)]
+mod tests;
+
+pub use bond::Bond;
+pub(crate) use bond::Ends;
+pub(crate) use cell::{ALONG_X, ALONG_Y, Cell, Corners, HOURGLASS, Measures, Rates};
+pub use paper::{BondPattern, BondStiffness, PaperRule};
+
+use crate::error::CompositeError;
+use crate::matrix::GridMatrix;
+use crate::section::{Grid, Layout};
+use crate::stiffness::Stiffness;
+
+/// How displacements are measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Geometry {
+    /// Small displacements: forces are proportional to them.
+    Linear,
+    /// Rotations of any size.
+    Large,
+}
+
+/// Which tangent of the energy is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Tangent {
+    /// The energy's second derivatives.
+    Exact,
+    /// Without the parts that may be negative: always leads downhill.
+    Convex,
+}
+
+/// Particles, and the cells or bonds between them.
+#[derive(Debug, Clone)]
+pub struct Lattice {
+    grid: Grid,
+    thickness_mm: f64,
+    /// Plane stiffness of each cell [MPa]; none in the paper's lattice.
+    stiffness: Vec<Stiffness>,
+    /// Hourglass stiffness of each cell [N/mm].
+    hourglass: Vec<[f64; 2]>,
+    bonds: Vec<Bond>,
+    /// Mass of each particle [t], so that forces in N give mm/s².
+    masses_t: Vec<f64>,
+}
+
+/// kg/m³ in t/mm³.
+const TONNES_PER_MM3: f64 = 1e-12;
+
+impl Lattice {
+    /// The lattice that is exact in uniform strain.
+    #[must_use]
+    pub fn exact(layout: &Layout) -> Self {
+        let hourglass = layout
+            .stiffness
+            .iter()
+            .enumerate()
+            .map(|(place, stiffness)| {
+                cell::hourglass(stiffness, layout.grid.sides_mm(place), layout.thickness_mm)
+            })
+            .collect();
+        Self {
+            grid: layout.grid.clone(),
+            thickness_mm: layout.thickness_mm,
+            stiffness: layout.stiffness.clone(),
+            hourglass,
+            bonds: Vec::new(),
+            masses_t: masses(layout),
+        }
+    }
+
+    /// The paper's lattice: springs by the materials of their two particles.
+    ///
+    /// # Errors
+    /// When cells are not square, or the rule has no stiffness for a material.
+    pub fn paper(
+        section: &crate::section::Section,
+        layout: &Layout,
+        rule: PaperRule,
+    ) -> Result<Self, CompositeError> {
+        Ok(Self {
+            grid: layout.grid.clone(),
+            thickness_mm: layout.thickness_mm,
+            stiffness: Vec::new(),
+            hourglass: Vec::new(),
+            bonds: paper::bonds(section, layout, rule)?,
+            masses_t: masses(layout),
+        })
+    }
+
+    /// The grid of particles.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Out of the plane [mm].
+    #[must_use]
+    pub fn thickness_mm(&self) -> f64 {
+        self.thickness_mm
+    }
+
+    /// The paper's bonds; none in the exact lattice.
+    #[must_use]
+    pub fn bonds(&self) -> &[Bond] {
+        &self.bonds
+    }
+
+    /// Mass of each particle [t].
+    #[must_use]
+    pub fn masses_t(&self) -> &[f64] {
+        &self.masses_t
+    }
+
+    /// Whether cells, not bonds, hold the particles.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        !self.stiffness.is_empty()
+    }
+
+    /// Number of displacements: two for each particle.
+    #[must_use]
+    pub fn displacements(&self) -> usize {
+        2 * self.grid.particles()
+    }
+
+    pub(crate) fn cell(&self, place: usize) -> Cell {
+        let sides = self.grid.sides_mm(place);
+        Cell {
+            sides,
+            volume: sides[0] * sides[1] * self.thickness_mm,
+            stiffness: self.stiffness[place],
+            hourglass: self.hourglass[place],
+        }
+    }
+
+    pub(crate) fn cells(&self) -> usize {
+        self.stiffness.len()
+    }
+
+    /// Energy [N mm] at displacements u [mm], whose derivatives [N], the forces that hold it there,
+    /// are written to `forces`.
+    pub fn forces(&self, geometry: Geometry, u: &[f64], forces: &mut [f64]) -> f64 {
+        forces.fill(0.0);
+        match geometry {
+            Geometry::Linear => {
+                self.cell_forces(u, forces, Cell::linear_forces)
+                    + self.bond_forces(u, forces, Bond::linear_stretch)
+            }
+            Geometry::Large => {
+                self.cell_forces(u, forces, Cell::large_forces)
+                    + self.bond_forces(u, forces, Bond::large_stretch)
+            }
+        }
+    }
+
+    fn cell_forces(
+        &self,
+        u: &[f64],
+        forces: &mut [f64],
+        law: impl Fn(&Cell, &Corners) -> (f64, Corners),
+    ) -> f64 {
+        let mut energy = 0.0;
+        for place in 0..self.cells() {
+            let corners = self.grid.corners(place);
+            let (stored, parts) = law(&self.cell(place), &gather(u, corners));
+            energy += stored;
+            for (corner, particle) in corners.into_iter().enumerate() {
+                forces[2 * particle] += parts[2 * corner];
+                forces[2 * particle + 1] += parts[2 * corner + 1];
+            }
+        }
+        energy
+    }
+
+    fn bond_forces(
+        &self,
+        u: &[f64],
+        forces: &mut [f64],
+        stretch: impl Fn(&Bond, &Ends) -> (f64, [f64; 2]),
+    ) -> f64 {
+        let mut energy = 0.0;
+        for bond in &self.bonds {
+            let [first, second] = bond.particles.map(|particle| particle as usize);
+            let (stored, parts) = bond.forces(stretch(bond, &ends(u, bond)));
+            energy += stored;
+            forces[2 * first] += parts[0];
+            forces[2 * first + 1] += parts[1];
+            forces[2 * second] += parts[2];
+            forces[2 * second + 1] += parts[3];
+        }
+        energy
+    }
+
+    /// An empty matrix for [`Lattice::tangent`].
+    pub(crate) fn matrix(&self) -> GridMatrix {
+        GridMatrix::zeros(self.grid.columns() + 1, self.grid.rows() + 1)
+    }
+
+    /// The tangent of the forces at displacements u [N/mm].
+    pub(crate) fn tangent(
+        &self,
+        geometry: Geometry,
+        tangent: Tangent,
+        u: &[f64],
+        matrix: &mut GridMatrix,
+    ) {
+        matrix.clear();
+        let exact = tangent == Tangent::Exact;
+        for place in 0..self.cells() {
+            let cell = self.cell(place);
+            let corners = self.grid.corners(place);
+            let part = match geometry {
+                Geometry::Linear => cell.linear_matrix(),
+                Geometry::Large => cell.large_matrix(&gather(u, corners), exact),
+            };
+            matrix.add_cell(corners[0], &part);
+        }
+        for bond in &self.bonds {
+            let block = match geometry {
+                Geometry::Linear => bond.block(bond.linear_stretch(&ends(u, bond)), 0.0),
+                Geometry::Large => {
+                    let stretch = bond.large_stretch(&ends(u, bond));
+                    let across = bond.tension_over_length(stretch.0);
+                    bond.block(stretch, if exact { across } else { across.max(0.0) })
+                }
+            };
+            matrix.add_spring(bond.particles.map(|particle| particle as usize), block);
+        }
+    }
+
+    /// The first cell that displacements turn inside out.
+    #[must_use]
+    pub fn inverted_cell(&self, u: &[f64]) -> Option<usize> {
+        (0..self.grid.cells()).find(|&place| self.is_inverted(place, u))
+    }
+
+    /// Number of cells that displacements turn inside out.
+    #[must_use]
+    pub fn inverted_cells(&self, u: &[f64]) -> usize {
+        (0..self.grid.cells())
+            .filter(|&place| self.is_inverted(place, u))
+            .count()
+    }
+
+    fn is_inverted(&self, place: usize, u: &[f64]) -> bool {
+        let corners = gather(u, self.grid.corners(place));
+        cell::is_inverted(self.grid.sides_mm(place), &corners)
+    }
+
+    /// Mean stress of a cell (σ_xx, σ_yy, σ_xy) [MPa] in its own frame; `None` in the paper's
+    /// lattice, whose cells have no stress.
+    #[must_use]
+    pub fn stress(&self, geometry: Geometry, place: usize, u: &[f64]) -> Option<[f64; 3]> {
+        (place < self.cells()).then(|| {
+            let cell = self.cell(place);
+            let corners = gather(u, self.grid.corners(place));
+            let measures = match geometry {
+                Geometry::Linear => cell.measures(&corners),
+                Geometry::Large => cell.large_measures(&corners).0,
+            };
+            let answers = cell.answers(&measures);
+            [0, 1, 2].map(|part| answers[part] / cell.volume)
+        })
+    }
+}
+
+/// Displacements of four particles, x and y by turns.
+pub(crate) fn gather(u: &[f64], corners: [usize; 4]) -> Corners {
+    let mut gathered = [0.0; 8];
+    for (corner, particle) in corners.into_iter().enumerate() {
+        gathered[2 * corner] = u[2 * particle];
+        gathered[2 * corner + 1] = u[2 * particle + 1];
+    }
+    gathered
+}
+
+/// Displacements of a bond's two particles.
+pub(crate) fn ends(u: &[f64], bond: &Bond) -> Ends {
+    let [first, second] = bond.particles.map(|particle| 2 * particle as usize);
+    [u[first], u[first + 1], u[second], u[second + 1]]
+}
+
+/// A quarter of each cell's mass goes to each of its particles.
+fn masses(layout: &Layout) -> Vec<f64> {
+    let grid = &layout.grid;
+    let mut masses = vec![0.0; grid.particles()];
+    for (place, density) in layout.density.iter().enumerate() {
+        let [a, b] = grid.sides_mm(place);
+        let quarter = density * TONNES_PER_MM3 * a * b * layout.thickness_mm / 4.0;
+        for particle in grid.corners(place) {
+            masses[particle] += quarter;
+        }
+    }
+    masses
+}

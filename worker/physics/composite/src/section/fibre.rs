@@ -1,0 +1,149 @@
+//! Fibres: bands through a point at an angle.
+use crate::error::{CompositeError, finite, positive};
+use crate::section::polygon::Polygon;
+use crate::stiffness::direction;
+
+/// A fibre: a straight band through a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fibre {
+    /// Which of the section's materials it is of.
+    pub material: usize,
+    /// A point on its axis, the middle of it when it has a length [mm].
+    pub through_mm: [f64; 2],
+    /// Angle of its axis to x [°].
+    pub angle_deg: f64,
+    /// Thickness across the axis [mm].
+    pub thickness_mm: f64,
+    /// Length along the axis [mm]; `None`: from edge to edge of the section.
+    pub length_mm: Option<f64>,
+}
+
+/// A fibre made ready for measuring: its band as a polygon, its axis as cosine and sine.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Band {
+    pub(crate) material: usize,
+    pub(crate) angle_deg: f64,
+    pub(crate) axis: [f64; 2],
+    pub(crate) through_mm: [f64; 2],
+    pub(crate) half_thickness_mm: f64,
+    pub(crate) half_length_mm: f64,
+    polygon: Polygon,
+}
+
+impl Band {
+    /// Makes fibre number `place` of a section of the given sides ready.
+    pub(crate) fn new(
+        place: usize,
+        fibre: &Fibre,
+        [length_mm, height_mm]: [f64; 2],
+    ) -> Result<Self, CompositeError> {
+        positive("a fibre's thickness [mm]", fibre.thickness_mm)?;
+        finite("a fibre's angle [°]", fibre.angle_deg)?;
+        let [x, y] = fibre.through_mm;
+        finite("x of a fibre's point [mm]", x)?;
+        finite("y of a fibre's point [mm]", y)?;
+        // Long enough to leave the section whatever the angle.
+        let reach = length_mm + height_mm + x.abs() + y.abs();
+        let half_length_mm = match fibre.length_mm {
+            Some(length) => positive("a fibre's length [mm]", length)? / 2.0,
+            None => reach,
+        };
+        let axis = direction(fibre.angle_deg);
+        let half_thickness_mm = fibre.thickness_mm / 2.0;
+        let corner = |along: f64, across: f64| {
+            [
+                x + along * axis[0] - across * axis[1],
+                y + along * axis[1] + across * axis[0],
+            ]
+        };
+        let band = Polygon::of(&[
+            corner(-half_length_mm, -half_thickness_mm),
+            corner(half_length_mm, -half_thickness_mm),
+            corner(half_length_mm, half_thickness_mm),
+            corner(-half_length_mm, half_thickness_mm),
+        ]);
+        let section = Polygon::rectangle([0.0, length_mm], [0.0, height_mm]);
+        let polygon = band.within(&section);
+        if polygon.area_and_centroid().0 <= 0.0 {
+            return Err(CompositeError::FibreOutside { fibre: place });
+        }
+        Ok(Self {
+            material: fibre.material,
+            angle_deg: fibre.angle_deg,
+            axis,
+            through_mm: fibre.through_mm,
+            half_thickness_mm,
+            half_length_mm,
+            polygon,
+        })
+    }
+
+    /// Distances of a point from the fibre's middle, along and across its axis [mm].
+    pub(crate) fn distances(&self, point: [f64; 2]) -> [f64; 2] {
+        let [dx, dy] = [point[0] - self.through_mm[0], point[1] - self.through_mm[1]];
+        [
+            dx * self.axis[0] + dy * self.axis[1],
+            dy * self.axis[0] - dx * self.axis[1],
+        ]
+    }
+
+    /// The part of it inside the section.
+    pub(crate) fn polygon(&self) -> &Polygon {
+        &self.polygon
+    }
+
+    /// Smallest and largest x and y [mm].
+    pub(crate) fn extent(&self) -> [[f64; 2]; 2] {
+        extent(self.polygon.corners())
+    }
+}
+
+fn extent(corners: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+    for corner in corners {
+        for axis in 0..2 {
+            extent[axis][0] = extent[axis][0].min(corner[axis]);
+            extent[axis][1] = extent[axis][1].max(corner[axis]);
+        }
+    }
+    extent
+}
+
+/// Finds two fibres that share more than round-off of the thinner one's area.
+///
+/// Sorted by where they begin along x, each is held only against those that begin before it ends.
+pub(crate) fn refuse_overlap(bands: &[Band]) -> Result<(), CompositeError> {
+    let extents: Vec<_> = bands.iter().map(Band::extent).collect();
+    let mut order: Vec<usize> = (0..bands.len()).collect();
+    order.sort_by(|&a, &b| extents[a][0][0].total_cmp(&extents[b][0][0]).then(a.cmp(&b)));
+    for (rank, &first) in order.iter().enumerate() {
+        for &second in &order[rank + 1..] {
+            if extents[second][0][0] >= extents[first][0][1] {
+                break;
+            }
+            if extents[second][1][0] >= extents[first][1][1]
+                || extents[first][1][0] >= extents[second][1][1]
+            {
+                continue;
+            }
+            let (smaller, larger) = (first.min(second), first.max(second));
+            let common = bands[smaller].polygon.within(&bands[larger].polygon);
+            let (area_mm2, [x_mm, y_mm]) = common.area_and_centroid();
+            let smallest = bands[smaller]
+                .polygon
+                .area_and_centroid()
+                .0
+                .min(bands[larger].polygon.area_and_centroid().0);
+            if area_mm2 > 1e-9 * smallest {
+                return Err(CompositeError::Overlap {
+                    first: smaller,
+                    second: larger,
+                    area_mm2,
+                    x_mm,
+                    y_mm,
+                });
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,237 @@
+//! A section laid out on its grid: what every cell holds.
+use crate::error::{CompositeError, positive};
+use crate::material::Note;
+use crate::section::fibre::{Band, refuse_overlap};
+use crate::section::grid::{Division, Grid, graded_lines};
+use crate::section::polygon::Polygon;
+use crate::section::Section;
+use crate::stiffness::{Stiffness, laminate, turned};
+
+/// A part of a cell's area below this is round-off, not a fibre.
+const LEAST_SHARE: f64 = 1e-12;
+
+/// A section on its grid, ready to become a lattice.
+#[derive(Debug, Clone)]
+pub struct Layout {
+    pub(crate) grid: Grid,
+    pub(crate) thickness_mm: f64,
+    pub(crate) bands: Vec<Band>,
+    /// Plane stiffness of each cell, the laminate average of what it holds [MPa].
+    pub(crate) stiffness: Vec<Stiffness>,
+    /// Mean density of each cell [kg/m³].
+    pub(crate) density: Vec<f64>,
+    /// Share of each cell's area that is fibre.
+    pub(crate) fibre_share: Vec<f64>,
+    pub(crate) notes: Vec<(usize, Note)>,
+}
+
+/// A fibre in a cell: which band, and its share of the cell's area.
+struct Part {
+    cell: u32,
+    band: u32,
+    share: f64,
+}
+
+impl Layout {
+    pub(crate) fn new(section: &Section, division: Division) -> Result<Self, CompositeError> {
+        let sides = [section.length_mm, section.height_mm];
+        let bands = section
+            .fibres
+            .iter()
+            .enumerate()
+            .map(|(place, fibre)| Band::new(place, fibre, sides))
+            .collect::<Result<Vec<_>, _>>()?;
+        refuse_overlap(&bands)?;
+        let grid = divide(sides, &bands, division)?;
+
+        let mut own = Vec::with_capacity(section.materials.len());
+        let mut notes = Vec::new();
+        for (place, substance) in section.materials.iter().enumerate() {
+            let (stiffness, assumed) = substance.material.stiffness(section.state)?;
+            positive("a density [kg/m³]", substance.density_kg_per_m3)?;
+            own.push(stiffness);
+            notes.extend(assumed.into_iter().map(|note| (place, note)));
+        }
+        let named = |place: usize| {
+            own.get(place).copied().ok_or(CompositeError::OutOfRange {
+                quantity: "the place of a material in the list",
+                given: place as f64,
+                allowed: "less than the number of materials",
+            })
+        };
+        let matrix = turned(&named(section.matrix)?, section.matrix_angle_deg);
+        let fibres = bands
+            .iter()
+            .map(|band| Ok(turned(&named(band.material)?, band.angle_deg)))
+            .collect::<Result<Vec<_>, CompositeError>>()?;
+
+        let density_of = |place: usize| section.materials[place].density_kg_per_m3;
+        let mut stiffness = vec![matrix; grid.cells()];
+        let mut density = vec![density_of(section.matrix); grid.cells()];
+        let mut fibre_share = vec![0.0; grid.cells()];
+        let mut parts = shares(&grid, &bands);
+        parts.sort_by_key(|part| (part.cell, part.band));
+        for held in parts.chunk_by(|a, b| a.cell == b.cell) {
+            let cell = held[0].cell as usize;
+            let whole: f64 = held.iter().map(|part| part.share).sum();
+            // Fibres fill the cell but for round-off, or leave room for matrix.
+            let rest = if whole > 1.0 - LEAST_SHARE { 0.0 } else { 1.0 - whole };
+            stiffness[cell] = mixture(matrix, rest, held, &bands, &fibres);
+            fibre_share[cell] = whole.min(1.0);
+            density[cell] = rest * density_of(section.matrix)
+                + held
+                    .iter()
+                    .map(|part| part.share * density_of(bands[part.band as usize].material))
+                    .sum::<f64>();
+        }
+        Ok(Self {
+            grid,
+            thickness_mm: section.thickness_mm,
+            bands,
+            stiffness,
+            density,
+            fibre_share,
+            notes,
+        })
+    }
+
+    /// The grid of particles.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Plane stiffness of each cell [MPa].
+    #[must_use]
+    pub fn stiffness(&self) -> &[Stiffness] {
+        &self.stiffness
+    }
+
+    /// Share of each cell's area that is fibre.
+    #[must_use]
+    pub fn fibre_share(&self) -> &[f64] {
+        &self.fibre_share
+    }
+
+    /// Constants that were not given and what was taken for them, by place of the material.
+    #[must_use]
+    pub fn notes(&self) -> &[(usize, Note)] {
+        &self.notes
+    }
+}
+
+/// The average of a cell: fibres of one direction are layers with the matrix between them, exact
+/// for any number of them. Where fibres of different directions meet in one cell, those of the
+/// next direction are layers in the average of matrix and those before: the order is that of the
+/// fibres' list, and the result an estimate.
+fn mixture(
+    matrix: Stiffness,
+    matrix_share: f64,
+    held: &[Part],
+    bands: &[Band],
+    fibres: &[Stiffness],
+) -> Stiffness {
+    let mut background = matrix;
+    let mut background_share = matrix_share;
+    let mut done = vec![false; held.len()];
+    for first in 0..held.len() {
+        if done[first] {
+            continue;
+        }
+        let axis = bands[held[first].band as usize].axis;
+        let mut layers = Vec::with_capacity(held.len() + 1);
+        if background_share > 0.0 {
+            layers.push((background_share, background));
+        }
+        for (other, part) in held.iter().enumerate().skip(first) {
+            let towards = bands[part.band as usize].axis;
+            let sine = axis[0] * towards[1] - axis[1] * towards[0];
+            if !done[other] && sine.abs() < 1e-9 {
+                done[other] = true;
+                layers.push((part.share, fibres[part.band as usize]));
+                background_share += part.share;
+            }
+        }
+        background = laminate(&layers, bands[held[first].band as usize].angle_deg);
+    }
+    background
+}
+
+/// Shares of all cells that fibres touch: the cell's rectangle, cut by the band's polygon.
+fn shares(grid: &Grid, bands: &[Band]) -> Vec<Part> {
+    let mut parts = Vec::new();
+    for (place, band) in bands.iter().enumerate() {
+        let rows = touched(grid.y_mm(), band.extent()[1]);
+        for j in rows {
+            let y = [grid.y_mm()[j], grid.y_mm()[j + 1]];
+            // Only the columns the band crosses in this row.
+            let strip = band
+                .polygon()
+                .clipped([0.0, 1.0], y[1])
+                .clipped([0.0, -1.0], -y[0]);
+            let from = strip.corners().iter().map(|c| c[0]).fold(f64::INFINITY, f64::min);
+            let to = strip.corners().iter().map(|c| c[0]).fold(f64::NEG_INFINITY, f64::max);
+            for i in touched(grid.x_mm(), [from, to]) {
+                let x = [grid.x_mm()[i], grid.x_mm()[i + 1]];
+                let cell = Polygon::rectangle(x, y);
+                let area = cell.within(band.polygon()).area_and_centroid().0;
+                let share = area / ((x[1] - x[0]) * (y[1] - y[0]));
+                if share > LEAST_SHARE {
+                    parts.push(Part {
+                        cell: (j * grid.columns() + i) as u32,
+                        band: place as u32,
+                        share: if share > 1.0 - LEAST_SHARE { 1.0 } else { share },
+                    });
+                }
+            }
+        }
+    }
+    parts
+}
+
+/// The intervals between lines that a range touches.
+fn touched(lines: &[f64], [from, to]: [f64; 2]) -> std::ops::Range<usize> {
+    let first = lines.partition_point(|&line| line <= from).saturating_sub(1);
+    let last = lines.partition_point(|&line| line < to).min(lines.len() - 1);
+    first..last
+}
+
+fn divide(
+    sides: [f64; 2],
+    bands: &[Band],
+    division: Division,
+) -> Result<Grid, CompositeError> {
+    let (Division::Uniform { cells } | Division::Graded { cells, .. }) = division;
+    for count in cells {
+        if count == 0 || count > 1 << 15 {
+            return Err(CompositeError::OutOfRange {
+                quantity: "the number of cells along a side",
+                given: count as f64,
+                allowed: "from 1 to 32768",
+            });
+        }
+    }
+    let Division::Graded { across, .. } = division else {
+        return Ok(Grid::uniform(sides, cells));
+    };
+    if across == 0 {
+        return Err(CompositeError::OutOfRange {
+            quantity: "the number of cells across a fibre",
+            given: 0.0,
+            allowed: "at least 1",
+        });
+    }
+    let lines = |axis: usize| {
+        let faces: Vec<[f64; 2]> = bands
+            .iter()
+            .filter(|band| band.axis[axis].abs() < f64::EPSILON)
+            .map(|band| {
+                let middle = band.through_mm[axis];
+                [middle - band.half_thickness_mm, middle + band.half_thickness_mm]
+            })
+            .collect();
+        let largest = sides[axis] / cells[axis] as f64;
+        graded_lines(sides[axis], &faces, largest, across)
+    };
+    Grid::of_lines(lines(0), lines(1))
+}

@@ -1,0 +1,59 @@
+//! What is tested: a rectangle of matrix with bands of fibre in it.
+//!
+//! A [`Section`] is what a user describes; [`Section::layout`] checks it and makes the [`Layout`],
+//! the grid of particles with what every cell holds. How a cell answers to strain is not known here.
+mod fibre;
+mod grid;
+mod layout;
+mod polygon;
+#[cfg(test)]
+mod tests;
+
+pub use fibre::Fibre;
+pub(crate) use fibre::Band;
+pub use grid::{Division, Grid};
+pub(crate) use grid::{corner_weights, within};
+pub use layout::Layout;
+
+use crate::error::{CompositeError, finite, positive};
+use crate::material::{Material, PlaneState};
+
+/// A rectangular section of a composite; x runs along its length, y up, the origin is its lower
+/// left corner.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    pub length_mm: f64,
+    pub height_mm: f64,
+    /// Out of the plane.
+    pub thickness_mm: f64,
+    pub state: PlaneState,
+    /// All materials with their densities; matrix and fibres name them by place.
+    pub materials: Vec<Substance>,
+    /// Which material lies between the fibres.
+    pub matrix: usize,
+    /// Angle of the matrix material's axis 1 to x [°].
+    pub matrix_angle_deg: f64,
+    pub fibres: Vec<Fibre>,
+}
+
+/// A material and its density.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Substance {
+    pub material: Material,
+    /// Matters to motion only, never to an equilibrium.
+    pub density_kg_per_m3: f64,
+}
+
+impl Section {
+    /// Checks the section and lays the grid over it.
+    ///
+    /// # Errors
+    /// What is wrong with the description: lengths, materials, fibres outside or over each other.
+    pub fn layout(&self, division: Division) -> Result<Layout, CompositeError> {
+        positive("the section's length [mm]", self.length_mm)?;
+        positive("the section's height [mm]", self.height_mm)?;
+        positive("the section's thickness [mm]", self.thickness_mm)?;
+        finite("the matrix angle [°]", self.matrix_angle_deg)?;
+        Layout::new(self, division)
+    }
+}

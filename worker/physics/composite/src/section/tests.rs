@@ -1,0 +1,193 @@
+//! Areas against what geometry says.
+use super::*;
+use crate::material::Orthotropic;
+use crate::stiffness::turned;
+
+pub(crate) const FILLER: Substance = Substance {
+    material: Material::Isotropic {
+        youngs_modulus_mpa: 85.0,
+        poisson_ratio: 0.3,
+    },
+    density_kg_per_m3: 1_200.0,
+};
+
+pub(crate) const FIBRE: Substance = Substance {
+    material: Material::Orthotropic(Orthotropic {
+        modulus_1_mpa: 11_500.0,
+        modulus_2_mpa: 6_430.0,
+        poisson_ratio_12: 0.28,
+        shear_modulus_12_mpa: None,
+        modulus_3_mpa: None,
+        poisson_ratio_13: None,
+        poisson_ratio_23: None,
+    }),
+    density_kg_per_m3: 1_800.0,
+};
+
+fn section(fibres: Vec<Fibre>) -> Section {
+    Section {
+        length_mm: 70.0,
+        height_mm: 50.0,
+        thickness_mm: 1.0,
+        state: PlaneState::Stress,
+        materials: vec![FILLER, FIBRE],
+        matrix: 0,
+        matrix_angle_deg: 0.0,
+        fibres,
+    }
+}
+
+fn fibre(through_mm: [f64; 2], angle_deg: f64, thickness_mm: f64) -> Fibre {
+    Fibre {
+        material: 1,
+        through_mm,
+        angle_deg,
+        thickness_mm,
+        length_mm: None,
+    }
+}
+
+/// Area of fibre in the whole section [mm²].
+fn fibre_area(layout: &Layout) -> f64 {
+    (0..layout.grid().cells())
+        .map(|cell| {
+            let [a, b] = layout.grid().sides_mm(cell);
+            a * b * layout.fibre_share()[cell]
+        })
+        .sum()
+}
+
+#[test]
+fn shares_of_cells_add_up_to_the_band_at_every_angle() {
+    for (cells, angle) in (0..24).map(|step| ([7 + step % 5, 9], step as f64 * 15.0)) {
+        let whole = section(vec![fibre([33.0, 21.0], angle, 0.7)]);
+        let layout = whole.layout(Division::Uniform { cells }).unwrap();
+        let band = Band::new(0, &whole.fibres[0], [70.0, 50.0]).unwrap();
+        let area = band.polygon().area_and_centroid().0;
+        assert!((fibre_area(&layout) - area).abs() < 1e-10, "{angle}");
+    }
+    // Of a band inside the section the area is thickness times length.
+    let mut short = fibre([35.0, 25.0], 33.0, 0.7);
+    short.length_mm = Some(30.0);
+    let layout = section(vec![short])
+        .layout(Division::Uniform { cells: [40, 30] })
+        .unwrap();
+    assert!((fibre_area(&layout) - 21.0).abs() < 1e-10);
+}
+
+#[test]
+fn a_band_along_x_fills_the_same_share_of_each_cell_of_its_row() {
+    let layout = section(vec![fibre([35.0, 5.0], 0.0, 1.0)])
+        .layout(Division::Uniform { cells: [7, 5] })
+        .unwrap();
+    for cell in 0..35 {
+        let expected = if cell < 7 { 0.1 } else { 0.0 };
+        assert!((layout.fibre_share()[cell] - expected).abs() < 1e-12);
+    }
+    // Exactly on a line of the grid half of it lies on either side.
+    let layout = section(vec![fibre([35.0, 10.0], 180.0, 1.0)])
+        .layout(Division::Uniform { cells: [7, 5] })
+        .unwrap();
+    assert!((layout.fibre_share()[0] - 0.05).abs() < 1e-12);
+    assert!((layout.fibre_share()[7] - 0.05).abs() < 1e-12);
+}
+
+#[test]
+fn a_graded_grid_has_lines_on_the_faces_of_fibres_along_an_axis() {
+    let whole = section(vec![
+        fibre([35.0, 5.0], 0.0, 0.7),
+        fibre([35.0, 30.0], 0.0, 0.7),
+    ]);
+    let graded = Division::Graded {
+        cells: [10, 10],
+        across: 2,
+    };
+    let layout = whole.layout(graded).unwrap();
+    for face in [4.65, 5.35, 29.65, 30.35, 0.0, 50.0] {
+        let nearest = layout.grid().y_mm().iter().map(|y| (y - face).abs());
+        assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-12, "{face}");
+    }
+    assert_eq!(layout.grid().columns(), 10);
+    assert!(
+        layout
+            .fibre_share()
+            .iter()
+            .all(|&share| share == 0.0 || share == 1.0)
+    );
+    assert!((fibre_area(&layout) - 2.0 * 70.0 * 0.7).abs() < 1e-10);
+    let sizes: Vec<f64> = layout.grid().y_mm().windows(2).map(|p| p[1] - p[0]).collect();
+    assert!(sizes.iter().all(|&size| size < 5.0 + 1e-9));
+    for pair in sizes.windows(2) {
+        let ratio = (pair[1] / pair[0]).max(pair[0] / pair[1]);
+        assert!(ratio < 1.6, "{ratio}");
+    }
+    let without = section(Vec::new()).layout(graded).unwrap();
+    for (line, &y) in without.grid().y_mm().iter().enumerate() {
+        assert!((y - 5.0 * line as f64).abs() < 1e-9, "even where there is no fibre");
+    }
+}
+
+#[test]
+fn fibres_that_overlap_are_refused_with_their_place() {
+    let crossing = section(vec![
+        fibre([35.0, 45.0], 0.0, 0.7),
+        fibre([35.0, 25.0], 0.0, 0.7),
+        fibre([20.0, 25.0], 90.0, 0.7),
+    ]);
+    let error = crossing.layout(Division::Uniform { cells: [7, 5] });
+    let Err(CompositeError::Overlap {
+        first,
+        second,
+        area_mm2,
+        x_mm,
+        y_mm,
+    }) = error
+    else {
+        panic!("{error:?}");
+    };
+    assert!((first == 0 || first == 1) && second == 2);
+    assert!((area_mm2 - 0.49).abs() < 1e-12);
+    assert!((x_mm - 20.0).abs() < 1e-12 && (y_mm - [45.0, 25.0][first]).abs() < 1e-12);
+    // Side by side is not over each other.
+    let touching = section(vec![
+        fibre([35.0, 25.0], 10.0, 0.7),
+        fibre(
+            [35.0 - 0.7 * 10f64.to_radians().sin(), 25.0 + 0.7 * 10f64.to_radians().cos()],
+            10.0,
+            0.7,
+        ),
+    ]);
+    assert!(touching.layout(Division::Uniform { cells: [7, 5] }).is_ok());
+    let outside = section(vec![fibre([35.0, 60.0], 0.0, 0.7)]);
+    assert_eq!(
+        outside.layout(Division::Uniform { cells: [7, 5] }).unwrap_err(),
+        CompositeError::FibreOutside { fibre: 0 }
+    );
+}
+
+#[test]
+fn a_cell_holds_the_laminate_of_its_shares() {
+    let layout = section(vec![fibre([35.0, 25.0], 30.0, 2.0)])
+        .layout(Division::Uniform { cells: [7, 5] })
+        .unwrap();
+    let own = |place: usize| [FILLER, FIBRE][place].material.stiffness(PlaneState::Stress).unwrap().0;
+    let share = layout.fibre_share()[17];
+    assert!(share > 0.1 && share < 0.5);
+    let expected = crate::stiffness::laminate(
+        &[(1.0 - share, own(0)), (share, turned(&own(1), 30.0))],
+        30.0,
+    );
+    assert!((layout.stiffness()[17] - expected).amax() < 1e-10 * expected.amax());
+    let filled = layout.stiffness()[6];
+    assert_eq!(filled, own(0));
+}
+
+#[test]
+fn points_are_found_in_their_cells() {
+    let grid = Grid::uniform([70.0, 50.0], [7, 5]);
+    assert_eq!(grid.locate([0.0, 0.0]), Some((0, [0.0, 0.0])));
+    assert_eq!(grid.locate([70.0, 50.0]), Some((34, [1.0, 1.0])));
+    assert_eq!(grid.locate([15.0, 12.5]), Some((8, [0.5, 0.25])));
+    assert_eq!(grid.locate([70.1, 0.0]), None);
+    assert_eq!(grid.locate([f64::NAN, 0.0]), None);
+}

@@ -1,0 +1,92 @@
+//! Linear equations over the free displacements: factors while they fit, else conjugate gradients.
+use crate::error::CompositeError;
+use crate::matrix::GridMatrix;
+use crate::section::Grid;
+use crate::solve::direct::{Direct, NoFactor};
+use crate::solve::multigrid::Multigrid;
+use crate::supports::Supports;
+
+/// How linear equations are solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// Factors up to [`LARGEST_FACTORED`] particles, conjugate gradients above.
+    #[default]
+    Automatic,
+    /// Sparse Cholesky factors.
+    Direct,
+    /// Conjugate gradients preconditioned by a multigrid cycle.
+    ConjugateGradients,
+}
+
+/// Beyond so many particles factors take more time and far more memory than conjugate gradients.
+pub const LARGEST_FACTORED: usize = 300_000;
+
+/// Equations of one pattern, ready to be solved for many right-hand sides.
+#[derive(Debug)]
+pub(crate) enum Equations {
+    Factored(Box<Direct>),
+    Iterated(Box<Multigrid>),
+}
+
+/// What is asked of conjugate gradients for one right-hand side; equilibrium refines further.
+const ITERATED_TOLERANCE: f64 = 1e-11;
+
+impl Equations {
+    pub(crate) fn new(
+        method: Method,
+        matrix: &GridMatrix,
+        grid: &Grid,
+        supports: &Supports,
+    ) -> Result<Self, NoFactor> {
+        let factored = match method {
+            Method::Automatic => matrix.particles() <= LARGEST_FACTORED,
+            Method::Direct => true,
+            Method::ConjugateGradients => false,
+        };
+        if factored {
+            Ok(Self::Factored(Box::new(Direct::new(matrix, supports)?)))
+        } else {
+            Ok(Self::Iterated(Box::new(Multigrid::new(grid, supports)?)))
+        }
+    }
+
+    pub(crate) fn prepare(&mut self, matrix: &GridMatrix) -> Result<(), NoFactor> {
+        match self {
+            Self::Factored(direct) => direct.factor(matrix),
+            Self::Iterated(multigrid) => multigrid.prepare(matrix),
+        }
+    }
+
+    /// Solves; the number of iterations it took, 0 for factors.
+    pub(crate) fn solve(
+        &mut self,
+        matrix: &GridMatrix,
+        right: &[f64],
+        solution: &mut [f64],
+    ) -> Result<u64, NoFactor> {
+        match self {
+            Self::Factored(direct) => {
+                direct.solve(right, solution);
+                Ok(0)
+            }
+            Self::Iterated(multigrid) => {
+                multigrid.solve(matrix, right, solution, ITERATED_TOLERANCE)
+            }
+        }
+    }
+}
+
+impl NoFactor {
+    /// What to tell of a lattice that should have had a factor.
+    pub(crate) fn told(self, grid: &Grid) -> CompositeError {
+        match self {
+            Self::Indefinite { displacement } => {
+                let [x_mm, y_mm] = grid.place_mm(displacement / 2);
+                CompositeError::Mechanism { x_mm, y_mm }
+            }
+            Self::TooLarge => CompositeError::TooLarge {
+                particles: grid.particles(),
+            },
+        }
+    }
+}

@@ -1,0 +1,439 @@
+//! Static equilibrium: the displacements at which all free forces vanish.
+//!
+//! Small displacements need one solution of linear equations, refined until round-off. Large ones
+//! follow the load in steps; each step is Newton's method on the potential energy
+//!
+//! Π(u) = U(u) - λ f · u   (5)
+//!
+//! with a line search that only ever goes downhill and never turns a cell inside out. Where the
+//! tangent is not positive definite (the section buckles), the convex part of it leads on, so that
+//! what is found is a stable equilibrium.
+use crate::error::CompositeError;
+use crate::lattice::{Geometry, Lattice, Tangent};
+use crate::matrix::GridMatrix;
+use crate::solve::equations::{Equations, Method};
+use crate::solve::direct::NoFactor;
+use crate::supports::Supports;
+
+/// How an equilibrium is looked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StaticOptions {
+    pub geometry: Geometry,
+    pub method: Method,
+    /// Equal steps of the load, for large displacements; cut where needed.
+    pub load_steps: u32,
+    /// Largest unbalanced force over the largest force, at which Newton's method ends.
+    pub tolerance: f64,
+}
+
+impl Default for StaticOptions {
+    fn default() -> Self {
+        Self {
+            geometry: Geometry::Linear,
+            method: Method::Automatic,
+            load_steps: 1,
+            // Far above round-off of 80 000 particles, far below any other error.
+            tolerance: 1e-9,
+        }
+    }
+}
+
+/// A lattice at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equilibrium {
+    /// x and y by turns, particle by particle [mm].
+    pub displacements_mm: Vec<f64>,
+    /// Forces the supports exert; 0 where nothing is held [N].
+    pub reactions_n: Vec<f64>,
+    /// Elastic energy [N mm].
+    pub energy_n_mm: f64,
+    /// Largest unbalanced force over the largest force on a particle.
+    pub residual: f64,
+    /// Sum of all loads and reactions over the sum of their sizes, the worse axis.
+    pub reaction_error: f64,
+    /// Solutions of linear equations, and iterations of conjugate gradients in them.
+    pub solutions: u64,
+    pub iterations: u64,
+}
+
+/// Solutions of the linear equations after which refining them further is of no use.
+const REFINEMENTS: u64 = 4;
+/// Newton iterations in one load step.
+const NEWTON_ITERATIONS: u64 = 60;
+/// How often a load step may be halved.
+const CUTS: u32 = 14;
+
+/// Finds the equilibrium of a lattice under forces on its particles [N].
+///
+/// # Errors
+/// When the supports leave it loose, the lattice folds, cells would be turned inside out, or no
+/// equilibrium is found.
+pub fn equilibrium(
+    lattice: &Lattice,
+    supports: &Supports,
+    load_n: &[f64],
+    options: &StaticOptions,
+) -> Result<Equilibrium, CompositeError> {
+    supports.refuse_rigid_motion(lattice.grid())?;
+    let mut search = Search::new(lattice, supports, load_n, options)?;
+    match options.geometry {
+        Geometry::Linear => search.solve_linear()?,
+        Geometry::Large => search.follow_load()?,
+    }
+    Ok(search.finish())
+}
+
+struct Search<'a> {
+    lattice: &'a Lattice,
+    supports: &'a Supports,
+    load: &'a [f64],
+    options: &'a StaticOptions,
+    matrix: GridMatrix,
+    equations: Equations,
+    u: Vec<f64>,
+    forces: Vec<f64>,
+    right: Vec<f64>,
+    step: Vec<f64>,
+    trial: Vec<f64>,
+    energy: f64,
+    solutions: u64,
+    iterations: u64,
+}
+
+/// Why a load step did not reach its end.
+enum Stuck {
+    Inverted(usize),
+    Slow { iterations: u64, residual: f64 },
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        lattice: &'a Lattice,
+        supports: &'a Supports,
+        load: &'a [f64],
+        options: &'a StaticOptions,
+    ) -> Result<Self, CompositeError> {
+        let size = lattice.displacements();
+        let matrix = lattice.matrix();
+        let equations = Equations::new(options.method, &matrix, lattice.grid(), supports)
+            .map_err(|failure| failure.told(lattice.grid()))?;
+        Ok(Self {
+            lattice,
+            supports,
+            load,
+            options,
+            matrix,
+            equations,
+            u: vec![0.0; size],
+            forces: vec![0.0; size],
+            right: vec![0.0; size],
+            step: vec![0.0; size],
+            trial: vec![0.0; size],
+            energy: 0.0,
+            solutions: 0,
+            iterations: 0,
+        })
+    }
+
+    fn told(&self, failure: NoFactor) -> CompositeError {
+        failure.told(self.lattice.grid())
+    }
+
+    /// Evaluates forces and energy at u, and the unbalanced forces at a share of the load; the
+    /// largest of them over the largest force anywhere.
+    fn unbalance(&mut self, share: f64) -> f64 {
+        self.energy = self
+            .lattice
+            .forces(self.options.geometry, &self.u, &mut self.forces);
+        let mut largest = 0.0_f64;
+        let mut unbalanced = 0.0_f64;
+        for (place, force) in self.forces.iter().enumerate() {
+            let load = share * self.load[place];
+            largest = largest.max(load.abs());
+            self.right[place] = if self.supports.is_held(place) {
+                largest = largest.max(force.abs());
+                0.0
+            } else {
+                unbalanced = unbalanced.max((load - force).abs());
+                load - force
+            };
+        }
+        if !self.energy.is_finite() {
+            return f64::INFINITY;
+        }
+        if largest > 0.0 { unbalanced / largest } else { unbalanced }
+    }
+
+    fn solve(&mut self) -> Result<(), CompositeError> {
+        self.solutions += 1;
+        let iterations = self
+            .equations
+            .solve(&self.matrix, &self.right, &mut self.step);
+        self.iterations += iterations.map_err(|failure| self.told(failure))?;
+        Ok(())
+    }
+
+    fn solve_linear(&mut self) -> Result<(), CompositeError> {
+        self.u = self.supports.displacements();
+        self.lattice
+            .tangent(Geometry::Linear, Tangent::Exact, &self.u, &mut self.matrix);
+        self.equations
+            .prepare(&self.matrix)
+            .map_err(|failure| self.told(failure))?;
+        let mut residual = self.unbalance(1.0);
+        for solution in 0..REFINEMENTS {
+            if residual == 0.0 {
+                break;
+            }
+            self.solve()?;
+            self.trial.copy_from_slice(&self.u);
+            for (u, step) in self.u.iter_mut().zip(&self.step) {
+                *u += step;
+            }
+            let refined = self.unbalance(1.0);
+            // The first solution counts in any case; after it only what is better.
+            if solution > 0 && refined >= residual {
+                self.u.copy_from_slice(&self.trial);
+                self.unbalance(1.0);
+                break;
+            }
+            let settled = solution > 0 && refined > 0.1 * residual;
+            residual = refined;
+            if settled {
+                break;
+            }
+        }
+        if self.u.iter().all(|u| u.is_finite()) {
+            Ok(())
+        } else {
+            Err(CompositeError::NotFinite {
+                quantity: "a displacement",
+                step: 0,
+            })
+        }
+    }
+
+    fn follow_load(&mut self) -> Result<(), CompositeError> {
+        let full = 1.0 / f64::from(self.options.load_steps.max(1));
+        let smallest = full / f64::from(1_u32 << CUTS);
+        let mut share = 0.0;
+        let mut increment = full;
+        let mut steps = 0;
+        while share < 1.0 {
+            let goal = if share + 1.001 * increment >= 1.0 { 1.0 } else { share + increment };
+            let start = self.u.clone();
+            match self.load_step(share, goal)? {
+                Ok(()) => {
+                    share = goal;
+                    steps += 1;
+                    increment = (2.0 * increment).min(full);
+                }
+                Err(_) if 0.5 * increment >= smallest => {
+                    self.u = start;
+                    increment *= 0.5;
+                }
+                Err(Stuck::Inverted(cell)) => {
+                    let grid = self.lattice.grid();
+                    let [x_mm, y_mm] = grid.middle_mm(cell);
+                    return Err(CompositeError::Inverted {
+                        column: cell % grid.columns(),
+                        row: cell / grid.columns(),
+                        x_mm,
+                        y_mm,
+                        step: steps + 1,
+                        load_fraction: goal,
+                    });
+                }
+                Err(Stuck::Slow {
+                    iterations,
+                    residual,
+                }) => {
+                    return Err(CompositeError::NotConverged {
+                        load_fraction: goal,
+                        iterations,
+                        residual,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Factors the tangent at u, its convex part where it is not positive definite.
+    fn prepare(&mut self) -> Result<(), CompositeError> {
+        for tangent in [Tangent::Exact, Tangent::Convex] {
+            self.lattice
+                .tangent(Geometry::Large, tangent, &self.u, &mut self.matrix);
+            match self.equations.prepare(&self.matrix) {
+                Ok(()) => return Ok(()),
+                Err(NoFactor::Indefinite { .. }) if tangent == Tangent::Exact => {}
+                Err(failure) => return Err(self.told(failure)),
+            }
+        }
+        Ok(())
+    }
+
+    /// One Newton direction for the present right-hand side.
+    fn direction(&mut self) -> Result<(), CompositeError> {
+        self.prepare()?;
+        self.solve()
+    }
+
+    fn load_step(&mut self, from: f64, to: f64) -> Result<Result<(), Stuck>, CompositeError> {
+        if let Some(stuck) = self.predict(from, to)? {
+            return Ok(Err(stuck));
+        }
+        let mut residual = self.unbalance(to);
+        for _ in 0..NEWTON_ITERATIONS {
+            if residual <= self.options.tolerance {
+                return Ok(Ok(()));
+            }
+            self.direction()?;
+            let slope: f64 = -dot(&self.right, &self.step);
+            let potential = self.energy - to * dot(self.load, &self.u);
+            // Below this, differences of the potential are round-off and residuals decide.
+            let noise = 1e-13 * (self.energy.abs() + (to * dot(self.load, &self.u)).abs());
+            self.trial.copy_from_slice(&self.u);
+            let mut length = 1.0;
+            let mut inverted = None;
+            let mut found = false;
+            for _ in 0..30 {
+                for place in 0..self.u.len() {
+                    self.u[place] = self.trial[place] + length * self.step[place];
+                }
+                inverted = self.lattice.inverted_cell(&self.u);
+                if inverted.is_none() {
+                    let refined = self.unbalance(to);
+                    let now = self.energy - to * dot(self.load, &self.u);
+                    let downhill = now <= potential + 1e-4 * length * slope;
+                    let in_noise = (length * slope).abs() <= noise && refined < residual;
+                    if downhill || in_noise {
+                        residual = refined;
+                        found = true;
+                        break;
+                    }
+                }
+                length *= 0.5;
+            }
+            if !found {
+                self.u.copy_from_slice(&self.trial);
+                let residual = self.unbalance(to);
+                // As near as round-off allows is near enough.
+                if residual <= 1e3 * self.options.tolerance && inverted.is_none() {
+                    return Ok(Ok(()));
+                }
+                return Ok(Err(inverted.map_or(
+                    Stuck::Slow {
+                        iterations: self.solutions,
+                        residual,
+                    },
+                    Stuck::Inverted,
+                )));
+            }
+        }
+        Ok(Err(Stuck::Slow {
+            iterations: self.solutions,
+            residual,
+        }))
+    }
+
+    /// Moves what is held to its new place, and everything else along the tangent with it.
+    fn predict(&mut self, from: f64, to: f64) -> Result<Option<Stuck>, CompositeError> {
+        let mut moved = vec![0.0; self.u.len()];
+        let mut moves = false;
+        for (place, change) in moved.iter_mut().enumerate() {
+            if let Some(value) = self.supports.prescribed(place) {
+                *change = (to - from) * value;
+                moves |= *change != 0.0;
+            }
+        }
+        if !moves {
+            return Ok(None);
+        }
+        self.unbalance(to);
+        self.prepare()?;
+        let mut image = vec![0.0; self.u.len()];
+        self.matrix.multiply(&moved, &mut image);
+        for (place, right) in self.right.iter_mut().enumerate() {
+            if !self.supports.is_held(place) {
+                *right -= image[place];
+            }
+        }
+        self.solve()?;
+        for place in 0..self.u.len() {
+            self.u[place] += moved[place] + self.step[place];
+        }
+        // Exact, so that steps of the load do not add up their round-off.
+        for place in 0..self.u.len() {
+            if let Some(value) = self.supports.prescribed(place) {
+                self.u[place] = to * value;
+            }
+        }
+        Ok(self.lattice.inverted_cell(&self.u).map(Stuck::Inverted))
+    }
+
+    fn finish(mut self) -> Equilibrium {
+        let residual = self.unbalance(1.0);
+        rest(
+            self.lattice,
+            self.supports,
+            self.load,
+            self.u,
+            &self.forces,
+            Balance {
+                energy: self.energy,
+                residual,
+                solutions: self.solutions,
+                iterations: self.iterations,
+            },
+        )
+    }
+}
+
+/// What is known of a state of rest beside its forces.
+pub(crate) struct Balance {
+    pub(crate) energy: f64,
+    pub(crate) residual: f64,
+    pub(crate) solutions: u64,
+    pub(crate) iterations: u64,
+}
+
+/// Reactions and their balance.
+pub(crate) fn rest(
+    lattice: &Lattice,
+    supports: &Supports,
+    load: &[f64],
+    u: Vec<f64>,
+    forces: &[f64],
+    balance: Balance,
+) -> Equilibrium {
+    let mut reactions = vec![0.0; lattice.displacements()];
+    let mut sums = [0.0; 2];
+    let mut sizes = [0.0; 2];
+    for (place, reaction) in reactions.iter_mut().enumerate() {
+        if supports.is_held(place) {
+            *reaction = forces[place] - load[place];
+        }
+        sums[place % 2] += *reaction + load[place];
+        sizes[place % 2] += reaction.abs() + load[place].abs();
+    }
+    let size = sizes[0].max(sizes[1]);
+    let reaction_error = if size > 0.0 {
+        sums[0].abs().max(sums[1].abs()) / size
+    } else {
+        0.0
+    };
+    Equilibrium {
+        displacements_mm: u,
+        reactions_n: reactions,
+        energy_n_mm: balance.energy,
+        residual: balance.residual,
+        reaction_error,
+        solutions: balance.solutions,
+        iterations: balance.iterations,
+    }
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

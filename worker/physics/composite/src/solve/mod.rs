@@ -1,0 +1,9 @@
+//! Ways to equilibrium.
+pub(crate) mod direct;
+mod equations;
+pub(crate) mod equilibrium;
+mod multigrid;
+mod order;
+
+pub use equations::{LARGEST_FACTORED, Method};
+pub use equilibrium::{Equilibrium, StaticOptions, equilibrium};

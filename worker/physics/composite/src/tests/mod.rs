@@ -1,0 +1,4 @@
+//! The whole against closed forms.
+mod beams;
+mod patch;
+mod sections;
