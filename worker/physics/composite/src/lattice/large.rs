@@ -34,33 +34,33 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 
 impl Frame {
     fn new(cell: &Cell, u: &Corners) -> Self {
-        let [mut dx, mut dy, q] = gradients(cell.sides, u);
-        dx[0] += 1.0;
-        dy[1] += 1.0;
-        let turn = [dx[0] + dy[1], dx[1] - dy[0]];
+        let [dx, dy, q] = gradients(cell.sides, u);
+        let turn = [2.0 + dx[0] + dy[1], dx[1] - dy[0]];
         let trace = turn[0].hypot(turn[1]);
         // No frame without a trace; such a cell is inside out, and that is noticed elsewhere.
-        let first = if trace > 0.0 {
+        let [c, s] = if trace > 0.0 {
             [turn[0] / trace, turn[1] / trace]
         } else {
             [1.0, 0.0]
         };
-        let second = [-first[1], first[0]];
-        let (u11, u22) = (dot(first, dx), dot(second, dy));
+        // cos θ - 1 without cancellation: strains of 1e-9 keep their digits.
+        let versine = if c > 0.0 { -s * s / (1.0 + c) } else { c - 1.0 };
+        let (first, second) = ([c, s], [-s, c]);
+        let (e11, e22) = (versine + dot(first, dx), versine + dot(second, dy));
         let shear = dot(first, dy) + dot(second, dx);
         let local = [dot(first, q), dot(second, q)];
         Self {
             first,
             second,
-            measures: [u11 - 1.0, u22 - 1.0, shear, local[0], local[1]],
+            measures: [e11, e22, shear, local[0], local[1]],
             turning: [
-                dot(second, dx),
-                -dot(first, dy),
-                u22 - u11,
+                0.5 * shear,
+                -0.5 * shear,
+                e22 - e11,
                 local[1],
                 -local[0],
             ],
-            turning_twice: [-u11, -u22, -shear, -local[0], -local[1]],
+            turning_twice: [-1.0 - e11, -1.0 - e22, -shear, -local[0], -local[1]],
             trace,
         }
     }

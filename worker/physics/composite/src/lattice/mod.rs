@@ -14,7 +14,7 @@ mod tests;
 
 pub use bond::Bond;
 pub(crate) use bond::Ends;
-pub(crate) use cell::{ALONG_X, ALONG_Y, Cell, Corners, HOURGLASS, Measures, Rates};
+pub(crate) use cell::{Cell, Corners, Measures, Rates};
 pub use paper::{BondPattern, BondStiffness, PaperRule};
 
 use crate::error::CompositeError;

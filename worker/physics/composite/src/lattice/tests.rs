@@ -1,5 +1,5 @@
 //! Energies against their derivatives, the cell against the springs it is made of.
-use super::cell::Cell;
+use super::cell::{ALONG_X, ALONG_Y, Cell, CellMatrix, HOURGLASS};
 use super::*;
 use crate::material::{Material, Orthotropic, PlaneState};
 use crate::section::Grid;
@@ -148,8 +148,6 @@ fn add_spring(matrix: &mut CellMatrix, [from, to]: [usize; 2], k: f64, d: [f64; 
         }
     }
 }
-
-use super::cell::CellMatrix;
 
 /// Equivalence of section 4 of the theory: edge springs k₁ₓ and k₁ᵧ (half of each belongs to the
 /// cell), diagonals k₂, the area term κ and the hourglass correction make the exact cell.

@@ -69,7 +69,9 @@ impl Direct {
                 let mut visit = |other: usize, owner: usize, is_own: bool| {
                     for other_axis in 0..2 {
                         let row = place[2 * other + other_axis];
-                        if row != HELD && row as usize >= at {
+                        // Held ones lie beyond every place. Upper half: with its own order given,
+                        // faer's analysis reads that one whatever side it is told.
+                        if row as usize <= at {
                             let entry = if is_own {
                                 2 * axis + other_axis
                             } else {
@@ -97,7 +99,7 @@ impl Direct {
             SymbolicSparseColMatRef::new_checked(free.len(), free.len(), &starts, None, &rows);
         let symbolic = factorize_symbolic_cholesky(
             pattern,
-            Side::Lower,
+            Side::Upper,
             SymmetricOrdering::Identity,
             CholeskySymbolicParams {
                 supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
@@ -134,7 +136,7 @@ impl Direct {
         let outcome = self.symbolic.factorize_numeric_llt(
             &mut self.values,
             SparseColMatRef::new(pattern, &self.entries),
-            Side::Lower,
+            Side::Upper,
             Default::default(),
             Par::Seq,
             MemStack::new(&mut memory),
@@ -187,10 +189,5 @@ impl Direct {
         for (&displacement, value) in self.free.iter().zip(&column) {
             solution[displacement as usize] = *value;
         }
-    }
-
-    /// Bytes of the factor.
-    pub(crate) fn bytes(&self) -> usize {
-        self.values.len() * size_of::<f64>()
     }
 }

@@ -3,7 +3,7 @@ use crate::error::CompositeError;
 use crate::matrix::GridMatrix;
 use crate::section::Grid;
 use crate::solve::direct::{Direct, NoFactor};
-use crate::solve::multigrid::Multigrid;
+use crate::solve::multigrid::{COARSEST, Multigrid};
 use crate::supports::Supports;
 
 /// How linear equations are solved.
@@ -46,7 +46,9 @@ impl Equations {
         if factored {
             Ok(Self::Factored(Box::new(Direct::new(matrix, supports)?)))
         } else {
-            Ok(Self::Iterated(Box::new(Multigrid::new(grid, supports)?)))
+            Ok(Self::Iterated(Box::new(Multigrid::new(
+                grid, supports, COARSEST,
+            )?)))
         }
     }
 

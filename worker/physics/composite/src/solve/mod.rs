@@ -2,7 +2,7 @@
 pub(crate) mod direct;
 mod equations;
 pub(crate) mod equilibrium;
-mod multigrid;
+pub(crate) mod multigrid;
 mod order;
 
 pub use equations::{LARGEST_FACTORED, Method};

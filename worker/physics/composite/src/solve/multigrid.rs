@@ -12,8 +12,9 @@ use crate::section::Grid;
 use crate::solve::direct::{Direct, NoFactor};
 use crate::supports::Supports;
 
-/// Grids of at most so many particles are factored.
-const COARSEST: usize = 12_000;
+/// Grids of at most so many particles are factored: as long as it takes less than a sweep of a
+/// finer one.
+pub(crate) const COARSEST: usize = 12_000;
 
 /// Iterations after which something is wrong.
 const MOST_ITERATIONS: u64 = 2_000;
@@ -74,14 +75,15 @@ fn coarser(lines: &[f64]) -> (Vec<f64>, Vec<Between>) {
 }
 
 impl Multigrid {
-    pub(crate) fn new(grid: &Grid, supports: &Supports) -> Result<Self, NoFactor> {
+    /// Makes the hierarchy of a grid, down to at most `coarsest` particles.
+    pub(crate) fn new(grid: &Grid, supports: &Supports, coarsest: usize) -> Result<Self, NoFactor> {
         let mut x_mm = grid.x_mm().to_vec();
         let mut y_mm = grid.y_mm().to_vec();
         let mut held: Vec<bool> = (0..2 * grid.particles())
             .map(|displacement| supports.is_held(displacement))
             .collect();
         let mut levels = Vec::new();
-        while x_mm.len() * y_mm.len() > COARSEST && x_mm.len() > 3 && y_mm.len() > 3 {
+        while x_mm.len() * y_mm.len() > coarsest && x_mm.len() > 3 && y_mm.len() > 3 {
             let (coarse_x, x) = coarser(&x_mm);
             let (coarse_y, y) = coarser(&y_mm);
             let size = 2 * x_mm.len() * y_mm.len();
