@@ -4,6 +4,7 @@ pub mod load;
 pub mod material;
 mod matrix;
 pub mod measure;
+pub mod motion;
 pub mod section;
 pub mod solve;
 pub mod stiffness;

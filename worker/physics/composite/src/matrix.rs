@@ -162,6 +162,28 @@ impl GridMatrix {
         }
     }
 
+    /// Σⱼ |Aᵢⱼ| over what is not `held`; 0 where i is.
+    pub(crate) fn absolute_row_sums(&self, held: impl Fn(usize) -> bool) -> Vec<f64> {
+        let mut sums = vec![0.0; 2 * self.particles()];
+        for particle in 0..self.particles() {
+            for (kind, &step) in STEPS.iter().enumerate() {
+                let Some(other) = self.neighbour(particle, step) else {
+                    continue;
+                };
+                for (entry, value) in self.blocks[particle][kind].iter().enumerate() {
+                    let (row, column) = (2 * particle + entry / 2, 2 * other + entry % 2);
+                    if !held(row) && !held(column) {
+                        sums[row] += value.abs();
+                        if kind > 0 {
+                            sums[column] += value.abs();
+                        }
+                    }
+                }
+            }
+        }
+        sums
+    }
+
     /// Diagonal entry of a displacement.
     pub(crate) fn diagonal(&self, displacement: usize) -> f64 {
         self.blocks[displacement / 2][0][3 * (displacement % 2)]

@@ -116,6 +116,11 @@ impl Lattice {
         &self.bonds
     }
 
+    /// Leaves out the bonds that are not wanted.
+    pub fn keep_bonds(&mut self, wanted: impl FnMut(&Bond) -> bool) {
+        self.bonds.retain(wanted);
+    }
+
     /// Mass of each particle [t].
     #[must_use]
     pub fn masses_t(&self) -> &[f64] {

@@ -1,4 +1,5 @@
 //! The whole against closed forms.
 mod beams;
+mod motion;
 mod patch;
 mod sections;
