@@ -9,9 +9,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::time::Instant;
 
-use loadframe_composite::lattice::{
-    BondPattern, BondStiffness, Geometry, Lattice, PaperRule,
-};
+use loadframe_composite::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
 use loadframe_composite::load::{Load, LoadPlace};
 use loadframe_composite::material::{Material, Orthotropic, PlaneState};
 use loadframe_composite::measure::{face_mean_mm, point_mm};
@@ -190,7 +188,9 @@ fn section(case: &Case) -> Result<Section, Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let path = arguments.first().ok_or("usage: section CASE.json [COLUMNS ROWS ...]")?;
+    let path = arguments
+        .first()
+        .ok_or("usage: section CASE.json [COLUMNS ROWS ...]")?;
     let case: Case = serde_json::from_slice(&std::fs::read(path)?)?;
     let cells = match arguments.get(1..3) {
         Some([columns, rows]) => [columns.parse()?, rows.parse()?],
@@ -254,8 +254,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut forces = vec![0.0; lattice.displacements()];
     load.add_to(&lattice, &mut forces)?;
     let options = StaticOptions {
-        geometry: if said("large") { Geometry::Large } else { Geometry::Linear },
-        method: if said("cg") { Method::ConjugateGradients } else { Method::Automatic },
+        geometry: if said("large") {
+            Geometry::Large
+        } else {
+            Geometry::Linear
+        },
+        method: if said("cg") {
+            Method::ConjugateGradients
+        } else {
+            Method::Automatic
+        },
         ..StaticOptions::default()
     };
     let made = started.elapsed().as_secs_f64();

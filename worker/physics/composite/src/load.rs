@@ -143,7 +143,10 @@ mod tests {
         for part in [[0.0, 7.0], [0.25, 0.75], [0.5, 6.0], [1.5, 4.0]] {
             let shares = spread(&lines, part);
             let sum: f64 = shares.iter().map(|(_, share)| share).sum();
-            let moment: f64 = shares.iter().map(|(line, share)| lines[*line] * share).sum();
+            let moment: f64 = shares
+                .iter()
+                .map(|(line, share)| lines[*line] * share)
+                .sum();
             assert!((sum - 1.0).abs() < 1e-14);
             assert!((moment - 0.5 * (part[0] + part[1])).abs() < 1e-14);
         }

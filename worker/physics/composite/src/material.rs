@@ -177,11 +177,8 @@ impl Orthotropic {
             let nu23 = choose(self.poisson_ratio_23, "ν₂₃", nu12, alike);
             let nu23 = bounded("ν₂₃", nu23, e2, e3)?;
             let (nu21, nu31, nu32) = (nu12 * e2 / e1, nu13 * e3 / e1, nu23 * e3 / e2);
-            let determinant = 1.0
-                - nu12 * nu21
-                - nu23 * nu32
-                - nu13 * nu31
-                - 2.0 * nu21 * nu32 * nu13;
+            let determinant =
+                1.0 - nu12 * nu21 - nu23 * nu32 - nu13 * nu31 - 2.0 * nu21 * nu32 * nu13;
             if determinant <= 0.0 {
                 return Err(CompositeError::UnstableTogether { determinant });
             }
@@ -300,7 +297,13 @@ mod tests {
             ..FIBRE
         });
         assert!(unstable.contains("ν₁₂ is 1.4") && unstable.contains("1.337"));
-        assert!(refused(Orthotropic { modulus_2_mpa: 0.0, ..FIBRE }).contains("modulus 2"));
+        assert!(
+            refused(Orthotropic {
+                modulus_2_mpa: 0.0,
+                ..FIBRE
+            })
+            .contains("modulus 2")
+        );
         let together = refused(Orthotropic {
             poisson_ratio_23: Some(0.97),
             poisson_ratio_12: 0.6,

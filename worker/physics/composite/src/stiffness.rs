@@ -217,7 +217,10 @@ mod tests {
         // Layers at an angle are the same laminate, turned.
         let angle = 30.0;
         let at_an_angle = laminate(
-            &[(f, turned(&fibre, angle)), (1.0 - f, turned(&matrix, angle))],
+            &[
+                (f, turned(&fibre, angle)),
+                (1.0 - f, turned(&matrix, angle)),
+            ],
             angle,
         );
         assert!((at_an_angle - turned(&expected, angle)).amax() < 1e-11 * c11);
@@ -232,7 +235,11 @@ mod tests {
 
     #[test]
     fn layers_of_layers_are_the_layers_at_once() {
-        let (a, b, c) = (turned(&orthotropic(), 20.0), isotropic(85.0, 0.3), orthotropic());
+        let (a, b, c) = (
+            turned(&orthotropic(), 20.0),
+            isotropic(85.0, 0.3),
+            orthotropic(),
+        );
         let at_once = laminate(&[(0.2, a), (0.3, b), (0.5, c)], 10.0);
         let inner = laminate(&[(0.4, a), (0.6, b)], 10.0);
         let nested = laminate(&[(0.5, inner), (0.5, c)], 10.0);

@@ -102,10 +102,7 @@ impl Supports {
     ///
     /// # Errors
     /// When two faces ask a common corner for different displacements.
-    pub fn of_faces(
-        grid: &Grid,
-        faces: &[(Face, FaceSupport)],
-    ) -> Result<Self, CompositeError> {
+    pub fn of_faces(grid: &Grid, faces: &[(Face, FaceSupport)]) -> Result<Self, CompositeError> {
         let mut supports = Self::none(grid);
         for &(face, support) in faces {
             for (axis, value) in support.prescribed(face).into_iter().enumerate() {

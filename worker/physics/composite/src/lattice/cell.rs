@@ -145,7 +145,11 @@ impl Cell {
 
 /// ½ measures · answers.
 pub(crate) fn energy(measures: &Measures, answers: &Measures) -> f64 {
-    0.5 * measures.iter().zip(answers).map(|(e, s)| e * s).sum::<f64>()
+    0.5 * measures
+        .iter()
+        .zip(answers)
+        .map(|(e, s)| e * s)
+        .sum::<f64>()
 }
 
 /// Bᵀ D B.

@@ -53,13 +53,7 @@ impl Frame {
             first,
             second,
             measures: [e11, e22, shear, local[0], local[1]],
-            turning: [
-                0.5 * shear,
-                -0.5 * shear,
-                e22 - e11,
-                local[1],
-                -local[0],
-            ],
+            turning: [0.5 * shear, -0.5 * shear, e22 - e11, local[1], -local[0]],
             turning_twice: [-1.0 - e11, -1.0 - e22, -shear, -local[0], -local[1]],
             trace,
         }

@@ -51,7 +51,10 @@ fn derivatives_agree(cell: &Cell, u: &Corners) {
         };
         let (above, below) = (moved(h), moved(-h));
         let slope = (above.0 - below.0) / (2.0 * h);
-        assert!((slope - forces[place]).abs() < 1e-6 * scale, "force {place}");
+        assert!(
+            (slope - forces[place]).abs() < 1e-6 * scale,
+            "force {place}"
+        );
         for row in 0..8 {
             let slope = (above.1[row] - below.1[row]) / (2.0 * h);
             assert!(
@@ -184,8 +187,7 @@ fn an_aligned_square_cell_is_the_lattice_of_springs_with_area_and_hourglass_term
         let ey = t * (c[(1, 1)] - c[(0, 1)] * c[(0, 1)] / c[(0, 0)]);
         for row in 0..8 {
             for column in 0..8 {
-                springs[row][column] +=
-                    area * pitch * pitch * dilatation[row] * dilatation[column];
+                springs[row][column] += area * pitch * pitch * dilatation[row] * dilatation[column];
                 let h = HOURGLASS[row / 2] * HOURGLASS[column / 2];
                 match [row % 2, column % 2] {
                     [0, 0] => springs[row][column] += (ex / 12.0 - k1x / 4.0) * h,
@@ -241,7 +243,10 @@ fn a_rectangular_cell_is_the_assumed_stress_element_at_any_angle() {
         for row in 0..8 {
             for column in 0..8 {
                 let difference = exact[row][column] - element[(row, column)];
-                assert!(difference.abs() < 1e-10 * c.amax(), "{angle} {row} {column}");
+                assert!(
+                    difference.abs() < 1e-10 * c.amax(),
+                    "{angle} {row} {column}"
+                );
             }
         }
     }
@@ -270,9 +275,18 @@ fn bond_forces_balance_what_the_cells_exert() {
     let length = 1.3_f64.hypot(0.7);
     let (c, s) = (1.3 / length, 0.7 / length);
     let expected = [
-        [-bonds.bottom - bonds.rising * c, -bonds.left - bonds.rising * s],
-        [bonds.bottom + bonds.falling * c, -bonds.right - bonds.falling * s],
-        [-bonds.top - bonds.falling * c, bonds.left + bonds.falling * s],
+        [
+            -bonds.bottom - bonds.rising * c,
+            -bonds.left - bonds.rising * s,
+        ],
+        [
+            bonds.bottom + bonds.falling * c,
+            -bonds.right - bonds.falling * s,
+        ],
+        [
+            -bonds.top - bonds.falling * c,
+            bonds.left + bonds.falling * s,
+        ],
         [bonds.top + bonds.rising * c, bonds.right + bonds.rising * s],
     ];
     for (particle, expected) in expected.into_iter().enumerate() {

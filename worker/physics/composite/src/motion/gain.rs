@@ -152,11 +152,7 @@ fn bond_mobility(bond: &Bond, weights: &Ends) -> f64 {
 }
 
 /// G = C Q g(Λ) Qᵀ Cᵀ, and D⁻¹ G.
-fn cell_gain(
-    cell: &Cell,
-    mobility: &Matrix5,
-    gain: &impl Fn(f64) -> f64,
-) -> (Matrix5, Matrix5) {
+fn cell_gain(cell: &Cell, mobility: &Matrix5, gain: &impl Fn(f64) -> f64) -> (Matrix5, Matrix5) {
     let moduli = cell.moduli();
     let moduli = Matrix5::from_fn(|row, column| moduli[row][column]);
     let Some(root) = moduli.cholesky() else {

@@ -252,8 +252,7 @@ impl<'a> Motion<'a> {
             let (now, last) = (self.u[place], self.before[place]);
             self.before[place] = now;
             let force = self.load[place] - self.forces[place];
-            self.u[place] =
-                now + keep * (now - last) + push * self.inverse_masses[place] * force;
+            self.u[place] = now + keep * (now - last) + push * self.inverse_masses[place] * force;
         }
         if let Scheme::Pbd { iterations } | Scheme::Xpbd { iterations } = self.options.scheme {
             for _ in 0..iterations.max(1) {
@@ -322,11 +321,7 @@ impl<'a> Motion<'a> {
         outcome
     }
 
-    fn settle_under(
-        &mut self,
-        wanted: &[f64],
-        until: Rest,
-    ) -> Result<Equilibrium, CompositeError> {
+    fn settle_under(&mut self, wanted: &[f64], until: Rest) -> Result<Equilibrium, CompositeError> {
         let started = self.steps;
         let mut last = vec![0.0; self.u.len()];
         let mut residual = f64::INFINITY;
@@ -337,7 +332,11 @@ impl<'a> Motion<'a> {
             }
             let energy = self.elastic_energy_n_mm();
             let (unbalanced, largest) = self.unbalance(wanted);
-            residual = if largest > 0.0 { unbalanced / largest } else { 0.0 };
+            residual = if largest > 0.0 {
+                unbalanced / largest
+            } else {
+                0.0
+            };
             let is_still = self.kinetic <= until.residual * energy;
             if residual <= until.residual && is_still {
                 return Ok(rest(

@@ -115,7 +115,11 @@ fn extent(corners: &[[f64; 2]]) -> [[f64; 2]; 2] {
 pub(crate) fn refuse_overlap(bands: &[Band]) -> Result<(), CompositeError> {
     let extents: Vec<_> = bands.iter().map(Band::extent).collect();
     let mut order: Vec<usize> = (0..bands.len()).collect();
-    order.sort_by(|&a, &b| extents[a][0][0].total_cmp(&extents[b][0][0]).then(a.cmp(&b)));
+    order.sort_by(|&a, &b| {
+        extents[a][0][0]
+            .total_cmp(&extents[b][0][0])
+            .then(a.cmp(&b))
+    });
     for (rank, &first) in order.iter().enumerate() {
         for &second in &order[rank + 1..] {
             if extents[second][0][0] >= extents[first][0][1] {

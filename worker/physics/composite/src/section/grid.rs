@@ -150,12 +150,7 @@ impl Grid {
 
 /// Weights of a cell's four corners at a place inside it (0..1 along both sides).
 pub(crate) fn corner_weights([a, b]: [f64; 2]) -> [f64; 4] {
-    [
-        (1.0 - a) * (1.0 - b),
-        a * (1.0 - b),
-        a * b,
-        (1.0 - a) * b,
-    ]
+    [(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b]
 }
 
 /// The interval between lines that holds a coordinate, and the share of the way through it.
@@ -176,12 +171,7 @@ pub(crate) fn within(lines: &[f64], coordinate: f64) -> Option<(usize, f64)> {
 /// [`GROWTH`] away from fibres up to `largest`.
 ///
 /// `faces` are pairs of coordinates between which a fibre lies.
-pub(crate) fn graded_lines(
-    side: f64,
-    faces: &[[f64; 2]],
-    largest: f64,
-    across: usize,
-) -> Vec<f64> {
+pub(crate) fn graded_lines(side: f64, faces: &[[f64; 2]], largest: f64, across: usize) -> Vec<f64> {
     let mut stations: Vec<f64> = faces
         .iter()
         .flatten()
@@ -200,7 +190,13 @@ pub(crate) fn graded_lines(
     };
     let mut lines = vec![0.0];
     for pair in stations.windows(2) {
-        fill(&mut lines, pair[0], pair[1], [wanted(pair[0]), wanted(pair[1])], largest);
+        fill(
+            &mut lines,
+            pair[0],
+            pair[1],
+            [wanted(pair[0]), wanted(pair[1])],
+            largest,
+        );
     }
     lines
 }

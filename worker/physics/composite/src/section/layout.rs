@@ -1,10 +1,10 @@
 //! A section laid out on its grid: what every cell holds.
 use crate::error::{CompositeError, positive};
 use crate::material::Note;
+use crate::section::Section;
 use crate::section::fibre::{Band, refuse_overlap};
 use crate::section::grid::{Division, Grid, graded_lines};
 use crate::section::polygon::Polygon;
-use crate::section::Section;
 use crate::stiffness::{Stiffness, laminate, turned};
 
 /// A part of a cell's area below this is round-off, not a fibre.
@@ -75,7 +75,11 @@ impl Layout {
             let cell = held[0].cell as usize;
             let whole: f64 = held.iter().map(|part| part.share).sum();
             // Fibres fill the cell but for round-off, or leave room for matrix.
-            let rest = if whole > 1.0 - LEAST_SHARE { 0.0 } else { 1.0 - whole };
+            let rest = if whole > 1.0 - LEAST_SHARE {
+                0.0
+            } else {
+                1.0 - whole
+            };
             stiffness[cell] = mixture(matrix, rest, held, &bands, &fibres);
             fibre_share[cell] = whole.min(1.0);
             density[cell] = rest * density_of(section.matrix)
@@ -169,8 +173,16 @@ fn shares(grid: &Grid, bands: &[Band]) -> Vec<Part> {
                 .polygon()
                 .clipped([0.0, 1.0], y[1])
                 .clipped([0.0, -1.0], -y[0]);
-            let from = strip.corners().iter().map(|c| c[0]).fold(f64::INFINITY, f64::min);
-            let to = strip.corners().iter().map(|c| c[0]).fold(f64::NEG_INFINITY, f64::max);
+            let from = strip
+                .corners()
+                .iter()
+                .map(|c| c[0])
+                .fold(f64::INFINITY, f64::min);
+            let to = strip
+                .corners()
+                .iter()
+                .map(|c| c[0])
+                .fold(f64::NEG_INFINITY, f64::max);
             for i in touched(grid.x_mm(), [from, to]) {
                 let x = [grid.x_mm()[i], grid.x_mm()[i + 1]];
                 let cell = Polygon::rectangle(x, y);
@@ -180,7 +192,11 @@ fn shares(grid: &Grid, bands: &[Band]) -> Vec<Part> {
                     parts.push(Part {
                         cell: (j * grid.columns() + i) as u32,
                         band: place as u32,
-                        share: if share > 1.0 - LEAST_SHARE { 1.0 } else { share },
+                        share: if share > 1.0 - LEAST_SHARE {
+                            1.0
+                        } else {
+                            share
+                        },
                     });
                 }
             }
@@ -191,16 +207,16 @@ fn shares(grid: &Grid, bands: &[Band]) -> Vec<Part> {
 
 /// The intervals between lines that a range touches.
 fn touched(lines: &[f64], [from, to]: [f64; 2]) -> std::ops::Range<usize> {
-    let first = lines.partition_point(|&line| line <= from).saturating_sub(1);
-    let last = lines.partition_point(|&line| line < to).min(lines.len() - 1);
+    let first = lines
+        .partition_point(|&line| line <= from)
+        .saturating_sub(1);
+    let last = lines
+        .partition_point(|&line| line < to)
+        .min(lines.len() - 1);
     first..last
 }
 
-fn divide(
-    sides: [f64; 2],
-    bands: &[Band],
-    division: Division,
-) -> Result<Grid, CompositeError> {
+fn divide(sides: [f64; 2], bands: &[Band], division: Division) -> Result<Grid, CompositeError> {
     let (Division::Uniform { cells } | Division::Graded { cells, .. }) = division;
     for count in cells {
         if count == 0 || count > 1 << 15 {
@@ -227,7 +243,10 @@ fn divide(
             .filter(|band| band.axis[axis].abs() < f64::EPSILON)
             .map(|band| {
                 let middle = band.through_mm[axis];
-                [middle - band.half_thickness_mm, middle + band.half_thickness_mm]
+                [
+                    middle - band.half_thickness_mm,
+                    middle + band.half_thickness_mm,
+                ]
             })
             .collect();
         let largest = sides[axis] / cells[axis] as f64;

@@ -9,8 +9,8 @@ mod polygon;
 #[cfg(test)]
 mod tests;
 
-pub use fibre::Fibre;
 pub(crate) use fibre::Band;
+pub use fibre::Fibre;
 pub use grid::{Division, Grid};
 pub(crate) use grid::{corner_weights, within};
 pub use layout::Layout;

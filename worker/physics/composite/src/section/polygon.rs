@@ -88,7 +88,10 @@ impl Polygon {
         if area <= 0.0 {
             return (0.0, first);
         }
-        (area, [first[0] + moment[0] / area, first[1] + moment[1] / area])
+        (
+            area,
+            [first[0] + moment[0] / area, first[1] + moment[1] / area],
+        )
     }
 }
 

@@ -115,7 +115,12 @@ fn a_graded_grid_has_lines_on_the_faces_of_fibres_along_an_axis() {
             .all(|&share| share == 0.0 || share == 1.0)
     );
     assert!((fibre_area(&layout) - 2.0 * 70.0 * 0.7).abs() < 1e-10);
-    let sizes: Vec<f64> = layout.grid().y_mm().windows(2).map(|p| p[1] - p[0]).collect();
+    let sizes: Vec<f64> = layout
+        .grid()
+        .y_mm()
+        .windows(2)
+        .map(|p| p[1] - p[0])
+        .collect();
     assert!(sizes.iter().all(|&size| size < 5.0 + 1e-9));
     for pair in sizes.windows(2) {
         let ratio = (pair[1] / pair[0]).max(pair[0] / pair[1]);
@@ -123,7 +128,10 @@ fn a_graded_grid_has_lines_on_the_faces_of_fibres_along_an_axis() {
     }
     let without = section(Vec::new()).layout(graded).unwrap();
     for (line, &y) in without.grid().y_mm().iter().enumerate() {
-        assert!((y - 5.0 * line as f64).abs() < 1e-9, "even where there is no fibre");
+        assert!(
+            (y - 5.0 * line as f64).abs() < 1e-9,
+            "even where there is no fibre"
+        );
     }
 }
 
@@ -152,7 +160,10 @@ fn fibres_that_overlap_are_refused_with_their_place() {
     let touching = section(vec![
         fibre([35.0, 25.0], 10.0, 0.7),
         fibre(
-            [35.0 - 0.7 * 10f64.to_radians().sin(), 25.0 + 0.7 * 10f64.to_radians().cos()],
+            [
+                35.0 - 0.7 * 10f64.to_radians().sin(),
+                25.0 + 0.7 * 10f64.to_radians().cos(),
+            ],
             10.0,
             0.7,
         ),
@@ -160,7 +171,9 @@ fn fibres_that_overlap_are_refused_with_their_place() {
     assert!(touching.layout(Division::Uniform { cells: [7, 5] }).is_ok());
     let outside = section(vec![fibre([35.0, 60.0], 0.0, 0.7)]);
     assert_eq!(
-        outside.layout(Division::Uniform { cells: [7, 5] }).unwrap_err(),
+        outside
+            .layout(Division::Uniform { cells: [7, 5] })
+            .unwrap_err(),
         CompositeError::FibreOutside { fibre: 0 }
     );
 }
@@ -170,7 +183,13 @@ fn a_cell_holds_the_laminate_of_its_shares() {
     let layout = section(vec![fibre([35.0, 25.0], 30.0, 2.0)])
         .layout(Division::Uniform { cells: [7, 5] })
         .unwrap();
-    let own = |place: usize| [FILLER, FIBRE][place].material.stiffness(PlaneState::Stress).unwrap().0;
+    let own = |place: usize| {
+        [FILLER, FIBRE][place]
+            .material
+            .stiffness(PlaneState::Stress)
+            .unwrap()
+            .0
+    };
     let share = layout.fibre_share()[17];
     assert!(share > 0.1 && share < 0.5);
     let expected = crate::stiffness::laminate(

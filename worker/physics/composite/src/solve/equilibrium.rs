@@ -11,8 +11,8 @@
 use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice, Tangent};
 use crate::matrix::GridMatrix;
-use crate::solve::equations::{Equations, Method};
 use crate::solve::direct::NoFactor;
+use crate::solve::equations::{Equations, Method};
 use crate::supports::Supports;
 
 /// How an equilibrium is looked for.
@@ -161,7 +161,11 @@ impl<'a> Search<'a> {
         if !self.energy.is_finite() {
             return f64::INFINITY;
         }
-        if largest > 0.0 { unbalanced / largest } else { unbalanced }
+        if largest > 0.0 {
+            unbalanced / largest
+        } else {
+            unbalanced
+        }
     }
 
     fn solve(&mut self) -> Result<(), CompositeError> {
@@ -220,7 +224,11 @@ impl<'a> Search<'a> {
         let mut increment = full;
         let mut steps = 0;
         while share < 1.0 {
-            let goal = if share + 1.001 * increment >= 1.0 { 1.0 } else { share + increment };
+            let goal = if share + 1.001 * increment >= 1.0 {
+                1.0
+            } else {
+                share + increment
+            };
             let start = self.u.clone();
             match self.load_step(share, goal)? {
                 Ok(()) => {

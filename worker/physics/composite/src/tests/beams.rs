@@ -25,7 +25,9 @@ fn tip_error(cells: [usize; 2]) -> f64 {
     let exact = |x: f64, y: f64| {
         let scale = p / (6.0 * e * inertia);
         [
-            -scale * y * ((6.0 * length - 3.0 * x) * x + (2.0 + nu) * (y * y - height * height / 4.0)),
+            -scale
+                * y
+                * ((6.0 * length - 3.0 * x) * x + (2.0 + nu) * (y * y - height * height / 4.0)),
             scale
                 * (3.0 * nu * y * y * (length - x)
                     + (4.0 + 5.0 * nu) * height * height * x / 4.0
@@ -43,7 +45,10 @@ fn tip_error(cells: [usize; 2]) -> f64 {
     }
     // Consistent forces of τ = P/(2I) (h²/4 - y²): by Simpson's rule exact for cubics.
     for line in 0..grid.rows() {
-        let (y0, y1) = (grid.y_mm()[line] - height / 2.0, grid.y_mm()[line + 1] - height / 2.0);
+        let (y0, y1) = (
+            grid.y_mm()[line] - height / 2.0,
+            grid.y_mm()[line + 1] - height / 2.0,
+        );
         let shear = |y: f64| p / (2.0 * inertia) * (height * height / 4.0 - y * y);
         let (step, middle) = (y1 - y0, shear(0.5 * (y0 + y1)));
         let lower = Face::Right.particle(grid, line);
@@ -76,8 +81,13 @@ fn a_clamped_strip_deflects_as_the_beam_formula_says() {
     let (e, length, height, force) = (1_000.0, 100.0, 4.0, -1.0);
     let lattice = uniform(&plain([length, height], isotropic(e, 0.3), 0.0), [200, 8]);
     let load = forces(&lattice, [0.0, force], LoadPlace::Face(Face::Top));
-    let rest =
-        equilibrium(&lattice, &clamped_sides(&lattice), &load, &StaticOptions::default()).unwrap();
+    let rest = equilibrium(
+        &lattice,
+        &clamped_sides(&lattice),
+        &load,
+        &StaticOptions::default(),
+    )
+    .unwrap();
     let middle = point_mm(lattice.grid(), [length / 2.0, 2.0], &rest.displacements_mm).unwrap()[1];
     let inertia = height.powi(3) / 12.0;
     let shear = 5.0 / 6.0 * e / 2.6 * height;
@@ -96,7 +106,10 @@ fn modulus_along_x(lattice: &Lattice, height: f64, length: f64) -> f64 {
         grid,
         &[
             (Face::Left, FaceSupport::Rolling),
-            (Face::Right, FaceSupport::PerAxis([Some(1e-4 * length), None])),
+            (
+                Face::Right,
+                FaceSupport::PerAxis([Some(1e-4 * length), None]),
+            ),
         ],
     )
     .unwrap();
@@ -118,9 +131,13 @@ fn moduli_along_and_across_fibres_are_voigts_and_the_laminates() {
     assert!((found / voigt - 1.0).abs() < 1e-3, "{found} {voigt}");
     // Across, in rows that each hold the same share, the cells are in series: exactly the laminate.
     let mut across = papers(90.0);
-    across.fibres.iter_mut().enumerate().for_each(|(place, fibre)| {
-        fibre.through_mm[0] = 7.0 + 14.0 * place as f64;
-    });
+    across
+        .fibres
+        .iter_mut()
+        .enumerate()
+        .for_each(|(place, fibre)| {
+            fibre.through_mm[0] = 7.0 + 14.0 * place as f64;
+        });
     let layout = across.layout(Division::Uniform { cells: [5, 5] }).unwrap();
     let laminate = crate::stiffness::compliance(&layout.stiffness()[0]);
     let lattice = Lattice::exact(&layout);
@@ -158,7 +175,9 @@ fn factors_and_conjugate_gradients_find_the_same() {
         let mut multigrid = Multigrid::new(lattice.grid(), &supports, 100).unwrap();
         multigrid.prepare(&matrix).unwrap();
         let mut solution = u;
-        let iterations = multigrid.solve(&matrix, &load, &mut solution, 1e-11).unwrap();
+        let iterations = multigrid
+            .solve(&matrix, &load, &mut solution, 1e-11)
+            .unwrap();
         assert!((5..60).contains(&iterations), "{iterations}");
         let size = solution.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
         for (a, b) in found.displacements_mm.iter().zip(&solution) {
@@ -177,7 +196,9 @@ fn the_same_equations_give_the_same_bytes() {
 #[test]
 fn the_papers_lattice_answers_three_times_too_stiffly() {
     let section = plain([70.0, 70.0], isotropic(85.0, 0.3), 0.0);
-    let layout = section.layout(Division::Uniform { cells: [40, 40] }).unwrap();
+    let layout = section
+        .layout(Division::Uniform { cells: [40, 40] })
+        .unwrap();
     let top = |lattice: &Lattice| {
         let rest = pressed(lattice, &StaticOptions::default());
         face_mean_mm(lattice.grid(), Face::Top, &rest.displacements_mm)[1]
@@ -206,8 +227,16 @@ fn edges_alone_fold_and_loose_sections_move() {
     };
     let edges = Lattice::paper(&section, &layout, rule).unwrap();
     let load = forces(&edges, [0.0, -10.0], LoadPlace::Face(Face::Top));
-    let error = equilibrium(&edges, &clamped_sides(&edges), &load, &StaticOptions::default());
-    assert!(matches!(error, Err(CompositeError::Mechanism { .. })), "{error:?}");
+    let error = equilibrium(
+        &edges,
+        &clamped_sides(&edges),
+        &load,
+        &StaticOptions::default(),
+    );
+    assert!(
+        matches!(error, Err(CompositeError::Mechanism { .. })),
+        "{error:?}"
+    );
     let one = PaperRule {
         pattern: BondPattern::OneDiagonal,
         ..rule
@@ -326,7 +355,8 @@ fn an_off_axis_strip_pulled_between_free_ends_has_the_rotated_modulus() {
         // A uniform traction on both ends, held only against rigid motion.
         let mut load = forces(&lattice, [10.0, 0.0], LoadPlace::Face(Face::Right));
         for (sum, force) in
-            load.iter_mut().zip(forces(&lattice, [-10.0, 0.0], LoadPlace::Face(Face::Left)))
+            load.iter_mut()
+                .zip(forces(&lattice, [-10.0, 0.0], LoadPlace::Face(Face::Left)))
         {
             *sum += force;
         }

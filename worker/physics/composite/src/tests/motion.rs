@@ -146,8 +146,7 @@ fn rest_depends_on_neither_time_step_nor_iterations() {
     for lattice in [uniform(&section, [5, 5]), papers_lattice(&section, [5, 5])] {
         let supports = clamped_sides(&lattice);
         let load = forces(&lattice, [0.0, -10.0], LoadPlace::Face(Face::Top));
-        let expected =
-            equilibrium(&lattice, &supports, &load, &StaticOptions::default()).unwrap();
+        let expected = equilibrium(&lattice, &supports, &load, &StaticOptions::default()).unwrap();
         let critical = critical_time_step_s(&lattice, &supports);
         for (scheme, share) in [
             (Scheme::Verlet, 0.3),
@@ -214,7 +213,10 @@ fn a_single_bond_relaxed_by_half_displacements_is_its_spring() {
             motion.advance().unwrap();
         }
         let stretch = motion.displacements_mm()[2];
-        assert!((stretch * stiffness / 0.01 - 1.0).abs() < 1e-9, "{iterations} {share}");
+        assert!(
+            (stretch * stiffness / 0.01 - 1.0).abs() < 1e-9,
+            "{iterations} {share}"
+        );
     }
 }
 
@@ -244,7 +246,10 @@ fn the_papers_shifts_approach_the_springs_with_the_square_of_the_time_step() {
         difference(motion.displacements_mm(), &expected.displacements_mm)
     };
     let errors = [0.4, 0.2, 0.1].map(error);
-    assert!(errors[0] > 1e-3, "the letter alone is not the answer: {errors:?}");
+    assert!(
+        errors[0] > 1e-3,
+        "the letter alone is not the answer: {errors:?}"
+    );
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!((1.6..2.4).contains(&order), "{errors:?}");

@@ -25,9 +25,7 @@ fn held_boundary(grid: &Grid, gradient: [[f64; 2]; 2]) -> Supports {
 }
 
 fn uneven(section: &Section) -> Lattice {
-    let mut layout = section
-        .layout(Division::Uniform { cells: [1, 1] })
-        .unwrap();
+    let mut layout = section.layout(Division::Uniform { cells: [1, 1] }).unwrap();
     layout.grid = Grid::of_lines(
         vec![0.0, 1.0, 1.3, 4.0, 4.2, 7.0],
         vec![0.0, 0.2, 2.0, 2.1, 5.0],
@@ -63,14 +61,15 @@ fn every_material_at_every_angle_is_exact_in_uniform_strain() {
                     for axis in 0..2 {
                         let expected = gradient[axis][0] * x + gradient[axis][1] * y;
                         let found = rest.displacements_mm[2 * particle + axis];
-                        assert!((found - expected).abs() < EXACT * 7e-3, "{angle} {material:?}");
+                        assert!(
+                            (found - expected).abs() < EXACT * 7e-3,
+                            "{angle} {material:?}"
+                        );
                     }
                 }
                 // Stress and energy are C ε and ½ ε C ε times the volume.
-                let section_stiffness = crate::stiffness::turned(
-                    &material.stiffness(section.state).unwrap().0,
-                    angle,
-                );
+                let section_stiffness =
+                    crate::stiffness::turned(&material.stiffness(section.state).unwrap().0, angle);
                 let mut energy = 0.0;
                 for row in 0..3 {
                     let expected: f64 = (0..3)
@@ -91,7 +90,11 @@ fn every_material_at_every_angle_is_exact_in_uniform_strain() {
 
 #[test]
 fn a_rigid_rotation_of_a_whole_section_needs_no_force() {
-    let section = plain([7.0, 5.0], orthotropic(230_000.0, 230.0, 0.3, Some(90.0)), 25.0);
+    let section = plain(
+        [7.0, 5.0],
+        orthotropic(230_000.0, 230.0, 0.3, Some(90.0)),
+        25.0,
+    );
     let lattice = uneven(&section);
     for angle in (0..24).map(|step| f64::from(step) * 15.0_f64.to_radians()) {
         let (s, c) = angle.sin_cos();
@@ -104,7 +107,10 @@ fn a_rigid_rotation_of_a_whole_section_needs_no_force() {
         let mut forces = vec![0.0; u.len()];
         let energy = lattice.forces(Geometry::Large, &u, &mut forces);
         assert!(energy < 1e-18);
-        assert!(forces.iter().all(|force| force.abs() < 1e-7), "of 230 000 N/mm²");
+        assert!(
+            forces.iter().all(|force| force.abs() < 1e-7),
+            "of 230 000 N/mm²"
+        );
         assert_eq!(lattice.inverted_cell(&u), None);
     }
 }

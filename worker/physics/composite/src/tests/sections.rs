@@ -54,7 +54,11 @@ pub(crate) fn papers(angle_deg: f64) -> Section {
             let at = 5.0 + 15.0 * f64::from(place);
             Fibre {
                 material: 1,
-                through_mm: if angle_deg == 0.0 { [35.0, at] } else { [at, 35.0] },
+                through_mm: if angle_deg == 0.0 {
+                    [35.0, at]
+                } else {
+                    [at, 35.0]
+                },
                 angle_deg,
                 thickness_mm: 0.7,
                 length_mm: None,
