@@ -21,6 +21,7 @@ mod message;
 mod outcome;
 mod problem;
 mod schema;
+pub mod section;
 pub mod spec;
 mod spec_trait;
 pub mod study;

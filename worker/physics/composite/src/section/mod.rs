@@ -2,15 +2,14 @@
 //!
 //! A [`Section`] is what a user describes; [`Section::layout`] checks it and makes the [`Layout`],
 //! the grid of particles with what every cell holds. How a cell answers to strain is not known here.
-mod fibre;
 mod grid;
 mod layout;
-mod polygon;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use fibre::Band;
-pub use fibre::Fibre;
+pub use loadframe_api::section::fibre::Fibre;
+pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};
+pub(crate) use loadframe_api::section::polygon::Polygon;
 pub use grid::{Division, Grid};
 pub(crate) use grid::{corner_weights, within};
 pub use layout::Layout;

@@ -1,7 +1,7 @@
 //! Fibres: bands through a point at an angle.
-use crate::error::{CompositeError, finite, positive};
+use crate::section::error::{CompositeError, finite, positive};
 use crate::section::polygon::Polygon;
-use crate::stiffness::direction;
+use crate::section::stiffness::direction;
 
 /// A fibre: a straight band through a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,19 +20,19 @@ pub struct Fibre {
 
 /// A fibre made ready for measuring: its band as a polygon, its axis as cosine and sine.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Band {
-    pub(crate) material: usize,
-    pub(crate) angle_deg: f64,
-    pub(crate) axis: [f64; 2],
-    pub(crate) through_mm: [f64; 2],
-    pub(crate) half_thickness_mm: f64,
-    pub(crate) half_length_mm: f64,
+pub struct Band {
+    pub material: usize,
+    pub angle_deg: f64,
+    pub axis: [f64; 2],
+    pub through_mm: [f64; 2],
+    pub half_thickness_mm: f64,
+    pub half_length_mm: f64,
     polygon: Polygon,
 }
 
 impl Band {
     /// Makes fibre number `place` of a section of the given sides ready.
-    pub(crate) fn new(
+    pub fn new(
         place: usize,
         fibre: &Fibre,
         [length_mm, height_mm]: [f64; 2],
@@ -79,7 +79,7 @@ impl Band {
     }
 
     /// Distances of a point from the fibre's middle, along and across its axis [mm].
-    pub(crate) fn distances(&self, point: [f64; 2]) -> [f64; 2] {
+    pub fn distances(&self, point: [f64; 2]) -> [f64; 2] {
         let [dx, dy] = [point[0] - self.through_mm[0], point[1] - self.through_mm[1]];
         [
             dx * self.axis[0] + dy * self.axis[1],
@@ -88,12 +88,12 @@ impl Band {
     }
 
     /// The part of it inside the section.
-    pub(crate) fn polygon(&self) -> &Polygon {
+    pub fn polygon(&self) -> &Polygon {
         &self.polygon
     }
 
     /// Smallest and largest x and y [mm].
-    pub(crate) fn extent(&self) -> [[f64; 2]; 2] {
+    pub fn extent(&self) -> [[f64; 2]; 2] {
         extent(self.polygon.corners())
     }
 }
@@ -112,7 +112,7 @@ fn extent(corners: &[[f64; 2]]) -> [[f64; 2]; 2] {
 /// Finds two fibres that share more than round-off of the thinner one's area.
 ///
 /// Sorted by where they begin along x, each is held only against those that begin before it ends.
-pub(crate) fn refuse_overlap(bands: &[Band]) -> Result<(), CompositeError> {
+pub fn refuse_overlap(bands: &[Band]) -> Result<(), CompositeError> {
     let extents: Vec<_> = bands.iter().map(Band::extent).collect();
     let mut order: Vec<usize> = (0..bands.len()).collect();
     order.sort_by(|&a, &b| {

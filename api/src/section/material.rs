@@ -5,8 +5,8 @@ use std::fmt;
 
 use nalgebra::Matrix3;
 
-use crate::error::{CompositeError, finite, positive};
-use crate::stiffness::Stiffness;
+use crate::section::error::{CompositeError, finite, positive};
+use crate::section::stiffness::Stiffness;
 
 /// What is known of the third direction, out of the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,7 +100,7 @@ impl Material {
 
     /// Young's modulus [MPa] and Poisson ratio for the paper's rule of bond stiffness, which knows
     /// one pair for each material: of an orthotropic one those along the fibre.
-    pub(crate) fn along(&self) -> (f64, f64) {
+    pub fn along(&self) -> (f64, f64) {
         match self {
             Self::Isotropic {
                 youngs_modulus_mpa,
@@ -225,7 +225,7 @@ fn bounded(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stiffness::compliance;
+    use crate::section::stiffness::compliance;
 
     const FIBRE: Orthotropic = Orthotropic {
         modulus_1_mpa: 11_500.0,

@@ -117,7 +117,7 @@ pub enum CompositeError {
 }
 
 /// The quantity must be finite and positive.
-pub(crate) fn positive(quantity: &'static str, given: f64) -> Result<f64, CompositeError> {
+pub fn positive(quantity: &'static str, given: f64) -> Result<f64, CompositeError> {
     if given.is_finite() && given > 0.0 {
         Ok(given)
     } else {
@@ -130,7 +130,7 @@ pub(crate) fn positive(quantity: &'static str, given: f64) -> Result<f64, Compos
 }
 
 /// The quantity must be finite.
-pub(crate) fn finite(quantity: &'static str, given: f64) -> Result<f64, CompositeError> {
+pub fn finite(quantity: &'static str, given: f64) -> Result<f64, CompositeError> {
     if given.is_finite() {
         Ok(given)
     } else {

@@ -4,7 +4,7 @@
 ///
 /// A cell, the section and two fibres have sixteen sides: no part of them all has more corners.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Polygon {
+pub struct Polygon {
     corners: [[f64; 2]; Self::MOST],
     count: usize,
 }
@@ -12,22 +12,22 @@ pub(crate) struct Polygon {
 impl Polygon {
     const MOST: usize = 16;
 
-    pub(crate) fn rectangle(x: [f64; 2], y: [f64; 2]) -> Self {
+    pub fn rectangle(x: [f64; 2], y: [f64; 2]) -> Self {
         Self::of(&[[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]])
     }
 
-    pub(crate) fn of(given: &[[f64; 2]; 4]) -> Self {
+    pub fn of(given: &[[f64; 2]; 4]) -> Self {
         let mut corners = [[0.0; 2]; Self::MOST];
         corners[..4].copy_from_slice(given);
         Self { corners, count: 4 }
     }
 
-    pub(crate) fn corners(&self) -> &[[f64; 2]] {
+    pub fn corners(&self) -> &[[f64; 2]] {
         &self.corners[..self.count]
     }
 
     /// What is left where n · p ≤ `limit`.
-    pub(crate) fn clipped(&self, normal: [f64; 2], limit: f64) -> Self {
+    pub fn clipped(&self, normal: [f64; 2], limit: f64) -> Self {
         let height = |p: [f64; 2]| normal[0] * p[0] + normal[1] * p[1] - limit;
         let mut kept = Self {
             corners: [[0.0; 2]; Self::MOST],
@@ -59,7 +59,7 @@ impl Polygon {
     }
 
     /// The part inside another convex polygon.
-    pub(crate) fn within(&self, other: &Self) -> Self {
+    pub fn within(&self, other: &Self) -> Self {
         let mut kept = *self;
         for (place, &from) in other.corners().iter().enumerate() {
             let to = other.corners[(place + 1) % other.count];
@@ -72,7 +72,7 @@ impl Polygon {
 
     /// Area [mm²] and centroid [mm]; the first corner is the origin, so that a small polygon far
     /// from the global one loses no digits.
-    pub(crate) fn area_and_centroid(&self) -> (f64, [f64; 2]) {
+    pub fn area_and_centroid(&self) -> (f64, [f64; 2]) {
         let Some((&first, rest)) = self.corners().split_first() else {
             return (0.0, [0.0; 2]);
         };

@@ -36,7 +36,7 @@ pub fn turned(stiffness: &Stiffness, angle_deg: f64) -> Stiffness {
 }
 
 /// As [`turned`], by cosine and sine.
-pub(crate) fn turned_to(stiffness: &Stiffness, [c, s]: [f64; 2]) -> Stiffness {
+pub fn turned_to(stiffness: &Stiffness, [c, s]: [f64; 2]) -> Stiffness {
     let strains = Matrix3::new(
         c * c,
         s * s,

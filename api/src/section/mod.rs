@@ -1,0 +1,10 @@
+//! Sections of composites as geometry and material: what a spec is checked with before a job is
+//! taken, and what the engine builds on.
+//!
+//! [`material`] turns elastic constants into plane [`stiffness`]; [`fibre`] makes bands of fibres as
+//! [`polygon`]s and finds those that overlap; [`error`] says what is wrong.
+pub mod error;
+pub mod fibre;
+pub mod material;
+pub mod polygon;
+pub mod stiffness;
