@@ -148,6 +148,10 @@ job_kinds! {
         "Rail bed",
         "Half a cross-section of a track with its sleeper, shoulder and soft ground under the load of a wheel.",
         ["ballast_railbed", "ballast_railbed_cycles", "ballast_railbed_breakable"];
+    CompositeBending("composite_bending"): spec::composite_bending::CompositeBending,
+        "Composite bending",
+        "A section of fibres or plies in a matrix is held and loaded, bent on rollers, pulled or sheared: deflections, moduli, stresses.",
+        ["composite_bending", "composite_bending_three_point", "composite_bending_paper"];
     Calibrate("calibrate"): spec::calibrate::Calibrate,
         "Calibration",
         "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",

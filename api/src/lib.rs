@@ -45,8 +45,8 @@ pub use kinds::{Example, JobKind, JobSpec};
 pub use limits::{Excess, Limits};
 pub use message::Message;
 pub use outcome::{
-    BodyProperties, Cost, FileEntry, Outcome, OutcomeStatus, Provenance, QualityCheck, Quantity,
-    Report, Warning,
+    BodyProperties, Cost, ErrorBasis, ErrorEstimate, ErrorPart, FileEntry, Outcome, OutcomeStatus,
+    Provenance, QualityCheck, Quantity, Report, Warning,
 };
 pub use problem::{Problem, Violation};
 pub use schema::{answer_schemas, body_schemas};

@@ -63,9 +63,43 @@ pub struct Quantity {
     /// Repeats that know the value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub n: Option<u32>,
+    /// How wrong the value may be. Absent where that is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<ErrorEstimate>,
     /// A sentence on what it is, for people.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub description: String,
+}
+
+/// How wrong a value may be, in its unit: one standard error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ErrorEstimate {
+    /// All parts together: the root of the sum of their squares.
+    pub value: f64,
+    pub parts: Vec<ErrorPart>,
+}
+
+/// What one source adds to an error.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ErrorPart {
+    /// `grid`, `solver`, `time_step`, `specimens`, ...
+    pub source: String,
+    pub value: f64,
+    pub basis: ErrorBasis,
+}
+
+/// Where an error's size is known from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ErrorBasis {
+    /// A table measured before, for specs like this one.
+    MeasuredTable,
+    /// The same job on coarser grids.
+    TwoGrids,
+    /// The same job by another solver.
+    TwoSolvers,
+    /// The scatter of the job's repeats.
+    Repeats,
 }
 
 /// A body at the end of a test.
@@ -145,8 +179,26 @@ impl Quantity {
             deviation: None,
             interval: None,
             n: None,
+            error: None,
             description: description.to_owned(),
         }
+    }
+
+    /// With how wrong it may be; parts that are not numbers are left out.
+    #[must_use]
+    pub fn with_error(mut self, parts: Vec<ErrorPart>) -> Self {
+        let parts: Vec<ErrorPart> = parts
+            .into_iter()
+            .filter(|part| part.value.is_finite())
+            .collect();
+        if !parts.is_empty() {
+            let squares: f64 = parts.iter().map(|part| part.value * part.value).sum();
+            self.error = Some(ErrorEstimate {
+                value: squares.sqrt(),
+                parts,
+            });
+        }
+        self
     }
 }
 

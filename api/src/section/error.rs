@@ -111,6 +111,12 @@ pub enum CompositeError {
          choose a smaller one or none"
     )]
     UnstableTimeStep { given_s: f64, critical_s: f64 },
+    /// A kept state is not one of this lattice.
+    #[error("the kept state is one of another lattice")]
+    OtherSize,
+    /// Whoever asked for a result does not want it any more.
+    #[error("stopped")]
+    Stopped,
     /// A number left the range of finite numbers.
     #[error("{quantity} is not finite in step {step}")]
     NotFinite { quantity: &'static str, step: u64 },

@@ -2,5 +2,6 @@
 //! their limits (as JSON Schema, the one source), the cross-checks and the cost.
 pub mod ballast;
 pub mod calibrate;
+pub mod composite_bending;
 pub mod granular_scene;
 pub mod nonwoven_tensile;

@@ -7,6 +7,7 @@
 mod calibrate;
 
 use loadframe_api::JobSpec;
+use loadframe_composite::bending;
 use loadframe_grains as grains;
 use loadframe_network::nonwoven;
 
@@ -31,6 +32,7 @@ pub fn simulate(
         JobSpec::BallastOedometer(spec) => grains::ballast::run(spec, context, recorder),
         JobSpec::BallastBox(spec) => grains::ballast::run(spec, context, recorder),
         JobSpec::BallastRailbed(spec) => grains::ballast::run(spec, context, recorder),
+        JobSpec::CompositeBending(spec) => bending::run(spec, context, recorder),
         JobSpec::Calibrate(spec) => calibrate::run(spec, context, recorder),
     }
 }

@@ -1,3 +1,9 @@
+//! Sections of composites: fibres in a matrix as a lattice of bonded particles.
+//!
+//! From the bottom up: [`section`] lays what is described on a grid, [`lattice`] holds the particles
+//! together, [`supports`] and [`load`] act on them, [`solve`] finds their rest and [`motion`] moves them
+//! in time, [`measure`] reads off. [`bending`] is the job that calls them.
+pub mod bending;
 pub mod lattice;
 pub mod load;
 mod matrix;

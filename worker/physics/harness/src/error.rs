@@ -1,6 +1,7 @@
 //! Why a simulation has no result.
 use std::io;
 
+use loadframe_api::section::error::CompositeError;
 use loadframe_numerics::ThreadsError;
 
 use crate::checkpoint::CheckpointError;
@@ -65,6 +66,9 @@ pub enum SimulationError {
         created_j: f64,
         step_ratio: f64,
     },
+    /// A section of a composite has no result.
+    #[error(transparent)]
+    Section(#[from] CompositeError),
     /// A calibration has nothing to go by.
     #[error("the calibration cannot be carried out: {0}")]
     Calibration(String),

@@ -3,6 +3,8 @@
 //! U = ½ k δ², δ the change of length; for small displacements δ = d · (u₂ - u₁) with the direction d
 //! of the bond as it was made.
 
+use crate::lattice::Geometry;
+
 /// A bond.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bond {
@@ -56,6 +58,17 @@ impl Bond {
             k * d[0] * d[1],
             k * d[1] * d[1] + across,
         ]
+    }
+
+    /// Force of the bond at displacements of all particles [N], tension positive.
+    #[must_use]
+    pub fn tension_n(&self, geometry: Geometry, u: &[f64]) -> f64 {
+        let ends = super::ends(u, self);
+        let (stretch, _) = match geometry {
+            Geometry::Linear => self.linear_stretch(&ends),
+            Geometry::Large => self.large_stretch(&ends),
+        };
+        self.stiffness_n_per_mm * stretch
     }
 
     /// k δ over the present length [N/mm].

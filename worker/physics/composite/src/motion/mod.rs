@@ -26,6 +26,8 @@ use crate::lattice::{Geometry, Lattice, Tangent};
 use crate::solve::equilibrium::{Balance, Equilibrium, rest};
 use crate::supports::Supports;
 use gain::Gains;
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 
 /// How bonds act within a time step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +68,8 @@ pub struct Motion<'a> {
     lattice: &'a Lattice,
     supports: &'a Supports,
     load: Vec<f64>,
+    /// The load, and what the paper's shifts have left unbalanced at their rests.
+    drive: Vec<f64>,
     options: MotionOptions,
     time_step: f64,
     inverse_masses: Vec<f64>,
@@ -77,6 +81,20 @@ pub struct Motion<'a> {
     /// Particles stand still now, so that half a step of force goes into the first velocity.
     is_starting: bool,
     steps: u64,
+}
+
+/// All that changes while a lattice moves: what a checkpoint keeps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MotionState {
+    u: Vec<f64>,
+    before: Vec<f64>,
+    drive: Vec<f64>,
+    kinetic: f64,
+    is_starting: bool,
+    steps: u64,
+    /// XPBD's multipliers, of cells and of bonds.
+    cells: Vec<[f64; 5]>,
+    bonds: Vec<f64>,
 }
 
 /// When a motion counts as rest.
@@ -150,6 +168,7 @@ impl<'a> Motion<'a> {
             lattice,
             supports,
             load: load_n.to_vec(),
+            drive: load_n.to_vec(),
             options,
             time_step,
             inverse_masses,
@@ -171,6 +190,72 @@ impl<'a> Motion<'a> {
             }
         }
         self.stop();
+    }
+
+    /// Gives all particles that are not held a velocity along x and y [mm/s].
+    pub fn push(&mut self, velocity: [f64; 2]) {
+        for place in 0..self.u.len() {
+            if !self.supports.is_held(place) {
+                // u(-τ) of the Taylor series, whose term of τ² the halved first force stands for
+                self.before[place] -= self.time_step * velocity[place % 2];
+            }
+        }
+    }
+
+    /// Takes the load away; what is displaced goes on from where it is.
+    pub fn release(&mut self) {
+        self.load.fill(0.0);
+        self.drive.fill(0.0);
+    }
+
+    /// What a checkpoint keeps.
+    #[must_use]
+    pub fn state(&self) -> MotionState {
+        let memory = self.gains.memory.as_ref();
+        MotionState {
+            u: self.u.clone(),
+            before: self.before.clone(),
+            drive: self.drive.clone(),
+            kinetic: self.kinetic,
+            is_starting: self.is_starting,
+            steps: self.steps,
+            cells: memory.map_or_else(Vec::new, |memory| memory.cells.clone()),
+            bonds: memory.map_or_else(Vec::new, |memory| memory.bonds.clone()),
+        }
+    }
+
+    /// Goes on from a state of the same lattice, supports and options.
+    ///
+    /// # Errors
+    /// [`CompositeError::OtherSize`] when it is of another lattice.
+    pub fn resume(&mut self, state: MotionState) -> Result<(), CompositeError> {
+        let memory = self.gains.memory.as_ref();
+        let fits = state.u.len() == self.u.len()
+            && state.before.len() == self.u.len()
+            && state.drive.len() == self.u.len()
+            && memory.is_none_or(|memory| {
+                state.cells.len() == memory.cells.len() && state.bonds.len() == memory.bonds.len()
+            });
+        if !fits {
+            return Err(CompositeError::OtherSize);
+        }
+        if let Some(memory) = &mut self.gains.memory {
+            memory.cells = state.cells;
+            memory.bonds = state.bonds;
+        }
+        self.u = state.u;
+        self.before = state.before;
+        self.drive = state.drive;
+        self.kinetic = state.kinetic;
+        self.is_starting = state.is_starting;
+        self.steps = state.steps;
+        Ok(())
+    }
+
+    /// Steps done.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
     }
 
     /// All particles stand still.
@@ -251,7 +336,7 @@ impl<'a> Motion<'a> {
         for place in 0..self.u.len() {
             let (now, last) = (self.u[place], self.before[place]);
             self.before[place] = now;
-            let force = self.load[place] - self.forces[place];
+            let force = self.drive[place] - self.forces[place];
             self.u[place] = now + keep * (now - last) + push * self.inverse_masses[place] * force;
         }
         if let Scheme::Pbd { iterations } | Scheme::Xpbd { iterations } = self.options.scheme {
@@ -315,23 +400,27 @@ impl<'a> Motion<'a> {
     /// # Errors
     /// As [`Motion::advance`]; when rest is not reached in the steps allowed.
     pub fn settle(&mut self, until: Rest) -> Result<Equilibrium, CompositeError> {
-        let wanted = self.load.clone();
-        let outcome = self.settle_under(&wanted, until);
-        self.load.copy_from_slice(&wanted);
-        outcome
+        self.settle_watched(until, &mut |_, _| ControlFlow::Continue(()))
     }
 
-    fn settle_under(&mut self, wanted: &[f64], until: Rest) -> Result<Equilibrium, CompositeError> {
-        let started = self.steps;
+    /// As [`Motion::settle`]; `watch` is shown the motion and its residual now and then, and may end it.
+    ///
+    /// # Errors
+    /// As [`Motion::settle`]; [`CompositeError::Stopped`] when `watch` ended it.
+    pub fn settle_watched(
+        &mut self,
+        until: Rest,
+        watch: &mut dyn FnMut(&Self, f64) -> ControlFlow<()>,
+    ) -> Result<Equilibrium, CompositeError> {
         let mut last = vec![0.0; self.u.len()];
         let mut residual = f64::INFINITY;
-        while self.steps - started < until.most_steps {
+        while self.steps < until.most_steps {
             last.copy_from_slice(&self.u);
             for _ in 0..LOOK {
                 self.advance()?;
             }
             let energy = self.elastic_energy_n_mm();
-            let (unbalanced, largest) = self.unbalance(wanted);
+            let (unbalanced, largest) = self.unbalance();
             residual = if largest > 0.0 {
                 unbalanced / largest
             } else {
@@ -342,14 +431,14 @@ impl<'a> Motion<'a> {
                 return Ok(rest(
                     self.lattice,
                     self.supports,
-                    wanted,
+                    &self.load,
                     self.u.clone(),
                     &self.forces,
                     Balance {
                         energy,
                         residual,
                         solutions: 0,
-                        iterations: self.steps - started,
+                        iterations: self.steps,
                     },
                 ));
             }
@@ -357,30 +446,33 @@ impl<'a> Motion<'a> {
             let size = self.u.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
             let rests = drift <= 1e-3 * residual * size;
             if matches!(self.options.scheme, Scheme::Pbd { .. }) && rests {
-                for (place, load) in self.load.iter_mut().enumerate() {
+                for (place, drive) in self.drive.iter_mut().enumerate() {
                     if !self.supports.is_held(place) {
-                        *load += wanted[place] - self.forces[place];
+                        *drive += self.load[place] - self.forces[place];
                     }
                 }
+            }
+            if watch(self, residual).is_break() {
+                return Err(CompositeError::Stopped);
             }
         }
         Err(CompositeError::NotConverged {
             load_fraction: 1.0,
-            iterations: self.steps - started,
+            iterations: self.steps,
             residual,
         })
     }
 
     /// Largest unbalanced force and largest force at all [N].
-    fn unbalance(&self, load: &[f64]) -> (f64, f64) {
+    fn unbalance(&self) -> (f64, f64) {
         let mut unbalanced = 0.0_f64;
         let mut largest = 0.0_f64;
         for (place, force) in self.forces.iter().enumerate() {
-            largest = largest.max(load[place].abs());
+            largest = largest.max(self.load[place].abs());
             if self.supports.is_held(place) {
                 largest = largest.max(force.abs());
             } else {
-                unbalanced = unbalanced.max((load[place] - force).abs());
+                unbalanced = unbalanced.max((self.load[place] - force).abs());
             }
         }
         (unbalanced, largest)

@@ -1,8 +1,8 @@
 //! A section laid out on its grid: what every cell holds.
 use crate::error::{CompositeError, positive};
 use crate::material::Note;
-use crate::section::{Band, Polygon, Section, refuse_overlap};
 use crate::section::grid::{Division, Grid, graded_lines};
+use crate::section::{Band, Polygon, Section, refuse_overlap};
 use crate::stiffness::{Stiffness, laminate, turned};
 
 /// A part of a cell's area below this is round-off, not a fibre.

@@ -7,12 +7,12 @@ mod layout;
 #[cfg(test)]
 mod tests;
 
-pub use loadframe_api::section::fibre::Fibre;
-pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};
-pub(crate) use loadframe_api::section::polygon::Polygon;
 pub use grid::{Division, Grid};
 pub(crate) use grid::{corner_weights, within};
 pub use layout::Layout;
+pub use loadframe_api::section::fibre::Fibre;
+pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};
+pub(crate) use loadframe_api::section::polygon::Polygon;
 
 use crate::error::{CompositeError, finite, positive};
 use crate::material::{Material, PlaneState};

@@ -14,6 +14,7 @@ use crate::matrix::GridMatrix;
 use crate::solve::direct::NoFactor;
 use crate::solve::equations::{Equations, Method};
 use crate::supports::Supports;
+use serde::{Deserialize, Serialize};
 
 /// How an equilibrium is looked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +40,7 @@ impl Default for StaticOptions {
 }
 
 /// A lattice at rest.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Equilibrium {
     /// x and y by turns, particle by particle [mm].
     pub displacements_mm: Vec<f64>,
@@ -74,13 +75,176 @@ pub fn equilibrium(
     load_n: &[f64],
     options: &StaticOptions,
 ) -> Result<Equilibrium, CompositeError> {
-    supports.refuse_rigid_motion(lattice.grid())?;
-    let mut search = Search::new(lattice, supports, load_n, options)?;
-    match options.geometry {
-        Geometry::Linear => search.solve_linear()?,
-        Geometry::Large => search.follow_load()?,
+    let mut path = LoadPath::new(lattice, supports, load_n, options, &|| false)?;
+    while path.share() < 1.0 {
+        path.advance()?;
     }
-    Ok(search.finish())
+    Ok(path.equilibrium())
+}
+
+/// The equilibria of a lattice under a growing load, one equal step of the load after the other.
+#[allow(
+    missing_debug_implementations,
+    reason = "holds what asks whether to stop"
+)]
+pub struct LoadPath<'a> {
+    search: Search<'a>,
+    options: &'a StaticOptions,
+    stop: &'a dyn Fn() -> bool,
+    at: PathState,
+}
+
+/// Where on the path a lattice is: what a checkpoint keeps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PathState {
+    /// λ of the last equilibrium.
+    share: f64,
+    /// What λ grows by at once, smaller after steps that had to be cut.
+    increment: f64,
+    steps: u64,
+    u: Vec<f64>,
+}
+
+impl<'a> LoadPath<'a> {
+    /// Before any load; `stop` is asked before every solution.
+    ///
+    /// # Errors
+    /// When the supports leave the lattice loose, or there is no memory for the equations.
+    pub fn new(
+        lattice: &'a Lattice,
+        supports: &'a Supports,
+        load_n: &'a [f64],
+        options: &'a StaticOptions,
+        stop: &'a dyn Fn() -> bool,
+    ) -> Result<Self, CompositeError> {
+        supports.refuse_rigid_motion(lattice.grid())?;
+        Ok(Self {
+            search: Search::new(lattice, supports, load_n, options)?,
+            options,
+            stop,
+            at: PathState {
+                share: 0.0,
+                increment: 1.0,
+                steps: 0,
+                u: Vec::new(),
+            },
+        })
+    }
+
+    /// Part of the load at the last equilibrium.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.at.share
+    }
+
+    /// Displacements of the last equilibrium [mm].
+    #[must_use]
+    pub fn displacements_mm(&self) -> &[f64] {
+        &self.search.u
+    }
+
+    /// What a checkpoint keeps.
+    #[must_use]
+    pub fn state(&self) -> PathState {
+        PathState {
+            u: self.search.u.clone(),
+            ..self.at
+        }
+    }
+
+    /// Goes on from an equilibrium found before.
+    ///
+    /// # Errors
+    /// [`CompositeError::OtherSize`] when it is of another lattice.
+    pub fn resume(&mut self, state: PathState) -> Result<(), CompositeError> {
+        if state.u.len() != self.search.u.len() {
+            return Err(CompositeError::OtherSize);
+        }
+        self.search.u = state.u;
+        self.at = PathState {
+            u: Vec::new(),
+            ..state
+        };
+        Ok(())
+    }
+
+    /// On to the next of the equal steps of the load, all at once where displacements are small.
+    ///
+    /// # Errors
+    /// As [`equilibrium`]; [`CompositeError::Stopped`].
+    pub fn advance(&mut self) -> Result<(), CompositeError> {
+        match self.options.geometry {
+            Geometry::Linear => {
+                if (self.stop)() {
+                    return Err(CompositeError::Stopped);
+                }
+                self.search.solve_linear()?;
+                self.at.share = 1.0;
+                Ok(())
+            }
+            Geometry::Large => self.follow_load(),
+        }
+    }
+
+    /// The equilibrium at the present share of the load.
+    pub fn equilibrium(&mut self) -> Equilibrium {
+        self.search.finish(self.at.share)
+    }
+
+    fn follow_load(&mut self) -> Result<(), CompositeError> {
+        let count = f64::from(self.options.load_steps.max(1));
+        let full = 1.0 / count;
+        let smallest = full / f64::from(1_u32 << CUTS);
+        // the nearest of the equal steps beyond where the last one ended
+        let end = ((self.at.share * count + 1e-6).floor() + 1.0).min(count) / count;
+        self.at.increment = self.at.increment.min(full);
+        while self.at.share < end {
+            if (self.stop)() {
+                return Err(CompositeError::Stopped);
+            }
+            let reach = self.at.share + 1.001 * self.at.increment;
+            let goal = if reach >= end {
+                end
+            } else {
+                self.at.share + self.at.increment
+            };
+            let start = self.search.u.clone();
+            match self.search.load_step(self.at.share, goal, self.stop)? {
+                Ok(()) => {
+                    self.at.share = goal;
+                    self.at.steps += 1;
+                    self.at.increment = (2.0 * self.at.increment).min(full);
+                }
+                Err(_) if 0.5 * self.at.increment >= smallest => {
+                    self.search.u = start;
+                    self.at.increment *= 0.5;
+                }
+                Err(Stuck::Inverted(cell)) => {
+                    let grid = self.search.lattice.grid();
+                    let [x_mm, y_mm] = grid.middle_mm(cell);
+                    return Err(CompositeError::Inverted {
+                        column: cell % grid.columns(),
+                        row: cell / grid.columns(),
+                        x_mm,
+                        y_mm,
+                        step: self.at.steps + 1,
+                        load_fraction: goal,
+                    });
+                }
+                Err(Stuck::Slow {
+                    iterations,
+                    residual,
+                }) => {
+                    return Err(CompositeError::NotConverged {
+                        load_fraction: goal,
+                        iterations,
+                        residual,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
 struct Search<'a> {
@@ -217,56 +381,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn follow_load(&mut self) -> Result<(), CompositeError> {
-        let full = 1.0 / f64::from(self.options.load_steps.max(1));
-        let smallest = full / f64::from(1_u32 << CUTS);
-        let mut share = 0.0;
-        let mut increment = full;
-        let mut steps = 0;
-        while share < 1.0 {
-            let goal = if share + 1.001 * increment >= 1.0 {
-                1.0
-            } else {
-                share + increment
-            };
-            let start = self.u.clone();
-            match self.load_step(share, goal)? {
-                Ok(()) => {
-                    share = goal;
-                    steps += 1;
-                    increment = (2.0 * increment).min(full);
-                }
-                Err(_) if 0.5 * increment >= smallest => {
-                    self.u = start;
-                    increment *= 0.5;
-                }
-                Err(Stuck::Inverted(cell)) => {
-                    let grid = self.lattice.grid();
-                    let [x_mm, y_mm] = grid.middle_mm(cell);
-                    return Err(CompositeError::Inverted {
-                        column: cell % grid.columns(),
-                        row: cell / grid.columns(),
-                        x_mm,
-                        y_mm,
-                        step: steps + 1,
-                        load_fraction: goal,
-                    });
-                }
-                Err(Stuck::Slow {
-                    iterations,
-                    residual,
-                }) => {
-                    return Err(CompositeError::NotConverged {
-                        load_fraction: goal,
-                        iterations,
-                        residual,
-                    });
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// Factors the tangent at u, its convex part where it is not positive definite.
     fn prepare(&mut self) -> Result<(), CompositeError> {
         for tangent in [Tangent::Exact, Tangent::Convex] {
@@ -287,7 +401,12 @@ impl<'a> Search<'a> {
         self.solve()
     }
 
-    fn load_step(&mut self, from: f64, to: f64) -> Result<Result<(), Stuck>, CompositeError> {
+    fn load_step(
+        &mut self,
+        from: f64,
+        to: f64,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Result<(), Stuck>, CompositeError> {
         if let Some(stuck) = self.predict(from, to)? {
             return Ok(Err(stuck));
         }
@@ -295,6 +414,9 @@ impl<'a> Search<'a> {
         for _ in 0..NEWTON_ITERATIONS {
             if residual <= self.options.tolerance {
                 return Ok(Ok(()));
+            }
+            if stop() {
+                return Err(CompositeError::Stopped);
             }
             self.direction()?;
             let slope: f64 = -dot(&self.right, &self.step);
@@ -380,13 +502,14 @@ impl<'a> Search<'a> {
         Ok(self.lattice.inverted_cell(&self.u).map(Stuck::Inverted))
     }
 
-    fn finish(mut self) -> Equilibrium {
-        let residual = self.unbalance(1.0);
+    fn finish(&mut self, share: f64) -> Equilibrium {
+        let residual = self.unbalance(share);
+        let load: Vec<f64> = self.load.iter().map(|load| share * load).collect();
         rest(
             self.lattice,
             self.supports,
-            self.load,
-            self.u,
+            &load,
+            self.u.clone(),
             &self.forces,
             Balance {
                 energy: self.energy,

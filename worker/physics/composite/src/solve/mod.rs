@@ -6,4 +6,4 @@ pub(crate) mod multigrid;
 mod order;
 
 pub use equations::{LARGEST_FACTORED, Method};
-pub use equilibrium::{Equilibrium, StaticOptions, equilibrium};
+pub use equilibrium::{Equilibrium, LoadPath, PathState, StaticOptions, equilibrium};

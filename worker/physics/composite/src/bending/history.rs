@@ -1,0 +1,143 @@
+//! Motion in time: a load that comes or goes at once, or an impact.
+use loadframe_api::spec::composite_bending::{History, HistoryLoad};
+use serde::{Deserialize, Serialize};
+
+use super::model::Model;
+use super::results::{self, Tested};
+use super::{Halt, Progress, Watch};
+use crate::measure::face_mean_mm;
+use crate::motion::{Damping, Motion, MotionOptions, MotionState, Scheme};
+use crate::solve::{StaticOptions, equilibrium};
+use crate::supports::Face;
+
+/// How far the motion is.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct HistoryState {
+    motion: MotionState,
+    swing: Swing,
+    written: u32,
+}
+
+/// What is read off a motion as it goes by.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Swing {
+    /// Largest mean deflection of the top face [mm], and when [s].
+    pub(super) peak: f64,
+    pub(super) peak_s: f64,
+    /// Times at which it passed its middle on the way up [s], first and last, and how many.
+    first_s: f64,
+    last_s: f64,
+    passes: u32,
+    last: Option<(f64, f64)>,
+}
+
+impl Swing {
+    fn see(&mut self, time_s: f64, deflection: f64, middle: f64) {
+        if deflection > self.peak || self.last.is_none() {
+            self.peak = deflection;
+            self.peak_s = time_s;
+        }
+        if let Some((before_s, before)) = self.last
+            && before < middle
+            && deflection >= middle
+        {
+            let way = (middle - before) / (deflection - before);
+            self.last_s = before_s + way * (time_s - before_s);
+            if self.passes == 0 {
+                self.first_s = self.last_s;
+            }
+            self.passes += 1;
+        }
+        self.last = Some((time_s, deflection));
+    }
+
+    /// Swings over the time between the first and the last pass [Hz]; `None` before a whole one.
+    pub(super) fn frequency_hz(&self) -> Option<f64> {
+        (self.passes > 1).then(|| f64::from(self.passes - 1) / (self.last_s - self.first_s))
+    }
+}
+
+/// Steps between two looks at whether to go on.
+const LOOK: u64 = 50;
+
+pub(super) fn conduct(
+    model: &Model<'_>,
+    history: &History,
+    progress: Option<Progress>,
+    watch: &mut dyn Watch,
+) -> Result<Tested, Halt> {
+    let knobs = model.spec.accuracy.knobs();
+    let grid = model.lattice.grid();
+    let options = MotionOptions {
+        scheme: Scheme::Verlet,
+        geometry: model.geometry(),
+        time_step_s: knobs.time_step_s,
+        damping: knobs
+            .damping_per_s
+            .map_or(Damping::None, |per_s| Damping::Viscous { per_s }),
+    };
+    let mut motion = Motion::new(&model.lattice, &model.supports, &model.load, options)?;
+    let deflection = |u: &[f64], face: Face| {
+        let mean = face_mean_mm(grid, face, u);
+        mean[0] * model.direction[0] + mean[1] * model.direction[1]
+    };
+    // the rest under the load is the middle about which a section under it swings
+    let at_rest = {
+        let options = StaticOptions {
+            geometry: model.geometry(),
+            ..StaticOptions::default()
+        };
+        equilibrium(&model.lattice, &model.supports, &model.load, &options)?
+    };
+    let middle = match history.load {
+        HistoryLoad::Sudden => deflection(&at_rest.displacements_mm, Face::Top),
+        HistoryLoad::Released => 0.0,
+    };
+    watch.columns(results::columns(model))?;
+    let mut swing = Swing::default();
+    let mut written = 0;
+    if let Some(Progress::History(state)) = progress {
+        motion.resume(state.motion)?;
+        swing = state.swing;
+        written = state.written;
+    } else {
+        if history.load == HistoryLoad::Released {
+            motion.displace(&at_rest.displacements_mm);
+        }
+        motion.push(history.velocity_mm_per_s);
+    }
+    if history.load == HistoryLoad::Released {
+        motion.release();
+    }
+    let intervals = f64::from(history.points.max(2) - 1);
+    let steps = (history.duration_s / motion.time_step_s()).ceil().max(1.0) as u64;
+    loop {
+        let time_s = motion.time_s();
+        let top = deflection(motion.displacements_mm(), Face::Top);
+        swing.see(time_s, top, middle);
+        let due = (f64::from(written) * steps as f64 / intervals).round() as u64;
+        if motion.steps() >= due {
+            let kinetic = motion.kinetic_energy_n_mm();
+            let elastic = motion.elastic_energy_n_mm();
+            let bottom = deflection(motion.displacements_mm(), Face::Bottom);
+            watch.point(&[time_s, top, bottom, kinetic, elastic])?;
+            written += 1;
+        }
+        if motion.steps() >= steps {
+            break;
+        }
+        motion.advance()?;
+        if motion.steps().is_multiple_of(LOOK) {
+            let fraction = motion.steps() as f64 / steps as f64;
+            let mut state = || {
+                Progress::History(HistoryState {
+                    motion: motion.state(),
+                    swing: swing.clone(),
+                    written,
+                })
+            };
+            watch.look(fraction, &mut state)?;
+        }
+    }
+    Ok(Tested::in_time(at_rest, &motion, swing))
+}

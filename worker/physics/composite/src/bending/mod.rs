@@ -1,0 +1,265 @@
+//! A test of a section as a job.
+//!
+//! In the order in which a run calls them: [`model`] builds the lattice, its supports and its load from
+//! the spec, for any grid; [`rest`] finds its rest by the solver asked for, [`history`] moves it in
+//! time; [`results`] reads values off, [`errors`] says how wrong they may be from the same test on
+//! coarser grids; [`files`] and [`report`] write. This file holds the course of it, which alone talks
+//! to the recorder.
+mod errors;
+mod files;
+mod history;
+mod model;
+mod report;
+mod rest;
+mod results;
+
+use std::io;
+
+use loadframe_api::Report;
+use loadframe_api::spec::composite_bending::{
+    Accuracy, CompositeBending, Grid, Knobs, Lattice, Solver,
+};
+use loadframe_harness::checkpoint::{self, Fingerprint};
+use loadframe_harness::{
+    Ending, Interrupt, InterruptSource, Recorder, RunContext, SimulationError,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::error::CompositeError;
+use errors::Finding;
+use model::Model;
+use results::{Measured, Tested};
+
+/// How far a run is, and the spec it belongs to.
+#[derive(Serialize, Deserialize)]
+struct Checkpoint {
+    spec: Fingerprint,
+    points: Vec<Vec<f64>>,
+    progress: Option<Progress>,
+}
+
+/// How far the test on the finest grid is.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+enum Progress {
+    Rest(rest::RestState),
+    History(history::HistoryState),
+    Done(Box<Tested>),
+}
+
+/// What a test tells while it is under way.
+trait Watch {
+    /// Names of the curve's columns.
+    fn columns(&mut self, names: &[&str]) -> io::Result<()>;
+    /// A point of the curve.
+    fn point(&mut self, values: &[f64]) -> io::Result<()>;
+    /// How far it is, from 0 to 1, and whether to go on; `state` is asked for when it is to be kept.
+    fn look(&mut self, fraction: f64, state: &mut dyn FnMut() -> Progress) -> Result<(), Halt>;
+}
+
+/// Why a test ended before its end.
+enum Halt {
+    Interrupted(Interrupt),
+    Failed(SimulationError),
+}
+
+impl From<CompositeError> for Halt {
+    fn from(error: CompositeError) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
+impl From<io::Error> for Halt {
+    fn from(error: io::Error) -> Self {
+        Self::Failed(error.into())
+    }
+}
+
+/// Tells the recorder, and keeps what a checkpoint needs.
+struct Recorded<'a, 'b> {
+    context: RunContext<'a>,
+    recorder: &'b mut dyn Recorder,
+    fingerprint: Fingerprint,
+    points: Vec<Vec<f64>>,
+    /// Part of the whole work that the test on the finest grid is.
+    part: f64,
+}
+
+impl Recorded<'_, '_> {
+    fn keep(&mut self, progress: Option<Progress>) -> Result<(), SimulationError> {
+        let checkpoint = Checkpoint {
+            spec: self.fingerprint,
+            points: self.points.clone(),
+            progress,
+        };
+        self.recorder.checkpoint(&checkpoint::pack(&checkpoint)?)?;
+        Ok(())
+    }
+}
+
+impl Watch for Recorded<'_, '_> {
+    fn columns(&mut self, names: &[&str]) -> io::Result<()> {
+        self.recorder.columns(names)?;
+        for point in &self.points {
+            self.recorder.point(point)?;
+        }
+        Ok(())
+    }
+
+    fn point(&mut self, values: &[f64]) -> io::Result<()> {
+        self.points.push(values.to_vec());
+        self.recorder.point(values)
+    }
+
+    fn look(&mut self, fraction: f64, state: &mut dyn FnMut() -> Progress) -> Result<(), Halt> {
+        self.recorder.progress(self.part * fraction, "test");
+        match self.context.interrupt.interrupt() {
+            Some(Interrupt::Suspend) => {
+                self.keep(Some(state())).map_err(Halt::Failed)?;
+                Err(Halt::Interrupted(Interrupt::Suspend))
+            }
+            Some(Interrupt::Cancel) => Err(Halt::Interrupted(Interrupt::Cancel)),
+            None => {
+                if self.recorder.checkpoint_due() {
+                    self.keep(Some(state())).map_err(Halt::Failed)?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Listens to nothing but a request to stop.
+struct Unwatched<'a>(RunContext<'a>);
+
+impl Watch for Unwatched<'_> {
+    fn columns(&mut self, _names: &[&str]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn point(&mut self, _values: &[f64]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn look(&mut self, _fraction: f64, _state: &mut dyn FnMut() -> Progress) -> Result<(), Halt> {
+        match self.0.interrupt.interrupt() {
+            Some(interrupt) => Err(Halt::Interrupted(interrupt)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Runs the simulation of `spec`.
+///
+/// # Errors
+/// What made a result impossible, see [`SimulationError`].
+pub fn run(
+    spec: &CompositeBending,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<Ending, SimulationError> {
+    let fingerprint = Fingerprint::of(spec)?;
+    let (points, progress) = match context.checkpoint {
+        Some(bytes) => {
+            let checkpoint: Checkpoint = checkpoint::unpack(bytes)?;
+            fingerprint.check(checkpoint.spec)?;
+            (checkpoint.points, checkpoint.progress)
+        }
+        None => (Vec::new(), None),
+    };
+    let mut recorded = Recorded {
+        context,
+        recorder,
+        fingerprint,
+        points,
+        part: 0.75,
+    };
+    match test(spec, progress, &mut recorded) {
+        Ok(report) => Ok(Ending::Finished(report)),
+        Err(Halt::Failed(error)) => Err(error),
+        Err(Halt::Interrupted(Interrupt::Cancel)) => Ok(Ending::Cancelled),
+        Err(Halt::Interrupted(Interrupt::Suspend)) => Ok(Ending::Suspended),
+    }
+}
+
+fn test(
+    spec: &CompositeBending,
+    progress: Option<Progress>,
+    recorded: &mut Recorded<'_, '_>,
+) -> Result<Report, Halt> {
+    let model = Model::new(spec, spec.grid())?;
+    if recorded.context.checkpoint.is_none() {
+        recorded.recorder.log(&model.described());
+    }
+    let was_done = matches!(progress, Some(Progress::Done(_)));
+    let tested = conduct(&model, progress, recorded.context.interrupt, recorded)?;
+    let done = Progress::Done(Box::new(tested.clone()));
+    if !was_done && recorded.recorder.checkpoint_due() {
+        recorded.keep(Some(done.clone())).map_err(Halt::Failed)?;
+    }
+    let measured = results::measure(&model, &tested);
+    recorded.recorder.progress(recorded.part, "coarser grids");
+    let finding = compare(spec, recorded, &done)?;
+    files::write(&model, &tested, &measured, &finding, recorded).map_err(Halt::Failed)?;
+    recorded.recorder.progress(1.0, "finished");
+    Ok(report::report(&model, &tested, &measured, &finding))
+}
+
+/// Does what the spec says to the model.
+fn conduct(
+    model: &Model<'_>,
+    progress: Option<Progress>,
+    interrupt: &dyn InterruptSource,
+    watch: &mut dyn Watch,
+) -> Result<Tested, Halt> {
+    if let Some(Progress::Done(tested)) = progress {
+        watch.columns(results::columns(model))?;
+        return Ok(*tested);
+    }
+    match &model.spec.test.history {
+        Some(history) => history::conduct(model, history, progress, watch),
+        None => rest::conduct(model, progress, interrupt, watch),
+    }
+}
+
+/// The same test on coarser grids, by the equations of equilibrium, and on the exact lattice.
+fn compare(
+    spec: &CompositeBending,
+    recorded: &mut Recorded<'_, '_>,
+    done: &Progress,
+) -> Result<Finding, Halt> {
+    let context = recorded.context;
+    let other = |spec: &CompositeBending, grid: Grid| -> Result<Vec<Measured>, Halt> {
+        let model = Model::new(spec, grid)?;
+        let tested = conduct(&model, None, context.interrupt, &mut Unwatched(context))?;
+        Ok(results::measure(&model, &tested))
+    };
+    let outcome = (|| {
+        let mut plain = spec.clone();
+        let knobs = spec.accuracy.knobs();
+        let by_static = knobs.solver != Solver::Static && spec.test.history.is_none();
+        if by_static {
+            let knobs = Knobs {
+                solver: Solver::Static,
+                residual: None,
+                ..knobs
+            };
+            plain.accuracy = Accuracy::Knobs(knobs);
+        }
+        let mut finding = Finding::default();
+        if by_static {
+            finding.by_static = Some(other(&plain, spec.grid())?);
+        }
+        for grid in errors::coarser(spec.grid()) {
+            finding.coarser.push((grid, other(&plain, grid)?));
+        }
+        if matches!(spec.lattice, Lattice::Paper(_)) {
+            plain.lattice = Lattice::default();
+            finding.exact = Some(other(&plain, spec.grid())?);
+        }
+        Ok(finding)
+    })();
+    if let Err(Halt::Interrupted(Interrupt::Suspend)) = outcome {
+        recorded.keep(Some(done.clone())).map_err(Halt::Failed)?;
+    }
+    outcome
+}

@@ -1,0 +1,253 @@
+//! The lattice of a spec on a grid, what holds it and what loads it.
+use loadframe_api::spec::composite_bending as spec;
+use loadframe_api::spec::composite_bending::{CompositeBending, Grips, Way};
+
+use crate::error::CompositeError;
+use crate::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
+use crate::load::{Load, LoadPlace};
+use crate::material::{Material, Note};
+use crate::section::{Division, Fibre, Section, Substance};
+use crate::supports::{Face, FaceSupport, Supports};
+
+/// Density of what is only brought to rest, where none is given [kg/m³]: the rest does not depend on
+/// it.
+const ANY_DENSITY: f64 = 1_000.0;
+
+/// A section ready for its test.
+pub(super) struct Model<'a> {
+    pub(super) spec: &'a CompositeBending,
+    pub(super) lattice: Lattice,
+    pub(super) supports: Supports,
+    /// On every particle [N].
+    pub(super) load: Vec<f64>,
+    /// Share of each cell's area that is fibre.
+    pub(super) fibre_share: Vec<f64>,
+    /// The direction in which deflections count as positive.
+    pub(super) direction: [f64; 2],
+    /// Names of materials with what was taken for constants that were not given.
+    pub(super) notes: Vec<(String, Note)>,
+}
+
+impl<'a> Model<'a> {
+    pub(super) fn new(
+        spec: &'a CompositeBending,
+        grid: spec::Grid,
+    ) -> Result<Self, CompositeError> {
+        let names: Vec<&String> = spec.materials.keys().collect();
+        let section = section(spec, &names)?;
+        let cells = grid.cells.map(|count| count as usize);
+        let division = match grid.graded_cells_per_fibre {
+            None => Division::Uniform { cells },
+            Some(across) => Division::Graded {
+                cells,
+                across: across as usize,
+            },
+        };
+        let layout = section.layout(division)?;
+        let lattice = match &spec.lattice {
+            spec::Lattice::Exact(_) => Lattice::exact(&layout),
+            spec::Lattice::Paper(paper) => Lattice::paper(&section, &layout, rule(*paper))?,
+        };
+        let mut load = vec![0.0; lattice.displacements()];
+        if let Some(given) = &spec.test.load {
+            resolved_load(given).add_to(&lattice, &mut load)?;
+        }
+        let supports = supports(spec, &lattice)?;
+        let notes = layout
+            .notes()
+            .iter()
+            .map(|(place, note)| (names[*place].clone(), *note))
+            .collect();
+        Ok(Self {
+            spec,
+            supports,
+            load,
+            fibre_share: layout.fibre_share().to_vec(),
+            direction: direction(spec),
+            notes,
+            lattice,
+        })
+    }
+
+    pub(super) fn geometry(&self) -> Geometry {
+        match self.spec.accuracy.knobs().geometry {
+            spec::Geometry::Linear => Geometry::Linear,
+            spec::Geometry::Large => Geometry::Large,
+        }
+    }
+
+    /// A line for the log.
+    pub(super) fn described(&self) -> String {
+        let grid = self.lattice.grid();
+        format!(
+            "{} by {} cells, {} particles",
+            grid.columns(),
+            grid.rows(),
+            grid.particles()
+        )
+    }
+}
+
+fn section(spec: &CompositeBending, names: &[&String]) -> Result<Section, CompositeError> {
+    // names were checked with the spec
+    let place = |name: &String| {
+        names
+            .iter()
+            .position(|known| *known == name)
+            .ok_or(CompositeError::OutOfRange {
+                quantity: "the place of a material in the list",
+                given: f64::NAN,
+                allowed: "that of a material with a known name",
+            })
+    };
+    let substances = spec.materials.values().map(|material| {
+        let elastic: Option<Material> = material.elastic();
+        let elastic = elastic.ok_or(CompositeError::OutOfRange {
+            quantity: "the number of sets of elastic constants of a material",
+            given: 0.0,
+            allowed: "1",
+        })?;
+        Ok(Substance {
+            material: elastic,
+            density_kg_per_m3: material.density_kg_per_m3.unwrap_or(ANY_DENSITY),
+        })
+    });
+    let fibres = spec.fibres.iter().map(|fibre| {
+        Ok(Fibre {
+            material: place(&fibre.material)?,
+            through_mm: fibre.through_mm,
+            angle_deg: fibre.angle_deg,
+            thickness_mm: fibre.thickness_mm,
+            length_mm: fibre.length_mm,
+        })
+    });
+    Ok(Section {
+        length_mm: spec.section.length_mm,
+        height_mm: spec.section.height_mm,
+        thickness_mm: spec.section.thickness_mm,
+        state: spec.section.state.into(),
+        materials: substances.collect::<Result<_, CompositeError>>()?,
+        matrix: spec.matrix.as_ref().map_or(Ok(0), place)?,
+        matrix_angle_deg: spec.matrix_angle_deg,
+        fibres: fibres.collect::<Result<_, CompositeError>>()?,
+    })
+}
+
+fn rule(paper: spec::Paper) -> PaperRule {
+    PaperRule {
+        stiffness: match paper.stiffness {
+            spec::BondStiffness::PWave => BondStiffness::PWave,
+            spec::BondStiffness::Bare => BondStiffness::Bare,
+        },
+        pattern: match paper.bonds {
+            spec::BondPattern::Cross => BondPattern::Cross,
+            spec::BondPattern::OneDiagonal => BondPattern::OneDiagonal,
+            spec::BondPattern::Edges => BondPattern::Edges,
+        },
+    }
+}
+
+pub(super) fn face(face: spec::Face) -> Face {
+    match face {
+        spec::Face::Left => Face::Left,
+        spec::Face::Right => Face::Right,
+        spec::Face::Bottom => Face::Bottom,
+        spec::Face::Top => Face::Top,
+    }
+}
+
+fn resolved_load(load: &spec::Load) -> Load {
+    Load {
+        force_n: load.force_n,
+        on: match &load.on {
+            spec::LoadPlace::Face(given) => LoadPlace::Face(face(*given)),
+            spec::LoadPlace::Patch(patch) => LoadPlace::Patch {
+                face: face(patch.face),
+                from_mm: patch.from_mm,
+                to_mm: patch.to_mm,
+            },
+            spec::LoadPlace::PointMm(point) => LoadPlace::Point(*point),
+            spec::LoadPlace::Body => LoadPlace::Body,
+        },
+    }
+}
+
+fn held(support: &spec::Support) -> FaceSupport {
+    match support {
+        spec::Support::Word(spec::SupportWord::Clamped) => FaceSupport::Clamped,
+        spec::Support::Word(spec::SupportWord::Free) => FaceSupport::Free,
+        spec::Support::Word(spec::SupportWord::Rolling) => FaceSupport::Rolling,
+        spec::Support::PerAxis(axes) => {
+            FaceSupport::PerAxis(axes.map(|axis| (axis == spec::Axis::Clamped).then_some(0.0)))
+        }
+        spec::Support::Driven(driven) => FaceSupport::PerAxis(driven.displacement_mm),
+    }
+}
+
+/// What is held and where to at full load. Rollers, which hold by contact, are not here.
+fn supports(spec: &CompositeBending, lattice: &Lattice) -> Result<Supports, CompositeError> {
+    let grid = lattice.grid();
+    match spec.test.way() {
+        Some(Way::Held(given)) => {
+            let faces = given
+                .faces()
+                .map(|(place, support)| (face(place), held(support)));
+            Supports::of_faces(grid, &faces)
+        }
+        Some(Way::Tension(tension)) => {
+            let reach = tension.strain * spec.section.length_mm;
+            let across = match tension.grips {
+                Grips::FreeToContract => None,
+                Grips::Clamped => Some(0.0),
+            };
+            let faces = [
+                (Face::Left, FaceSupport::PerAxis([Some(0.0), across])),
+                (Face::Right, FaceSupport::PerAxis([Some(reach), across])),
+            ];
+            let mut supports = Supports::of_faces(grid, &faces)?;
+            if across.is_none() {
+                // sliding grips leave it free to move along them
+                supports.hold(grid, 0, 1, 0.0)?;
+            }
+            Ok(supports)
+        }
+        Some(Way::Shear(shear)) => {
+            let mut supports = Supports::none(grid);
+            for place in Face::ALL {
+                for line in 0..place.lines_mm(grid).len() {
+                    let particle = place.particle(grid, line);
+                    let height = grid.place_mm(particle)[1];
+                    supports.hold(grid, particle, 0, shear.strain * height)?;
+                    supports.hold(grid, particle, 1, 0.0)?;
+                }
+            }
+            Ok(supports)
+        }
+        Some(Way::ThreePoint(_) | Way::FourPoint(_) | Way::ShortBeam(_)) | None => {
+            Ok(Supports::none(grid))
+        }
+    }
+}
+
+/// Along the load; without one along what moves a face, or what moves first; else downwards.
+fn direction(spec: &CompositeBending) -> [f64; 2] {
+    let unit = |[x, y]: [f64; 2]| {
+        let length = x.hypot(y);
+        (length > 0.0).then(|| [x / length, y / length])
+    };
+    let load = spec.test.load.as_ref().and_then(|load| unit(load.force_n));
+    let moved = || match spec.test.way() {
+        Some(Way::Held(supports)) => supports.faces().iter().find_map(|(_, support)| {
+            let spec::Support::Driven(driven) = support else {
+                return None;
+            };
+            unit(driven.displacement_mm.map(|value| value.unwrap_or(0.0)))
+        }),
+        _ => None,
+    };
+    let first = || {
+        let history = spec.test.history.as_ref();
+        history.and_then(|history| unit(history.velocity_mm_per_s))
+    };
+    load.or_else(moved).or_else(first).unwrap_or([0.0, -1.0])
+}

@@ -1,0 +1,207 @@
+//! The report of a test: results with their errors, what tells whether to believe them, warnings.
+use indexmap::IndexMap;
+use loadframe_api::{QualityCheck, Quantity, Report, Warning};
+
+use super::errors::{self, Finding};
+use super::files;
+use super::model::Model;
+use super::results::{Measured, Tested};
+
+/// Reactions and loads that do not balance better than this are not to be believed.
+const LARGEST_REACTION_ERROR: f64 = 1e-6;
+/// Unbalanced force over the largest force, at most.
+const LARGEST_RESIDUAL: f64 = 1e-6;
+/// Error for the grid over the value, at most.
+const LARGEST_GRID_ERROR: f64 = 0.05;
+/// Part of the smaller side beyond which displacements are not small.
+const SMALL: f64 = 0.1;
+pub(super) fn report(
+    model: &Model<'_>,
+    tested: &Tested,
+    measured: &[Measured],
+    finding: &Finding,
+) -> Report {
+    let mut summary = IndexMap::new();
+    for one in measured {
+        let quantity = Quantity::new(one.value, one.unit, one.description);
+        let quantity = quantity.with_error(finding.parts(one));
+        summary.insert(one.name.to_owned(), quantity);
+    }
+    if let Some(stiffer) = finding.stiffer(measured) {
+        let about =
+            "How many times stiffer the paper's lattice is than the exact one on the same grid.";
+        summary.insert(
+            "stiffness_over_exact".to_owned(),
+            Quantity::new(stiffer, "1", about),
+        );
+    }
+    let grid = model.lattice.grid();
+    for (name, value, about) in [
+        ("cells", grid.cells(), "Cells of the grid."),
+        ("particles", grid.particles(), "Particles at their corners."),
+    ] {
+        summary.insert(name.to_owned(), Quantity::new(value as f64, "1", about));
+    }
+    if model.spec.output.picture {
+        let about = "Displacements in the pictures over true ones.";
+        let factor = files::factor(model, tested);
+        summary.insert(
+            "deformation_factor".to_owned(),
+            Quantity::new(factor, "1", about),
+        );
+    }
+    let quality = quality(model, tested, measured, finding);
+    let warnings = warnings(model, tested, measured, finding, &quality);
+    let stop_reason = if tested.motion.is_some() {
+        "duration"
+    } else {
+        "full_load"
+    };
+    Report {
+        stop_reason: stop_reason.to_owned(),
+        summary,
+        quality,
+        warnings,
+        bodies: Vec::new(),
+        work: tested.work(),
+    }
+}
+
+fn quality(
+    model: &Model<'_>,
+    tested: &Tested,
+    measured: &[Measured],
+    finding: &Finding,
+) -> IndexMap<String, QualityCheck> {
+    let rest = &tested.rest;
+    let mut quality = IndexMap::from([
+        (
+            "reaction_error".to_owned(),
+            QualityCheck::at_most(
+                rest.reaction_error,
+                LARGEST_REACTION_ERROR,
+                "1",
+                "Sum of loads and reactions over the sum of their sizes, at rest.",
+            ),
+        ),
+        (
+            "residual".to_owned(),
+            QualityCheck::at_most(
+                rest.residual,
+                LARGEST_RESIDUAL,
+                "1",
+                "Largest unbalanced force over the largest force on a particle, at rest.",
+            ),
+        ),
+        (
+            "inverted_cells".to_owned(),
+            QualityCheck::at_most(
+                model.lattice.inverted_cells(tested.displacements_mm()) as f64,
+                0.0,
+                "1",
+                "Cells that the displacements turn inside out, at the end.",
+            ),
+        ),
+    ]);
+    if let Some(main) = errors::main(measured) {
+        let error = finding.of_grid(main) / main.value.abs();
+        // a grid that cannot be coarser tells nothing of its error
+        if error.is_finite() {
+            quality.insert(
+                "estimated_discretisation_error".to_owned(),
+                QualityCheck::at_most(
+                    error,
+                    LARGEST_GRID_ERROR,
+                    "1",
+                    "Error for the grid over the value, of the modulus or else of the mean top \
+                     deflection, from coarser grids.",
+                ),
+            );
+        }
+    }
+    quality
+}
+
+fn warnings(
+    model: &Model<'_>,
+    tested: &Tested,
+    measured: &[Measured],
+    finding: &Finding,
+    quality: &IndexMap<String, QualityCheck>,
+) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let mut warn = |code: &str, detail: String| {
+        warnings.push(Warning {
+            code: code.to_owned(),
+            detail,
+        });
+    };
+    for (material, note) in &model.notes {
+        warn("assumed_constant", format!("material {material:?}: {note}"));
+    }
+    if let Some(stiffer) = finding.stiffer(measured) {
+        warn(
+            "paper_stiffness",
+            format!(
+                "the paper's rule of bond stiffness makes this section {stiffer:.3} times as stiff as \
+                 its materials are; finer grids do not mend that, the exact lattice does"
+            ),
+        );
+    }
+    let grid_error = quality.get("estimated_discretisation_error");
+    if let Some(check) = grid_error.filter(|check| !check.ok) {
+        warn(
+            "coarse_grid",
+            format!(
+                "the grid adds an error of about {:.1} %; twice the cells along both sides halve it, \
+                 or more, for about six times the time",
+                100.0 * check.value
+            ),
+        );
+    }
+    if grid_error.is_none() {
+        warn(
+            "unknown_discretisation_error",
+            "no coarser grid could be tried, so that the grid's error is not known".to_owned(),
+        );
+    }
+    let sides = [model.spec.section.length_mm, model.spec.section.height_mm];
+    let largest = tested
+        .displacements_mm()
+        .iter()
+        .fold(0.0_f64, |largest, u| largest.max(u.abs()));
+    let is_linear = model.geometry() == crate::lattice::Geometry::Linear;
+    if is_linear && largest > SMALL * sides[0].min(sides[1]) {
+        warn(
+            "large_displacements",
+            format!(
+                "the largest displacement, {largest:.4} mm, is more than a tenth of the smaller side, \
+                 and displacements were taken as small; geometry \"large\" in accuracy does not"
+            ),
+        );
+    }
+    for (name, check) in quality {
+        let has_own = name == "estimated_discretisation_error";
+        if !check.ok && !has_own {
+            let (code, advice) = match name.as_str() {
+                "inverted_cells" => (
+                    "inverted_cells",
+                    "cells are turned inside out: the load is far beyond what small displacements \
+                     mean",
+                ),
+                "reaction_error" => (
+                    "reaction_error",
+                    "loads and reactions do not balance: stiffnesses differ by more than double \
+                     precision resolves",
+                ),
+                _ => (
+                    "residual",
+                    "forces are not balanced as well as they should be; a smaller residual in accuracy \
+                     helps",
+                ),
+            };
+            warn(code, format!("{advice} ({:e})", check.value));
+        }
+    }
+    warnings
+}

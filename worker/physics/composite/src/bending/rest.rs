@@ -1,0 +1,158 @@
+//! The rest of a section under its load, by any of the solvers.
+use std::ops::ControlFlow;
+
+use loadframe_api::spec::composite_bending::Solver;
+use loadframe_harness::InterruptSource;
+use serde::{Deserialize, Serialize};
+
+use super::model::Model;
+use super::results::{self, Tested};
+use super::{Halt, Progress, Watch};
+use crate::error::CompositeError;
+use crate::lattice::Geometry;
+use crate::motion::{Damping, Motion, MotionOptions, MotionState, Rest, Scheme};
+use crate::solve::{LoadPath, PathState, StaticOptions};
+
+/// How far the way to rest is.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) enum RestState {
+    Path(PathState),
+    Motion(MotionState),
+}
+
+/// Residual at which rest is reached by motion, unless another is asked for: a tenth of a per mille
+/// of the deflection on grids of up to 1 000 particles.
+const MOTION_RESIDUAL: f64 = 1e-7;
+
+pub(super) fn conduct(
+    model: &Model<'_>,
+    progress: Option<Progress>,
+    interrupt: &dyn InterruptSource,
+    watch: &mut dyn Watch,
+) -> Result<Tested, Halt> {
+    let state = match progress {
+        Some(Progress::Rest(state)) => Some(state),
+        _ => None,
+    };
+    let is_new = state.is_none();
+    watch.columns(results::columns(model))?;
+    if is_new {
+        watch.point(&[0.0; 6])?;
+    }
+    match model.spec.accuracy.knobs().solver {
+        Solver::Static => by_equations(model, state, interrupt, watch),
+        Solver::Verlet => by_motion(model, Scheme::Verlet, state, watch),
+        Solver::Pbd => {
+            let iterations = model.spec.accuracy.knobs().iterations;
+            by_motion(model, Scheme::Pbd { iterations }, state, watch)
+        }
+        Solver::Xpbd => {
+            let iterations = model.spec.accuracy.knobs().iterations;
+            by_motion(model, Scheme::Xpbd { iterations }, state, watch)
+        }
+    }
+}
+
+fn by_equations(
+    model: &Model<'_>,
+    state: Option<RestState>,
+    interrupt: &dyn InterruptSource,
+    watch: &mut dyn Watch,
+) -> Result<Tested, Halt> {
+    let knobs = model.spec.accuracy.knobs();
+    let standard = StaticOptions::default();
+    let options = StaticOptions {
+        geometry: model.geometry(),
+        load_steps: knobs.load_steps,
+        tolerance: knobs.residual.unwrap_or(standard.tolerance),
+        ..standard
+    };
+    let stop = || interrupt.interrupt().is_some();
+    let (lattice, supports) = (&model.lattice, &model.supports);
+    let mut path = LoadPath::new(lattice, supports, &model.load, &options, &stop)?;
+    if let Some(RestState::Path(state)) = state {
+        path.resume(state)?;
+    }
+    while path.share() < 1.0 {
+        let advanced = path.advance();
+        let fraction = path.share();
+        let mut state = || Progress::Rest(RestState::Path(path.state()));
+        match advanced {
+            Ok(()) => {}
+            Err(CompositeError::Stopped) => {
+                watch.look(fraction, &mut state)?;
+                continue;
+            }
+            Err(error) => return Err(error.into()),
+        }
+        if options.geometry == Geometry::Large {
+            let equilibrium = path.equilibrium();
+            watch.point(&results::point(model, &equilibrium, path.share()))?;
+            watch.look(fraction, &mut || {
+                Progress::Rest(RestState::Path(path.state()))
+            })?;
+        }
+    }
+    let equilibrium = path.equilibrium();
+    if options.geometry == Geometry::Linear {
+        // everything grows with the load, the energy with its square
+        for step in 1..=knobs.load_steps {
+            let share = f64::from(step) / f64::from(knobs.load_steps);
+            let [deflection, force, _, top, bottom, energy] =
+                results::point(model, &equilibrium, 1.0);
+            watch.point(&[
+                share * deflection,
+                share * force,
+                share,
+                share * top,
+                share * bottom,
+                share * share * energy,
+            ])?;
+        }
+    }
+    Ok(Tested::at_rest(equilibrium))
+}
+
+fn by_motion(
+    model: &Model<'_>,
+    scheme: Scheme,
+    state: Option<RestState>,
+    watch: &mut dyn Watch,
+) -> Result<Tested, Halt> {
+    let knobs = model.spec.accuracy.knobs();
+    let options = MotionOptions {
+        scheme,
+        geometry: model.geometry(),
+        time_step_s: knobs.time_step_s,
+        damping: knobs
+            .damping_per_s
+            .map_or(Damping::Kinetic, |per_s| Damping::Viscous { per_s }),
+    };
+    let mut motion = Motion::new(&model.lattice, &model.supports, &model.load, options)?;
+    if let Some(RestState::Motion(state)) = state {
+        motion.resume(state)?;
+    }
+    let until = Rest {
+        residual: knobs.residual.unwrap_or(MOTION_RESIDUAL),
+        most_steps: knobs.step_limit,
+    };
+    let mut halt = None;
+    let outcome = motion.settle_watched(until, &mut |motion, residual| {
+        // the residual falls by powers of ten
+        let fraction = residual.log10() / until.residual.log10();
+        let mut state = || Progress::Rest(RestState::Motion(motion.state()));
+        match watch.look(fraction.clamp(0.0, 1.0), &mut state) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(reason) => {
+                halt = Some(reason);
+                ControlFlow::Break(())
+            }
+        }
+    });
+    if let Some(halt) = halt {
+        return Err(halt);
+    }
+    let equilibrium = outcome?;
+    watch.point(&results::point(model, &equilibrium, 1.0))?;
+    Ok(Tested::at_rest(equilibrium))
+}
