@@ -48,13 +48,16 @@ fn result_row(name: &str, quantity: &Quantity) -> [String; 4] {
         readable(name),
         quantity.value.map_or("not reached".to_owned(), |value| {
             let deviation = quantity.deviation.filter(|s| *s > 0.0);
+            let error = quantity.error.as_ref().map(|error| error.value);
             let scatter = match (deviation, quantity.interval) {
                 (Some(s), _) => format!(" ± {}", number(s)),
                 // of a fitted value, which is no mean
                 (None, Some([low, high])) if low < high => {
                     format!(" ({} … {})", number(low), number(high))
                 }
-                (None, _) => String::new(),
+                (None, _) => error
+                    .filter(|error| *error > 0.0)
+                    .map_or_else(String::new, |error| format!(" ± {}", rough(error))),
             };
             number(value) + &scatter
         }),
@@ -97,6 +100,18 @@ fn number(value: f64) -> String {
     let before_the_point = magnitude.log10().floor() as i32 + 1;
     let decimals = (DIGITS as i32 - before_the_point).max(0);
     format!("{value:.*}", decimals as usize)
+}
+
+/// An error with two digits: more would say that it is known.
+fn rough(error: f64) -> String {
+    let step = 10_f64.powf(error.log10().floor() - 1.0);
+    let rounded = (error / step).round() * step;
+    if (1e-3..1e6).contains(&rounded) {
+        let decimals = (-step.log10().floor()).max(0.0) as usize;
+        format!("{rounded:.decimals$}")
+    } else {
+        format!("{rounded:.1e}")
+    }
 }
 
 /// Columns aligned: text to the left, the second column (numbers) to the right.
@@ -153,6 +168,20 @@ mod tests {
         ];
         for (value, text) in cases {
             assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn errors_have_two_digits() {
+        let cases = [
+            (0.001_234, "0.0012"),
+            (0.0996, "0.100"),
+            (3.26, "3.3"),
+            (123.4, "120"),
+            (8.06e-5, "8.1e-5"),
+        ];
+        for (error, text) in cases {
+            assert_eq!(rough(error), text);
         }
     }
 

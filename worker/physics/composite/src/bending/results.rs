@@ -205,12 +205,14 @@ pub(super) fn measure(model: &Model<'_>, tested: &Tested) -> Vec<Measured> {
                 "1",
                 "Mean deflection of the top face over that of the bottom face.",
             );
-            add(
-                "max_force",
-                force,
-                "N",
-                "The load, or the force on the faces that are moved.",
-            );
+            if model.spec.test.load.is_none() {
+                add(
+                    "max_force",
+                    force,
+                    "N",
+                    "Force on the faces that are moved, along their way.",
+                );
+            }
         }
         add(
             "strain_energy",
