@@ -160,7 +160,7 @@ fn check_fibres(spec: &CompositeBending, violations: &mut Vec<Violation>) {
                 )
                 .value(fibre.through_mm.to_vec())
                 .allowed(format!(
-                    "a point of the section, {} mm by {} mm",
+                    "a point with x from 0 to {}, y from 0 to {}",
                     sides[0], sides[1]
                 ))
                 .unit("mm"),
@@ -188,8 +188,7 @@ fn check_fibres(spec: &CompositeBending, violations: &mut Vec<Violation>) {
                 ),
             )
             .value(area_mm2)
-            .allowed("fibres that do not overlap")
-            .unit("mm2"),
+            .allowed("fibres that do not overlap"),
         );
     }
 }
@@ -469,7 +468,7 @@ fn check_flexure(
     }
     // neighbouring rollers of one side must not meet, nor those of the other in the specimen's middle
     let room = flexure.span_mm / 2.0;
-    if flexure.support_radius_mm >= room {
+    if flexure.support_radius_mm > room {
         violations.push(
             Violation::new(
                 pointer("support_radius_mm"),
@@ -477,7 +476,7 @@ fn check_flexure(
                 "the supports meet",
             )
             .value(flexure.support_radius_mm)
-            .allowed(format!("< span_mm / 2 = {room}"))
+            .allowed(format!("≤ span_mm / 2 = {room}"))
             .unit("mm"),
         );
     }
@@ -486,7 +485,7 @@ fn check_flexure(
     } else {
         room
     };
-    if flexure.loading_radius_mm >= room {
+    if flexure.loading_radius_mm > room {
         violations.push(
             Violation::new(
                 pointer("loading_radius_mm"),
@@ -494,7 +493,7 @@ fn check_flexure(
                 "the loading rollers are wider than the span has room for",
             )
             .value(flexure.loading_radius_mm)
-            .allowed(format!("< {room}"))
+            .allowed(format!("≤ {room}"))
             .unit("mm"),
         );
     }
