@@ -20,6 +20,8 @@ pub(crate) const FIBRE: Substance = Substance {
         modulus_3_mpa: None,
         poisson_ratio_13: None,
         poisson_ratio_23: None,
+        shear_modulus_13_mpa: None,
+        shear_modulus_23_mpa: None,
     }),
     density_kg_per_m3: 1_800.0,
 };
