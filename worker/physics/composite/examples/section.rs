@@ -172,6 +172,7 @@ fn section(case: &Case) -> Result<Section, Box<dyn Error>> {
         materials,
         matrix: place(&case.matrix)?,
         matrix_angle_deg: case.matrix_angle_deg,
+        plies: Vec::new(),
         fibres: case
             .fibres
             .iter()

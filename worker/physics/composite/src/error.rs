@@ -39,6 +39,12 @@ pub enum CompositeError {
         x_mm: f64,
         y_mm: f64,
     },
+    /// Plies do not fill the section's height.
+    #[error(
+        "the plies are {total_mm} mm thick together and the section is {height_mm} mm high: make \
+         them agree"
+    )]
+    PliesMissHeight { total_mm: f64, height_mm: f64 },
     /// A fibre lies beside the section.
     #[error("fibre {fibre} does not touch the section: move its point into the section")]
     FibreOutside { fibre: usize },

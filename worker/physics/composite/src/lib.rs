@@ -1,4 +1,5 @@
 pub mod error;
+pub mod flexure;
 pub mod lattice;
 pub mod load;
 pub mod material;

@@ -2,4 +2,5 @@
 mod beams;
 mod motion;
 mod patch;
+mod plies;
 mod sections;

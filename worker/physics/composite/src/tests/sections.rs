@@ -40,6 +40,7 @@ pub(crate) fn plain(sides: [f64; 2], material: Material, angle_deg: f64) -> Sect
         }],
         matrix: 0,
         matrix_angle_deg: angle_deg,
+        plies: Vec::new(),
         fibres: Vec::new(),
     }
 }
