@@ -1,5 +1,6 @@
 //! The whole against closed forms.
 mod beams;
+mod contact;
 mod motion;
 mod patch;
 mod plies;
