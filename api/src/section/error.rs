@@ -39,6 +39,12 @@ pub enum CompositeError {
         x_mm: f64,
         y_mm: f64,
     },
+    /// Plies do not fill the section's height.
+    #[error(
+        "the plies are {total_mm} mm thick together and the section is {height_mm} mm high: make \
+         them agree"
+    )]
+    PliesMissHeight { total_mm: f64, height_mm: f64 },
     /// A fibre lies beside the section.
     #[error("fibre {fibre} does not touch the section: move its point into the section")]
     FibreOutside { fibre: usize },
@@ -82,6 +88,32 @@ pub enum CompositeError {
         x_mm: f64,
         y_mm: f64,
     },
+    /// Two rollers on a face share a place.
+    #[error(
+        "rollers {first} and {second} stand {distance_mm} mm apart on one face and overlap below \
+         {least_mm} mm: move them apart, or make them thinner"
+    )]
+    RollersOverlap {
+        first: usize,
+        second: usize,
+        distance_mm: f64,
+        least_mm: f64,
+    },
+    /// A roller reaches what a support holds.
+    #[error(
+        "roller {roller} reaches the particle at ({x_mm} mm, {y_mm} mm), which a support holds \
+         across the face: free it, or move the roller"
+    )]
+    RollerOnSupport { roller: usize, x_mm: f64, y_mm: f64 },
+    /// Contact in large displacements.
+    #[error(
+        "contact with rollers is found for small displacements only: choose linear geometry, or \
+         forces in place of rollers"
+    )]
+    LargeContact,
+    /// Which particles touch could not be found.
+    #[error("no set of particles that touch the rollers was found in {rounds} rounds")]
+    NoContact { rounds: u64 },
     /// A cell would have to be turned inside out to go on.
     #[error(
         "cell ({column}, {row}) at ({x_mm} mm, {y_mm} mm) turns inside out at {load_fraction} of the \

@@ -36,7 +36,14 @@ fn check_materials(spec: &CompositeBending, violations: &mut Vec<Violation>) {
             );
             continue;
         };
-        if let Err(error) = elastic.stiffness(spec.section.state.into()) {
+        // a ply shows its material from the side at which it is turned
+        let state = spec.section.state.into();
+        let angles = spec.plies.iter().filter(|ply| ply.material == *name);
+        let angles = angles.map(|ply| ply.angle_deg).chain([0.0]);
+        let refused = angles
+            .map(|angle| elastic.stiffness_out_of_plane(state, angle))
+            .find_map(Result::err);
+        if let Some(error) = refused {
             violations.push(unstable(&pointer, material, &error));
         }
         if needs_density && material.density_kg_per_m3.is_none() {

@@ -61,6 +61,14 @@ pub struct Orthotropic {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = -10.0, max = 10.0), extend("x-unit" = "1"))]
     pub poisson_ratio_23: Option<f64>,
+    /// G₁₃; left out, it is G₁₂.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 1e12), extend("x-unit" = "MPa"))]
+    pub shear_modulus_13_mpa: Option<f64>,
+    /// G₂₃; left out, it is E₂/(2(1 + ν₂₃)).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 1e12), extend("x-unit" = "MPa"))]
+    pub shear_modulus_23_mpa: Option<f64>,
 }
 
 impl Material {

@@ -153,6 +153,8 @@ fn section(case: &Case) -> Result<Section, Box<dyn Error>> {
                     modulus_3_mpa: None,
                     poisson_ratio_13: None,
                     poisson_ratio_23: None,
+                    shear_modulus_13_mpa: None,
+                    shear_modulus_23_mpa: None,
                 }),
             },
             density_kg_per_m3: 1_000.0,
@@ -170,6 +172,7 @@ fn section(case: &Case) -> Result<Section, Box<dyn Error>> {
         materials,
         matrix: place(&case.matrix)?,
         matrix_angle_deg: case.matrix_angle_deg,
+        plies: Vec::new(),
         fibres: case
             .fibres
             .iter()

@@ -2,8 +2,9 @@
 //!
 //! From the bottom up: [`section`] lays what is described on a grid, [`lattice`] holds the particles
 //! together, [`supports`] and [`load`] act on them, [`solve`] finds their rest and [`motion`] moves them
-//! in time, [`measure`] reads off. [`bending`] is the job that calls them.
+//! in time, [`measure`] reads off, [`flexure`] bends on rollers. [`bending`] is the job that calls them.
 pub mod bending;
+pub mod flexure;
 pub mod lattice;
 pub mod load;
 mod matrix;

@@ -3,34 +3,41 @@
 use loadframe_api::spec::composite_bending::Grid;
 use loadframe_api::{ErrorBasis, ErrorPart};
 
+use super::model::Fineness;
 use super::results::Measured;
 
 /// The same test in other ways.
 #[derive(Debug, Default)]
 pub(super) struct Finding {
     /// On coarser and coarser grids.
-    pub(super) coarser: Vec<(Grid, Vec<Measured>)>,
+    pub(super) coarser: Vec<(Fineness, Vec<Measured>)>,
     /// By the equations of equilibrium on the same grid, where another solver was asked for.
     pub(super) by_static: Option<Vec<Measured>>,
     /// On the exact lattice and the same grid, where the paper's was asked for.
     pub(super) exact: Option<Vec<Measured>>,
 }
 
-/// Grids of half and a quarter of the cells along both sides, as far as there are cells.
-pub(super) fn coarser(grid: Grid) -> Vec<Grid> {
-    let mut grids = Vec::new();
-    let mut finer = grid;
+/// Half and a quarter of the cells along both sides and in contacts, as far as there are cells.
+pub(super) fn coarser(finest: Fineness) -> Vec<Fineness> {
+    let mut all = Vec::new();
+    let mut finer = finest;
     for _ in 0..2 {
-        if finer.cells.iter().any(|count| *count < 2) {
+        if finer.grid.cells.iter().any(|count| *count < 2) {
             break;
         }
-        finer = Grid {
-            cells: finer.cells.map(|count| count.div_ceil(2)),
-            graded_cells_per_fibre: finer.graded_cells_per_fibre.map(|count| count.div_ceil(2)),
+        let grid = finer.grid;
+        finer = Fineness {
+            grid: Grid {
+                cells: grid.cells.map(|count| count.div_ceil(2)),
+                graded_cells_per_fibre: grid
+                    .graded_cells_per_fibre
+                    .map(|count| count.div_ceil(2)),
+            },
+            contact_cells: finer.contact_cells.div_ceil(2),
         };
-        grids.push(finer);
+        all.push(finer);
     }
-    grids
+    all
 }
 
 /// Order of convergence that is counted on at most, and at least: corners of supports and of loads
@@ -127,15 +134,21 @@ mod tests {
         }
     }
 
+    fn fineness(cells: [u32; 2]) -> Fineness {
+        Fineness {
+            grid: Grid {
+                cells,
+                graded_cells_per_fibre: Some(2),
+            },
+            contact_cells: 4,
+        }
+    }
+
     fn finding(coarser: &[f64]) -> Finding {
-        let grid = Grid {
-            cells: [1, 1],
-            graded_cells_per_fibre: None,
-        };
         Finding {
             coarser: coarser
                 .iter()
-                .map(|value| (grid, vec![measured(*value)]))
+                .map(|value| (fineness([1, 1]), vec![measured(*value)]))
                 .collect(),
             ..Finding::default()
         }
@@ -160,16 +173,11 @@ mod tests {
 
     #[test]
     fn coarser_grids_have_half_the_cells() {
-        let grid = Grid {
-            cells: [9, 3],
-            graded_cells_per_fibre: Some(2),
-        };
-        let cells: Vec<_> = coarser(grid).iter().map(|grid| grid.cells).collect();
+        let all = coarser(fineness([9, 3]));
+        let cells: Vec<_> = all.iter().map(|one| one.grid.cells).collect();
         assert_eq!(cells, [[5, 2], [3, 1]]);
-        let one = Grid {
-            cells: [4, 1],
-            graded_cells_per_fibre: None,
-        };
-        assert!(coarser(one).is_empty());
+        assert_eq!(all[1].grid.graded_cells_per_fibre, Some(1));
+        assert_eq!(all[1].contact_cells, 1);
+        assert!(coarser(fineness([4, 1])).is_empty());
     }
 }

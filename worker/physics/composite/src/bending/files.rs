@@ -91,11 +91,11 @@ fn write_convergence(
     let mut names = vec!["cells_x".to_owned(), "cells_y".to_owned()];
     names.extend(measured.iter().map(|one| csv::column(one.name, one.unit)));
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let finest = (model.spec.grid(), measured.to_vec());
+    let finest = (model.fineness, measured.to_vec());
     let all = finding.coarser.iter().rev().chain([&finest]);
     let rows: Vec<Vec<f64>> = all
-        .map(|(grid, measured)| {
-            let cells = grid.cells.map(f64::from);
+        .map(|(fineness, measured)| {
+            let cells = fineness.grid.cells.map(f64::from);
             cells
                 .into_iter()
                 .chain(measured.iter().map(|one| one.value))

@@ -1,8 +1,8 @@
 //! A test of a section as a job.
 //!
 //! In the order in which a run calls them: [`model`] builds the lattice, its supports and its load from
-//! the spec, for any grid; [`rest`] finds its rest by the solver asked for, [`history`] moves it in
-//! time; [`results`] reads values off, [`errors`] says how wrong they may be from the same test on
+//! the spec, for any grid; [`rest`] finds its rest by the solver asked for, [`rollers`] bends it,
+//! [`history`] moves it in time; [`results`] reads values off, [`errors`] says how wrong they may be from the same test on
 //! coarser grids; [`files`] and [`report`] write. This file holds the course of it, which alone talks
 //! to the recorder.
 mod errors;
@@ -12,12 +12,13 @@ mod model;
 mod report;
 mod rest;
 mod results;
+mod rollers;
 
 use std::io;
 
 use loadframe_api::Report;
 use loadframe_api::spec::composite_bending::{
-    Accuracy, CompositeBending, Grid, Knobs, Lattice, Solver,
+    Accuracy, CompositeBending, Knobs, Lattice, Solver,
 };
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::{
@@ -27,8 +28,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::CompositeError;
 use errors::Finding;
-use model::Model;
+use model::{Fineness, Model};
 use results::{Measured, Tested};
+
+/// Cells through half the width of a roller's contact on the finest grid: Hertz's contact is then known
+/// to some per cent, and what it adds to a deflection far better.
+const CONTACT_CELLS: usize = 4;
 
 /// How far a run is, and the spec it belongs to.
 #[derive(Serialize, Deserialize)]
@@ -42,6 +47,8 @@ struct Checkpoint {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum Progress {
     Rest(rest::RestState),
+    /// Steps done.
+    Rollers(u32),
     History(history::HistoryState),
     Done(Box<Tested>),
 }
@@ -186,7 +193,11 @@ fn test(
     progress: Option<Progress>,
     recorded: &mut Recorded<'_, '_>,
 ) -> Result<Report, Halt> {
-    let model = Model::new(spec, spec.grid())?;
+    let finest = Fineness {
+        grid: spec.grid(),
+        contact_cells: CONTACT_CELLS,
+    };
+    let model = Model::new(spec, finest)?;
     if recorded.context.checkpoint.is_none() {
         recorded.recorder.log(&model.described());
     }
@@ -198,7 +209,7 @@ fn test(
     }
     let measured = results::measure(&model, &tested);
     recorded.recorder.progress(recorded.part, "coarser grids");
-    let finding = compare(spec, recorded, &done)?;
+    let finding = compare(spec, finest, recorded, &done)?;
     files::write(&model, &tested, &measured, &finding, recorded).map_err(Halt::Failed)?;
     recorded.recorder.progress(1.0, "finished");
     Ok(report::report(&model, &tested, &measured, &finding))
@@ -215,6 +226,9 @@ fn conduct(
         watch.columns(results::columns(model))?;
         return Ok(*tested);
     }
+    if let Some((flexure, given)) = model.flexure() {
+        return rollers::conduct(model, flexure, given, progress, watch);
+    }
     match &model.spec.test.history {
         Some(history) => history::conduct(model, history, progress, watch),
         None => rest::conduct(model, progress, interrupt, watch),
@@ -224,12 +238,13 @@ fn conduct(
 /// The same test on coarser grids, by the equations of equilibrium, and on the exact lattice.
 fn compare(
     spec: &CompositeBending,
+    finest: Fineness,
     recorded: &mut Recorded<'_, '_>,
     done: &Progress,
 ) -> Result<Finding, Halt> {
     let context = recorded.context;
-    let other = |spec: &CompositeBending, grid: Grid| -> Result<Vec<Measured>, Halt> {
-        let model = Model::new(spec, grid)?;
+    let other = |spec: &CompositeBending, fineness: Fineness| -> Result<Vec<Measured>, Halt> {
+        let model = Model::new(spec, fineness)?;
         let tested = conduct(&model, None, context.interrupt, &mut Unwatched(context))?;
         Ok(results::measure(&model, &tested))
     };
@@ -247,14 +262,14 @@ fn compare(
         }
         let mut finding = Finding::default();
         if by_static {
-            finding.by_static = Some(other(&plain, spec.grid())?);
+            finding.by_static = Some(other(&plain, finest)?);
         }
-        for grid in errors::coarser(spec.grid()) {
-            finding.coarser.push((grid, other(&plain, grid)?));
+        for fineness in errors::coarser(finest) {
+            finding.coarser.push((fineness, other(&plain, fineness)?));
         }
         if matches!(spec.lattice, Lattice::Paper(_)) {
             plain.lattice = Lattice::default();
-            finding.exact = Some(other(&plain, spec.grid())?);
+            finding.exact = Some(other(&plain, finest)?);
         }
         Ok(finding)
     })();

@@ -6,16 +6,28 @@ use crate::error::CompositeError;
 use crate::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
 use crate::load::{Load, LoadPlace};
 use crate::material::{Material, Note};
-use crate::section::{Division, Fibre, Section, Substance};
+use crate::flexure::{Drive, Flexure, Loading};
+use crate::section::{Division, Fibre, Ply, Refinement, Section, Substance};
+use crate::solve::StaticOptions;
 use crate::supports::{Face, FaceSupport, Supports};
 
 /// Density of what is only brought to rest, where none is given [kg/m³]: the rest does not depend on
 /// it.
 const ANY_DENSITY: f64 = 1_000.0;
 
+/// How fine a model is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Fineness {
+    pub(super) grid: spec::Grid,
+    /// Cells through half the width of a roller's contact, in a graded grid.
+    pub(super) contact_cells: usize,
+}
+
 /// A section ready for its test.
 pub(super) struct Model<'a> {
     pub(super) spec: &'a CompositeBending,
+    pub(super) fineness: Fineness,
+    pub(super) section: Section,
     pub(super) lattice: Lattice,
     pub(super) supports: Supports,
     /// On every particle [N].
@@ -31,10 +43,36 @@ pub(super) struct Model<'a> {
 impl<'a> Model<'a> {
     pub(super) fn new(
         spec: &'a CompositeBending,
-        grid: spec::Grid,
+        fineness: Fineness,
     ) -> Result<Self, CompositeError> {
         let names: Vec<&String> = spec.materials.keys().collect();
         let section = section(spec, &names)?;
+        let model = Self::refined(spec, fineness, section.clone(), &names, &[])?;
+        if fineness.grid.graded_cells_per_fibre.is_none() {
+            return Ok(model);
+        }
+        let Some((flexure, given)) = model.flexure() else {
+            return Ok(model);
+        };
+        // contacts are as wide as their force makes them, which a first, coarser answer tells
+        let first = flexure.bend(
+            &section,
+            &model.lattice,
+            drive(given, 1.0),
+            &StaticOptions::default(),
+        )?;
+        let places = flexure.refinements(&section, first.force_n, fineness.contact_cells)?;
+        Self::refined(spec, fineness, section, &names, &places)
+    }
+
+    fn refined(
+        spec: &'a CompositeBending,
+        fineness: Fineness,
+        section: Section,
+        names: &[&String],
+        refinements: &[Refinement],
+    ) -> Result<Self, CompositeError> {
+        let grid = fineness.grid;
         let cells = grid.cells.map(|count| count as usize);
         let division = match grid.graded_cells_per_fibre {
             None => Division::Uniform { cells },
@@ -43,7 +81,7 @@ impl<'a> Model<'a> {
                 across: across as usize,
             },
         };
-        let layout = section.layout(division)?;
+        let layout = section.layout_refined(division, refinements)?;
         let lattice = match &spec.lattice {
             spec::Lattice::Exact(_) => Lattice::exact(&layout),
             spec::Lattice::Paper(paper) => Lattice::paper(&section, &layout, rule(*paper))?,
@@ -60,6 +98,8 @@ impl<'a> Model<'a> {
             .collect();
         Ok(Self {
             spec,
+            fineness,
+            section,
             supports,
             load,
             fibre_share: layout.fibre_share().to_vec(),
@@ -67,6 +107,22 @@ impl<'a> Model<'a> {
             notes,
             lattice,
         })
+    }
+
+    /// The bent specimen on its rollers, and what the spec says of it.
+    pub(super) fn flexure(&self) -> Option<(Flexure, &'a spec::Flexure)> {
+        let way = self.spec.test.way()?;
+        let (_, given) = way.flexure()?;
+        let flexure = Flexure {
+            loading: match way {
+                Way::FourPoint(_) => Loading::FourPoint,
+                _ => Loading::ThreePoint,
+            },
+            span_mm: given.span_mm,
+            loading_radius_mm: given.loading_radius_mm,
+            support_radius_mm: given.support_radius_mm,
+        };
+        Some((flexure, given))
     }
 
     pub(super) fn geometry(&self) -> Geometry {
@@ -85,6 +141,14 @@ impl<'a> Model<'a> {
             grid.rows(),
             grid.particles()
         )
+    }
+}
+
+/// What moves the rollers, at a share of the whole.
+pub(super) fn drive(given: &spec::Flexure, share: f64) -> Drive {
+    match (given.displacement_mm, given.force_n) {
+        (Some(way), _) => Drive::Advance(share * way),
+        (None, force) => Drive::Force(share * force.unwrap_or(0.0)),
     }
 }
 
@@ -121,6 +185,14 @@ fn section(spec: &CompositeBending, names: &[&String]) -> Result<Section, Compos
             length_mm: fibre.length_mm,
         })
     });
+    let plies = spec.plies.iter().map(|ply| {
+        Ok(Ply {
+            material: place(&ply.material)?,
+            thickness_mm: ply.thickness_mm,
+            angle_deg: ply.angle_deg,
+            in_plane_angle_deg: ply.in_plane_angle_deg,
+        })
+    });
     Ok(Section {
         length_mm: spec.section.length_mm,
         height_mm: spec.section.height_mm,
@@ -129,6 +201,7 @@ fn section(spec: &CompositeBending, names: &[&String]) -> Result<Section, Compos
         materials: substances.collect::<Result<_, CompositeError>>()?,
         matrix: spec.matrix.as_ref().map_or(Ok(0), place)?,
         matrix_angle_deg: spec.matrix_angle_deg,
+        plies: plies.collect::<Result<_, CompositeError>>()?,
         fibres: fibres.collect::<Result<_, CompositeError>>()?,
     })
 }

@@ -65,6 +65,13 @@ pub(super) fn bonds(
     layout: &Layout,
     rule: PaperRule,
 ) -> Result<Vec<Bond>, CompositeError> {
+    if !section.plies.is_empty() {
+        return Err(CompositeError::OutOfRange {
+            quantity: "the number of plies in the paper's lattice",
+            given: section.plies.len() as f64,
+            allowed: "0: it knows fibres in one matrix; choose the exact lattice",
+        });
+    }
     let grid = &layout.grid;
     let [width_mm, _] = grid.sides_mm(0);
     for cell in 0..grid.cells() {

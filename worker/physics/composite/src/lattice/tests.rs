@@ -14,6 +14,8 @@ fn orthotropic(e1: f64, e2: f64, nu12: f64, g12: f64) -> Stiffness {
         modulus_3_mpa: None,
         poisson_ratio_13: None,
         poisson_ratio_23: None,
+        shear_modulus_13_mpa: None,
+        shear_modulus_23_mpa: None,
     };
     let material = Material::Orthotropic(constants);
     material.stiffness(PlaneState::Stress).unwrap().0

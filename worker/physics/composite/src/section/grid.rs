@@ -1,15 +1,61 @@
 //! Where the particles stand: lines of a rectangular grid, even or graded.
-use crate::error::CompositeError;
+use crate::error::{CompositeError, finite, positive};
 
 /// How the section is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Division {
     /// So many equal cells along x and along y.
     Uniform { cells: [usize; 2] },
-    /// Particle lines on the faces of every fibre along an axis and cells no larger than a uniform
-    /// division would have; near a fibre as small as `across` cells through it, growing away from
-    /// it.
+    /// Particle lines on the faces of every ply and of every fibre along an axis, and cells no
+    /// larger than a uniform division would have; in a fibre and a ply as small as `across` cells
+    /// through it, growing away from it.
     Graded { cells: [usize; 2], across: usize },
+}
+
+/// A place around which a graded division is finer: where a roller presses, say.
+///
+/// Cells within `half_width_mm` of it along either axis are no larger than `cell_mm`, and grow away
+/// from there. A particle line passes through the place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Refinement {
+    pub at_mm: [f64; 2],
+    pub half_width_mm: f64,
+    pub cell_mm: f64,
+}
+
+impl Refinement {
+    pub(crate) fn checked(&self) -> Result<(), CompositeError> {
+        for at in self.at_mm {
+            finite("a refined place [mm]", at)?;
+        }
+        positive("the half width of a refined place [mm]", self.half_width_mm)?;
+        positive("the size of cells at a refined place [mm]", self.cell_mm)?;
+        Ok(())
+    }
+
+    /// The stretches on either side of the place.
+    pub(crate) fn fine(&self, axis: usize) -> [Fine; 2] {
+        let at = self.at_mm[axis];
+        [[at - self.half_width_mm, at], [at, at + self.half_width_mm]].map(|between| Fine {
+            between,
+            size: self.cell_mm,
+        })
+    }
+}
+
+/// A stretch of an axis with cells no larger than a size [mm].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fine {
+    pub(crate) between: [f64; 2],
+    pub(crate) size: f64,
+}
+
+impl Fine {
+    /// The size it asks for at a distance from it.
+    fn wanted(&self, at: f64) -> f64 {
+        let outside = (self.between[0] - at).max(at - self.between[1]).max(0.0);
+        self.size + (GROWTH - 1.0) * outside
+    }
 }
 
 /// Lines of particles along both axes [mm], from 0 to the section's sides.
@@ -19,7 +65,7 @@ pub struct Grid {
     y_mm: Vec<f64>,
 }
 
-/// How much larger a cell may be than its neighbour nearer to a fibre.
+/// How much larger a cell may be than its neighbour nearer to a fine stretch.
 const GROWTH: f64 = 1.3;
 
 impl Grid {
@@ -167,35 +213,36 @@ pub(crate) fn within(lines: &[f64], coordinate: f64) -> Option<(usize, f64)> {
     Some((interval, share.clamp(0.0, 1.0)))
 }
 
-/// Lines along one axis: on both ends, on every face, and between them cells that grow by at most
-/// [`GROWTH`] away from fibres up to `largest`.
-///
-/// `faces` are pairs of coordinates between which a fibre lies.
-pub(crate) fn graded_lines(side: f64, faces: &[[f64; 2]], largest: f64, across: usize) -> Vec<f64> {
-    let mut stations: Vec<f64> = faces
+/// Lines along one axis: on both ends, on the ends of every fine stretch, and
+/// between them cells that grow by at most [`GROWTH`] away from fine stretches up to `largest`.
+pub(crate) fn graded_lines(side: f64, fine: &[Fine], largest: f64) -> Vec<f64> {
+    let mut stations: Vec<f64> = fine
         .iter()
-        .flatten()
-        .map(|&face| face.clamp(0.0, side))
+        .flat_map(|stretch| stretch.between)
+        .map(|face| face.clamp(0.0, side))
         .chain([0.0, side])
         .collect();
     stations.sort_by(f64::total_cmp);
     stations.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * side);
-    // The cell size wanted at each interval's ends: that of the finest fibre that touches it.
     let wanted = |station: f64| {
-        faces
-            .iter()
-            .filter(|pair| pair.iter().any(|face| (face - station).abs() < 1e-9 * side))
-            .map(|pair| (pair[1] - pair[0]) / across as f64)
+        fine.iter()
+            .map(|stretch| stretch.wanted(station))
             .fold(largest, f64::min)
     };
     let mut lines = vec![0.0];
     for pair in stations.windows(2) {
+        let middle = 0.5 * (pair[0] + pair[1]);
+        let within = fine
+            .iter()
+            .filter(|stretch| stretch.between[0] <= middle && middle <= stretch.between[1])
+            .map(|stretch| stretch.size)
+            .fold(largest, f64::min);
         fill(
             &mut lines,
             pair[0],
             pair[1],
             [wanted(pair[0]), wanted(pair[1])],
-            largest,
+            within,
         );
     }
     lines

@@ -1,9 +1,10 @@
 //! A section laid out on its grid: what every cell holds.
 use crate::error::{CompositeError, positive};
 use crate::material::Note;
-use crate::section::grid::{Division, Grid, graded_lines};
+use crate::section::grid::{Division, Fine, Grid, Refinement, graded_lines};
+use crate::section::ply::{Ply, Strip, faces_mm, strip};
 use crate::section::{Band, Polygon, Section, refuse_overlap};
-use crate::stiffness::{Stiffness, laminate, turned};
+use crate::stiffness::{Stiffness, laminate};
 
 /// A part of a cell's area below this is round-off, not a fibre.
 const LEAST_SHARE: f64 = 1e-12;
@@ -31,8 +32,14 @@ struct Part {
 }
 
 impl Layout {
-    pub(crate) fn new(section: &Section, division: Division) -> Result<Self, CompositeError> {
+    pub(crate) fn new(
+        section: &Section,
+        division: Division,
+        refinements: &[Refinement],
+    ) -> Result<Self, CompositeError> {
         let sides = [section.length_mm, section.height_mm];
+        let stack = section.stack()?;
+        let faces = faces_mm(&stack, section.height_mm);
         let bands = section
             .fibres
             .iter()
@@ -40,32 +47,52 @@ impl Layout {
             .map(|(place, fibre)| Band::new(place, fibre, sides))
             .collect::<Result<Vec<_>, _>>()?;
         refuse_overlap(&bands)?;
-        let grid = divide(sides, &bands, division)?;
+        let grid = divide(section, &faces, &bands, division, refinements)?;
 
-        let mut own = Vec::with_capacity(section.materials.len());
-        let mut notes = Vec::new();
-        for (place, substance) in section.materials.iter().enumerate() {
-            let (stiffness, assumed) = substance.material.stiffness(section.state)?;
+        for substance in &section.materials {
+            substance.material.stiffness(section.state)?;
             positive("a density [kg/m³]", substance.density_kg_per_m3)?;
-            own.push(stiffness);
-            notes.extend(assumed.into_iter().map(|note| (place, note)));
         }
-        let named = |place: usize| {
-            own.get(place).copied().ok_or(CompositeError::OutOfRange {
-                quantity: "the place of a material in the list",
-                given: place as f64,
-                allowed: "less than the number of materials",
-            })
+        let mut notes: Vec<(usize, Note)> = Vec::new();
+        let mut stiffness_of = |ply: &Ply| {
+            let (stiffness, assumed) = section.ply_stiffness(ply, section.state)?;
+            for note in assumed {
+                let told = (ply.material, note);
+                if !notes.contains(&told) {
+                    notes.push(told);
+                }
+            }
+            Ok(stiffness)
         };
-        let matrix = turned(&named(section.matrix)?, section.matrix_angle_deg);
+        let plies = stack
+            .iter()
+            .map(&mut stiffness_of)
+            .collect::<Result<Vec<_>, CompositeError>>()?;
         let fibres = bands
             .iter()
-            .map(|band| Ok(turned(&named(band.material)?, band.angle_deg)))
+            .map(|band| {
+                stiffness_of(&Ply {
+                    material: band.material,
+                    thickness_mm: 2.0 * band.half_thickness_mm,
+                    angle_deg: 0.0,
+                    in_plane_angle_deg: band.angle_deg,
+                })
+            })
             .collect::<Result<Vec<_>, CompositeError>>()?;
+        notes.sort_by_key(|(place, _)| *place);
 
         let density_of = |place: usize| section.materials[place].density_kg_per_m3;
-        let mut stiffness = vec![matrix; grid.cells()];
-        let mut density = vec![density_of(section.matrix); grid.cells()];
+        let densities: Vec<f64> = stack.iter().map(|ply| density_of(ply.material)).collect();
+        let mut stiffness = Vec::with_capacity(grid.cells());
+        let mut density = Vec::with_capacity(grid.cells());
+        for pair in grid.y_mm().windows(2) {
+            let Strip {
+                stiffness: held,
+                density: mean,
+            } = strip([pair[0], pair[1]], &faces, &plies, &densities, LEAST_SHARE);
+            stiffness.resize(stiffness.len() + grid.columns(), held);
+            density.resize(density.len() + grid.columns(), mean);
+        }
         let mut fibre_share = vec![0.0; grid.cells()];
         let mut parts = shares(&grid, &bands);
         parts.sort_by_key(|part| (part.cell, part.band));
@@ -78,9 +105,9 @@ impl Layout {
             } else {
                 1.0 - whole
             };
-            stiffness[cell] = mixture(matrix, rest, held, &bands, &fibres);
+            stiffness[cell] = mixture(stiffness[cell], rest, held, &bands, &fibres);
             fibre_share[cell] = whole.min(1.0);
-            density[cell] = rest * density_of(section.matrix)
+            density[cell] = rest * density[cell]
                 + held
                     .iter()
                     .map(|part| part.share * density_of(bands[part.band as usize].material))
@@ -123,7 +150,9 @@ impl Layout {
 }
 
 /// The average of a cell: fibres of one direction are layers with the matrix between them, exact
-/// for any number of them. Where fibres of different directions meet in one cell, those of the
+/// for any number of them. Of several plies in one cell the matrix is their average, and fibres
+/// take away from all of them alike: an estimate, which a graded grid, with one ply in each row,
+/// does not need. Where fibres of different directions meet in one cell, those of the
 /// next direction are layers in the average of matrix and those before: the order is that of the
 /// fibres' list, and the result an estimate.
 fn mixture(
@@ -214,7 +243,14 @@ fn touched(lines: &[f64], [from, to]: [f64; 2]) -> std::ops::Range<usize> {
     first..last
 }
 
-fn divide(sides: [f64; 2], bands: &[Band], division: Division) -> Result<Grid, CompositeError> {
+fn divide(
+    section: &Section,
+    ply_faces: &[f64],
+    bands: &[Band],
+    division: Division,
+    refinements: &[Refinement],
+) -> Result<Grid, CompositeError> {
+    let sides = [section.length_mm, section.height_mm];
     let (Division::Uniform { cells } | Division::Graded { cells, .. }) = division;
     for count in cells {
         if count == 0 || count > 1 << 15 {
@@ -226,6 +262,13 @@ fn divide(sides: [f64; 2], bands: &[Band], division: Division) -> Result<Grid, C
         }
     }
     let Division::Graded { across, .. } = division else {
+        if !refinements.is_empty() {
+            return Err(CompositeError::OutOfRange {
+                quantity: "the number of refined places of a uniform division",
+                given: refinements.len() as f64,
+                allowed: "0: only a graded division has cells of different sizes",
+            });
+        }
         return Ok(Grid::uniform(sides, cells));
     };
     if across == 0 {
@@ -235,20 +278,35 @@ fn divide(sides: [f64; 2], bands: &[Band], division: Division) -> Result<Grid, C
             allowed: "at least 1",
         });
     }
+    for refinement in refinements {
+        refinement.checked()?;
+    }
+    let through = |[from, to]: [f64; 2]| Fine {
+        between: [from, to],
+        size: (to - from) / across as f64,
+    };
     let lines = |axis: usize| {
-        let faces: Vec<[f64; 2]> = bands
+        let mut fine: Vec<Fine> = bands
             .iter()
             .filter(|band| band.axis[axis].abs() < f64::EPSILON)
             .map(|band| {
                 let middle = band.through_mm[axis];
-                [
+                through([
                     middle - band.half_thickness_mm,
                     middle + band.half_thickness_mm,
-                ]
+                ])
             })
             .collect();
+        if axis == 1 && !section.plies.is_empty() {
+            fine.extend(ply_faces.windows(2).map(|pair| through([pair[0], pair[1]])));
+        }
+        fine.extend(
+            refinements
+                .iter()
+                .flat_map(|refinement| refinement.fine(axis)),
+        );
         let largest = sides[axis] / cells[axis] as f64;
-        graded_lines(sides[axis], &faces, largest, across)
+        graded_lines(sides[axis], &fine, largest)
     };
     Grid::of_lines(lines(0), lines(1))
 }

@@ -1,18 +1,21 @@
-//! What is tested: a rectangle of matrix with bands of fibre in it.
+//! What is tested: a rectangle of matrix or of plies, with bands of fibre in it.
 //!
 //! A [`Section`] is what a user describes; [`Section::layout`] checks it and makes the [`Layout`],
 //! the grid of particles with what every cell holds. How a cell answers to strain is not known here.
 mod grid;
 mod layout;
+mod ply;
 #[cfg(test)]
 mod tests;
 
-pub use grid::{Division, Grid};
+pub use grid::{Division, Grid, Refinement};
 pub(crate) use grid::{corner_weights, within};
 pub use layout::Layout;
 pub use loadframe_api::section::fibre::Fibre;
 pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};
 pub(crate) use loadframe_api::section::polygon::Polygon;
+pub use ply::Ply;
+pub(crate) use ply::faces_mm;
 
 use crate::error::{CompositeError, finite, positive};
 use crate::material::{Material, PlaneState};
@@ -28,10 +31,13 @@ pub struct Section {
     pub state: PlaneState,
     /// All materials with their densities; matrix and fibres name them by place.
     pub materials: Vec<Substance>,
-    /// Which material lies between the fibres.
+    /// Which material lies between the fibres, where there are no plies.
     pub matrix: usize,
     /// Angle of the matrix material's axis 1 to x [°].
     pub matrix_angle_deg: f64,
+    /// From the bottom face to the top, as thick together as the section is high; none: the matrix
+    /// fills the section.
+    pub plies: Vec<Ply>,
     pub fibres: Vec<Fibre>,
 }
 
@@ -47,12 +53,25 @@ impl Section {
     /// Checks the section and lays the grid over it.
     ///
     /// # Errors
-    /// What is wrong with the description: lengths, materials, fibres outside or over each other.
+    /// What is wrong with the description: lengths, materials, plies that miss the height, fibres
+    /// outside or over each other.
     pub fn layout(&self, division: Division) -> Result<Layout, CompositeError> {
+        self.layout_refined(division, &[])
+    }
+
+    /// As [`Section::layout`], with a graded division made finer around places.
+    ///
+    /// # Errors
+    /// As [`Section::layout`]; and when a uniform division is to be refined.
+    pub fn layout_refined(
+        &self,
+        division: Division,
+        refinements: &[Refinement],
+    ) -> Result<Layout, CompositeError> {
         positive("the section's length [mm]", self.length_mm)?;
         positive("the section's height [mm]", self.height_mm)?;
         positive("the section's thickness [mm]", self.thickness_mm)?;
         finite("the matrix angle [°]", self.matrix_angle_deg)?;
-        Layout::new(self, division)
+        Layout::new(self, division, refinements)
     }
 }

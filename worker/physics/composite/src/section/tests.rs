@@ -20,6 +20,8 @@ pub(crate) const FIBRE: Substance = Substance {
         modulus_3_mpa: None,
         poisson_ratio_13: None,
         poisson_ratio_23: None,
+        shear_modulus_13_mpa: None,
+        shear_modulus_23_mpa: None,
     }),
     density_kg_per_m3: 1_800.0,
 };
@@ -33,6 +35,7 @@ fn section(fibres: Vec<Fibre>) -> Section {
         materials: vec![FILLER, FIBRE],
         matrix: 0,
         matrix_angle_deg: 0.0,
+        plies: Vec::new(),
         fibres,
     }
 }
@@ -209,4 +212,142 @@ fn points_are_found_in_their_cells() {
     assert_eq!(grid.locate([15.0, 12.5]), Some((8, [0.5, 0.25])));
     assert_eq!(grid.locate([70.1, 0.0]), None);
     assert_eq!(grid.locate([f64::NAN, 0.0]), None);
+}
+
+fn ply(material: usize, thickness_mm: f64, angle_deg: f64) -> Ply {
+    Ply {
+        material,
+        thickness_mm,
+        angle_deg,
+        in_plane_angle_deg: 0.0,
+    }
+}
+
+fn own(place: usize, angle_deg: f64) -> crate::stiffness::Stiffness {
+    [FILLER, FIBRE][place]
+        .material
+        .stiffness_out_of_plane(PlaneState::Stress, angle_deg)
+        .unwrap()
+        .0
+}
+
+#[test]
+fn plies_fill_the_rows_they_lie_in_from_the_bottom() {
+    let mut stack = section(Vec::new());
+    stack.plies = vec![ply(1, 10.0, 0.0), ply(0, 15.0, 0.0), ply(1, 25.0, 90.0)];
+    let layout = stack.layout(Division::Uniform { cells: [7, 5] }).unwrap();
+    // Rows of 10 mm: the first ply, the second, 5 mm of it under 5 mm of the third, the third.
+    let laminate = crate::stiffness::laminate(&[(0.5, own(0, 0.0)), (0.5, own(1, 90.0))], 0.0);
+    let expected = [
+        (own(1, 0.0), 1_800.0),
+        (own(0, 0.0), 1_200.0),
+        (laminate, 1_500.0),
+        (own(1, 90.0), 1_800.0),
+        (own(1, 90.0), 1_800.0),
+    ];
+    for (row, (stiffness, density)) in expected.into_iter().enumerate() {
+        for column in 0..7 {
+            let cell = 7 * row + column;
+            assert!((layout.stiffness()[cell] - stiffness).amax() < 1e-12 * stiffness.amax());
+            assert!((layout.density[cell] - density).abs() < 1e-9);
+        }
+    }
+    // The fibres of 90° add E₃, ν₂₃ and G₂₃ to what those of 0° tell; nothing is told twice.
+    let told: Vec<&str> = layout.notes().iter().map(|(_, n)| n.constant).collect();
+    assert_eq!(told, ["G₁₂ [MPa]", "E₃ [MPa]", "ν₂₃", "G₂₃ [MPa]"]);
+}
+
+#[test]
+fn one_ply_over_the_height_is_the_matrix_turned() {
+    let mut matrix = section(Vec::new());
+    matrix.matrix = 1;
+    matrix.matrix_angle_deg = 25.0;
+    let mut stack = section(Vec::new());
+    stack.plies = vec![Ply {
+        in_plane_angle_deg: 25.0,
+        ..ply(1, 50.0, 0.0)
+    }];
+    let [first, second] = [matrix, stack].map(|section| {
+        let layout = section.layout(Division::Uniform { cells: [3, 2] }).unwrap();
+        (layout.stiffness().to_vec(), layout.density)
+    });
+    assert_eq!(first, second);
+}
+
+#[test]
+fn a_graded_grid_has_lines_on_the_faces_of_plies_and_at_refined_places() {
+    let mut stack = section(Vec::new());
+    stack.plies = vec![ply(1, 1.0, 0.0), ply(0, 48.0, 0.0), ply(1, 1.0, 0.0)];
+    let graded = Division::Graded {
+        cells: [10, 10],
+        across: 4,
+    };
+    let refinement = Refinement {
+        at_mm: [35.0, 50.0],
+        half_width_mm: 0.5,
+        cell_mm: 0.05,
+    };
+    let layout = stack.layout_refined(graded, &[refinement]).unwrap();
+    let grid = layout.grid();
+    let near = |lines: &[f64], at: f64| lines.iter().any(|line| (line - at).abs() < 1e-9);
+    for face in [1.0, 49.0] {
+        assert!(near(grid.y_mm(), face));
+    }
+    assert!(near(grid.x_mm(), 35.0));
+    let rows = grid.y_mm().iter().filter(|&&y| y < 1.0 - 1e-9).count();
+    assert_eq!(rows, 4, "so many cells through the lower ply");
+    for (lines, middle) in [(grid.x_mm(), 35.0), (grid.y_mm(), 50.0)] {
+        let sizes: Vec<[f64; 2]> = lines
+            .windows(2)
+            .map(|pair| [0.5 * (pair[0] + pair[1]) - middle, pair[1] - pair[0]])
+            .collect();
+        for [from_place, size] in &sizes {
+            if from_place.abs() < 0.5 {
+                assert!(*size < 0.05 + 1e-9, "{from_place} {size}");
+            }
+        }
+        for pair in sizes.windows(2) {
+            let ratio = (pair[1][1] / pair[0][1]).max(pair[0][1] / pair[1][1]);
+            assert!(ratio < 1.6, "{ratio}");
+        }
+    }
+    // A fibre through two plies, in cells that hold one ply each, leaves what it does not fill.
+    stack.fibres = vec![fibre([35.0, 25.0], 90.0, 7.0)];
+    let mass: f64 = {
+        let layout = stack.layout(graded).unwrap();
+        (0..layout.grid().cells())
+            .map(|cell| {
+                let [a, b] = layout.grid().sides_mm(cell);
+                a * b * layout.density[cell]
+            })
+            .sum()
+    };
+    let expected = 7.0 * 50.0 * 1_800.0 + 63.0 * (2.0 * 1_800.0 + 48.0 * 1_200.0);
+    assert!((mass / expected - 1.0).abs() < 1e-10);
+    assert!(matches!(
+        stack.layout_refined(Division::Uniform { cells: [5, 5] }, &[refinement]),
+        Err(CompositeError::OutOfRange { given, .. }) if given == 1.0
+    ));
+}
+
+#[test]
+fn plies_that_miss_the_height_are_refused_with_both_numbers() {
+    let refused = |plies: Vec<Ply>, turn: f64| {
+        let mut stack = section(Vec::new());
+        stack.plies = plies;
+        stack.matrix_angle_deg = turn;
+        let error = stack.layout(Division::Uniform { cells: [5, 5] });
+        error.unwrap_err().to_string()
+    };
+    let told = refused(vec![ply(0, 20.0, 0.0), ply(1, 29.9, 0.0)], 0.0);
+    assert!(told.contains("49.9 mm") && told.contains("50 mm"), "{told}");
+    assert!(refused(vec![ply(0, 0.0, 0.0), ply(1, 50.0, 0.0)], 0.0).contains("thickness"));
+    assert!(refused(vec![ply(2, 50.0, 0.0)], 0.0).contains("place of a material"));
+    assert!(refused(vec![ply(0, 50.0, 0.0)], 10.0).contains("matrix angle"));
+    assert!(refused(vec![ply(0, 50.0, f64::NAN)], 0.0).contains("ply's angle"));
+    // Thirds that do not add up to the last digit are accepted, and the top face stays the top.
+    let mut thirds = section(Vec::new());
+    thirds.plies = vec![ply(0, 50.0 / 3.0, 0.0); 3];
+    let layout = thirds.layout(Division::Uniform { cells: [5, 6] }).unwrap();
+    assert!((layout.stiffness()[29] - own(0, 0.0)).amax() < 1e-12 * 85.0);
 }

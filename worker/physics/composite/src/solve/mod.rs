@@ -1,9 +1,14 @@
 //! Ways to equilibrium.
+mod contact;
 pub(crate) mod direct;
 mod equations;
 pub(crate) mod equilibrium;
 pub(crate) mod multigrid;
 mod order;
 
+pub use contact::{
+    ContactEquilibrium, PressedRoller, Roller, RollerContact, contact_equilibrium,
+    pressed_equilibrium,
+};
 pub use equations::{LARGEST_FACTORED, Method};
 pub use equilibrium::{Equilibrium, LoadPath, PathState, StaticOptions, equilibrium};

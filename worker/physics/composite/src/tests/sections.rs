@@ -22,6 +22,8 @@ pub(crate) fn orthotropic(e1: f64, e2: f64, nu12: f64, g12: Option<f64>) -> Mate
         modulus_3_mpa: None,
         poisson_ratio_13: None,
         poisson_ratio_23: None,
+        shear_modulus_13_mpa: None,
+        shear_modulus_23_mpa: None,
     })
 }
 
@@ -38,6 +40,7 @@ pub(crate) fn plain(sides: [f64; 2], material: Material, angle_deg: f64) -> Sect
         }],
         matrix: 0,
         matrix_angle_deg: angle_deg,
+        plies: Vec::new(),
         fibres: Vec::new(),
     }
 }

@@ -1,0 +1,4 @@
+//! Bending tests between rollers.
+mod beam;
+
+pub use beam::Beam;
