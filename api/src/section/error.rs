@@ -114,6 +114,13 @@ pub enum CompositeError {
     /// Which particles touch could not be found.
     #[error("no set of particles that touch the rollers was found in {rounds} rounds")]
     NoContact { rounds: u64 },
+    /// Round-off spoils a contact.
+    #[error(
+        "the equilibrium between rollers misses the conditions of contact by {share} of the largest \
+         force or displacement: cells differ so much in size or stiffness that round-off decides; \
+         use a coarser grid at the rollers"
+    )]
+    ContactUnsettled { share: f64 },
     /// A cell would have to be turned inside out to go on.
     #[error(
         "cell ({column}, {row}) at ({x_mm} mm, {y_mm} mm) turns inside out at {load_fraction} of the \

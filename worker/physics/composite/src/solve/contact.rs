@@ -26,6 +26,7 @@ use crate::matrix::GridMatrix;
 use crate::section::{Grid, within};
 use crate::solve::equations::Equations;
 use crate::solve::equilibrium::{Equilibrium, StaticOptions, equilibrium};
+use crate::stiffness::{Stiffness, compliance};
 use crate::supports::{Face, Supports};
 
 /// A rigid cylinder whose axis crosses the plane.
@@ -79,8 +80,9 @@ pub struct ContactEquilibrium {
 const ROUNDS: usize = 20;
 /// Pull or overlap below this share of the largest is round-off of condensed equations.
 const ROUND_OFF: f64 = 1e-10;
-/// How well the equilibrium must obey (8), as a share of the largest force or displacement.
-const OBEYED: f64 = 1e-6;
+/// How well the equilibrium must obey (8), as a share of the largest force or displacement. A thin
+/// sandwich with a core a thousand times softer, on cells from 0.01 mm to 1 mm, reaches 2e-7.
+const OBEYED: f64 = 1e-5;
 
 /// Finds the rest of a lattice between rollers that have advanced by given amounts.
 ///
@@ -138,12 +140,28 @@ pub fn pressed_equilibrium(
         .iter()
         .map(|contact| contact.force_n)
         .sum();
-    if (pressed - force_n).abs() > OBEYED * force_n {
-        return Err(CompositeError::NoContact {
-            rounds: touch.rounds,
-        });
-    }
+    obeyed((pressed / force_n - 1.0).abs())?;
     Ok(found)
+}
+
+/// Half width [mm] of the contact of a rigid cylinder with a half-space, b² = 4 F R / (π E* t), for
+/// the force F over the thickness t.
+///
+/// The half-space has a plane stiffness with the axes of its face: 1/E* =
+/// ½ √(S₂₂ (2 S₁₂ + S₆₆ + 2 √(S₁₁S₂₂))) with 2 along the normal, which is 1/E in isotropic plane stress
+/// and (1 - ν²)/E in plane strain. Source: [Johnson1985] (4.43), E* by the characteristic equation of
+/// [Lekhnitskii1968]. Coupling of stretch and shear is left out.
+#[must_use]
+pub fn hertz_half_width_mm(
+    stiffness: &Stiffness,
+    thickness_mm: f64,
+    radius_mm: f64,
+    force_n: f64,
+) -> f64 {
+    let s = compliance(stiffness);
+    let sum = 2.0 * s[(0, 1)] + s[(2, 2)] + 2.0 * (s[(0, 0)] * s[(1, 1)]).sqrt();
+    let flexible = 0.5 * (s[(1, 1)] * sum).sqrt();
+    (4.0 * force_n * radius_mm * flexible / (std::f64::consts::PI * thickness_mm)).sqrt()
 }
 
 impl Roller {
@@ -665,6 +683,14 @@ fn points(
     Ok(points)
 }
 
+fn obeyed(share: f64) -> Result<(), CompositeError> {
+    if share <= OBEYED {
+        Ok(())
+    } else {
+        Err(CompositeError::ContactUnsettled { share })
+    }
+}
+
 /// The equilibrium with touching particles held where the rollers want them, checked against (8).
 fn certified(
     condensed: &Condensed,
@@ -723,10 +749,11 @@ fn certified(
             moments[point.roller][1] += force * distance * distance;
         }
     }
-    if pulled > OBEYED * largest || pierced > OBEYED * farthest {
-        return Err(CompositeError::NoContact {
-            rounds: touch.rounds,
-        });
+    if largest > 0.0 {
+        obeyed(pulled / largest)?;
+    }
+    if farthest > 0.0 {
+        obeyed(pierced / farthest)?;
     }
     for (contact, [first, second]) in contacts.iter_mut().zip(moments) {
         if contact.force_n > 0.0 {

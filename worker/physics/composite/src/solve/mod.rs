@@ -8,7 +8,7 @@ mod order;
 
 pub use contact::{
     ContactEquilibrium, PressedRoller, Roller, RollerContact, contact_equilibrium,
-    pressed_equilibrium,
+    hertz_half_width_mm, pressed_equilibrium,
 };
 pub use equations::{LARGEST_FACTORED, Method};
 pub use equilibrium::{Equilibrium, LoadPath, PathState, StaticOptions, equilibrium};

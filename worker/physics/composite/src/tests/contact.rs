@@ -1,5 +1,5 @@
 //! Rollers against Hertz's contact, beams on several supports, and the inequalities themselves.
-use super::plies::stacked;
+use super::plies::{CARBON, stacked};
 use super::sections::{forces, isotropic, plain, uniform};
 use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice};
@@ -8,7 +8,7 @@ use crate::material::PlaneState;
 use crate::section::{Division, Refinement};
 use crate::solve::{
     ContactEquilibrium, PressedRoller, Roller, StaticOptions, contact_equilibrium,
-    pressed_equilibrium,
+    hertz_half_width_mm, pressed_equilibrium,
 };
 use crate::supports::{Face, FaceSupport, Supports};
 
@@ -93,6 +93,52 @@ fn a_pressed_cylinder_touches_as_wide_as_hertz_says() {
         assert!(contact.particles > 12);
         assert!(found.equilibrium.residual < 1e-9);
     }
+}
+
+#[test]
+fn on_fibres_along_and_across_the_face_hertz_holds_with_lekhnitskiis_modulus() {
+    for angle_deg in [0.0, 90.0] {
+        let section = plain([40.0, 20.0], CARBON, angle_deg);
+        let lattice_of = |refinements: &[Refinement]| {
+            let graded = Division::Graded {
+                cells: [20, 10],
+                across: 1,
+            };
+            section.layout_refined(graded, refinements).unwrap()
+        };
+        let (force, radius) = (500.0, 5.0);
+        let stiffness = lattice_of(&[]).stiffness()[0];
+        let hertz = hertz_half_width_mm(&stiffness, 1.0, radius, force);
+        let lattice = Lattice::exact(&lattice_of(&[Refinement {
+            at_mm: [20.0, 20.0],
+            half_width_mm: 1.3 * hertz,
+            cell_mm: hertz / 12.0,
+        }]));
+        let supports =
+            Supports::of_faces(lattice.grid(), &[(Face::Bottom, FaceSupport::Clamped)]).unwrap();
+        let found = pressed_equilibrium(
+            &lattice,
+            &supports,
+            &vec![0.0; lattice.displacements()],
+            &[],
+            &[roller(Face::Top, 20.0, radius)],
+            force,
+            &StaticOptions::default(),
+        )
+        .unwrap();
+        let width = found.rollers[0].half_width_mm;
+        assert!(
+            (width / hertz - 1.0).abs() < 0.03,
+            "{angle_deg} {width} {hertz}"
+        );
+    }
+    // Isotropic it is the formula of plane stress.
+    let same = isotropic(1_000.0, 0.3)
+        .stiffness(PlaneState::Stress)
+        .unwrap()
+        .0;
+    let expected = (4.0 * 6.0 * 5.0 / (std::f64::consts::PI * 1_000.0 * 2.0)).sqrt();
+    assert!((hertz_half_width_mm(&same, 2.0, 5.0, 6.0) / expected - 1.0).abs() < 1e-12);
 }
 
 #[test]

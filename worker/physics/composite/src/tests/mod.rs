@@ -5,3 +5,6 @@ mod motion;
 mod patch;
 mod plies;
 mod sections;
+
+pub(crate) use plies::{CARBON, stacked};
+pub(crate) use sections::{isotropic, plain};
