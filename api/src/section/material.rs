@@ -139,7 +139,10 @@ fn isotropic(e: f64, nu: f64, state: PlaneState) -> Result<Stiffness, CompositeE
     // what keeps its volume can still be a thin sheet, which gives way out of the plane
     let (is_stable, allowed) = match state {
         PlaneState::Stress => (nu > -1.0 && nu <= 0.5, "above -1 and at most 0.5"),
-        PlaneState::Strain => (nu > -1.0 && nu < 0.5, "above -1 and below 0.5 in plane strain"),
+        PlaneState::Strain => (
+            nu > -1.0 && nu < 0.5,
+            "above -1 and below 0.5 in plane strain",
+        ),
     };
     if !is_stable {
         return Err(CompositeError::OutOfRange {

@@ -87,6 +87,8 @@ impl Material {
                 modulus_3_mpa: constants.modulus_3_mpa,
                 poisson_ratio_13: constants.poisson_ratio_13,
                 poisson_ratio_23: constants.poisson_ratio_23,
+                shear_modulus_13_mpa: constants.shear_modulus_13_mpa,
+                shear_modulus_23_mpa: constants.shear_modulus_23_mpa,
             })),
             _ => None,
         }

@@ -29,9 +29,7 @@ pub(super) fn coarser(finest: Fineness) -> Vec<Fineness> {
         finer = Fineness {
             grid: Grid {
                 cells: grid.cells.map(|count| count.div_ceil(2)),
-                graded_cells_per_fibre: grid
-                    .graded_cells_per_fibre
-                    .map(|count| count.div_ceil(2)),
+                graded_cells_per_fibre: grid.graded_cells_per_fibre.map(|count| count.div_ceil(2)),
             },
             contact_cells: finer.contact_cells.div_ceil(2),
         };

@@ -17,9 +17,7 @@ mod rollers;
 use std::io;
 
 use loadframe_api::Report;
-use loadframe_api::spec::composite_bending::{
-    Accuracy, CompositeBending, Knobs, Lattice, Solver,
-};
+use loadframe_api::spec::composite_bending::{Accuracy, CompositeBending, Knobs, Lattice, Solver};
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::{
     Ending, Interrupt, InterruptSource, Recorder, RunContext, SimulationError,

@@ -3,10 +3,10 @@ use loadframe_api::spec::composite_bending as spec;
 use loadframe_api::spec::composite_bending::{CompositeBending, Grips, Way};
 
 use crate::error::CompositeError;
+use crate::flexure::{Drive, Flexure, Loading};
 use crate::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
 use crate::load::{Load, LoadPlace};
 use crate::material::{Material, Note};
-use crate::flexure::{Drive, Flexure, Loading};
 use crate::section::{Division, Fibre, Ply, Refinement, Section, Substance};
 use crate::solve::StaticOptions;
 use crate::supports::{Face, FaceSupport, Supports};

@@ -93,8 +93,14 @@ impl Tested {
             apparent_shear_mpa: found.apparent_shear_stress_mpa,
             shear_mpa: found.shear_stress_mpa,
             // two supports come before what presses
-            contact_mm: rollers.get(2).map_or(0.0, |roller| 2.0 * roller.half_width_mm),
-            touching: rollers.iter().map(|roller| roller.particles).min().unwrap_or(0),
+            contact_mm: rollers
+                .get(2)
+                .map_or(0.0, |roller| 2.0 * roller.half_width_mm),
+            touching: rollers
+                .iter()
+                .map(|roller| roller.particles)
+                .min()
+                .unwrap_or(0),
             beam: found.beam.map(|test| Layered {
                 deflection_mm: test.deflection.total_mm(),
                 shear_share: test.deflection.shear_mm / test.deflection.total_mm(),
@@ -338,7 +344,12 @@ fn bending(bent: &Bent) -> Vec<Measured> {
         "Modulus that the standard's formula gives for force and midspan deflection; the deflection \
          by shear is in it.",
     );
-    add("max_force", bent.force_n, "N", "Force of the rollers that press.");
+    add(
+        "max_force",
+        bent.force_n,
+        "N",
+        "Force of the rollers that press.",
+    );
     add(
         "deflection",
         bent.midspan_mm,
