@@ -40,6 +40,15 @@ pub fn point_mm(grid: &Grid, point: [f64; 2], u: &[f64]) -> Result<[f64; 2], Com
     Ok(mean)
 }
 
+/// Mean derivatives of a cell's displacements: of u_x by x and y, of u_y by x and y [-].
+#[must_use]
+pub fn mean_gradient([a, b]: [f64; 2], corners: &[f64; 8]) -> [[f64; 2]; 2] {
+    [0, 1].map(|axis| {
+        let [p, q, r, s] = [0, 2, 4, 6].map(|corner| corners[corner + axis]);
+        [(q + r - p - s) / (2.0 * a), (r + s - p - q) / (2.0 * b)]
+    })
+}
+
 /// Sum of the forces on a face's particles along x and y [N].
 #[must_use]
 pub fn face_force_n(grid: &Grid, face: Face, forces: &[f64]) -> [f64; 2] {

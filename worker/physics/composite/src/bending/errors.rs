@@ -3,18 +3,23 @@
 use loadframe_api::spec::composite_bending::Grid;
 use loadframe_api::{ErrorBasis, ErrorPart};
 
+use serde::{Deserialize, Serialize};
+
 use super::model::Fineness;
 use super::results::Measured;
 
+/// Results by name.
+pub(super) type Values = Vec<(String, f64)>;
+
 /// The same test in other ways.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Finding {
     /// On coarser and coarser grids.
-    pub(super) coarser: Vec<(Fineness, Vec<Measured>)>,
+    pub(super) coarser: Vec<(Fineness, Values)>,
     /// By the equations of equilibrium on the same grid, where another solver was asked for.
-    pub(super) by_static: Option<Vec<Measured>>,
+    pub(super) by_static: Option<Values>,
     /// On the exact lattice and the same grid, where the paper's was asked for.
-    pub(super) exact: Option<Vec<Measured>>,
+    pub(super) exact: Option<Values>,
 }
 
 /// Half and a quarter of the cells along both sides and in contacts, as far as there are cells.
@@ -43,9 +48,10 @@ pub(super) fn coarser(finest: Fineness) -> Vec<Fineness> {
 const ORDERS: [f64; 2] = [0.5, 1.0];
 
 impl Finding {
-    fn of(measured: &[Measured], name: &str) -> f64 {
-        let found = measured.iter().find(|measured| measured.name == name);
-        found.map_or(f64::NAN, |measured| measured.value)
+    /// A value by its name.
+    pub(super) fn of(values: &Values, name: &str) -> f64 {
+        let found = values.iter().find(|(known, _)| known == name);
+        found.map_or(f64::NAN, |(_, value)| *value)
     }
 
     /// |f₁ − f₂| / (2ᵖ − 1) of a value and that of half the cells, p from a third one where the three
@@ -146,7 +152,7 @@ mod tests {
         Finding {
             coarser: coarser
                 .iter()
-                .map(|value| (fineness([1, 1]), vec![measured(*value)]))
+                .map(|value| (fineness([1, 1]), vec![("some".to_owned(), *value)]))
                 .collect(),
             ..Finding::default()
         }

@@ -4,10 +4,10 @@ use loadframe_harness::{Recorder, SimulationError, csv};
 
 use super::Recorded;
 use super::errors::Finding;
-use super::model::Model;
+use super::model::{Fineness, Model};
 use super::results::{self, Measured, Tested};
 use crate::lattice::{Geometry, gather};
-use crate::measure::point_mm;
+use crate::measure::{mean_gradient, point_mm};
 use crate::supports::Face;
 
 /// The largest displacement in pictures over the smaller side, unless a factor is asked for.
@@ -91,17 +91,19 @@ fn write_convergence(
     let mut names = vec!["cells_x".to_owned(), "cells_y".to_owned()];
     names.extend(measured.iter().map(|one| csv::column(one.name, one.unit)));
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let finest = (model.fineness, measured.to_vec());
-    let all = finding.coarser.iter().rev().chain([&finest]);
-    let rows: Vec<Vec<f64>> = all
-        .map(|(fineness, measured)| {
-            let cells = fineness.grid.cells.map(f64::from);
-            cells
-                .into_iter()
-                .chain(measured.iter().map(|one| one.value))
-                .collect()
-        })
-        .collect();
+    let row = |fineness: &Fineness, values: &mut dyn Iterator<Item = f64>| {
+        let cells = fineness.grid.cells.map(f64::from);
+        cells.into_iter().chain(values).collect::<Vec<f64>>()
+    };
+    let coarser = finding.coarser.iter().rev().map(|(fineness, values)| {
+        let mut values = measured.iter().map(|one| Finding::of(values, one.name));
+        row(fineness, &mut values)
+    });
+    let mut rows: Vec<Vec<f64>> = coarser.collect();
+    rows.push(row(
+        &model.fineness,
+        &mut measured.iter().map(|one| one.value),
+    ));
     recorder.file("convergence.csv", &mut |out| {
         csv::header(out, &names)?;
         rows.iter().try_for_each(|row| csv::row(out, row))
@@ -157,8 +159,8 @@ fn write_pictures(
             points.push(place(particle));
             displacement.extend([u[2 * particle], u[2 * particle + 1], 0.0]);
         }
-        let mean = mean_strain(grid.sides_mm(cell), &gather(u, corners));
-        for (all, one) in strain.iter_mut().zip(mean) {
+        let [[xx, xy], [yx, yy]] = mean_gradient(grid.sides_mm(cell), &gather(u, corners));
+        for (all, one) in strain.iter_mut().zip([xx, yy, xy + yx]) {
             all.push(one);
         }
     }
@@ -205,17 +207,6 @@ fn write_pictures(
     };
     recorder.file("snapshots.pvd", &mut |out| series.write(out))?;
     Ok(())
-}
-
-/// Mean strain of a cell (ε_xx, ε_yy, γ_xy), linear in displacements.
-fn mean_strain([a, b]: [f64; 2], corners: &[f64; 8]) -> [f64; 3] {
-    let along = |axis: usize| {
-        (corners[2 + axis] + corners[4 + axis] - corners[axis] - corners[6 + axis]) / (2.0 * a)
-    };
-    let up = |axis: usize| {
-        (corners[4 + axis] + corners[6 + axis] - corners[axis] - corners[2 + axis]) / (2.0 * b)
-    };
-    [along(0), up(1), up(0) + along(1)]
 }
 
 /// σ_xx, σ_yy, σ_xy and the equivalent stress of [vonMises1913] in plane stress, cell by cell; `None`

@@ -25,9 +25,9 @@ use loadframe_harness::{
 use serde::{Deserialize, Serialize};
 
 use crate::error::CompositeError;
-use errors::Finding;
+use errors::{Finding, Values};
 use model::{Fineness, Model};
-use results::{Measured, Tested};
+use results::Tested;
 
 /// Cells through half the width of a roller's contact on the finest grid: Hertz's contact is then known
 /// to some per cent, and what it adds to a deflection far better.
@@ -48,7 +48,8 @@ enum Progress {
     /// Steps done.
     Rollers(u32),
     History(history::HistoryState),
-    Done(Box<Tested>),
+    /// The test is over, and of its comparisons those that are known.
+    Done(Box<(Tested, Finding)>),
 }
 
 /// What a test tells while it is under way.
@@ -59,6 +60,8 @@ trait Watch {
     fn point(&mut self, values: &[f64]) -> io::Result<()>;
     /// How far it is, from 0 to 1, and whether to go on; `state` is asked for when it is to be kept.
     fn look(&mut self, fraction: f64, state: &mut dyn FnMut() -> Progress) -> Result<(), Halt>;
+    /// Ends the test because somebody asked for it.
+    fn halt(&mut self, interrupt: Interrupt, state: &mut dyn FnMut() -> Progress) -> Halt;
 }
 
 /// Why a test ended before its end.
@@ -117,18 +120,22 @@ impl Watch for Recorded<'_, '_> {
 
     fn look(&mut self, fraction: f64, state: &mut dyn FnMut() -> Progress) -> Result<(), Halt> {
         self.recorder.progress(self.part * fraction, "test");
-        match self.context.interrupt.interrupt() {
-            Some(Interrupt::Suspend) => {
-                self.keep(Some(state())).map_err(Halt::Failed)?;
-                Err(Halt::Interrupted(Interrupt::Suspend))
-            }
-            Some(Interrupt::Cancel) => Err(Halt::Interrupted(Interrupt::Cancel)),
-            None => {
-                if self.recorder.checkpoint_due() {
-                    self.keep(Some(state())).map_err(Halt::Failed)?;
-                }
-                Ok(())
-            }
+        if let Some(interrupt) = self.context.interrupt.interrupt() {
+            return Err(self.halt(interrupt, state));
+        }
+        if self.recorder.checkpoint_due() {
+            self.keep(Some(state())).map_err(Halt::Failed)?;
+        }
+        Ok(())
+    }
+
+    fn halt(&mut self, interrupt: Interrupt, state: &mut dyn FnMut() -> Progress) -> Halt {
+        match interrupt {
+            Interrupt::Suspend => match self.keep(Some(state())) {
+                Ok(()) => Halt::Interrupted(interrupt),
+                Err(error) => Halt::Failed(error),
+            },
+            Interrupt::Cancel => Halt::Interrupted(interrupt),
         }
     }
 }
@@ -145,11 +152,15 @@ impl Watch for Unwatched<'_> {
         Ok(())
     }
 
-    fn look(&mut self, _fraction: f64, _state: &mut dyn FnMut() -> Progress) -> Result<(), Halt> {
+    fn look(&mut self, _fraction: f64, state: &mut dyn FnMut() -> Progress) -> Result<(), Halt> {
         match self.0.interrupt.interrupt() {
-            Some(interrupt) => Err(Halt::Interrupted(interrupt)),
+            Some(interrupt) => Err(self.halt(interrupt, state)),
             None => Ok(()),
         }
+    }
+
+    fn halt(&mut self, interrupt: Interrupt, _state: &mut dyn FnMut() -> Progress) -> Halt {
+        Halt::Interrupted(interrupt)
     }
 }
 
@@ -199,15 +210,13 @@ fn test(
     if recorded.context.checkpoint.is_none() {
         recorded.recorder.log(&model.described());
     }
-    let was_done = matches!(progress, Some(Progress::Done(_)));
+    let finding = match &progress {
+        Some(Progress::Done(done)) => done.1.clone(),
+        _ => Finding::default(),
+    };
     let tested = conduct(&model, progress, recorded.context.interrupt, recorded)?;
-    let done = Progress::Done(Box::new(tested.clone()));
-    if !was_done && recorded.recorder.checkpoint_due() {
-        recorded.keep(Some(done.clone())).map_err(Halt::Failed)?;
-    }
     let measured = results::measure(&model, &tested);
-    recorded.recorder.progress(recorded.part, "coarser grids");
-    let finding = compare(spec, finest, recorded, &done)?;
+    let finding = compare(spec, finest, recorded, &tested, finding)?;
     files::write(&model, &tested, &measured, &finding, recorded).map_err(Halt::Failed)?;
     recorded.recorder.progress(1.0, "finished");
     Ok(report::report(&model, &tested, &measured, &finding))
@@ -220,9 +229,9 @@ fn conduct(
     interrupt: &dyn InterruptSource,
     watch: &mut dyn Watch,
 ) -> Result<Tested, Halt> {
-    if let Some(Progress::Done(tested)) = progress {
+    if let Some(Progress::Done(done)) = progress {
         watch.columns(results::columns(model))?;
-        return Ok(*tested);
+        return Ok(done.0);
     }
     if let Some((flexure, given)) = model.flexure() {
         return rollers::conduct(model, flexure, given, progress, watch);
@@ -233,46 +242,66 @@ fn conduct(
     }
 }
 
-/// The same test on coarser grids, by the equations of equilibrium, and on the exact lattice.
+/// The same test on coarser grids, by the equations of equilibrium, and on the exact lattice, beyond
+/// what is known of them.
 fn compare(
     spec: &CompositeBending,
     finest: Fineness,
     recorded: &mut Recorded<'_, '_>,
-    done: &Progress,
+    tested: &Tested,
+    mut finding: Finding,
 ) -> Result<Finding, Halt> {
+    let knobs = spec.accuracy.knobs();
+    let by_static = knobs.solver != Solver::Static && spec.test.history.is_none();
+    let mut plain = spec.clone();
+    if by_static {
+        plain.accuracy = Accuracy::Knobs(Knobs {
+            solver: Solver::Static,
+            residual: None,
+            ..knobs
+        });
+    }
     let context = recorded.context;
-    let other = |spec: &CompositeBending, fineness: Fineness| -> Result<Vec<Measured>, Halt> {
+    let other = |spec: &CompositeBending, fineness: Fineness| -> Result<Values, Halt> {
         let model = Model::new(spec, fineness)?;
         let tested = conduct(&model, None, context.interrupt, &mut Unwatched(context))?;
-        Ok(results::measure(&model, &tested))
+        let measured = results::measure(&model, &tested);
+        let named = measured
+            .into_iter()
+            .map(|one| (one.name.to_owned(), one.value));
+        Ok(named.collect())
     };
-    let outcome = (|| {
-        let mut plain = spec.clone();
-        let knobs = spec.accuracy.knobs();
-        let by_static = knobs.solver != Solver::Static && spec.test.history.is_none();
-        if by_static {
-            let knobs = Knobs {
-                solver: Solver::Static,
-                residual: None,
-                ..knobs
+    let all = errors::coarser(finest);
+    loop {
+        let next = if by_static && finding.by_static.is_none() {
+            other(&plain, finest).map(|values| finding.by_static = Some(values))
+        } else if let Some(fineness) = all.get(finding.coarser.len()) {
+            other(&plain, *fineness).map(|values| finding.coarser.push((*fineness, values)))
+        } else if matches!(spec.lattice, Lattice::Paper(_)) && finding.exact.is_none() {
+            let exact = CompositeBending {
+                lattice: Lattice::default(),
+                ..plain.clone()
             };
-            plain.accuracy = Accuracy::Knobs(knobs);
+            other(&exact, finest).map(|values| finding.exact = Some(values))
+        } else {
+            return Ok(finding);
+        };
+        let keep = |recorded: &mut Recorded<'_, '_>| {
+            let done = Progress::Done(Box::new((tested.clone(), finding.clone())));
+            recorded.keep(Some(done)).map_err(Halt::Failed)
+        };
+        match next {
+            Ok(()) => {
+                recorded.recorder.progress(recorded.part, "other grids");
+                if recorded.recorder.checkpoint_due() {
+                    keep(recorded)?;
+                }
+            }
+            Err(Halt::Interrupted(Interrupt::Suspend)) => {
+                keep(recorded)?;
+                return Err(Halt::Interrupted(Interrupt::Suspend));
+            }
+            Err(halt) => return Err(halt),
         }
-        let mut finding = Finding::default();
-        if by_static {
-            finding.by_static = Some(other(&plain, finest)?);
-        }
-        for fineness in errors::coarser(finest) {
-            finding.coarser.push((fineness, other(&plain, fineness)?));
-        }
-        if matches!(spec.lattice, Lattice::Paper(_)) {
-            plain.lattice = Lattice::default();
-            finding.exact = Some(other(&plain, finest)?);
-        }
-        Ok(finding)
-    })();
-    if let Err(Halt::Interrupted(Interrupt::Suspend)) = outcome {
-        recorded.keep(Some(done.clone())).map_err(Halt::Failed)?;
     }
-    outcome
 }

@@ -2,6 +2,8 @@
 use loadframe_api::spec::composite_bending as spec;
 use loadframe_api::spec::composite_bending::{CompositeBending, Grips, Way};
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::CompositeError;
 use crate::flexure::{Drive, Flexure, Loading};
 use crate::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
@@ -16,7 +18,7 @@ use crate::supports::{Face, FaceSupport, Supports};
 const ANY_DENSITY: f64 = 1_000.0;
 
 /// How fine a model is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Fineness {
     pub(super) grid: spec::Grid,
     /// Cells through half the width of a roller's contact, in a graded grid.

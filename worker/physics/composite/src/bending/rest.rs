@@ -1,4 +1,5 @@
 //! The rest of a section under its load, by any of the solvers.
+use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use loadframe_api::spec::composite_bending::Solver;
@@ -8,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use super::model::Model;
 use super::results::{self, Tested};
 use super::{Halt, Progress, Watch};
-use crate::error::CompositeError;
 use crate::lattice::Geometry;
 use crate::motion::{Damping, Motion, MotionOptions, MotionState, Rest, Scheme};
 use crate::solve::{LoadPath, PathState, StaticOptions};
@@ -67,7 +67,11 @@ fn by_equations(
         tolerance: knobs.residual.unwrap_or(standard.tolerance),
         ..standard
     };
-    let stop = || interrupt.interrupt().is_some();
+    let asked = Cell::new(None);
+    let stop = || {
+        asked.set(interrupt.interrupt());
+        asked.get().is_some()
+    };
     let (lattice, supports) = (&model.lattice, &model.supports);
     let mut path = LoadPath::new(lattice, supports, &model.load, &options, &stop)?;
     if let Some(RestState::Path(state)) = state {
@@ -75,22 +79,16 @@ fn by_equations(
     }
     while path.share() < 1.0 {
         let advanced = path.advance();
-        let fraction = path.share();
-        let mut state = || Progress::Rest(RestState::Path(path.state()));
-        match advanced {
-            Ok(()) => {}
-            Err(CompositeError::Stopped) => {
-                watch.look(fraction, &mut state)?;
-                continue;
-            }
-            Err(error) => return Err(error.into()),
+        if let Some(interrupt) = asked.take() {
+            let mut state = || Progress::Rest(RestState::Path(path.state()));
+            return Err(watch.halt(interrupt, &mut state));
         }
+        advanced?;
         if options.geometry == Geometry::Large {
             let equilibrium = path.equilibrium();
             watch.point(&results::point(model, &equilibrium, path.share()))?;
-            watch.look(fraction, &mut || {
-                Progress::Rest(RestState::Path(path.state()))
-            })?;
+            let mut state = || Progress::Rest(RestState::Path(path.state()));
+            watch.look(path.share(), &mut state)?;
         }
     }
     let equilibrium = path.equilibrium();

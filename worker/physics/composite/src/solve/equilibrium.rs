@@ -209,7 +209,10 @@ impl<'a> LoadPath<'a> {
                 self.at.share + self.at.increment
             };
             let start = self.search.u.clone();
-            match self.search.load_step(self.at.share, goal, self.stop)? {
+            let done = self.search.load_step(self.at.share, goal, self.stop);
+            // a step that was not finished is begun anew, from where it began before
+            let done = done.inspect_err(|_| self.search.u.copy_from_slice(&start))?;
+            match done {
                 Ok(()) => {
                     self.at.share = goal;
                     self.at.steps += 1;
