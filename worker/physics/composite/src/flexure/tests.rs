@@ -24,7 +24,7 @@ fn bent(section: &Section, test: Flexure, force_n: f64, rows: usize) -> FlexureR
         cells: [columns, rows],
         across: 2,
     };
-    let refinements = test.refinements(section, force_n, 3).unwrap();
+    let refinements = test.refinements(section, force_n, 1).unwrap();
     let layout = section.layout_refined(graded, &refinements).unwrap();
     let lattice = Lattice::exact(&layout);
     let result = test
@@ -53,7 +53,7 @@ fn slender_beams_deflect_by_timoshenkos_formula() {
     let mut section = plain([70.0, 2.0], isotropic(3_000.0, 0.35), 0.0);
     section.thickness_mm = 15.0;
     // So small that the supports' contacts stay where they are, see below.
-    let force = 0.5;
+    let force = 1.0;
     for (loading, factor) in [(Loading::ThreePoint, 1.5), (Loading::FourPoint, 1.0)] {
         let test = flexure(loading, 60.0);
         let result = bent(&section, test, force, 8);
@@ -82,16 +82,17 @@ fn a_section_that_turns_on_its_supports_touches_them_further_in() {
     let force = 20.0;
     let result = bent(&section, test, force, 8);
     // The slope F L²/(16 EI) times R₂, here 0.3 mm at either end; the span that is left is shorter.
+    let beam = result.beam.unwrap().beam;
     let slope = force * 60.0_f64.powi(2) / (16.0 * 3_000.0 * 15.0 * 8.0 / 12.0);
+    assert!((test.support_slope(&beam, force) / slope - 1.0).abs() < 1e-12);
     let inward = result.contact.rollers[0].centre_mm - 5.0;
-    assert!((inward / (2.0 * slope) - 1.0).abs() < 0.1, "{inward}");
+    assert!((inward / (2.0 * slope) - 1.0).abs() < 0.05, "{inward}");
     let left = Flexure {
         span_mm: 60.0 - 2.0 * inward,
         ..test
     };
     // The section sinks against the rollers by what the contact has risen: inward²/(2 R₂) of the
     // circle, and slope times inward of the face.
-    let beam = result.beam.unwrap().beam;
     let expected = left.timoshenko_deflection(&beam, force).total_mm() + inward * inward / 4.0;
     let found = result.midspan_deflection_mm;
     assert!((found / expected - 1.0).abs() < 5e-3, "{found} {expected}");
@@ -160,7 +161,7 @@ fn a_sandwich_deflects_by_the_shear_of_its_core() {
         in_plane_angle_deg: 0.0,
     };
     section.plies = vec![ply(0, 1.0), ply(1, 10.0), ply(0, 1.0)];
-    let result = bent(&section, flexure(Loading::FourPoint, 300.0), 100.0, 12);
+    let result = bent(&section, flexure(Loading::FourPoint, 300.0), 100.0, 8);
     let beam = result.beam.unwrap();
     let BeamDeflection {
         bending_mm,
@@ -180,7 +181,7 @@ fn shear_ratio(material: Material, span: f64) -> f64 {
     section.thickness_mm = 10.0;
     let test = flexure(Loading::ThreePoint, span);
     let graded = Division::Graded {
-        cells: [(4.0 * span) as usize, 24],
+        cells: [(2.0 * span) as usize, 20],
         across: 1,
     };
     let force = 20.0;

@@ -112,7 +112,7 @@ pub fn contact_equilibrium(
 /// forces is `force_n` [N]. They come after the others in what is returned.
 ///
 /// # Errors
-/// As [`contact_equilibrium`], and when the force is not above 0.
+/// As [`contact_equilibrium`], and when the force is not above 0 or no roller presses.
 pub fn pressed_equilibrium(
     lattice: &Lattice,
     supports: &Supports,
@@ -123,6 +123,13 @@ pub fn pressed_equilibrium(
     options: &StaticOptions,
 ) -> Result<ContactEquilibrium, CompositeError> {
     positive("the force on the rollers [N]", force_n)?;
+    if pressing.is_empty() {
+        return Err(CompositeError::OutOfRange {
+            quantity: "the number of rollers that press",
+            given: 0.0,
+            allowed: "at least 1",
+        });
+    }
     let mut advances = Vec::with_capacity(resting.len() + pressing.len());
     for pressed in resting {
         advances.push(Some(finite("a roller's advance [mm]", pressed.advance_mm)?));

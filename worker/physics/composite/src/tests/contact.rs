@@ -5,6 +5,7 @@ use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice};
 use crate::load::LoadPlace;
 use crate::material::PlaneState;
+use crate::measure::point_mm;
 use crate::section::{Division, Refinement};
 use crate::solve::{
     ContactEquilibrium, PressedRoller, Roller, StaticOptions, contact_equilibrium,
@@ -299,7 +300,54 @@ fn a_thin_strip_wraps_around_a_roller_and_leaves_its_crown() {
     .unwrap();
     let contact = found.rollers[2];
     let [from, to] = contact.between_mm.unwrap();
-    assert!((0.5 * (to - from) - half).abs() < 0.6, "{contact:?}");
+    // The lattice's pitch, and the height over which a force on a line spreads.
+    assert!(
+        (0.5 * (to - from) - half).abs() < 0.25 + 0.5 * height,
+        "{contact:?}"
+    );
+    let crown = point_mm(
+        lattice.grid(),
+        [55.0, height],
+        &found.equilibrium.displacements_mm,
+    )
+    .unwrap()[1];
+    assert!(-crown > contact.advance_mm, "the strip leaves the crown");
+    let in_reach = (2.0 * half / 0.25) as usize;
+    assert!(contact.particles < in_reach / 2, "{contact:?}");
+}
+
+#[test]
+fn a_roller_on_the_side_is_one_on_the_top_of_the_section_turned() {
+    let lattice = uniform(&plain([12.0, 12.0], isotropic(1_000.0, 0.3), 0.0), [24, 24]);
+    let load = vec![0.0; lattice.displacements()];
+    let found = [
+        (Face::Top, Face::Bottom),
+        (Face::Bottom, Face::Top),
+        (Face::Left, Face::Right),
+        (Face::Right, Face::Left),
+    ]
+    .map(|(pressed, clamped)| {
+        let supports =
+            Supports::of_faces(lattice.grid(), &[(clamped, FaceSupport::Clamped)]).unwrap();
+        pressed_equilibrium(
+            &lattice,
+            &supports,
+            &load,
+            &[],
+            &[roller(pressed, 5.0, 50.0)],
+            60.0,
+            &StaticOptions::default(),
+        )
+        .unwrap()
+        .rollers[0]
+    });
+    assert!(found[0].particles > 4, "{found:?}");
+    for other in &found[1..] {
+        assert_eq!(other.particles, found[0].particles);
+        assert!((other.advance_mm / found[0].advance_mm - 1.0).abs() < 1e-9);
+        assert!((other.centre_mm - found[0].centre_mm).abs() < 1e-9);
+        assert!((other.force_n - 60.0).abs() < 1e-7);
+    }
 }
 
 #[test]
@@ -346,6 +394,13 @@ fn rollers_that_cannot_be_are_refused() {
         pressed(&thin, &supports, &linear)
             .to_string()
             .contains("radius")
+    );
+    let pushed = pressed_equilibrium(&lattice, &supports, &load, &two, &[], 1.0, &linear);
+    assert!(
+        pushed
+            .unwrap_err()
+            .to_string()
+            .contains("rollers that press")
     );
     // One roller does not keep a beam from turning.
     assert!(matches!(

@@ -1,7 +1,7 @@
 //! Stacks of plies against classical laminate theory.
 use super::sections::{forces, plain};
 use crate::flexure::Beam;
-use crate::lattice::Lattice;
+use crate::lattice::{BondPattern, BondStiffness, Lattice, PaperRule};
 use crate::load::LoadPlace;
 use crate::material::{Material, Orthotropic};
 use crate::measure::{face_force_n, point_mm};
@@ -111,4 +111,16 @@ fn homogenised_rows_of_a_laminate_stretch_alike() {
     });
     let uniform = force(Division::Uniform { cells: [40, 2] });
     assert!((uniform / graded - 1.0).abs() < 1e-3, "{uniform} {graded}");
+}
+
+#[test]
+fn the_papers_lattice_has_no_plies() {
+    let section = stacked(4.0, 2.0, &[0.0, 90.0]);
+    let layout = section.layout(Division::Uniform { cells: [4, 2] }).unwrap();
+    let rule = PaperRule {
+        stiffness: BondStiffness::PWave,
+        pattern: BondPattern::Cross,
+    };
+    let error = Lattice::paper(&section, &layout, rule).unwrap_err();
+    assert!(error.to_string().contains("plies"), "{error}");
 }
