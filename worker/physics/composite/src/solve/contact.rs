@@ -13,11 +13,13 @@
 //! roller held, its *anchor*, gives the answer to an advance of every anchor and, when a particle
 //! first touches, to a force on it. What touches is then found by an active set, one particle at a
 //! time: the one that is pierced most is added, and on the way to the new forces the first that
-//! would come to pull is released (non-negative least squares, [LawsonHanson1974], ch. 23, here with
-//! the section's equilibrium kept). Every set lowers the energy, so none comes twice; adding and
-//! releasing all at once takes fewer sets, and was seen to leave a beam without supports on the way.
-//! A force in place of an advance is one more linear equation. The set that is found is at last
-//! given to [`equilibrium`] as supports, and (8) is checked against what comes back.
+//! would come to pull is released (non-negative least squares, [LawsonHanson1974], ch. 23). Every
+//! set lowers the energy, so none comes twice; adding and releasing all at once takes fewer sets, and
+//! was seen to leave a beam without supports on the way. A beam that nothing touches yet is kept by
+//! springs on the anchors, softer than anything else, whose ends follow (the proximal point method of
+//! [Rockafellar1976]); of the set they lead to the solution without them is taken. A force in place of
+//! an advance is one more linear equation. The set that is found is at last given to [`equilibrium`]
+//! as supports, and (8) is checked against what comes back.
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::{CompositeError, finite, positive};
@@ -78,6 +80,11 @@ pub struct ContactEquilibrium {
 
 /// Beyond so many sets for each particle in reach the search is lost to round-off.
 const ROUNDS: usize = 20;
+/// Springs that keep what nothing touches, over the stiffness of a cell: soft against the bending of
+/// the slenderest beam that small displacements make sense for, stiff against round-off.
+const SOFT: f64 = 1e-8;
+/// How often the ends of the springs may follow.
+const FOLLOWED: usize = 30;
 /// Pull or overlap below this share of the largest is round-off of condensed equations.
 const ROUND_OFF: f64 = 1e-10;
 /// How well the equilibrium must obey (8), as a share of the largest force or displacement. A thin
@@ -278,6 +285,13 @@ struct Trial {
     /// On points that touch [N].
     forces: Vec<f64>,
     advances: Vec<f64>,
+    shared_advance: f64,
+}
+
+/// Where the ends of the soft springs stand: on anchors, and on the shared advance [mm].
+struct Springs {
+    anchors: Vec<f64>,
+    advance: f64,
 }
 
 impl<'a> Condensed<'a> {
@@ -397,45 +411,55 @@ impl<'a> Condensed<'a> {
 
     /// The active set: rollers of unknown advance share one, at which their forces sum to `force`.
     fn settle(&mut self, advances: &[Option<f64>], force: f64) -> Result<Touch, CompositeError> {
-        let limit = (ROUNDS * self.points.len()) as u64;
+        let limit = (ROUNDS * (1 + self.points.len())) as u64;
         let mut touching = vec![false; self.points.len()];
-        for &anchor in &self.anchors {
-            touching[anchor] = true;
-        }
-        let mut rounds = 0;
-        // Anchors that none of them pulls.
-        let mut trial = loop {
-            let trial = self.trial(&touching, advances, force)?;
-            rounds += 1;
-            match trial.pulled(&touching) {
-                Some(point) => touching[point] = false,
-                None => break trial,
-            }
+        let mut forces = vec![0.0; self.points.len()];
+        let mut springs = Springs {
+            anchors: vec![0.0; self.anchors.len()],
+            advance: 0.0,
         };
-        while let Some(pierced) = self.pierced(&touching, &trial) {
-            touching[pierced] = true;
-            let mut forces = std::mem::take(&mut trial.forces);
-            trial = loop {
-                let next = self.trial(&touching, advances, force)?;
+        let mut rounds = 0;
+        for _ in 0..FOLLOWED {
+            let settled = loop {
+                let next = self.trial(&touching, advances, force, Some(&springs))?;
                 rounds += 1;
                 if rounds > limit {
                     return Err(CompositeError::NoContact { rounds });
                 }
-                let Some((share, first)) = next.first_released(&touching, &forces) else {
-                    break next;
-                };
-                for (force, next) in forces.iter_mut().zip(&next.forces) {
-                    *force += share * (next - *force);
+                if let Some((share, first)) = next.first_released(&touching, &forces) {
+                    for (force, next) in forces.iter_mut().zip(&next.forces) {
+                        *force += share * (next - *force);
+                    }
+                    forces[first] = 0.0;
+                    touching[first] = false;
+                    continue;
                 }
-                forces[first] = 0.0;
-                touching[first] = false;
+                match self.pierced(&touching, &next) {
+                    Some(point) => {
+                        touching[point] = true;
+                        forces.copy_from_slice(&next.forces);
+                    }
+                    None => break next,
+                }
             };
+            forces.copy_from_slice(&settled.forces);
+            if self.refuse_loose(&touching).is_ok() {
+                let free = self.trial(&touching, advances, force, None)?;
+                if free.pulled(&touching).is_none() && self.pierced(&touching, &free).is_none() {
+                    return Ok(Touch {
+                        touching,
+                        advances: free.advances,
+                        rounds,
+                    });
+                }
+            }
+            for (end, &anchor) in springs.anchors.iter_mut().zip(&self.anchors) {
+                *end = settled.displacements[anchor];
+            }
+            springs.advance = settled.shared_advance;
         }
-        Ok(Touch {
-            touching,
-            advances: trial.advances,
-            rounds,
-        })
+        self.refuse_loose(&touching)?;
+        Err(CompositeError::NoContact { rounds })
     }
 
     /// Solves for given touching points.
@@ -447,8 +471,8 @@ impl<'a> Condensed<'a> {
         touching: &[bool],
         advances: &[Option<f64>],
         force: f64,
+        springs: Option<&Springs>,
     ) -> Result<Trial, CompositeError> {
-        self.refuse_loose(touching)?;
         let is_anchor = |point: &usize| self.anchors.contains(point);
         let carriers: Vec<usize> = (0..touching.len())
             .filter(|point| touching[*point] && !is_anchor(point))
@@ -463,11 +487,11 @@ impl<'a> Condensed<'a> {
         let shared = carriers.len() + free.len();
         let size = shared + usize::from(shares_advance);
         let unit = self
-            .advanced
+            .anchors
             .iter()
-            .enumerate()
-            .map(|(anchor, answer)| answer.reactions[anchor])
-            .fold(f64::MIN_POSITIVE, f64::max);
+            .fold(f64::MIN_POSITIVE, |unit, &anchor| {
+                unit.max(self.matrix.diagonal(self.points[anchor].displacement))
+            });
 
         // A point's place as roller's advance less its gap: known part, and whether the shared
         // advance is added.
@@ -514,6 +538,10 @@ impl<'a> Condensed<'a> {
             for (other, answer) in self.advanced.iter().enumerate() {
                 anchor_motion(row, other, answer.reactions[anchor] / unit);
             }
+            if let Some(springs) = springs {
+                anchor_motion(row, anchor, SOFT);
+                row[size] -= SOFT * springs.anchors[anchor];
+            }
         };
 
         let mut matrix = DMatrix::zeros(size, size);
@@ -548,6 +576,10 @@ impl<'a> Condensed<'a> {
                 if target(carrier).1 {
                     row_of[place] = 1.0;
                 }
+            }
+            if let Some(springs) = springs {
+                row_of[shared] = SOFT;
+                row_of[size] = -SOFT * springs.advance;
             }
             add(shared, &row_of, force / unit);
         }
@@ -586,14 +618,19 @@ impl<'a> Condensed<'a> {
                 forces[point] = unit * valued(&row_of);
             }
         }
-        let advances = advances
-            .iter()
-            .map(|advance| advance.unwrap_or_else(|| solution[shared]))
-            .collect();
+        let shared_advance = if shares_advance {
+            solution[shared]
+        } else {
+            0.0
+        };
         Ok(Trial {
             displacements,
             forces,
-            advances,
+            advances: advances
+                .iter()
+                .map(|advance| advance.unwrap_or(shared_advance))
+                .collect(),
+            shared_advance,
         })
     }
 
