@@ -319,7 +319,7 @@ fn a_thin_strip_wraps_around_a_roller_and_leaves_its_crown() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Whatever the heights of the rollers and the places of the loads: as long as the resultant falls
     /// between the outermost ones the beam comes to rest, and what holds it is what it bears.
@@ -356,6 +356,30 @@ proptest! {
         prop_assert!((carried / total - 1.0).abs() < 1e-7);
         prop_assert!((turned / moment - 1.0).abs() < 1e-7);
         prop_assert!(found.rollers.iter().all(|r| r.force_n > -1e-7 * total));
+
+        // The first load by a roller that presses as hard. Alone on one particle right above another
+        // that bears all, it would leave the beam in balance and free to turn.
+        let (at, force) = loads[0];
+        let balanced = rollers.iter().any(|r| (r.roller.at_mm - at).abs() < 4.0);
+        prop_assume!(loads.len() > 1 || !balanced);
+        for (sum, part) in load
+            .iter_mut()
+            .zip(forces(&lattice, [0.0, force], LoadPlace::Point([at, 2.0])))
+        {
+            *sum += part;
+        }
+        let pressing = [roller(Face::Top, at, 5.0)];
+        let options = StaticOptions::default();
+        let found =
+            pressed_equilibrium(&lattice, &supports, &load, &rollers, &pressing, force, &options);
+        let found = found.map_err(|error| TestCaseError::fail(error.to_string()))?;
+        let (above, below) = found.rollers.split_last().unwrap();
+        let carried: f64 = below.iter().map(|r| r.force_n).sum();
+        let turned: f64 = below.iter().map(|r| r.force_n * r.centre_mm).sum();
+        prop_assert!((above.force_n / force - 1.0).abs() < 1e-7);
+        prop_assert!((carried / total - 1.0).abs() < 1e-7);
+        let moment = moment + force * (above.centre_mm - at);
+        prop_assert!((turned / moment - 1.0).abs() < 1e-7);
     }
 }
 
