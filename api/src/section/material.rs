@@ -378,7 +378,7 @@ mod tests {
         ] {
             assert!((found / expected - 1.0).abs() < ROUND_OFF);
         }
-        assert_eq!([stress[(0, 2)], stress[(1, 2)]], [0.0; 2]);
+        assert!(stress[(0, 2)] == 0.0 && stress[(1, 2)] == 0.0);
         // Plane strain: C₁₁ = E₁ (1 - ν₂₃ν₃₂)/Δ, C₁₂ = E₁ (ν₂₁ + ν₃₁ν₂₃)/Δ, C₂₂ = E₂ (1 - ν₁₃ν₃₁)/Δ.
         let (nu21, nu31, nu32) = (nu12 * e2 / e1, nu13 * e3 / e1, nu23 * e3 / e2);
         let delta = 1.0 - nu12 * nu21 - nu23 * nu32 - nu13 * nu31 - 2.0 * nu21 * nu32 * nu13;

@@ -1,7 +1,7 @@
 //! Bending tests between rollers: three-point, four-point and short beam.
 //!
 //! A section rests on two rollers and is pressed by one or two from above, as the standards ISO 14125
-//! (flexure, methods A and B) and ISO 14130 (short beam) have it. The specimen's width b is the
+//! (flexure, methods A and B, [ISO14125]) and ISO 14130 (short beam, [ISO14130]) have it. The specimen's width b is the
 //! section's thickness, its thickness h the section's height, its span L the distance of the
 //! supports. [`Flexure::bend`] gives what the laboratory would read and what its formulas make of it,
 //! beside what the layers are by the theory of beams: so what the formulas leave out can be seen.
@@ -191,8 +191,20 @@ impl Flexure {
         (beneath, above)
     }
 
+    /// Slope of a beam on its supports under the total force F [N], with bending alone:
+    /// F L²/(16 EI), or F L²/(18 EI) with two rollers.
+    #[must_use]
+    pub fn support_slope(&self, beam: &Beam, force_n: f64) -> f64 {
+        let share = match self.loading {
+            Loading::ThreePoint => 1.0 / 16.0,
+            Loading::FourPoint => 1.0 / 18.0,
+        };
+        share * force_n * self.span_mm * self.span_mm / beam.bending_n_mm2
+    }
+
     /// Where a graded division must be fine for contacts under a total force to be resolved: `across`
-    /// cells through each half width that Hertz's contact would have.
+    /// cells through each half width that Hertz's contact would have. Where the section turns on its
+    /// supports, the contacts wander inward by R₂ times its slope.
     ///
     /// # Errors
     /// When the force is not above 0, or what is wrong with the test or the section.
@@ -213,7 +225,10 @@ impl Flexure {
         }
         let stack = section.stack()?;
         let (beneath, above) = self.rollers(section);
-        let fine = |roller: &Roller, force: f64| {
+        let wander = Beam::of(section)?.map_or(0.0, |beam| {
+            self.support_radius_mm * self.support_slope(&beam, force_n)
+        });
+        let fine = |roller: &Roller, force: f64, wander: f64| {
             let (ply, y) = match roller.face {
                 Face::Bottom => (&stack[0], 0.0),
                 _ => (&stack[stack.len() - 1], section.height_mm),
@@ -221,19 +236,22 @@ impl Flexure {
             let (stiffness, _) = section.ply_stiffness(ply, section.state)?;
             let half_width =
                 hertz_half_width_mm(&stiffness, section.thickness_mm, roller.radius_mm, force);
-            Ok(Refinement {
-                at_mm: [roller.at_mm, y],
+            Ok::<_, CompositeError>(Refinement {
+                at_mm: [roller.at_mm + wander, y],
                 // Half as much again: on layers the contact may be wider than on a half-space.
                 half_width_mm: 1.5 * half_width,
                 cell_mm: half_width / across as f64,
             })
         };
         let each = force_n / above.len() as f64;
-        beneath
-            .iter()
-            .map(|roller| fine(roller, 0.5 * force_n))
-            .chain(above.iter().map(|roller| fine(roller, each)))
-            .collect()
+        let mut refinements = vec![
+            fine(&beneath[0], 0.5 * force_n, wander)?,
+            fine(&beneath[1], 0.5 * force_n, -wander)?,
+        ];
+        for roller in &above {
+            refinements.push(fine(roller, each, 0.0)?);
+        }
+        Ok(refinements)
     }
 
     fn checked(&self, section: &Section) -> Result<(), CompositeError> {
