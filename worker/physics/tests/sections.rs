@@ -102,15 +102,11 @@ fn a_pull_gives_back_the_material_at_any_angle() {
         let both = c * c * s * s;
         let along = c.powi(4) / e1 + s.powi(4) / e2 + both * (1.0 / g - 2.0 * nu / e1);
         let across = both * (1.0 / e1 + 1.0 / e2 - 1.0 / g) - nu / e1 * (c.powi(4) + s.powi(4));
-        // grips that slide but do not turn hold an off-axis strip straight, which stiffens it
+        // grips that let it slide let an off-axis strip shear as it likes
         let modulus = value(&report, "effective_modulus");
-        if angle % 90.0 == 0.0 {
-            assert!((modulus * along - 1.0).abs() < 1e-9, "{angle}: {modulus}");
-            let ratio = value(&report, "effective_poisson_ratio");
-            assert!((ratio + across / along).abs() < 1e-9, "{angle}: {ratio}");
-        } else {
-            assert!(modulus * along > 1.0, "{angle}: {modulus}");
-        }
+        assert!((modulus * along - 1.0).abs() < 1e-9, "{angle}: {modulus}");
+        let ratio = value(&report, "effective_poisson_ratio");
+        assert!((ratio + across / along).abs() < 1e-9, "{angle}: {ratio}");
     }
 }
 
@@ -122,23 +118,58 @@ fn shear_gives_back_the_shear_modulus() {
     assert!((modulus / (1_000.0 / 2.6) - 1.0).abs() < 1e-9, "{modulus}");
 }
 
-/// The estimate is checked against a grid four times as fine as the finest that it saw.
+/// The estimate is checked against a graded grid of four times the cells.
 #[test]
 fn the_error_told_is_about_the_true_one() {
-    for angle in [0.0, 90.0] {
-        for cells in [20, 40] {
-            let (told, _) = run(&macro_case(angle, cells));
-            let (truth, _) = run(&macro_case(angle, 4 * cells));
+    let mut micro = macro_case(0.0, 10);
+    micro["section"]["length_mm"] = json!(6.3);
+    micro["section"]["height_mm"] = json!(6.3);
+    micro["fibres"] = json!([{"material": "fibre", "through_mm": [3.15, 3.15], "angle_deg": 0,
+                              "thickness_mm": 0.7}]);
+    micro["probes_mm"] = json!([]);
+    let slanted = {
+        let mut spec = macro_case(0.0, 10);
+        spec["fibres"][0]["angle_deg"] = json!(30);
+        spec["fibres"] = json!([spec["fibres"][0]]);
+        spec["fibres"][0]["through_mm"] = json!([35, 35]);
+        spec
+    };
+    let mut worst: f64 = 0.0;
+    let mut seen = 0;
+    for (case, is_equal) in [
+        (macro_case(0.0, 10), false),
+        (macro_case(0.0, 10), true),
+        (macro_case(90.0, 10), false),
+        (micro.clone(), false),
+        (micro, true),
+        (slanted, false),
+    ] {
+        for cells in [10, 25, 40] {
+            let mut spec = with(&case, "/grid/cells", json!([cells, cells]));
+            if is_equal {
+                spec["grid"]["equal_cells"] = json!(true);
+            }
+            let (told, _) = run(&spec);
+            let mut fine = with(&case, "/grid/cells", json!([120, 120]));
+            fine["grid"]["graded_cells_per_fibre"] = json!(4);
+            let (truth, _) = run(&fine);
             for name in ["mean_top_deflection", "mean_bottom_deflection"] {
                 let off = (value(&told, name) - value(&truth, name)).abs();
                 let said = error(&told, name);
+                worst = worst.max(off / said);
+                seen += u32::from(off > said);
                 assert!(
                     off < 2.0 * said,
-                    "{angle} {cells} {name}: off {off}, said {said}"
+                    "{cells} {is_equal} {name}: off {off}, said {said}"
                 );
             }
         }
     }
+    // one standard error holds two of three
+    assert!(
+        seen < 12,
+        "{seen} of 36 are off by more than said, at most {worst} times"
+    );
 }
 
 #[test]
@@ -313,7 +344,10 @@ fn suspended_runs_end_with_the_same_bytes_on_any_number_of_threads() {
                 }
                 pieces += 1;
             };
-            assert!(pieces > 1 || looks > 7, "{number} was not suspended");
+            assert!(
+                pieces > 1 || number == 0 || looks > 7,
+                "{number} was not suspended"
+            );
             assert_same(&expected, &(report, record));
         }
     }

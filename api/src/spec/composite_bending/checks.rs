@@ -213,10 +213,21 @@ fn check_grid(spec: &CompositeBending, violations: &mut Vec<Violation>) {
             .allowed(format!("at most {MOST_PARTICLES} particles")),
         );
     }
+    let grid = spec.grid();
+    if grid.equal_cells && grid.graded_cells_per_fibre.is_some() {
+        violations.push(
+            Violation::new(
+                "/grid/equal_cells",
+                "not_allowed",
+                "cells of a graded grid are not equal",
+            )
+            .value(true)
+            .allowed("equal_cells or graded_cells_per_fibre, not both"),
+        );
+    }
     let super::Lattice::Paper(_) = spec.lattice else {
         return;
     };
-    let grid = spec.grid();
     let [width, height] = [
         spec.section.length_mm / f64::from(grid.cells[0]),
         spec.section.height_mm / f64::from(grid.cells[1]),

@@ -81,6 +81,7 @@ pub(super) fn turn(spec: &mut CompositeBending, knob: &str, value: &str) -> Opti
             let scaled = |count: u32| (f64::from(count) * factor).round().max(1.0) as u32;
             spec.grid = Some(Grid {
                 cells: grid.cells.map(scaled),
+                equal_cells: grid.equal_cells,
                 graded_cells_per_fibre: grid.graded_cells_per_fibre.map(scaled),
             });
         }

@@ -7,40 +7,85 @@ use serde::{Deserialize, Serialize};
 
 use super::model::Fineness;
 use super::results::Measured;
+use crate::section::Fit;
 
 /// Results by name.
 pub(super) type Values = Vec<(String, f64)>;
 
+/// The grids to compare with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Comparison {
+    /// Half and a quarter of the cells: what converges is followed to its limit.
+    Coarser {
+        /// Faces of slanted fibres cut the cells of every grid in another way, so that results come
+        /// and go on their way to the limit.
+        wanders: bool,
+    },
+    /// The cells are cut by faces that other grids cut elsewhere: results on them have no common way
+    /// to the limit. A graded grid of as many cells, with lines on the faces, stands for the truth,
+    /// and one of half of them tells its own error.
+    Graded,
+}
+
 /// The same test in other ways.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Finding {
-    /// On coarser and coarser grids.
-    pub(super) coarser: Vec<(Fineness, Values)>,
+    /// On other grids, in the order of [`grids`].
+    pub(super) others: Vec<(Fineness, Values)>,
     /// By the equations of equilibrium on the same grid, where another solver was asked for.
     pub(super) by_static: Option<Values>,
     /// On the exact lattice and the same grid, where the paper's was asked for.
     pub(super) exact: Option<Values>,
 }
 
-/// Half and a quarter of the cells along both sides and in contacts, as far as there are cells.
-pub(super) fn coarser(finest: Fineness) -> Vec<Fineness> {
-    let mut all = Vec::new();
-    let mut finer = finest;
-    for _ in 0..2 {
-        if finer.grid.cells.iter().any(|count| *count < 2) {
-            break;
+impl Comparison {
+    /// How the errors of a lattice's grid are found.
+    pub(super) fn of(fit: Fit, is_paper: bool) -> Self {
+        match fit {
+            // the paper's lattice has no other grids, and no limit that is right
+            _ if is_paper => Self::Coarser { wanders: true },
+            Fit::Exact => Self::Coarser { wanders: false },
+            Fit::Slanted => Self::Coarser { wanders: true },
+            Fit::Cut => Self::Graded,
         }
-        let grid = finer.grid;
-        finer = Fineness {
-            grid: Grid {
-                cells: grid.cells.map(|count| count.div_ceil(2)),
-                graded_cells_per_fibre: grid.graded_cells_per_fibre.map(|count| count.div_ceil(2)),
-            },
-            contact_cells: finer.contact_cells.div_ceil(2),
-        };
-        all.push(finer);
     }
-    all
+
+    /// The other grids: half and a quarter of the cells along both sides and in contacts, as far as
+    /// there are cells, or graded ones.
+    pub(super) fn grids(self, finest: Fineness) -> Vec<Fineness> {
+        match self {
+            Self::Coarser { .. } => {
+                let first = halved(finest);
+                let second = first.and_then(halved);
+                first.into_iter().chain(second).collect()
+            }
+            Self::Graded => {
+                let graded = Fineness {
+                    grid: Grid {
+                        equal_cells: false,
+                        graded_cells_per_fibre: Some(2),
+                        ..finest.grid
+                    },
+                    ..finest
+                };
+                [graded].into_iter().chain(halved(graded)).collect()
+            }
+        }
+    }
+}
+
+/// Half of the cells along both sides, in fibres and in contacts; `None` where there is one only.
+fn halved(finer: Fineness) -> Option<Fineness> {
+    let grid = finer.grid;
+    let has_half = grid.cells.iter().all(|count| *count > 1);
+    has_half.then(|| Fineness {
+        grid: Grid {
+            cells: grid.cells.map(|count| count.div_ceil(2)),
+            graded_cells_per_fibre: grid.graded_cells_per_fibre.map(|count| count.div_ceil(2)),
+            ..grid
+        },
+        contact_cells: finer.contact_cells.div_ceil(2),
+    })
 }
 
 /// Order of convergence that is counted on at most, and at least: corners of supports and of loads
@@ -54,23 +99,36 @@ impl Finding {
         found.map_or(f64::NAN, |(_, value)| *value)
     }
 
-    /// |f₁ − f₂| / (2ᵖ − 1) of a value and that of half the cells, p from a third one where the three
-    /// approach a limit.
-    pub(super) fn of_grid(&self, measured: &Measured) -> f64 {
-        let coarse = |index: usize| {
-            let grid = self.coarser.get(index);
+    /// How far a value is from that of ever finer grids.
+    ///
+    /// From coarser grids |f₁ − f₂| / (2ᵖ − 1), p from the third one where the three approach a limit,
+    /// else the least; where results wander, the larger of that and what the coarser two say of the
+    /// finest. From graded grids g the distance |f − g₁| and the error |g₁ − g₂| of that.
+    pub(super) fn of_grid(&self, measured: &Measured, comparison: Comparison) -> f64 {
+        let other = |index: usize| {
+            let grid = self.others.get(index);
             grid.map_or(f64::NAN, |(_, all)| Self::of(all, measured.name))
         };
-        let (step, before) = (measured.value - coarse(0), coarse(0) - coarse(1));
-        let ratio = before / step;
-        let order = if ratio.is_nan() {
-            ORDERS[1]
-        } else if ratio > 0.0 {
-            ratio.log2().clamp(ORDERS[0], ORDERS[1])
-        } else {
-            ORDERS[0]
-        };
-        step.abs() / (order.exp2() - 1.0)
+        let (step, before) = (measured.value - other(0), other(0) - other(1));
+        match comparison {
+            Comparison::Graded => step.abs() + before.abs(),
+            Comparison::Coarser { wanders: true } => {
+                let slow = 1.0 / (ORDERS[0].exp2() - 1.0);
+                // max takes the number of a number and what is none
+                slow * step.abs().max(before.abs() / ORDERS[1].exp2())
+            }
+            Comparison::Coarser { wanders: false } => {
+                let ratio = before / step;
+                let order = if ratio.is_nan() {
+                    ORDERS[1]
+                } else if ratio > 0.0 {
+                    ratio.log2().clamp(ORDERS[0], ORDERS[1])
+                } else {
+                    ORDERS[0]
+                };
+                step.abs() / (order.exp2() - 1.0)
+            }
+        }
     }
 
     fn of_solver(&self, measured: &Measured) -> f64 {
@@ -81,13 +139,14 @@ impl Finding {
     }
 
     /// All that is known of how wrong a result is.
-    pub(super) fn parts(&self, measured: &Measured) -> Vec<ErrorPart> {
+    pub(super) fn parts(&self, measured: &Measured, comparison: Comparison) -> Vec<ErrorPart> {
         let part = |source: &str, value, basis| ErrorPart {
             source: source.to_owned(),
             value,
             basis,
         };
-        let mut parts = vec![part("grid", self.of_grid(measured), ErrorBasis::TwoGrids)];
+        let grid = self.of_grid(measured, comparison);
+        let mut parts = vec![part("grid", grid, ErrorBasis::TwoGrids)];
         if self.by_static.is_some() {
             parts.push(part(
                 "solver",
@@ -142,6 +201,7 @@ mod tests {
         Fineness {
             grid: Grid {
                 cells,
+                equal_cells: false,
                 graded_cells_per_fibre: Some(2),
             },
             contact_cells: 4,
@@ -150,7 +210,7 @@ mod tests {
 
     fn finding(coarser: &[f64]) -> Finding {
         Finding {
-            coarser: coarser
+            others: coarser
                 .iter()
                 .map(|value| (fineness([1, 1]), vec![("some".to_owned(), *value)]))
                 .collect(),
@@ -158,30 +218,42 @@ mod tests {
         }
     }
 
+    const STEADY: Comparison = Comparison::Coarser { wanders: false };
+
     #[test]
     fn the_error_of_a_first_order_method_is_what_is_left_of_it() {
         // 1 + h at h = 1/4, 1/2, 1
-        let error = finding(&[1.5, 2.0]).of_grid(&measured(1.25));
+        let error = finding(&[1.5, 2.0]).of_grid(&measured(1.25), STEADY);
         assert!((error - 0.25).abs() < 1e-12, "{error}");
         // a faster one is counted as of first order
-        let error = finding(&[1.25, 2.0]).of_grid(&measured(1.0625));
+        let error = finding(&[1.25, 2.0]).of_grid(&measured(1.0625), STEADY);
         assert!((error - 0.1875).abs() < 1e-12, "{error}");
         // one that has not begun to converge as of half an order
-        let error = finding(&[1.0, 2.0]).of_grid(&measured(1.5));
+        let error = finding(&[1.0, 2.0]).of_grid(&measured(1.5), STEADY);
         assert!(
             (error - 0.5 / (2.0_f64.sqrt() - 1.0)).abs() < 1e-12,
             "{error}"
         );
-        assert!(finding(&[]).of_grid(&measured(1.0)).is_nan());
+        assert!(finding(&[]).of_grid(&measured(1.0), STEADY).is_nan());
     }
 
     #[test]
     fn coarser_grids_have_half_the_cells() {
-        let all = coarser(fineness([9, 3]));
+        let all = STEADY.grids(fineness([9, 3]));
         let cells: Vec<_> = all.iter().map(|one| one.grid.cells).collect();
         assert_eq!(cells, [[5, 2], [3, 1]]);
         assert_eq!(all[1].grid.graded_cells_per_fibre, Some(1));
         assert_eq!(all[1].contact_cells, 1);
-        assert!(coarser(fineness([4, 1])).is_empty());
+        assert!(STEADY.grids(fineness([4, 1])).is_empty());
+    }
+
+    #[test]
+    fn where_results_wander_the_larger_step_counts() {
+        let wandering = Comparison::Coarser { wanders: true };
+        let slow = 2.0_f64.sqrt() - 1.0;
+        let error = finding(&[1.01, 1.5]).of_grid(&measured(1.0), wandering);
+        assert!((error - 0.245 / slow).abs() < 1e-12, "{error}");
+        let error = finding(&[1.01, 1.02]).of_grid(&measured(1.5), Comparison::Graded);
+        assert!((error - 0.5).abs() < 1e-12, "{error}");
     }
 }

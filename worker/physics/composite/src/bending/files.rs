@@ -81,7 +81,7 @@ fn write_faces(
     Ok(())
 }
 
-/// Every result on every grid that was tried, coarse to fine.
+/// Every result on every grid that was tried, that of the test last.
 fn write_convergence(
     model: &Model<'_>,
     measured: &[Measured],
@@ -95,11 +95,11 @@ fn write_convergence(
         let cells = fineness.grid.cells.map(f64::from);
         cells.into_iter().chain(values).collect::<Vec<f64>>()
     };
-    let coarser = finding.coarser.iter().rev().map(|(fineness, values)| {
+    let others = finding.others.iter().rev().map(|(fineness, values)| {
         let mut values = measured.iter().map(|one| Finding::of(values, one.name));
         row(fineness, &mut values)
     });
-    let mut rows: Vec<Vec<f64>> = coarser.collect();
+    let mut rows: Vec<Vec<f64>> = others.collect();
     rows.push(row(
         &model.fineness,
         &mut measured.iter().map(|one| one.value),

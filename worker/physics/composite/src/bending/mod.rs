@@ -216,7 +216,7 @@ fn test(
     };
     let tested = conduct(&model, progress, recorded.context.interrupt, recorded)?;
     let measured = results::measure(&model, &tested);
-    let finding = compare(spec, finest, recorded, &tested, finding)?;
+    let finding = compare(&model, recorded, &tested, finding)?;
     files::write(&model, &tested, &measured, &finding, recorded).map_err(Halt::Failed)?;
     recorded.recorder.progress(1.0, "finished");
     Ok(report::report(&model, &tested, &measured, &finding))
@@ -245,12 +245,12 @@ fn conduct(
 /// The same test on coarser grids, by the equations of equilibrium, and on the exact lattice, beyond
 /// what is known of them.
 fn compare(
-    spec: &CompositeBending,
-    finest: Fineness,
+    model: &Model<'_>,
     recorded: &mut Recorded<'_, '_>,
     tested: &Tested,
     mut finding: Finding,
 ) -> Result<Finding, Halt> {
+    let (spec, finest) = (model.spec, model.fineness);
     let knobs = spec.accuracy.knobs();
     let by_static = knobs.solver != Solver::Static && spec.test.history.is_none();
     let mut plain = spec.clone();
@@ -271,12 +271,12 @@ fn compare(
             .map(|one| (one.name.to_owned(), one.value));
         Ok(named.collect())
     };
-    let all = errors::coarser(finest);
+    let all = model.comparison().grids(finest);
     loop {
         let next = if by_static && finding.by_static.is_none() {
             other(&plain, finest).map(|values| finding.by_static = Some(values))
-        } else if let Some(fineness) = all.get(finding.coarser.len()) {
-            other(&plain, *fineness).map(|values| finding.coarser.push((*fineness, values)))
+        } else if let Some(fineness) = all.get(finding.others.len()) {
+            other(&plain, *fineness).map(|values| finding.others.push((*fineness, values)))
         } else if matches!(spec.lattice, Lattice::Paper(_)) && finding.exact.is_none() {
             let exact = CompositeBending {
                 lattice: Lattice::default(),

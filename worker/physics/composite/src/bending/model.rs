@@ -4,15 +4,18 @@ use loadframe_api::spec::composite_bending::{CompositeBending, Grips, Way};
 
 use serde::{Deserialize, Serialize};
 
+use super::errors::Comparison;
 use crate::error::CompositeError;
 use crate::flexure::{Drive, Flexure, Loading};
 use crate::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
 use crate::load::{Load, LoadPlace};
 use crate::material::{Material, Note};
-use crate::section::{Division, Fibre, Ply, Refinement, Section, Substance};
+use crate::section::{Division, Fibre, Fit, Ply, Refinement, Section, Substance};
 use crate::solve::StaticOptions;
 use crate::supports::{Face, FaceSupport, Supports};
 
+/// Cells at rollers over their radius, as long as the width of contacts is not known.
+const FIRST: f64 = 0.1;
 /// Density of what is only brought to rest, where none is given [kg/m³]: the rest does not depend on
 /// it.
 const ANY_DENSITY: f64 = 1_000.0;
@@ -36,6 +39,7 @@ pub(super) struct Model<'a> {
     pub(super) load: Vec<f64>,
     /// Share of each cell's area that is fibre.
     pub(super) fibre_share: Vec<f64>,
+    pub(super) fit: Fit,
     /// The direction in which deflections count as positive.
     pub(super) direction: [f64; 2],
     /// Names of materials with what was taken for constants that were not given.
@@ -49,13 +53,28 @@ impl<'a> Model<'a> {
     ) -> Result<Self, CompositeError> {
         let names: Vec<&String> = spec.materials.keys().collect();
         let section = section(spec, &names)?;
-        let model = Self::refined(spec, fineness, section.clone(), &names, &[])?;
-        if fineness.grid.graded_cells_per_fibre.is_none() {
-            return Ok(model);
-        }
-        let Some((flexure, given)) = model.flexure() else {
-            return Ok(model);
+        let bent = flexure(spec).filter(|_| fineness.grid.graded_cells_per_fibre.is_some());
+        let Some((flexure, given)) = bent else {
+            return Self::refined(spec, fineness, section, &names, &[]);
         };
+        let (beneath, above) = flexure.rollers(&section);
+        let lines: Vec<Refinement> = beneath
+            .iter()
+            .chain(&above)
+            .map(|roller| Refinement {
+                at_mm: [
+                    roller.at_mm,
+                    if roller.face == Face::Top {
+                        section.height_mm
+                    } else {
+                        0.0
+                    },
+                ],
+                half_width_mm: FIRST * roller.radius_mm,
+                cell_mm: FIRST * roller.radius_mm,
+            })
+            .collect();
+        let model = Self::refined(spec, fineness, section.clone(), &names, &lines)?;
         // contacts are as wide as their force makes them, which a first, coarser answer tells
         let first = flexure.bend(
             &section,
@@ -77,7 +96,10 @@ impl<'a> Model<'a> {
         let grid = fineness.grid;
         let cells = grid.cells.map(|count| count as usize);
         let division = match grid.graded_cells_per_fibre {
-            None => Division::Uniform { cells },
+            None if grid.equal_cells || matches!(spec.lattice, spec::Lattice::Paper(_)) => {
+                Division::Uniform { cells }
+            }
+            None => Division::Fitted { cells },
             Some(across) => Division::Graded {
                 cells,
                 across: across as usize,
@@ -105,6 +127,7 @@ impl<'a> Model<'a> {
             supports,
             load,
             fibre_share: layout.fibre_share().to_vec(),
+            fit: layout.fit(),
             direction: direction(spec),
             notes,
             lattice,
@@ -113,18 +136,15 @@ impl<'a> Model<'a> {
 
     /// The bent specimen on its rollers, and what the spec says of it.
     pub(super) fn flexure(&self) -> Option<(Flexure, &'a spec::Flexure)> {
-        let way = self.spec.test.way()?;
-        let (_, given) = way.flexure()?;
-        let flexure = Flexure {
-            loading: match way {
-                Way::FourPoint(_) => Loading::FourPoint,
-                _ => Loading::ThreePoint,
-            },
-            span_mm: given.span_mm,
-            loading_radius_mm: given.loading_radius_mm,
-            support_radius_mm: given.support_radius_mm,
-        };
-        Some((flexure, given))
+        flexure(self.spec)
+    }
+
+    /// How the errors of its grid are found.
+    pub(super) fn comparison(&self) -> Comparison {
+        Comparison::of(
+            self.fit,
+            matches!(self.spec.lattice, spec::Lattice::Paper(_)),
+        )
     }
 
     pub(super) fn geometry(&self) -> Geometry {
@@ -144,6 +164,21 @@ impl<'a> Model<'a> {
             grid.particles()
         )
     }
+}
+
+fn flexure(spec: &CompositeBending) -> Option<(Flexure, &spec::Flexure)> {
+    let way = spec.test.way()?;
+    let (_, given) = way.flexure()?;
+    let flexure = Flexure {
+        loading: match way {
+            Way::FourPoint(_) => Loading::FourPoint,
+            _ => Loading::ThreePoint,
+        },
+        span_mm: given.span_mm,
+        loading_radius_mm: given.loading_radius_mm,
+        support_radius_mm: given.support_radius_mm,
+    };
+    Some((flexure, given))
 }
 
 /// What moves the rollers, at a share of the whole.

@@ -31,7 +31,7 @@ pub(super) fn report(
     let mut summary = IndexMap::new();
     for one in measured {
         let quantity = Quantity::new(one.value, one.unit, one.description);
-        let quantity = quantity.with_error(finding.parts(one));
+        let quantity = quantity.with_error(finding.parts(one, model.comparison()));
         summary.insert(one.name.to_owned(), quantity);
     }
     if let Some(stiffer) = finding.stiffer(measured) {
@@ -111,7 +111,7 @@ fn quality(
         ),
     ]);
     if let Some(main) = errors::main(measured) {
-        let error = finding.of_grid(main) / main.value.abs();
+        let error = finding.of_grid(main, model.comparison()) / main.value.abs();
         // a grid that cannot be coarser tells nothing of its error
         if error.is_finite() {
             quality.insert(

@@ -6,6 +6,9 @@ use crate::error::{CompositeError, finite, positive};
 pub enum Division {
     /// So many equal cells along x and along y.
     Uniform { cells: [usize; 2] },
+    /// So many cells along x and along y, as equal as they can be with particle lines on the faces of
+    /// every ply and of every fibre along an axis; along an axis with too few cells for that, equal.
+    Fitted { cells: [usize; 2] },
     /// Particle lines on the faces of every ply and of every fibre along an axis, and cells no
     /// larger than a uniform division would have; in a fibre and a ply as small as `across` cells
     /// through it, growing away from it.
@@ -194,6 +197,66 @@ impl Grid {
     }
 }
 
+/// So many cells along one axis, as equal as they can be with lines at all `faces`; `None` when there
+/// are more intervals between faces than cells.
+pub(crate) fn fitted_lines(side: f64, faces: &[f64], cells: usize) -> Option<Vec<f64>> {
+    let stations = stations(side, faces.iter().copied());
+    let lengths: Vec<f64> = stations.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if lengths.len() > cells {
+        return None;
+    }
+    let mut counts = vec![1_usize; lengths.len()];
+    for _ in lengths.len()..cells {
+        // one more where cells are longest; of equals the first
+        let mut longest = 0;
+        for place in 1..lengths.len() {
+            let size = |place: usize| lengths[place] / counts[place] as f64;
+            if size(place) > size(longest) * (1.0 + 1e-12) {
+                longest = place;
+            }
+        }
+        counts[longest] += 1;
+    }
+    let mut lines = vec![0.0];
+    for (place, count) in counts.iter().enumerate() {
+        let from = stations[place];
+        for line in 1..*count {
+            lines.push(from + lengths[place] * line as f64 / *count as f64);
+        }
+        lines.push(stations[place + 1]);
+    }
+    Some(lines)
+}
+
+/// Places along an axis in ascending order, each once, with both ends.
+fn stations(side: f64, faces: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut stations: Vec<f64> = faces
+        .map(|face| face.clamp(0.0, side))
+        .chain([0.0, side])
+        .collect();
+    stations.sort_by(f64::total_cmp);
+    stations.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * side);
+    // of the end and a face beside it the end stays
+    if let Some(last) = stations.last_mut() {
+        *last = side;
+    }
+    stations
+}
+
+/// Whether lines pass through all faces within the section.
+pub(crate) fn pass_through(lines: &[f64], faces: &[f64]) -> bool {
+    let side = lines[lines.len() - 1];
+    faces.iter().all(|face| {
+        let after = lines.partition_point(|line| line < face);
+        let near = |place: usize| {
+            lines
+                .get(place)
+                .is_some_and(|line| (line - face).abs() < 1e-9 * side)
+        };
+        *face <= 0.0 || *face >= side || near(after) || (after > 0 && near(after - 1))
+    })
+}
+
 /// Weights of a cell's four corners at a place inside it (0..1 along both sides).
 pub(crate) fn corner_weights([a, b]: [f64; 2]) -> [f64; 4] {
     [(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b]
@@ -216,14 +279,7 @@ pub(crate) fn within(lines: &[f64], coordinate: f64) -> Option<(usize, f64)> {
 /// Lines along one axis: on both ends, on the ends of every fine stretch, and
 /// between them cells that grow by at most [`GROWTH`] away from fine stretches up to `largest`.
 pub(crate) fn graded_lines(side: f64, fine: &[Fine], largest: f64) -> Vec<f64> {
-    let mut stations: Vec<f64> = fine
-        .iter()
-        .flat_map(|stretch| stretch.between)
-        .map(|face| face.clamp(0.0, side))
-        .chain([0.0, side])
-        .collect();
-    stations.sort_by(f64::total_cmp);
-    stations.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * side);
+    let stations = stations(side, fine.iter().flat_map(|stretch| stretch.between));
     let wanted = |station: f64| {
         fine.iter()
             .map(|stretch| stretch.wanted(station))

@@ -1,7 +1,9 @@
 //! A section laid out on its grid: what every cell holds.
 use crate::error::{CompositeError, positive};
 use crate::material::Note;
-use crate::section::grid::{Division, Fine, Grid, Refinement, graded_lines};
+use crate::section::grid::{
+    Division, Fine, Grid, Refinement, fitted_lines, graded_lines, pass_through,
+};
 use crate::section::ply::{Ply, Strip, faces_mm, strip};
 use crate::section::{Band, Polygon, Section, refuse_overlap};
 use crate::stiffness::{Stiffness, laminate};
@@ -22,6 +24,7 @@ pub struct Layout {
     /// Share of each cell's area that is fibre.
     pub(crate) fibre_share: Vec<f64>,
     pub(crate) notes: Vec<(usize, Note)>,
+    pub(crate) fit: Fit,
 }
 
 /// A fibre in a cell: which band, and its share of the cell's area.
@@ -48,6 +51,7 @@ impl Layout {
             .collect::<Result<Vec<_>, _>>()?;
         refuse_overlap(&bands)?;
         let grid = divide(section, &faces, &bands, division, refinements)?;
+        let fit = fit(&grid, &faces_across(section, &faces, &bands), &bands);
 
         for substance in &section.materials {
             substance.material.stiffness(section.state)?;
@@ -121,6 +125,7 @@ impl Layout {
             density,
             fibre_share,
             notes,
+            fit,
         })
     }
 
@@ -134,6 +139,12 @@ impl Layout {
     #[must_use]
     pub fn stiffness(&self) -> &[Stiffness] {
         &self.stiffness
+    }
+
+    /// How well the grid follows faces of plies and fibres.
+    #[must_use]
+    pub fn fit(&self) -> Fit {
+        self.fit
     }
 
     /// Share of each cell's area that is fibre.
@@ -243,6 +254,50 @@ fn touched(lines: &[f64], [from, to]: [f64; 2]) -> std::ops::Range<usize> {
     first..last
 }
 
+/// Faces of fibres along an axis and of plies, across x and across y [mm].
+fn faces_across(section: &Section, ply_faces: &[f64], bands: &[Band]) -> [Vec<f64>; 2] {
+    [0, 1].map(|axis| {
+        let along = bands
+            .iter()
+            .filter(|band| band.axis[axis].abs() < f64::EPSILON);
+        let mut faces: Vec<f64> = along
+            .flat_map(|band| {
+                let middle = band.through_mm[axis];
+                [
+                    middle - band.half_thickness_mm,
+                    middle + band.half_thickness_mm,
+                ]
+            })
+            .collect();
+        if axis == 1 && !section.plies.is_empty() {
+            faces.extend(ply_faces);
+        }
+        faces
+    })
+}
+
+/// How well a grid follows what lies in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fit {
+    /// Lines of particles pass through all faces of plies and fibres.
+    Exact,
+    /// All but those of fibres at an angle to both axes, which no grid follows.
+    Slanted,
+    /// Cells are cut by faces along an axis.
+    Cut,
+}
+
+fn fit(grid: &Grid, faces: &[Vec<f64>; 2], bands: &[Band]) -> Fit {
+    let is_slanted = |band: &Band| band.axis.iter().all(|part| part.abs() > f64::EPSILON);
+    if !pass_through(grid.x_mm(), &faces[0]) || !pass_through(grid.y_mm(), &faces[1]) {
+        Fit::Cut
+    } else if bands.iter().any(is_slanted) {
+        Fit::Slanted
+    } else {
+        Fit::Exact
+    }
+}
+
 fn divide(
     section: &Section,
     ply_faces: &[f64],
@@ -251,7 +306,8 @@ fn divide(
     refinements: &[Refinement],
 ) -> Result<Grid, CompositeError> {
     let sides = [section.length_mm, section.height_mm];
-    let (Division::Uniform { cells } | Division::Graded { cells, .. }) = division;
+    let (Division::Uniform { cells } | Division::Fitted { cells } | Division::Graded { cells, .. }) =
+        division;
     for count in cells {
         if count == 0 || count > 1 << 15 {
             return Err(CompositeError::OutOfRange {
@@ -264,12 +320,25 @@ fn divide(
     let Division::Graded { across, .. } = division else {
         if !refinements.is_empty() {
             return Err(CompositeError::OutOfRange {
-                quantity: "the number of refined places of a uniform division",
+                quantity: "the number of refined places of a division that is not graded",
                 given: refinements.len() as f64,
                 allowed: "0: only a graded division has cells of different sizes",
             });
         }
-        return Ok(Grid::uniform(sides, cells));
+        let equal = Grid::uniform(sides, cells);
+        if matches!(division, Division::Uniform { .. }) {
+            return Ok(equal);
+        }
+        let faces = faces_across(section, ply_faces, bands);
+        let lines = |axis: usize, equal: &[f64]| {
+            if pass_through(equal, &faces[axis]) {
+                equal.to_vec()
+            } else {
+                fitted_lines(sides[axis], &faces[axis], cells[axis])
+                    .unwrap_or_else(|| equal.to_vec())
+            }
+        };
+        return Grid::of_lines(lines(0, equal.x_mm()), lines(1, equal.y_mm()));
     };
     if across == 0 {
         return Err(CompositeError::OutOfRange {

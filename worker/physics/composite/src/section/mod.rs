@@ -10,7 +10,7 @@ mod tests;
 
 pub use grid::{Division, Grid, Refinement};
 pub(crate) use grid::{corner_weights, within};
-pub use layout::Layout;
+pub use layout::{Fit, Layout};
 pub use loadframe_api::section::fibre::Fibre;
 pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};
 pub(crate) use loadframe_api::section::polygon::Polygon;
