@@ -13,7 +13,7 @@ use crate::section::Fit;
 pub(super) type Values = Vec<(String, f64)>;
 
 /// The grids to compare with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Comparison {
     /// Half and a quarter of the cells: what converges is followed to its limit.
     Coarser {
@@ -30,8 +30,8 @@ pub(super) enum Comparison {
 /// The same test in other ways.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Finding {
-    /// On other grids, in the order of [`grids`].
-    pub(super) others: Vec<(Fineness, Values)>,
+    /// On other grids, in the order of [`Comparison::grids`].
+    pub(super) others: Vec<Values>,
     /// By the equations of equilibrium on the same grid, where another solver was asked for.
     pub(super) by_static: Option<Values>,
     /// On the exact lattice and the same grid, where the paper's was asked for.
@@ -106,8 +106,8 @@ impl Finding {
     /// finest. From graded grids g the distance |f − g₁| and the error |g₁ − g₂| of that.
     pub(super) fn of_grid(&self, measured: &Measured, comparison: Comparison) -> f64 {
         let other = |index: usize| {
-            let grid = self.others.get(index);
-            grid.map_or(f64::NAN, |(_, all)| Self::of(all, measured.name))
+            let all = self.others.get(index);
+            all.map_or(f64::NAN, |all| Self::of(all, measured.name))
         };
         let (step, before) = (measured.value - other(0), other(0) - other(1));
         match comparison {
@@ -212,7 +212,7 @@ mod tests {
         Finding {
             others: coarser
                 .iter()
-                .map(|value| (fineness([1, 1]), vec![("some".to_owned(), *value)]))
+                .map(|value| vec![("some".to_owned(), *value)])
                 .collect(),
             ..Finding::default()
         }

@@ -95,7 +95,9 @@ fn write_convergence(
         let cells = fineness.grid.cells.map(f64::from);
         cells.into_iter().chain(values).collect::<Vec<f64>>()
     };
-    let others = finding.others.iter().rev().map(|(fineness, values)| {
+    let grids = model.comparison().grids(model.fineness);
+    let others = grids.iter().zip(&finding.others).rev();
+    let others = others.map(|(fineness, values)| {
         let mut values = measured.iter().map(|one| Finding::of(values, one.name));
         row(fineness, &mut values)
     });

@@ -276,7 +276,7 @@ fn compare(
         let next = if by_static && finding.by_static.is_none() {
             other(&plain, finest).map(|values| finding.by_static = Some(values))
         } else if let Some(fineness) = all.get(finding.others.len()) {
-            other(&plain, *fineness).map(|values| finding.others.push((*fineness, values)))
+            other(&plain, *fineness).map(|values| finding.others.push(values))
         } else if matches!(spec.lattice, Lattice::Paper(_)) && finding.exact.is_none() {
             let exact = CompositeBending {
                 lattice: Lattice::default(),

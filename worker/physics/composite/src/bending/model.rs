@@ -2,8 +2,6 @@
 use loadframe_api::spec::composite_bending as spec;
 use loadframe_api::spec::composite_bending::{CompositeBending, Grips, Way};
 
-use serde::{Deserialize, Serialize};
-
 use super::errors::Comparison;
 use crate::error::CompositeError;
 use crate::flexure::{Drive, Flexure, Loading};
@@ -21,7 +19,7 @@ const FIRST: f64 = 0.1;
 const ANY_DENSITY: f64 = 1_000.0;
 
 /// How fine a model is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Fineness {
     pub(super) grid: spec::Grid,
     /// Cells through half the width of a roller's contact, in a graded grid.
