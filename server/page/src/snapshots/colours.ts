@@ -3,7 +3,10 @@ import { Color } from "three";
 import type { Scalars } from "./frames";
 
 /** Dark blue over green to yellow: readable without telling red from green, and in grey. */
-const RAMP = ["#31356e", "#2c6a8f", "#2f9c8b", "#7cc66a", "#f2e14c"].map((text) => new Color(text));
+const STOPS = ["#31356e", "#2c6a8f", "#2f9c8b", "#7cc66a", "#f2e14c"];
+const RAMP = STOPS.map((text) => new Color(text));
+/** The ramp as a background, mixed as the picture mixes it. */
+export const RAMP_GRADIENT = `linear-gradient(in srgb-linear to right, ${STOPS.join(", ")})`;
 /** Neighbouring numbers lie far apart on the circle of hues. */
 const GOLDEN = 0.618034;
 
