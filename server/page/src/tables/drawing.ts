@@ -23,7 +23,10 @@ export function drawingOf(
   if (ends.some((end) => end === undefined)) return null;
   /** Rows that hold over an interval are drawn from its one end to its other. */
   const spread = (list: number[]): number[] => list.flatMap((value) => edges.map(() => value));
-  const named = [...lines, ...more].flatMap((name) => {
+  const others = Array.isArray(more)
+    ? more
+    : table.columns.filter((name) => ![...edges, ...lines, ...more.allBut].includes(name));
+  const named = [...lines, ...others].flatMap((name) => {
     const list = numbers(table, name);
     return list ? [{ column: { ...describe(name), isShown: lines.includes(name), isMinor: false }, list }] : [];
   });
