@@ -47,6 +47,8 @@ const KNOWN: Record<string, Partial<Column>> = {
   ux_mm: { label: "Displacement, along x" },
   uy_mm: { label: "Displacement, along y" },
   fibre_share: { label: "Share of fibre" },
+  strain_xy: { label: "Shear strain xy" },
+  stress_xy_mpa: { label: "Shear stress xy" },
   stress_mises_mpa: { label: "Stress, von Mises" },
   from_stress_kpa: { label: "Stress, from" },
   to_stress_kpa: { label: "Stress, to" },

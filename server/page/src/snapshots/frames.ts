@@ -93,6 +93,8 @@ export interface Scalars {
   unit: string;
   /** Each value is a colour of its own, and no more or less than another. */
   isCategory: boolean;
+  /** Few values lie so far out that colours leave them aside, such as stresses at the corner of a support. */
+  hasOutliers?: boolean;
   values: ArrayLike<number>;
 }
 

@@ -2,7 +2,7 @@ import { deflateSync } from "node:zlib";
 import { expect, test } from "vitest";
 import type { Job } from "../api/types";
 import { NARROW } from "../format/numbers";
-import { rangeOf } from "./colours";
+import { colourOf, rampOf, rangeOf } from "./colours";
 import { boundsOf, framesOf, inventory, pictureOf, scalarsOf, usualScalars } from "./frames";
 import { momentOf, subjectOf } from "./subject";
 import { readVtp, type PolyData } from "./vtp";
@@ -127,6 +127,27 @@ test("polygons with stresses are a body, and coloured by them", async () => {
   expect(usualScalars(scalars)).toBe("stress_mises_mpa");
   // the paper's lattice has no stresses
   expect(usualScalars(scalars.slice(0, 2))).toBe("strain_xx");
+});
+
+test("the peak at a corner leaves colours to the rest", () => {
+  const values = Float64Array.from({ length: 201 }, (_, index) => index / 100);
+  values[200] = 50;
+  const stress = { name: "s", label: "Stress", unit: "MPa", isCategory: false, values };
+  expect([rangeOf(stress), rampOf(stress)]).toEqual([
+    [0, 50],
+    [0, 50],
+  ]);
+  expect(rampOf({ ...stress, hasOutliers: true })).toEqual([0.02, 1.98]);
+  const colours = colourOf({ ...stress, hasOutliers: true }, 201);
+  // what lies beyond an end has its colour
+  expect(colours.slice(600)).toEqual(colours.slice(594, 597));
+  // with a share of fibre in few cells, the ramp is for these
+  const thin = {
+    ...stress,
+    hasOutliers: true,
+    values: Float64Array.from({ length: 201 }, (_, index) => +(index === 7)),
+  };
+  expect(rampOf(thin)).toEqual([0, 1]);
 });
 
 test("moments are told in what they are counted in", () => {

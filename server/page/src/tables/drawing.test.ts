@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { parseCsv } from "./csv";
-import { drawingOf } from "./drawing";
+import { drawingOf, restingRow } from "./drawing";
 import { TABLES, type FileTable } from "./tables";
 
 function known(file: string): FileTable {
@@ -116,12 +116,14 @@ test("results converge over the cells, whichever test it was", () => {
 });
 
 test("a face is drawn by its displacement across, along when asked for", () => {
-  const face = drawingOf(known("faces/top.csv"), parseCsv("along_mm,ux_mm,uy_mm\n0,0,0\n0.7,0.01,-0.02\n"));
+  const face = drawingOf(known("faces/top.csv"), parseCsv("along_mm,ux_mm,uy_mm\n0,0,0\n0.7,0.01,-0.02\n1.4,0,0\n"));
   expect(face?.values).toEqual([
-    [0, 0.7],
-    [0, -0.02],
-    [0, 0.01],
+    [0, 0.7, 1.4],
+    [0, -0.02, 0],
+    [0, 0.01, 0],
   ]);
+  // held at both ends, it tells most between them
+  expect(face && restingRow(known("faces/top.csv"), face)).toBe(1);
   expect(face?.columns.map(({ label, isShown }) => [label, isShown])).toEqual([
     ["Place along the face", false],
     ["Displacement, along y", true],

@@ -1,4 +1,5 @@
 // From a file's table to the lines of a plot.
+import { indexOfMaximum } from "../plot/columns";
 import { describe, stemOf, type Column } from "../plot/names";
 import { numbers, type Table } from "./csv";
 import type { FileTable } from "./tables";
@@ -49,4 +50,10 @@ export function drawingOf(
     cycles: whole("cycle"),
     unloading: whole("unloading"),
   };
+}
+
+/** The row whose values are told while nobody points at one. */
+export function restingRow({ restsAt }: FileTable, { values: [across = [], main = []] }: Drawing): number {
+  if (restsAt === "first") return 0;
+  return restsAt === "largest" ? Math.max(0, indexOfMaximum(main.map(Math.abs))) : across.length - 1;
 }

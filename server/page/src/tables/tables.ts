@@ -15,8 +15,8 @@ export interface FileTable {
   lines?: string[];
   more?: string[] | { allBut: string[] };
   style?: PlotStyle;
-  /** The first row tells more than the last, which is the same for all. */
-  restsAtFirst?: boolean;
+  /** The row that tells most when nobody points at one: else the last. */
+  restsAt?: "first" | "largest";
   /** Fewer rows tell nothing. */
   leastRows?: number;
   /** Makes of the file what is drawn. */
@@ -70,7 +70,7 @@ export const TABLES: FileTable[] = [
     over: "fragment_members",
     lines: ["finer_poured", "finer_before_loading", "finer_peak", "finer_end"],
     style: { isLogarithmic: true, hasPoints: true },
-    restsAtFirst: true,
+    restsAt: "first",
     rearrange: massCurves,
   },
   {
@@ -131,6 +131,24 @@ export const TABLES: FileTable[] = [
     more: ["energy_released_n_mm"],
   },
   {
+    file: "faces/top.csv",
+    title: "Displacement along the top face",
+    about: "Of every particle of the face, from left to right.",
+    over: "along_mm",
+    lines: ["uy_mm"],
+    more: ["ux_mm"],
+    restsAt: "largest",
+  },
+  {
+    file: "faces/bottom.csv",
+    title: "Displacement along the bottom face",
+    about: "Of every particle of the face, from left to right.",
+    over: "along_mm",
+    lines: ["uy_mm"],
+    more: ["ux_mm"],
+    restsAt: "largest",
+  },
+  {
     file: "convergence.csv",
     title: "Convergence over cells",
     about: "Each result on the grid asked for, and on those of half and of a quarter of its cells along both sides.",
@@ -140,22 +158,6 @@ export const TABLES: FileTable[] = [
     more: { allBut: ["cells_y"] },
     style: { hasPoints: true, floats: true },
     leastRows: 2,
-  },
-  {
-    file: "faces/top.csv",
-    title: "Displacement along the top face",
-    about: "Of every particle of the face, from left to right.",
-    over: "along_mm",
-    lines: ["uy_mm"],
-    more: ["ux_mm"],
-  },
-  {
-    file: "faces/bottom.csv",
-    title: "Displacement along the bottom face",
-    about: "Of every particle of the face, from left to right.",
-    over: "along_mm",
-    lines: ["uy_mm"],
-    more: ["ux_mm"],
   },
   {
     file: "points.csv",
