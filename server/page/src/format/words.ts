@@ -54,11 +54,18 @@ export function unitFor(name: string, { value, unit }: Quantity): { factor: numb
 }
 
 /** How far a value may be off, in the unit shown; of several measures the one that was measured. */
-function scatterOf({ deviation, interval, n, error }: Quantity, factor: number): string {
+function scatterOf({ value, deviation, interval, n, error }: Quantity, factor: number): string {
   if (deviation && n) return `± ${formatError(deviation / factor)}`;
   if (interval) return interval.map((end) => formatNumber(end / factor)).join(" … ");
-  // What was given, such as a load, has none.
-  return error?.value ? `± ${formatError(error.value / factor)}` : "";
+  return error && isWrong({ value, error }) ? `± ${formatError(error.value / factor)}` : "";
+}
+
+/** Errors smaller than this part of a value are those of its last digits. */
+const ROUND_OFF = 1e-12;
+
+/** Whether a value has an error to speak of: what was given, such as a load, has none. */
+export function isWrong({ value, error }: Pick<Quantity, "value" | "error">): boolean {
+  return value !== null && (error?.value ?? 0) > ROUND_OFF * Math.abs(value);
 }
 
 /** Nobody speaks of 68 860 000 Pa. */

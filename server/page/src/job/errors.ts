@@ -1,7 +1,7 @@
 // How wrong results may be, source by source.
 import type { ErrorPart, Quantity } from "../api/types";
 import { formatError } from "../format/numbers";
-import { humanise, unitFor, withUnit } from "../format/words";
+import { humanise, isWrong, unitFor, withUnit } from "../format/words";
 
 type Basis = ErrorPart["basis"];
 
@@ -26,7 +26,7 @@ export interface ErrorTable {
 /** The parts of all errors, a column for each source and where it is known from. */
 export function errorTable(results: [name: string, quantity: Quantity][]): ErrorTable {
   const sources = new Map<string, Source>();
-  const known = results.filter(([, { error }]) => error?.value);
+  const known = results.filter(([, quantity]) => isWrong(quantity));
   for (const part of known.flatMap(([, { error }]) => error?.parts ?? [])) {
     sources.set(keyOf(part), { source: humanise(part.source), basis: basisOf(part) });
   }
