@@ -81,3 +81,36 @@ test("a fabric shows its bonds, and those that broke no more", () =>
     );
     assert.equal(await part(page, "has-lines").isChecked(), true);
   }));
+
+test("a section is seen face on, in the colours of its stress", () =>
+  visit("/", async (page) => {
+    const id = await view(page, "composite_bending", "composite_bending");
+    const { summary } = await (await page.request.get(`/v1/jobs/${id}`)).json();
+    assert.equal((await part(page, "inventory").innerText()).replaceAll(/[^\d]/g, ""), String(summary.cells.value));
+    const told = await part(page, "snapshots").innerText();
+    assert.match(told, /full load/i);
+    assert.match(told, /drawn [\d.]+ times as large/);
+    assert.match(told, /… [\d.]+\sMPa/u);
+    // one moment is not played
+    assert.equal(await part(page, "play").count(), 0);
+    assert.equal(await part(page, "cells-by").inputValue(), "stress_mises_mpa");
+    const stressed = await seen(page);
+    await picture(page, "section");
+    await part(page, "cells-by").selectOption("strain_xx");
+    const strained = await seen(page);
+    assert.notEqual(strained, stressed);
+    await part(page, "viewport").focus();
+    await page.keyboard.press("ArrowRight");
+    await part(page, "cells-by").focus();
+    assert.notEqual(await seen(page), strained);
+
+    // how wrong a result is stands beside it, and where that is known from below
+    const deflection = page.locator('[data-result="mean_top_deflection"]');
+    assert.match(await deflection.innerText(), /± [\d.]+/);
+    await part(page, "errors").locator("summary").press("Enter");
+    assert.match(await part(page, "errors").innerText(), /Grid\s+from coarser grids/);
+    await isAccessible(page, "a section");
+    await page.setViewportSize(PHONE);
+    await fitsThePhone(page, "a section");
+    await picture(page, "phone-section");
+  }));

@@ -6,6 +6,7 @@ type Schemas = components["schemas"];
 export type Attempt = Schemas["AttemptView"];
 export type Curve = Schemas["CurveView"];
 export type DryRun = Schemas["DryRun"];
+export type ErrorPart = Schemas["ErrorPart"];
 export type Example = Schemas["ExampleView"];
 export type FileEntry = Schemas["FileEntry"];
 export type Job = Schemas["JobView"];

@@ -728,7 +728,7 @@ export interface components {
             };
         };
         /** @description Kind of a job. */
-        JobKind: "nonwoven_tensile" | "granular_scene" | "ballast_oedometer" | "ballast_box" | "ballast_railbed" | "calibrate";
+        JobKind: "nonwoven_tensile" | "granular_scene" | "ballast_oedometer" | "ballast_box" | "ballast_railbed" | "composite_bending" | "calibrate";
         /** @description `POST /v1/worker/claims`: asks for a job and waits up to `wait_s` for one (204 when none came). */
         ClaimRequest: {
             /**
@@ -846,9 +846,30 @@ export interface components {
              * @description Repeats that know the value.
              */
             n?: number;
+            /** @description How wrong the value may be. Absent where that is not known. */
+            error?: components["schemas"]["ErrorEstimate"] | null;
             /** @description A sentence on what it is, for people. */
             description?: string;
         };
+        /** @description How wrong a value may be, in its unit: one standard error. */
+        ErrorEstimate: {
+            /**
+             * Format: double
+             * @description All parts together: the root of the sum of their squares.
+             */
+            value: number;
+            parts: components["schemas"]["ErrorPart"][];
+        };
+        /** @description What one source adds to an error. */
+        ErrorPart: {
+            /** @description `grid`, `solver`, `time_step`, `specimens`, ... */
+            source: string;
+            /** Format: double */
+            value: number;
+            basis: components["schemas"]["ErrorBasis"];
+        };
+        /** @description Where an error's size is known from. */
+        ErrorBasis: "measured_table" | "two_grids" | "two_solvers" | "repeats";
         /** @description A measure of quality, and the bound beyond which a warning is attached. */
         QualityCheck: {
             /** Format: double */
@@ -1453,6 +1474,34 @@ export interface components {
         };
         BallastRailbed: Record<string, never>;
         /**
+         * Composite bending
+         * @description A section of fibres or plies in a matrix is held and loaded, bent on rollers, pulled or sheared: deflections, moduli, stresses.
+         */
+        CompositeBendingSubmission: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "composite_bending";
+            /**
+             * @description A name for people; left out, the kind's title.
+             * @default
+             */
+            name: string;
+            /** @default  */
+            notes: string;
+            /** @default [] */
+            tags: string[];
+            /**
+             * Format: int32
+             * @description Higher runs first.
+             * @default 0
+             */
+            priority: number;
+            spec: components["schemas"]["CompositeBending"];
+        };
+        CompositeBending: Record<string, never>;
+        /**
          * Calibration
          * @description Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.
          */
@@ -1481,7 +1530,7 @@ export interface components {
         };
         Calibrate: Record<string, never>;
         /** @description A job to be done; `kind` decides what `spec` holds. */
-        Submission: components["schemas"]["NonwovenTensileSubmission"] | components["schemas"]["GranularSceneSubmission"] | components["schemas"]["BallastOedometerSubmission"] | components["schemas"]["BallastBoxSubmission"] | components["schemas"]["BallastRailbedSubmission"] | components["schemas"]["CalibrateSubmission"];
+        Submission: components["schemas"]["NonwovenTensileSubmission"] | components["schemas"]["GranularSceneSubmission"] | components["schemas"]["BallastOedometerSubmission"] | components["schemas"]["BallastBoxSubmission"] | components["schemas"]["BallastRailbedSubmission"] | components["schemas"]["CompositeBendingSubmission"] | components["schemas"]["CalibrateSubmission"];
     };
     responses: never;
     parameters: never;

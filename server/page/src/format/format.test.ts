@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { formatJson } from "./json";
-import { formatBytes, formatChosen, formatNumber } from "./numbers";
+import { formatBytes, formatChosen, formatError, formatNumber } from "./numbers";
 import { formatAgo, formatDuration, formatEta } from "./time";
 import { sentence, showQuantity, showUnit } from "./words";
 
@@ -75,6 +75,22 @@ describe("quantities", () => {
     expect(plain(shown.scatter ?? "")).toBe("0.3800 … 0.4200");
   });
 
+  it("shows how wrong a value may be, and the deviation before that", () => {
+    const error = { value: 8.136e-5, parts: [{ source: "grid", value: 8.136e-5, basis: "two_grids" as const }] };
+    const shown = showQuantity("mean_top_deflection", { value: 0.052366, unit: "mm", error });
+    expect([shown.scatter, shown.exact]).toEqual(["± 0.000081", "0.052366 mm, standard error 0.00008136"]);
+    const both = showQuantity("deflection", { value: 0.05, unit: "mm", deviation: 0.003, n: 5, error });
+    expect([both.scatter, both.exact]).toEqual([
+      "± 0.003",
+      "0.05 mm, mean of 5, standard deviation 0.003, standard error 0.00008136",
+    ]);
+    const modulus = showQuantity("modulus", { value: 7e7, unit: "Pa", error: { value: 1.234e6, parts: [] } });
+    expect([modulus.text, modulus.scatter]).toEqual(["70", "± 1.2"]);
+    const given = showQuantity("max_force", { value: 10, unit: "N", error: { value: 0, parts: [] } });
+    const even = showQuantity("modulus", { value: 655.7, unit: "MPa", error: { value: 2e-12, parts: [] } });
+    expect([given.scatter, even.scatter]).toEqual([undefined, undefined]);
+  });
+
   it("leaves other pure numbers alone and says when a value is unknown", () => {
     expect(showQuantity("poisson_ratio", { value: 0.56, unit: "1" }).unit).toBe("");
     expect(showQuantity("max_force", { value: null, unit: "N" }).text).toBe("–");
@@ -98,6 +114,19 @@ describe("chosen numbers", () => {
     [12.5, "12.5"],
     [1e-6, "1 × 10⁻⁶"],
   ])("%f reads %s", (value, text) => expect(plain(formatChosen(value))).toBe(text));
+});
+
+describe("errors", () => {
+  it.each([
+    [0.0213, "0.021"],
+    [1.96, "2"],
+    [4213, "4200"],
+    [8.136e-5, "0.000081"],
+    [2.97e-5, "0.00003"],
+    [9.96e-5, "0.0001"],
+    [4.07e-7, "4.1 × 10⁻⁷"],
+    [0, "0"],
+  ])("%f reads %s", (value, text) => expect(plain(formatError(value))).toBe(text));
 });
 
 describe("reasons", () => {

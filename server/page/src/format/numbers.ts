@@ -23,6 +23,16 @@ export function formatChosen(value: number): string {
   return trimZeros(formatNumber(value));
 }
 
+/** An error or a scatter: two digits, with as many decimals as it takes to read them beside the value. */
+export function formatError(size: number): string {
+  const rounded = Number(size.toPrecision(2));
+  if (!(rounded >= SMALLEST_ERROR && rounded < 1e-4)) return formatChosen(rounded);
+  return trimZeros(rounded.toFixed(1 - Math.floor(Math.log10(rounded))));
+}
+
+/** Errors below this have more zeros than one likes to count. */
+const SMALLEST_ERROR = 1e-6;
+
 function formatPower(value: number, digits: number): string {
   const [mantissa = "", exponent = "0"] = value.toExponential(digits - 1).split("e");
   const power = [...String(Number(exponent))].map((c) => SUPERSCRIPT[c] ?? c).join("");

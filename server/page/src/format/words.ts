@@ -1,6 +1,6 @@
 // Names on the wire as words for people.
 import type { Job, Quantity } from "../api/types";
-import { formatChosen, formatNumber, NARROW } from "./numbers";
+import { formatError, formatNumber, NARROW } from "./numbers";
 
 /** `strain_at_max_force` as `Strain at max force`. */
 export function humanise(name: string): string {
@@ -29,24 +29,43 @@ export interface Shown {
   unit: string;
   /** The value as it came, for the tooltip. */
   exact: string;
-  /** The standard deviation over repeats, or the 95 % interval of a fitted value. */
+  /** The standard deviation over repeats, the 95 % interval of a fitted value, or the standard error. */
   scatter?: string;
 }
 
 /** A result as a lab reads it: strains in %, no unit for pure numbers. */
 export function showQuantity(name: string, quantity: Quantity): Shown {
-  const { value, unit } = quantity;
+  const { value, unit, deviation, n, error } = quantity;
+  if (value === null) return { text: "–", unit: "", exact: "The test did not get far enough to know." };
+  const own = unit === "1" ? " (dimensionless)" : ` ${unit}`;
+  const mean = deviation && n ? `, mean of ${n}, standard deviation ${deviation}` : "";
+  const exact = `${value}${own}${mean}${error ? `, standard error ${error.value}` : ""}`;
+  const { factor, unit: larger } = unitFor(name, quantity);
+  const scatter = scatterOf(quantity, factor);
+  return { text: formatNumber(value / factor), unit: larger, exact, ...(scatter && { scatter }) };
+}
+
+/** The unit that a result is shown in, and what its value is divided by for that. */
+export function unitFor(name: string, { value, unit }: Quantity): { factor: number; unit: string } {
   // A ratio of strains is not a strain.
   const isStrain = unit === "1" && /strain|stretch/.test(name) && !name.startsWith("anisotropy");
-  if (value === null) return { text: "–", unit: "", exact: "The test did not get far enough to know." };
-  const { deviation, interval, n } = quantity;
-  const mean = deviation && n ? `, mean of ${n}, standard deviation ${deviation}` : "";
-  const exact = `${value}${unit === "1" ? " (dimensionless)" : ` ${unit}`}${mean}`;
-  const [factor, larger] = isStrain ? [0.01, "%"] : unit === "Pa" ? pascals(value) : [1, unit];
-  // Two digits tell how far specimens differ.
-  const fitted = !mean && interval ? interval.map((end) => formatNumber(end / factor)).join(" … ") : "";
-  const scatter = mean ? `± ${formatChosen(Number(((deviation ?? 0) / factor).toPrecision(2)))}` : fitted;
-  return { text: formatNumber(value / factor), unit: showUnit(larger), exact, ...(scatter && { scatter }) };
+  const [factor, larger] = isStrain ? [0.01, "%"] : unit === "Pa" ? pascals(value ?? 0) : [1, unit];
+  return { factor, unit: showUnit(larger) };
+}
+
+/** How far a value may be off, in the unit shown; of several measures the one that was measured. */
+function scatterOf({ value, deviation, interval, n, error }: Quantity, factor: number): string {
+  if (deviation && n) return `± ${formatError(deviation / factor)}`;
+  if (interval) return interval.map((end) => formatNumber(end / factor)).join(" … ");
+  return error && isWrong({ value, error }) ? `± ${formatError(error.value / factor)}` : "";
+}
+
+/** Errors smaller than this part of a value are those of its last digits. */
+const ROUND_OFF = 1e-12;
+
+/** Whether a value has an error to speak of: what was given, such as a load, has none. */
+export function isWrong({ value, error }: Pick<Quantity, "value" | "error">): boolean {
+  return value !== null && (error?.value ?? 0) > ROUND_OFF * Math.abs(value);
 }
 
 /** Nobody speaks of 68 860 000 Pa. */

@@ -1,9 +1,9 @@
 // Which columns are drawn, over which, and which line a plot is about.
-import { describe, type Column } from "./names";
+import { describeAll, type Column } from "./names";
 
 /** Columns in the order drawn, the horizontal one first; at least one line is shown strong. */
 export function describeColumns(names: string[]): Column[] {
-  const columns = names.map(describe);
+  const columns = describeAll(names);
   const second = columns[1];
   if (second && !columns.some(isStrong)) Object.assign(second, { isShown: true, isMinor: false });
   return columns;

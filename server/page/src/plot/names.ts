@@ -17,7 +17,7 @@ export interface Column {
 const KNOWN: Record<string, Partial<Column>> = {
   nominal_strain: { label: "Nominal strain", unit: "%", factor: 100 },
   force_kn: { label: "Force", unit: "kN", isShown: true },
-  force_n: { label: "Force, moving jaw", unit: "N", isShown: true },
+  force_n: { isShown: true },
   force_bottom_jaw_n: { label: "Force, resting jaw", unit: "N", isShown: true, isMinor: true },
   broken_bonds: { label: "Broken bonds", unit: "", isShown: true, isMinor: true },
   residual_ratio: { label: "Residual over its limit", unit: "", isMinor: true },
@@ -35,6 +35,21 @@ const KNOWN: Record<string, Partial<Column>> = {
   settlement_in_cycle_mm: { label: "Settlement in the cycle" },
   unloading_stiffness_n_per_m: { label: "Stiffness, unloading" },
   loading_stiffness_n_per_m: { label: "Stiffness, loading" },
+  load_fraction: { label: "Share of the load", unit: "%", factor: 100 },
+  mean_top_deflection_mm: { label: "Mean deflection, top face" },
+  mean_bottom_deflection_mm: { label: "Mean deflection, bottom face" },
+  flexural_strain: { label: "Flexural strain", unit: "%", factor: 100 },
+  cells_x: { label: "Cells along x" },
+  cells_y: { label: "Cells along y" },
+  along_mm: { label: "Place along the face" },
+  x_mm: { label: "x" },
+  y_mm: { label: "y" },
+  ux_mm: { label: "Displacement, along x" },
+  uy_mm: { label: "Displacement, along y" },
+  fibre_share: { label: "Share of fibre" },
+  strain_xy: { label: "Shear strain xy" },
+  stress_xy_mpa: { label: "Shear stress xy" },
+  stress_mises_mpa: { label: "Stress, von Mises" },
   from_stress_kpa: { label: "Stress, from" },
   to_stress_kpa: { label: "Stress, to" },
   from_void_ratio: { label: "Void ratio, from" },
@@ -71,6 +86,7 @@ const ENDINGS: [ending: string, unit: string][] = [
   ["_rad", "rad"],
   ["_n", "N"],
   ["_m", "m"],
+  ["_hz", "Hz"],
   ["_s", "s"],
   ["_j", "J"],
 ];
@@ -90,17 +106,23 @@ export function describe(name: string): Column {
   };
 }
 
+/** Names that mean more beside others: with the force on the one jaw, the force is that on the other. */
+const BESIDE: [name: string, other: string, label: string][] = [["force_n", "force_bottom_jaw_n", "Force, moving jaw"]];
+
+/** All columns of one table. */
+export function describeAll(names: string[]): Column[] {
+  return names.map((name) => {
+    const [, , label] = BESIDE.find(([own, other]) => own === name && names.includes(other)) ?? [];
+    return { ...describe(name), ...(label && { label }) };
+  });
+}
+
 function massShare(name: string): Partial<Column> | undefined {
   const match = MASS_SHARE.exec(name);
   if (!match) return undefined;
   const [, from, first = "", last] = match;
   const range = from ? `from ${first}` : last ? `${first}–${last}` : first;
   return { label: `Share of mass, ${range} ${range === "1" ? "sphere" : "spheres"}`, unit: "%", factor: 100 };
-}
-
-/** A column's name for people, with its unit. */
-export function columnTitle(name: string): string {
-  return axisLabel(describe(name));
 }
 
 /** Label and unit, as on an axis. */

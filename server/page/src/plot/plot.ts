@@ -48,8 +48,8 @@ export function plotOptions(input: PlotInput): uPlot.Options {
   return {
     width,
     height: plotHeight(width),
-    // Powers of ten are long texts, and may stand at the very end.
-    padding: [14, style.isLogarithmic ? 18 : 8, 0, 0],
+    // A number may stand at the very end; on the right of a second axis there is room for it.
+    padding: [14, withAxis.length > 1 ? 8 : 18, 0, 0],
     legend: { show: false },
     cursor: {
       drag: { x: !isUpright, y: isUpright },
@@ -135,7 +135,17 @@ function axis(scale: string, label: string, colour: PlotInput["colour"], hasGrid
 
 /** Where an axis stands: 0 above, then clockwise. */
 function sideOf(side: 0 | 1 | 2 | 3, width: number): uPlot.Axis {
-  return side % 2 === 0 ? { side, size: 34, space: 42 } : { side, size: width < NARROW_PLOT ? 46 : 52 };
+  if (side % 2 === 0) return { side, size: 34, space: 42 };
+  const least = width < NARROW_PLOT ? 46 : 52;
+  return { side, size: (_, texts) => Math.max(least, ROOM + DIGIT * longestOf(texts)) };
+}
+
+/** Mark, gaps and a digit of a number on an axis [px]. */
+const ROOM = 14;
+const DIGIT = 7;
+
+function longestOf(texts: string[] | null): number {
+  return Math.max(0, ...(texts ?? []).map((text) => text.length));
 }
 
 /** Room for a number on a logarithmic axis [px]. */

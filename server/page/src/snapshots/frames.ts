@@ -1,10 +1,11 @@
 // The moments of a test of which there are snapshots, and what can be seen of each.
 import { formatNumber } from "../format/numbers";
 import { describe } from "../plot/names";
+import type { Subject } from "./subject";
 import type { PolyData, Values } from "./vtp";
 
 export interface Frame {
-  /** Time of a scene [s], or nominal strain of a fabric. */
+  /** Time of a scene [s], nominal strain of a fabric, or share of a section's load. */
   at: number;
   files: string[];
 }
@@ -25,6 +26,8 @@ export interface Picture {
   spheres: PolyData | undefined;
   lines: PolyData | undefined;
   walls: PolyData | undefined;
+  /** Polygons that are the body itself, with what is known of each. */
+  cells: PolyData | undefined;
 }
 
 export function pictureOf(parts: PolyData[]): Picture {
@@ -34,15 +37,37 @@ export function pictureOf(parts: PolyData[]): Picture {
         points.length > 0 && lines.length + ends.length === 0 && pointData.some(({ name }) => name === "radius_m"),
     ),
     lines: parts.find(({ lines }) => lines.length > 0),
-    walls: parts.find(({ ends }) => ends.length > 0),
+    walls: parts.find((part) => part.ends.length > 0 && !isBody(part)),
+    cells: parts.find((part) => part.ends.length > 0 && isBody(part)),
   };
 }
 
+/** Walls have numbers, and cells have none. */
+function isBody({ cellData }: PolyData): boolean {
+  return cellData.length > 0 && !cellData.some(({ name }) => name === "wall");
+}
+
+/** Lowest and highest x, y and z of all points; nothing when there is no point. */
+export function boundsOf({ points }: PolyData): { low: number[]; high: number[] } | undefined {
+  if (points.length === 0) return undefined;
+  const [low, high] = [
+    [Infinity, Infinity, Infinity],
+    [-Infinity, -Infinity, -Infinity],
+  ];
+  points.forEach((value, index) => {
+    low[index % 3] = Math.min(low[index % 3] ?? value, value);
+    high[index % 3] = Math.max(high[index % 3] ?? value, value);
+  });
+  return { low, high };
+}
+
 /** What a picture holds, as a sentence. */
-export function inventory({ spheres, lines, walls }: Picture, isScene: boolean): string {
+export function inventory({ spheres, lines, walls, cells }: Picture, subject: Subject): string {
+  const isScene = subject === "scene";
   const broken = lines ? [...brokenOf(lines)].filter((is) => is > 0).length : 0;
   const some = [
     count(spheres ? spheres.points.length / 3 : 0, "sphere"),
+    count(cells?.ends.length ?? 0, "cell"),
     count(walls?.ends.length ?? 0, "polygon", " of walls"),
     count(lines ? lines.lines.length / 2 - broken : 0, isScene ? "contact force" : "bond"),
     count(broken, "broken bond"),
@@ -61,13 +86,15 @@ function count(number: number, what: string, rest = ""): string {
   return number === 0 ? "" : `${formatNumber(number)} ${what}${number === 1 ? "" : "s"}${rest}`;
 }
 
-/** What bodies or lines can be coloured by: single values, and the size of vectors. */
+/** What bodies, lines or cells can be coloured by: single values, and the size of vectors. */
 export interface Scalars {
   name: string;
   label: string;
   unit: string;
   /** Each value is a colour of its own, and no more or less than another. */
   isCategory: boolean;
+  /** Few values lie so far out that colours leave them aside, such as stresses at the corner of a support. */
+  hasOutliers?: boolean;
   values: ArrayLike<number>;
 }
 
@@ -92,6 +119,13 @@ export function scalarsOf(data: Values[]): Scalars[] {
 
 /** The one that tells most when nobody has chosen: pieces, where grains break. */
 export function usualScalars(all: Scalars[]): string {
-  const known = ["fragment", "velocity_m_per_s", "normal_force_n", "force_over_strength"];
+  const known = [
+    "fragment",
+    "velocity_m_per_s",
+    "normal_force_n",
+    "force_over_strength",
+    "stress_mises_mpa",
+    "strain_xx",
+  ];
   return known.find((name) => all.some((scalars) => scalars.name === name)) ?? all[0]?.name ?? "";
 }

@@ -1,8 +1,10 @@
 import { deflateSync } from "node:zlib";
 import { expect, test } from "vitest";
+import type { Job } from "../api/types";
 import { NARROW } from "../format/numbers";
-import { rangeOf } from "./colours";
-import { framesOf, inventory, pictureOf, scalarsOf, usualScalars } from "./frames";
+import { colourOf, rampOf, rangeOf } from "./colours";
+import { boundsOf, framesOf, inventory, pictureOf, scalarsOf, usualScalars } from "./frames";
+import { momentOf, subjectOf } from "./subject";
 import { readVtp, type PolyData } from "./vtp";
 
 /** An array as the engine appends it, in blocks of so many bytes. */
@@ -62,6 +64,20 @@ const BONDS = vtp({
     ["offsets", 1, Int32Array.of(2, 4)],
   ],
 });
+/** Two cells of a section, each with corners of its own. */
+const CELLS = vtp({
+  PointData: [["displacement_mm", 3, new Float64Array(24).fill(1)]],
+  CellData: [
+    ["fibre_share", 1, Float64Array.of(0, 1)],
+    ["strain_xx", 1, Float64Array.of(-0.001, 0.002)],
+    ["stress_mises_mpa", 1, Float64Array.of(3, 4)],
+  ],
+  Points: [["Points", 3, Float64Array.of(0, 0, 0, 1, 0, 0, 1, 2, 0, 0, 2, 0, 1, 0, 0, 4, 0, 0, 4, 2, 0, 1, 2, 0)]],
+  Polys: [
+    ["connectivity", 1, Int32Array.of(0, 1, 2, 3, 4, 5, 6, 7)],
+    ["offsets", 1, Int32Array.of(4, 8)],
+  ],
+});
 const read = (...files: ArrayBuffer[]): Promise<PolyData[]> => Promise.all(files.map(readVtp));
 
 test("a snapshot is read over several blocks, to the last bit", async () => {
@@ -83,9 +99,11 @@ test("bodies are coloured by their fragments, and vectors by their size", async 
 });
 
 test("what a snapshot holds is said, and also what it does not", async () => {
-  expect(inventory(pictureOf(await read(SPHERES, WALLS)), true)).toBe("3 spheres and 1 polygon of walls.");
-  expect(inventory(pictureOf(await read(WALLS, BONDS)), false)).toBe("1 polygon of walls, 1 bond and 1 broken bond.");
-  expect(inventory(pictureOf(await read(WALLS)), true)).toBe("1 polygon of walls. No bodies are recorded in it.");
+  expect(inventory(pictureOf(await read(SPHERES, WALLS)), "scene")).toBe("3 spheres and 1 polygon of walls.");
+  expect(inventory(pictureOf(await read(WALLS, BONDS)), "fabric")).toBe(
+    "1 polygon of walls, 1 bond and 1 broken bond.",
+  );
+  expect(inventory(pictureOf(await read(WALLS)), "scene")).toBe("1 polygon of walls. No bodies are recorded in it.");
   const none = new Int32Array();
   const radii = { name: "radius_m", components: 1, values: new Float64Array(20_000) };
   const many = {
@@ -96,8 +114,52 @@ test("what a snapshot holds is said, and also what it does not", async () => {
     pointData: [radii],
     cellData: [],
   };
-  expect(inventory(pictureOf([many]), true)).toBe(`20${NARROW}000 spheres.`);
-  expect(inventory(pictureOf([]), true)).toBe("Nothing is recorded in this snapshot.");
+  expect(inventory(pictureOf([many]), "scene")).toBe(`20${NARROW}000 spheres.`);
+  expect(inventory(pictureOf([]), "scene")).toBe("Nothing is recorded in this snapshot.");
+});
+
+test("polygons with stresses are a body, and coloured by them", async () => {
+  const picture = pictureOf(await read(CELLS));
+  expect([picture.walls, picture.cells?.ends.length]).toEqual([undefined, 2]);
+  expect(inventory(picture, "loaded section")).toBe("2 cells.");
+  expect(picture.cells && boundsOf(picture.cells)).toEqual({ low: [0, 0, 0], high: [4, 2, 0] });
+  const scalars = scalarsOf(picture.cells?.cellData ?? []);
+  expect(usualScalars(scalars)).toBe("stress_mises_mpa");
+  // the paper's lattice has no stresses
+  expect(usualScalars(scalars.slice(0, 2))).toBe("strain_xx");
+});
+
+test("the peak at a corner leaves colours to the rest", () => {
+  const values = Float64Array.from({ length: 201 }, (_, index) => index / 100);
+  values[200] = 50;
+  const stress = { name: "s", label: "Stress", unit: "MPa", isCategory: false, values };
+  expect([rangeOf(stress), rampOf(stress)]).toEqual([
+    [0, 50],
+    [0, 50],
+  ]);
+  expect(rampOf({ ...stress, hasOutliers: true })).toEqual([0.02, 1.98]);
+  const colours = colourOf({ ...stress, hasOutliers: true }, 201);
+  // what lies beyond an end has its colour
+  expect(colours.slice(600)).toEqual(colours.slice(594, 597));
+  // with a share of fibre in few cells, the ramp is for these
+  const thin = {
+    ...stress,
+    hasOutliers: true,
+    values: Float64Array.from({ length: 201 }, (_, index) => +(index === 7)),
+  };
+  expect(rampOf(thin)).toEqual([0, 1]);
+});
+
+test("moments are told in what they are counted in", () => {
+  const told = (kind: string, at: number, spec: unknown = {}): string => {
+    const text = momentOf(at, subjectOf({ kind, spec } as Job));
+    return text.replaceAll(NARROW, " ");
+  };
+  expect(told("granular_scene", 0.25)).toBe("0.2500 s");
+  expect(told("nonwoven_tensile", 0.25)).toBe("25 % strain");
+  expect(told("composite_bending", 1)).toBe("full load");
+  expect(told("composite_bending", 0.5)).toBe("50 % of the load");
+  expect(told("composite_bending", 1, { test: { history: { load: "released" } } })).toBe("at the end");
 });
 
 test("a file of another form is refused in words", async () => {

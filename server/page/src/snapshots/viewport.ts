@@ -1,4 +1,5 @@
-// A picture of a scene: bodies as spheres, walls as surfaces one sees through, forces as lines.
+// A picture of a test: bodies as spheres, walls as surfaces one sees through, forces as lines, cells in
+// flat colours.
 import {
   AmbientLight,
   BufferAttribute,
@@ -14,15 +15,14 @@ import {
   LineSegments,
   Matrix4,
   Mesh,
+  MeshBasicMaterial,
   MeshLambertMaterial,
-  PerspectiveCamera,
   Scene,
-  Vector3,
   WebGLRenderer,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { colourOf } from "./colours";
-import { brokenOf, type Picture, type Scalars } from "./frames";
+import { boundsOf, brokenOf, type Picture, type Scalars } from "./frames";
+import { viewOf, type View } from "./view";
 import type { PolyData } from "./vtp";
 
 /** Beyond this many spheres each has fewer triangles. */
@@ -32,81 +32,65 @@ export interface Shown {
   picture: Picture;
   spheresBy: Scalars | undefined;
   linesBy: Scalars | undefined;
+  cellsBy: Scalars | undefined;
   hasWalls: boolean;
   hasLines: boolean;
 }
 
 export class Viewport {
+  readonly #canvas: HTMLCanvasElement;
+  readonly #isFlat: boolean;
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
-  readonly #camera = new PerspectiveCamera(35, 1);
-  readonly #controls: OrbitControls;
+  readonly #sun = new DirectionalLight("#ffffff", 2.2);
   #content = new Group();
-  #isPlaced = false;
+  #aspect = 1;
+  /** Made for the first picture, and kept for all that follow. */
+  #view: View | undefined;
 
   /** Throws where the browser has no WebGL. */
-  constructor(canvas: HTMLCanvasElement) {
+  constructor(canvas: HTMLCanvasElement, isFlat: boolean) {
+    this.#canvas = canvas;
+    this.#isFlat = isFlat;
     this.#renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.#renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.#camera.up.set(0, 0, 1);
-    const sun = new DirectionalLight("#ffffff", 2.2);
-    sun.position.set(-0.4, 0.3, 1);
-    this.#camera.add(sun);
-    this.#scene.add(new AmbientLight("#ffffff", 1), this.#camera, this.#content);
-    this.#controls = new OrbitControls(this.#camera, canvas);
-    this.#controls.listenToKeyEvents(canvas);
-    // The page scrolls with the wheel, unless somebody is at the picture.
-    this.#controls.enableZoom = false;
-    canvas.addEventListener("focus", () => (this.#controls.enableZoom = true));
-    canvas.addEventListener("blur", () => (this.#controls.enableZoom = false));
-    this.#controls.addEventListener("change", () => this.#draw());
+    this.#sun.position.set(-0.4, 0.3, 1);
+    this.#scene.add(new AmbientLight("#ffffff", 1), this.#content);
   }
 
   resize(width: number, height: number): void {
     this.#renderer.setSize(width, height, false);
-    this.#camera.aspect = width / height;
-    this.#camera.updateProjectionMatrix();
+    this.#aspect = width / height;
+    this.#view?.setAspect(this.#aspect);
     this.#draw();
   }
 
-  show({ picture, spheresBy, linesBy, hasWalls, hasLines }: Shown): void {
+  show({ picture, spheresBy, linesBy, cellsBy, hasWalls, hasLines }: Shown): void {
     this.#clear();
-    const { spheres, walls, lines } = picture;
+    const { spheres, walls, lines, cells } = picture;
     if (spheres) this.#content.add(spheresOf(spheres, spheresBy));
+    if (cells) this.#content.add(cellsOf(cells, cellsBy));
     if (walls && hasWalls) this.#content.add(wallsOf(walls));
     if (lines && hasLines) this.#content.add(linesOf(lines, linesBy));
     // Walls may be far larger than what they hold.
-    if (!this.#isPlaced) this.#place((spheres ?? lines ?? walls)?.points ?? new Float64Array());
+    const seen = spheres ?? cells ?? lines ?? walls;
+    if (!this.#view && seen) this.#place(seen);
     this.#draw();
   }
 
   dispose(): void {
     this.#clear();
-    this.#controls.dispose();
+    this.#view?.controls.dispose();
     this.#renderer.dispose();
   }
 
-  /** Looks at all points, a little from above. */
-  #place(points: Float64Array): void {
-    const low = new Vector3(Infinity, Infinity, Infinity);
-    const high = low.clone().negate();
-    const point = new Vector3();
-    for (let at = 0; at < points.length; at += 3) {
-      point.fromArray(points, at);
-      low.min(point);
-      high.max(point);
-    }
-    if (low.x > high.x) return;
-    const size = Math.max(high.distanceTo(low), 1e-9);
-    this.#controls.target.copy(low).lerp(high, 0.5);
-    this.#camera.position
-      .copy(this.#controls.target)
-      .addScaledVector(new Vector3(0.55, -1, 0.45).normalize(), (1.9 * size) / Math.min(1, this.#camera.aspect));
-    this.#camera.near = 0.01 * size;
-    this.#camera.far = 20 * size;
-    this.#camera.updateProjectionMatrix();
-    this.#controls.update();
-    this.#isPlaced = true;
+  #place(seen: PolyData): void {
+    const bounds = boundsOf(seen);
+    if (!bounds) return;
+    this.#view = viewOf(bounds, this.#isFlat, this.#aspect, this.#canvas);
+    this.#view.camera.add(this.#sun);
+    this.#scene.add(this.#view.camera);
+    this.#view.controls.addEventListener("change", () => this.#draw());
   }
 
   #clear(): void {
@@ -121,7 +105,7 @@ export class Viewport {
   }
 
   #draw(): void {
-    this.#renderer.render(this.#scene, this.#camera);
+    if (this.#view) this.#renderer.render(this.#scene, this.#view.camera);
   }
 }
 
@@ -142,16 +126,44 @@ function spheresOf({ points, pointData }: PolyData, by: Scalars | undefined): In
   return mesh;
 }
 
-function wallsOf({ points, corners, ends }: PolyData): Group {
+/** Each cell has corners of its own, so that it has one colour; displacements have one at each corner. */
+function cellsOf({ points, corners, ends }: PolyData, by: Scalars | undefined): Mesh {
+  const isByPoint = by?.values.length === points.length / 3;
+  const colours = colourOf(by, isByPoint ? points.length / 3 : ends.length);
+  const [places, own] = [new Float32Array(3 * corners.length), new Float32Array(3 * corners.length)];
+  let cell = 0;
+  corners.forEach((point, corner) => {
+    while (corner >= (ends[cell] ?? Infinity)) cell++;
+    const from = 3 * (isByPoint ? point : cell);
+    places.set(points.subarray(3 * point, 3 * point + 3), 3 * corner);
+    own.set(colours.subarray(from, from + 3), 3 * corner);
+  });
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(places, 3));
+  geometry.setAttribute("color", new BufferAttribute(own, 3));
+  geometry.setIndex(trianglesOf(ends));
+  return new Mesh(geometry, new MeshBasicMaterial({ vertexColors: true, side: DoubleSide }));
+}
+
+/** Polygons cut into triangles, as places in the list of all corners. */
+function trianglesOf(ends: Int32Array): number[] {
   const triangles: number[] = [];
+  let first = 0;
+  for (const end of ends) {
+    for (let corner = first + 1; corner + 1 < end; corner++) triangles.push(first, corner, corner + 1);
+    first = end;
+  }
+  return triangles;
+}
+
+function wallsOf({ points, corners, ends }: PolyData): Group {
+  const triangles = trianglesOf(ends).map((corner) => corners[corner] ?? 0);
   const edges: number[] = [];
   let first = 0;
   for (const end of ends) {
     for (let corner = first; corner < end; corner++) {
       const next = corner + 1 < end ? corner + 1 : first;
       edges.push(corners[corner] ?? 0, corners[next] ?? 0);
-      if (corner > first && corner + 1 < end)
-        triangles.push(corners[first] ?? 0, corners[corner] ?? 0, corners[corner + 1] ?? 0);
     }
     first = end;
   }

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { parseCsv } from "./csv";
-import { drawingOf } from "./drawing";
+import { drawingOf, restingRow } from "./drawing";
 import { TABLES, type FileTable } from "./tables";
 
 function known(file: string): FileTable {
@@ -91,6 +91,43 @@ test("fragments of each moment are a curve that rises with their size to all of 
   expect(small?.rows).toEqual([
     ["1", "0.5"],
     ["8", "1"],
+  ]);
+});
+
+test("results converge over the cells, whichever test it was", () => {
+  const held = drawingOf(
+    known("convergence.csv"),
+    parseCsv(
+      "cells_x,cells_y,mean_top_deflection_mm,deflection_ratio,natural_frequency_hz\n25,20,0.5,2,90\n50,40,0.6,2,95\n",
+    ),
+  );
+  expect(held?.columns.map(({ label, unit, isShown }) => [label, unit, isShown])).toEqual([
+    ["Cells along x", "", false],
+    ["Mean deflection, top face", "mm", true],
+    ["Deflection ratio", "", false],
+    ["Natural frequency", "Hz", false],
+  ]);
+  const bent = drawingOf(
+    known("convergence.csv"),
+    parseCsv("cells_x,flexural_modulus_mpa,flexural_strain\n25,9e3,0.01\n"),
+  );
+  expect(bent?.columns[1]).toMatchObject({ label: "Flexural modulus", unit: "MPa", isShown: true });
+  expect(bent?.values[2]).toEqual([1]);
+});
+
+test("a face is drawn by its displacement across, along when asked for", () => {
+  const face = drawingOf(known("faces/top.csv"), parseCsv("along_mm,ux_mm,uy_mm\n0,0,0\n0.7,0.01,-0.02\n1.4,0,0\n"));
+  expect(face?.values).toEqual([
+    [0, 0.7, 1.4],
+    [0, -0.02, 0],
+    [0, 0.01, 0],
+  ]);
+  // held at both ends, it tells most between them
+  expect(face && restingRow(known("faces/top.csv"), face)).toBe(1);
+  expect(face?.columns.map(({ label, isShown }) => [label, isShown])).toEqual([
+    ["Place along the face", false],
+    ["Displacement, along y", true],
+    ["Displacement, along x", false],
   ]);
 });
 

@@ -1,4 +1,5 @@
 // From a file's table to the lines of a plot.
+import { indexOfMaximum } from "../plot/columns";
 import { describe, stemOf, type Column } from "../plot/names";
 import { numbers, type Table } from "./csv";
 import type { FileTable } from "./tables";
@@ -23,7 +24,10 @@ export function drawingOf(
   if (ends.some((end) => end === undefined)) return null;
   /** Rows that hold over an interval are drawn from its one end to its other. */
   const spread = (list: number[]): number[] => list.flatMap((value) => edges.map(() => value));
-  const named = [...lines, ...more].flatMap((name) => {
+  const others = Array.isArray(more)
+    ? more
+    : table.columns.filter((name) => ![...edges, ...lines, ...more.allBut].includes(name));
+  const named = [...lines, ...others].flatMap((name) => {
     const list = numbers(table, name);
     return list ? [{ column: { ...describe(name), isShown: lines.includes(name), isMinor: false }, list }] : [];
   });
@@ -46,4 +50,10 @@ export function drawingOf(
     cycles: whole("cycle"),
     unloading: whole("unloading"),
   };
+}
+
+/** The row whose values are told while nobody points at one. */
+export function restingRow({ restsAt }: FileTable, { values: [across = [], main = []] }: Drawing): number {
+  if (restsAt === "first") return 0;
+  return restsAt === "largest" ? Math.max(0, indexOfMaximum(main.map(Math.abs))) : across.length - 1;
 }

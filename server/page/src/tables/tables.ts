@@ -13,10 +13,10 @@ export interface FileTable {
   over?: string | [from: string, to: string];
   /** Columns drawn, and those drawn when asked for. */
   lines?: string[];
-  more?: string[];
+  more?: string[] | { allBut: string[] };
   style?: PlotStyle;
-  /** The first row tells more than the last, which is the same for all. */
-  restsAtFirst?: boolean;
+  /** The row that tells most when nobody points at one: else the last. */
+  restsAt?: "first" | "largest";
   /** Fewer rows tell nothing. */
   leastRows?: number;
   /** Makes of the file what is drawn. */
@@ -70,7 +70,7 @@ export const TABLES: FileTable[] = [
     over: "fragment_members",
     lines: ["finer_poured", "finer_before_loading", "finer_peak", "finer_end"],
     style: { isLogarithmic: true, hasPoints: true },
-    restsAtFirst: true,
+    restsAt: "first",
     rearrange: massCurves,
   },
   {
@@ -129,5 +129,39 @@ export const TABLES: FileTable[] = [
     over: ["nominal_strain_from", "nominal_strain_to"],
     lines: ["bonds"],
     more: ["energy_released_n_mm"],
+  },
+  {
+    file: "faces/top.csv",
+    title: "Displacement along the top face",
+    about: "Of every particle of the face, from left to right.",
+    over: "along_mm",
+    lines: ["uy_mm"],
+    more: ["ux_mm"],
+    restsAt: "largest",
+  },
+  {
+    file: "faces/bottom.csv",
+    title: "Displacement along the bottom face",
+    about: "Of every particle of the face, from left to right.",
+    over: "along_mm",
+    lines: ["uy_mm"],
+    more: ["ux_mm"],
+    restsAt: "largest",
+  },
+  {
+    file: "convergence.csv",
+    title: "Convergence over cells",
+    about: "Each result on the grid asked for, and on those of half and of a quarter of its cells along both sides.",
+    over: "cells_x",
+    // each test has one of them
+    lines: ["mean_top_deflection_mm", "flexural_modulus_mpa", "effective_modulus_mpa", "effective_shear_modulus_mpa"],
+    more: { allBut: ["cells_y"] },
+    style: { hasPoints: true, floats: true },
+    leastRows: 2,
+  },
+  {
+    file: "points.csv",
+    title: "Displacement of points",
+    about: "Of the points that were asked for, at the end of the test.",
   },
 ];

@@ -1,0 +1,67 @@
+import { expect, test } from "vitest";
+import type { Quantity } from "../api/types";
+import { NARROW } from "../format/numbers";
+import { tabbed } from "./copied";
+import { errorTable } from "./errors";
+
+const DEFLECTION: Quantity = {
+  value: 0.052366,
+  unit: "mm",
+  error: {
+    value: 8.2e-5,
+    parts: [
+      { source: "grid", value: 8.136e-5, basis: "two_grids" },
+      { source: "solver", value: 1.2e-6, basis: "two_solvers" },
+    ],
+  },
+};
+const STRAIN: Quantity = {
+  value: 0.0123,
+  unit: "1",
+  error: { value: 0.00041, parts: [{ source: "time_step", value: 0.00041, basis: "measured_table" }] },
+};
+const LOAD: Quantity = {
+  value: 10,
+  unit: "N",
+  error: { value: 0, parts: [{ source: "grid", value: 0, basis: "two_grids" }] },
+};
+const CELLS: Quantity = { value: 11400, unit: "1" };
+
+test("each source of an error has a column, in the units that the results are shown in", () => {
+  const { sources, rows } = errorTable([
+    ["mean_top_deflection", DEFLECTION],
+    ["max_strain", STRAIN],
+    ["max_force", LOAD],
+    ["cells", CELLS],
+  ]);
+  expect(sources).toEqual([
+    { source: "Grid", basis: "from coarser grids" },
+    { source: "Solver", basis: "from another solver" },
+    { source: "Time step", basis: "from a measured table" },
+  ]);
+  // what was given, such as a load, cannot be wrong
+  expect(rows).toEqual([
+    { name: "mean_top_deflection", parts: [`0.000081${NARROW}mm`, `0.0000012${NARROW}mm`, ""] },
+    { name: "max_strain", parts: ["", "", `0.041${NARROW}%`] },
+  ]);
+});
+
+test("without errors there is nothing to tell", () => {
+  expect(errorTable([["cells", CELLS]])).toEqual({ sources: [], rows: [] });
+});
+
+test("a copied table has all digits, and empty cells where nothing is known", () => {
+  const repeated: Quantity = { value: 2, unit: "N", deviation: 0.25, n: 5 };
+  expect(
+    tabbed([
+      ["mean_top_deflection", DEFLECTION],
+      ["strength", repeated],
+      ["late", { value: null, unit: "J" }],
+    ]).split("\n"),
+  ).toEqual([
+    "name\tvalue\tunit\tdeviation\tn\terror",
+    "mean_top_deflection\t0.052366\tmm\t\t\t0.000082",
+    "strength\t2\tN\t0.25\t5\t",
+    "late\t\tJ\t\t\t",
+  ]);
+});

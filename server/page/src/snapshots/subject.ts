@@ -1,0 +1,32 @@
+// What the snapshots of a test are of, and what their moments are called.
+import type { Job } from "../api/types";
+import { formatNumber } from "../format/numbers";
+import { withUnit } from "../format/words";
+
+/** Bodies in time, bonds over strain, or the face of a section: under its load, or at the end of a motion. */
+export type Subject = "scene" | "fabric" | "loaded section" | "moved section";
+
+export function subjectOf({ kind, spec }: Pick<Job, "kind" | "spec">): Subject {
+  if (kind.startsWith("nonwoven")) return "fabric";
+  if (!kind.startsWith("composite")) return "scene";
+  const test = (spec as { test?: { history?: unknown } } | undefined)?.test;
+  return test?.history ? "moved section" : "loaded section";
+}
+
+export function isSection(subject: Subject): boolean {
+  return subject.endsWith("section");
+}
+
+/** A moment in words, from its number in the list of snapshots. */
+export function momentOf(at: number, subject: Subject): string {
+  switch (subject) {
+    case "scene":
+      return withUnit(formatNumber(at), "s");
+    case "fabric":
+      return withUnit(formatNumber(100 * at), "% strain");
+    case "loaded section":
+      return at === 1 ? "full load" : withUnit(formatNumber(100 * at), "% of the load");
+    case "moved section":
+      return at === 1 ? "at the end" : withUnit(formatNumber(100 * at), "% of the time");
+  }
+}
