@@ -1,85 +1,69 @@
 //! Bodies in contact: the discrete element method.
 //!
 //! **Model.** Bodies are spheres and rigid clumps of spheres; they move by Newton's and Euler's laws
-//! under gravity and the forces of their contacts, with each other, with planes and with [`facets`]. SI units,
-//! angles in radians, overlaps positive, forces of a contact on its second body.
+//! under gravity and the forces of their contacts, with each other, with planes and with walls of
+//! triangles. SI units, angles in radians, overlaps positive, forces of a contact on its second body.
 //!
-//! **Data road.** [`specimen`] lists every body, those that [`generate`] makes included; [`scene`]
-//! resolves spec and specimen into a *model*, which nothing changes, and the first
-//! *state*: [`particles`] (every sphere that collides, in arrays), clumps, walls. [`listing`] sorts
+//! **Rooms**, from bottom to top; each uses only those above it in this list:
+//!
+//! | room | what it knows |
+//! |---|---|
+//! | [`numbers`] | vectors in space, and numbers side by side |
+//! | [`geometry`] | spheres, their unions and neighbours |
+//! | [`generate`] | sizes and places of grains that are made |
+//! | [`motion`] | how bodies move under forces |
+//! | [`walls`] | planes and triangles, where they are and how they move |
+//! | [`contact`] | what touches, and the laws of it |
+//! | [`scene`] | from a spec to a *model*, which nothing changes, and its first bodies |
+//! | [`step`] | the *state*, its lists of contacts, and a step of it |
+//! | [`observe`] | what is read off model and state |
+//! | [`output`] | what a run keeps: journal, tables, snapshots, report |
+//! | [`stages`] | what a run does, stage by stage |
+//! | [`ballast`] | tests of ballast: scenes, read in the terms of a test |
+//!
+//! **Data road.** [`scene::specimen`] lists every body, those that [`generate`] makes included;
+//! [`scene::model`] resolves spec and specimen into a model and the first bodies: every sphere that
+//! collides, in arrays ([`scene::particles`]), clumps, walls. [`step::listing`] sorts
 //! particles along a curve through space, cuts them into patches of some two thousand, and fills
-//! each [`patch`] with candidates for contact from the search of [`neighbours`]; what contacts
-//! remember is carried over. A step of the [`engine`] has two phases: [`contact`] turns positions
-//! into forces, patch by patch; [`motion`] turns forces into new positions. [`run`] goes through
-//! the stages, whose [`drives`] move walls and bodies; when something is due it observes the scene
-//! between the phases ([`observe`], [`measure`], [`time_step`], [`inspect`], [`fragments`]) and keeps
-//! it in the [`journal`], from which [`tables`], [`snapshot`] and [`report`] make files and results.
-//! Between steps a stage may put bodies in ([`supply`]) or take them out ([`removal`]): arrays and
-//! lists are made anew, bodies keep their numbers. It may set walls down ([`placing`]) and change
-//! the moduli ([`stiffening`]).
+//! each [`step::patch`] with candidates for contact from the search of [`geometry::neighbours`]; what
+//! contacts remember is carried over. A step of the [`step::engine`] has two phases: [`contact`] turns
+//! positions into forces, patch by patch; [`motion`] turns forces into new positions. [`stages::run`]
+//! goes through the stages, whose drives move walls and bodies; when something is due it looks at the
+//! scene between the phases ([`observe`]) and keeps it in the [`output::journal`], of which
+//! [`output`] makes files and results. Between steps a stage may put bodies in or take them out: arrays
+//! and lists are made anew, bodies keep their numbers. It may set walls down and change the moduli.
 //!
-//! **Numbers.** Contacts are worked through in vectors of 8, 4 or 1 ([`lanes`], [`rows`]), each
+//! **Numbers.** Contacts are worked through in vectors of 8, 4 or 1 ([`numbers::lanes`]), each
 //! lane a contact, with nothing fused: every machine gives the same bits. Forces on a particle are
 //! summed in the order of the list, and what comes from other patches after that, in the order of
 //! patches: any number of threads gives the same bits. What changes is in `State` and `Journal`,
 //! which are the checkpoint.
 //!
 //! **Only what is used.** The law of contact is a type parameter of the lists of contacts, chosen once,
-//! here; behind [`Lists`](contact::lists::Lists) nothing else knows of it. A scene without
-//! cohesion has no bonds, one without restitution no dashpots, a frictionless one has
+//! in [`contact::chosen`]; behind [`Lists`](contact::lists::Lists) nothing else knows of it. A scene
+//! without cohesion has no bonds, one without restitution no dashpots, a frictionless one has
 //! contacts without memory and particles without spin. Bodies without a degree of freedom have
 //! no contacts among themselves, scenes without clumps or planes have empty lists of them.
 //!
-//! **To add.** A law is a file with an `impl Law` and an `impl Lanewise`, and a line here. A shape of wall
-//! is a list beside `WallList`, a stage a variant of the spec's `Stage` and its arm in [`run`]. A test
-//! in its own terms is a script of stages and a reader of their curve, as in [`ballast`].
-mod ahead;
+//! **To add.** A law is a file with an `impl Law` and an `impl Lanewise`, and a line in
+//! [`contact::chosen`]. A shape of wall is a list beside those of planes and facets, a stage a variant
+//! of the spec's `Stage` and its arm in [`stages`]. A test in its own terms is a script of stages and a
+//! reader of their curve, as in [`ballast`].
 pub mod ballast;
-mod breaks;
-mod clump_geometry;
 mod contact;
-mod drives;
-mod engine;
-mod facets;
-mod fragments;
 mod generate;
-mod inspect;
-mod journal;
-mod lanes;
-mod listing;
-mod measure;
+mod geometry;
 mod motion;
-mod neighbours;
+mod numbers;
 mod observe;
-mod particles;
-mod patch;
-mod placing;
-mod removal;
-mod report;
-mod rows;
-mod run;
+mod output;
 mod scene;
-mod shares;
-mod snapshot;
-mod solid_share;
-mod specimen;
-mod sphere;
 mod stages;
-mod stiffening;
-mod supply;
-mod survey;
-mod tables;
-mod time_step;
+mod step;
+mod walls;
 
-use contact::law::{
-    Bonded, Chosen, Coulomb, Followed, Frictionless, Hertz, HertzMindlin, Kept, Law, Linear,
-    Logarithmic, Viscous, ViscousShear,
-};
-use loadframe_api::spec::granular_scene::{ContactLaw, GranularScene, Material};
+use loadframe_api::spec::granular_scene::GranularScene;
 use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
-
-/// A point or vector in space, SI.
-type Vector = nalgebra::Vector3<f64>;
 
 /// Runs the scene of `spec`.
 ///
@@ -90,43 +74,6 @@ pub fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    run::run(spec, law(spec), context, recorder)
-}
-
-/// The law of a scene.
-fn law(spec: &GranularScene) -> Chosen {
-    if spec.materials.values().any(Material::is_cohesive) {
-        return Chosen::of::<Bonded>();
-    }
-    match spec.laws.contact {
-        ContactLaw::Linear if normals_follow(spec) => {
-            law_for::<Frictionless<Linear>, Coulomb<Linear, Followed>>(spec)
-        }
-        ContactLaw::Linear => law_for::<Frictionless<Linear>, Coulomb<Linear, Kept>>(spec),
-        ContactLaw::Logarithmic => {
-            law_for::<Frictionless<Logarithmic>, Coulomb<Logarithmic, Kept>>(spec)
-        }
-        ContactLaw::HertzMindlin => law_for::<Frictionless<Hertz>, HertzMindlin>(spec),
-    }
-}
-
-/// Whether normals follow from velocities: only what moves as x + Δt v was where its velocity says, so
-/// no member of a clump, no facet where it meets the next, and no body that a stage gives another
-/// velocity.
-fn normals_follow(spec: &GranularScene) -> bool {
-    !spec.has_clumps() && spec.facets.is_empty() && spec.driven_bodies().is_empty()
-}
-
-/// The law for smooth or that for rough materials, with the dashpots that there are.
-fn law_for<Smooth: Law, Rough: Law>(spec: &GranularScene) -> Chosen {
-    let mut materials = spec.materials.values();
-    let is_rough = materials.any(|material| material.friction_angle_rad > 0.0);
-    match (is_rough, spec.is_viscous()) {
-        (false, [false, _]) => Chosen::of::<Smooth>(),
-        (false, [true, _]) => Chosen::of::<Viscous<Smooth>>(),
-        (true, [false, false]) => Chosen::of::<Rough>(),
-        (true, [true, false]) => Chosen::of::<Viscous<Rough>>(),
-        // one across the normal alone is rare, and has an idle one along it
-        (true, [_, true]) => Chosen::of::<Viscous<ViscousShear<Rough>>>(),
-    }
+    let (ending, _) = stages::run::run(spec, context, recorder)?;
+    Ok(ending)
 }

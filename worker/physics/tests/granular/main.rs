@@ -4,6 +4,7 @@ mod scene;
 
 mod appendix_a;
 mod beside_facets;
+mod between_looks;
 mod bonds;
 mod breakage;
 mod collisions;

@@ -243,6 +243,7 @@ fn no_damping_at_all_is_legal() {
         );
         spec["laws"]["contact"] = json!(law);
         spec["materials"]["stone"]["friction_angle_rad"] = json!(0.5);
+        spec["materials"]["stone"]["youngs_modulus_pa"] = json!(2.0 * MODULUS);
         let (report, _) = run(&spec);
         assert!(report.warnings.is_empty(), "{law}: {:?}", report.warnings);
     }

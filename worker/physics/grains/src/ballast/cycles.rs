@@ -2,7 +2,7 @@
 use loadframe_api::spec::ballast::Script;
 use loadframe_harness::curve;
 
-use super::tester::{Row, Tester};
+use super::heard::Heard;
 
 /// Parts of a cycle's peak force between which the unloading branch is fitted by a straight line: its
 /// beginning is still rounded by what creeps, its end by what opens.
@@ -38,13 +38,13 @@ pub(super) fn place_in_cycles(script: &Script, time: f64) -> (usize, f64) {
 }
 
 /// All cycles of a test.
-pub(super) fn of(tester: &Tester<'_>) -> Vec<Cycle> {
-    let (rows, start) = tester.loading();
+pub(super) fn of(heard: &Heard<'_>) -> Vec<Cycle> {
+    let (rows, start) = heard.loading();
     let mut cycles: Vec<Vec<(f64, f64, f64)>> = Vec::new();
-    let before = tester.last_before_loading();
+    let before = heard.last_before_loading();
     let mut last = before.map_or((0.0, 0.0), |row| (0.0, row.force));
     for row in rows {
-        let (number, part) = place_in_cycles(tester.script, row.time - start.0);
+        let (number, part) = place_in_cycles(heard.script, row.time - start.0);
         while cycles.len() <= number {
             // a cycle begins where the one before it ended
             cycles.push(vec![(0.0, last.0, last.1)]);
@@ -78,12 +78,5 @@ fn cycle(points: &[(f64, f64, f64)]) -> Cycle {
         unloading_stiffness: curve::slope(&unloading).filter(|slope| *slope > 0.0),
         loading_stiffness: (peak > start).then(|| (peak_force - path[0].1) / (peak - start)),
         dissipated: curve::area(&path),
-    }
-}
-
-impl Row {
-    /// Way of the loading wall downward from a height [m].
-    pub(super) fn displacement(&self, start: f64) -> f64 {
-        start - self.height
     }
 }

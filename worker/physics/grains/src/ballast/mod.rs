@@ -2,11 +2,13 @@
 //!
 //! The spec's [`Script`] is a scene with stages; the engine runs it like any other. Between the
 //! engine and the job's recorder sits a [`Tester`]: it reads force and way of the loading wall and
-//! the state of the bed from the scene's curve, and makes the test's own curve of them. When the
-//! engine is done, [`cycles`] finds peaks, residuals and stiffnesses, [`oedometer`] void ratio and
-//! modulus, [`report`] the summary, [`tables`] the files. A resumed run hears the whole curve again,
+//! the state of the bed from the points of the scene's curve ([`heard`]), and makes the test's own curve of
+//! them. When the engine is done, [`cycles`] finds peaks, residuals and stiffnesses, [`oedometer`] void ratio and
+//! modulus, [`moments`] what the journal
+//! says of grains that broke, [`report`] the summary, [`tables`] the files. A resumed run hears the whole curve again,
 //! so that nothing here needs to be kept in a checkpoint.
 mod cycles;
+mod heard;
 mod moments;
 mod oedometer;
 mod report;
@@ -18,6 +20,7 @@ mod tests;
 use loadframe_api::spec::ballast::{Apparatus, Ballast};
 use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
 
+use crate::stages;
 use tester::Tester;
 
 /// Runs the test of `spec`.
@@ -31,8 +34,9 @@ pub fn run<A: Apparatus>(
 ) -> Result<Ending, SimulationError> {
     let script = spec.script();
     let mut tester = Tester::new(&script, recorder);
-    Ok(match super::run(&script.scene, context, &mut tester)? {
-        Ending::Finished(report) => Ending::Finished(tester.conclude(report)?),
+    let (ending, journal) = stages::run::run(&script.scene, context, &mut tester)?;
+    Ok(match ending {
+        Ending::Finished(report) => Ending::Finished(tester.conclude(report, &journal.fragments)?),
         ending => ending,
     })
 }

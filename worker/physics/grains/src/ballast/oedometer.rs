@@ -7,7 +7,7 @@ use loadframe_harness::curve;
 
 use super::{
     cycles::place_in_cycles,
-    tester::{Row, Tester},
+    heard::{Heard, Row},
 };
 
 /// Steps of stress up to the peak, each twice the one before.
@@ -38,35 +38,27 @@ pub(super) struct Step {
 }
 
 /// Void ratio of a bed this high [m].
-pub(super) fn void_ratio(tester: &Tester<'_>, height: f64) -> f64 {
-    tester.script.loaded_area * height / tester.bed_volume() - 1.0
-}
-
-impl Tester<'_> {
-    /// V_s of the bed where the cycles begin [m³].
-    pub(super) fn bed_volume(&self) -> f64 {
-        let row = self.last_before_loading();
-        row.map_or(f64::NAN, |row| row.bed_solid)
-    }
+pub(super) fn void_ratio(heard: &Heard<'_>, height: f64) -> f64 {
+    heard.script.loaded_area * height / heard.bed_volume() - 1.0
 }
 
 /// `None` for tests of another sort.
-pub(super) fn of(tester: &Tester<'_>) -> Option<Oedometer> {
-    if !tester.script.is_oedometer {
+pub(super) fn of(heard: &Heard<'_>) -> Option<Oedometer> {
+    if !heard.script.is_oedometer {
         return None;
     }
-    let (rows, (start, height)) = tester.loading();
-    let area = tester.script.loaded_area;
+    let (rows, (start, height)) = heard.loading();
+    let area = heard.script.loaded_area;
     let state = |row: &Row| {
         let strain = row.displacement(height) / height;
-        [row.force / area, strain, void_ratio(tester, row.height)]
+        [row.force / area, strain, void_ratio(heard, row.height)]
     };
     let path: Vec<[f64; 3]> = rows.clone().map(state).collect();
-    let first = rows.map(|row| place_in_cycles(tester.script, row.time - start).0);
+    let first = rows.map(|row| place_in_cycles(heard.script, row.time - start).0);
     let first = first.take_while(|cycle| *cycle == 0).count();
     Some(Oedometer {
         height,
-        void_ratio: void_ratio(tester, height),
+        void_ratio: void_ratio(heard, height),
         steps: steps(&path[..first]),
         path,
     })

@@ -2,14 +2,20 @@
 use indexmap::IndexMap;
 use loadframe_api::{Quantity, Report};
 
-use super::{cycles::Cycle, moments::Moments, oedometer::Oedometer, tester::Tester};
+use super::{
+    cycles::Cycle,
+    heard::{Heard, Row},
+    moments::Moments,
+    oedometer::Oedometer,
+};
 
 /// The scene's report with the results of the test before its own.
 pub(super) fn report(
-    tester: &Tester<'_>,
+    heard: &Heard<'_>,
     scene: Report,
     cycles: &[Cycle],
     oedometer: Option<&Oedometer>,
+    moments: &Moments,
 ) -> Report {
     let mut summary = IndexMap::new();
     let mut add = |name: &str, value: f64, unit: &str, description: &str| {
@@ -90,8 +96,8 @@ pub(super) fn report(
             "Pa",
             "Of the last step of loading, from half the peak stress to the peak.",
         );
-        let height = tester.rows.last().map_or(f64::NAN, |row| row.height);
-        let ratio = super::oedometer::void_ratio(tester, height);
+        let height = heard.rows.last().map_or(f64::NAN, |row| row.height);
+        let ratio = super::oedometer::void_ratio(heard, height);
         add(
             "porosity",
             ratio / (1.0 + ratio),
@@ -99,22 +105,20 @@ pub(super) fn report(
             "Porosity at the end.",
         );
     } else {
-        let porosity =
-            |row: Option<&super::tester::Row>| row.map_or(f64::NAN, |row| tester.bed_porosity(row));
+        let porosity = |row: Option<&Row>| row.map_or(f64::NAN, |row| heard.bed_porosity(row));
         add(
             "initial_porosity",
-            porosity(tester.last_before_loading()),
+            porosity(heard.last_before_loading()),
             "1",
             "Porosity under the sleeper before the cycles.",
         );
         add(
             "porosity",
-            porosity(tester.rows.last()),
+            porosity(heard.rows.last()),
             "1",
             "Porosity under the sleeper at the end.",
         );
     }
-    let moments = Moments::of(tester);
     // grains of fewer members have no such pieces
     let has_large = (moments.shares().next()).is_some_and(|(_, [_, large])| large > 0.0);
     for (moment, [single, large]) in moments.shares() {

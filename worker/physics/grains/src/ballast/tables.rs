@@ -2,14 +2,15 @@
 use std::io;
 
 use loadframe_api::spec::ballast::Script;
-use loadframe_harness::csv;
+use loadframe_harness::{Recorder, csv};
 
 use super::{
     cycles::{Cycle, place_in_cycles},
+    heard::{Heard, Row},
     moments::Moments,
     oedometer::Oedometer,
-    tester::{Row, Tester},
 };
+use crate::output::fragments;
 
 /// Columns of the curve.
 pub(super) fn curve_columns(script: &Script) -> Vec<&'static str> {
@@ -53,28 +54,30 @@ pub(super) fn curve_row(script: &Script, row: &Row, start: (f64, f64)) -> Vec<f6
 
 /// Writes all tables, and the scene.
 pub(super) fn write(
-    tester: &mut Tester<'_>,
+    heard: &Heard<'_>,
     cycles: &[Cycle],
     oedometer: Option<&Oedometer>,
+    moments: &Moments,
+    recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
-    let script = tester.script;
-    let (rows, start) = tester.loading();
+    let script = heard.script;
+    let (rows, start) = heard.loading();
     let rows: Vec<Vec<f64>> = rows.map(|row| curve_row(script, row, start)).collect();
-    table(tester, "curve.csv", &curve_columns(script), &rows)?;
+    table(recorder, "curve.csv", &curve_columns(script), &rows)?;
     let rows: Vec<Vec<f64>> = (1..)
         .zip(cycles)
         .map(|(number, cycle)| cycle.row(number))
         .collect();
-    table(tester, "cycles.csv", &CYCLE_COLUMNS, &rows)?;
-    write_preparation(tester)?;
-    write_profile(tester)?;
+    table(recorder, "cycles.csv", &CYCLE_COLUMNS, &rows)?;
+    write_preparation(heard, recorder)?;
+    write_profile(heard, recorder)?;
     if let Some(oedometer) = oedometer {
-        write_oedometer(tester, oedometer)?;
+        write_oedometer(oedometer, recorder)?;
     }
     if script.is_breakable() {
-        write_fragments(tester)?;
+        write_fragments(moments, recorder)?;
     }
-    tester.write("scene.json", &mut |out| {
+    recorder.file("scene.json", &mut |out| {
         let job = serde_json::json!({"kind": "granular_scene", "spec": script.scene});
         serde_json::to_writer(&mut *out, &job)?;
         writeln!(out)
@@ -82,12 +85,12 @@ pub(super) fn write(
 }
 
 fn table(
-    tester: &mut Tester<'_>,
+    recorder: &mut dyn Recorder,
     name: &str,
     columns: &[&str],
     rows: &[Vec<f64>],
 ) -> io::Result<()> {
-    tester.write(name, &mut |out| {
+    recorder.file(name, &mut |out| {
         csv::header(out, columns)?;
         rows.iter().try_for_each(|row| csv::row(out, row))
     })
@@ -123,15 +126,15 @@ impl Cycle {
 
 /// The state of the bed at the end of every stage. Phases are words, so that this table is written
 /// by itself.
-fn write_preparation(tester: &mut Tester<'_>) -> io::Result<()> {
+fn write_preparation(heard: &Heard<'_>, recorder: &mut dyn Recorder) -> io::Result<()> {
     let mut text =
         "stage,phase,time_s,bed_porosity,coordination_number,unbalanced_force_ratio\n".to_owned();
-    for (stage, phase) in tester.script.phases.iter().enumerate() {
-        let mut rows = tester.rows.iter().rev();
+    for (stage, phase) in heard.script.phases.iter().enumerate() {
+        let mut rows = heard.rows.iter().rev();
         let Some(row) = rows.find(|row| row.stage == stage) else {
             continue;
         };
-        let porosity = tester.bed_porosity(row);
+        let porosity = heard.bed_porosity(row);
         let line = format!(
             "{},{},{},{porosity},{},{}\n",
             stage + 1,
@@ -142,50 +145,18 @@ fn write_preparation(tester: &mut Tester<'_>) -> io::Result<()> {
         );
         text.push_str(&line);
     }
-    tester.write("preparation.csv", &mut |out| out.write_all(text.as_bytes()))
-}
-
-impl Tester<'_> {
-    /// Volume of each slice below the loading wall at a row [m³].
-    fn room(&self, row: &Row) -> impl Iterator<Item = f64> {
-        let (area, height) = (self.script.loaded_area, row.height);
-        let slices = self.script.slices.iter();
-        slices.map(move |slice| slice.room(area, height))
-    }
-
-    /// Porosity of the slices that the bed fills at a row.
-    pub(super) fn bed_porosity(&self, row: &Row) -> f64 {
-        let volume: f64 = self.room(row).sum();
-        let solid: f64 = self.solids(row).iter().sum();
-        1.0 - solid / volume
-    }
-
-    /// Porosity of each slice at a row, unknown where the loading wall has taken all of it.
-    fn porosities(&self, row: &Row) -> Vec<f64> {
-        let slices = self.room(row).zip(self.solids(row));
-        let porosity = |(volume, solid): (f64, &f64)| match volume > 0.0 {
-            true => 1.0 - solid / volume,
-            false => f64::NAN,
-        };
-        slices.map(porosity).collect()
-    }
-
-    /// The row of the cycles with the largest force.
-    pub(super) fn peak_row(&self) -> Option<&Row> {
-        let (rows, _) = self.loading();
-        rows.reduce(|best, row| if row.force > best.force { row } else { best })
-    }
+    recorder.file("preparation.csv", &mut |out| out.write_all(text.as_bytes()))
 }
 
 /// Porosity over height before the cycles, at the largest force and at the end.
-fn write_profile(tester: &mut Tester<'_>) -> io::Result<()> {
+fn write_profile(heard: &Heard<'_>, recorder: &mut dyn Recorder) -> io::Result<()> {
     let moments = [
-        tester.last_before_loading(),
-        tester.peak_row(),
-        tester.rows.last(),
+        heard.last_before_loading(),
+        heard.peak_row(),
+        heard.rows.last(),
     ];
-    let moments = moments.map(|row| row.map(|row| tester.porosities(row)));
-    let slices = tester.script.slices.iter();
+    let moments = moments.map(|row| row.map(|row| heard.porosities(row)));
+    let slices = heard.script.slices.iter();
     let rows: Vec<Vec<f64>> = slices
         .enumerate()
         .map(|(index, slice)| {
@@ -203,10 +174,10 @@ fn write_profile(tester: &mut Tester<'_>) -> io::Result<()> {
         "porosity_at_peak",
         "porosity_at_end",
     ];
-    table(tester, "porosity_profile.csv", &columns, &rows)
+    table(recorder, "porosity_profile.csv", &columns, &rows)
 }
 
-fn write_oedometer(tester: &mut Tester<'_>, oedometer: &Oedometer) -> io::Result<()> {
+fn write_oedometer(oedometer: &Oedometer, recorder: &mut dyn Recorder) -> io::Result<()> {
     let path: Vec<Vec<f64>> = oedometer
         .path
         .iter()
@@ -220,7 +191,7 @@ fn write_oedometer(tester: &mut Tester<'_>, oedometer: &Oedometer) -> io::Result
         "axial_strain",
         "void_ratio",
     ];
-    table(tester, "oedometer.csv", &columns, &path)?;
+    table(recorder, "oedometer.csv", &columns, &path)?;
     let steps: Vec<Vec<f64>> = oedometer
         .steps
         .iter()
@@ -243,18 +214,19 @@ fn write_oedometer(tester: &mut Tester<'_>, oedometer: &Oedometer) -> io::Result
         "to_void_ratio",
         "oedometric_modulus_mpa",
     ];
-    table(tester, "oedometric_modulus.csv", &columns, &steps)
+    table(recorder, "oedometric_modulus.csv", &columns, &steps)
 }
 
 /// Shares of mass by size of fragment when the bed was poured, before the cycles, at the largest
 /// force and at the end.
-fn write_fragments(tester: &mut Tester<'_>) -> io::Result<()> {
-    let moments = Moments::of(tester);
-    let mut text = format!("moment,{}\n", moments.header);
-    for (moment, row) in moments.rows {
-        text.push_str(&format!("{moment},{row}\n"));
-    }
-    tester.write("fragment_moments.csv", &mut |out| {
-        out.write_all(text.as_bytes())
+fn write_fragments(moments: &Moments, recorder: &mut dyn Recorder) -> io::Result<()> {
+    let Moments(rows) = moments;
+    recorder.file("fragment_moments.csv", &mut |out| {
+        write!(out, "moment,")?;
+        csv::header(out, &fragments::COLUMNS)?;
+        rows.iter().try_for_each(|(moment, row)| {
+            write!(out, "{moment},")?;
+            csv::row(out, &row.numbers())
+        })
     })
 }

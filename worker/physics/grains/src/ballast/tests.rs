@@ -87,7 +87,7 @@ fn cycles_are_read_from_where_they_begin() {
     let script = script();
     let mut recorder = Unrecorded;
     let tester = heard(&script, &mut recorder);
-    let cycles = cycles::of(&tester);
+    let cycles = cycles::of(&tester.heard);
     assert_eq!(cycles.len(), 2);
     let first = &cycles[0];
     assert_eq!(first.start, 0.0);
@@ -122,7 +122,7 @@ fn moduli_of_a_linear_bed_are_its_modulus() {
     let script = script();
     let mut recorder = Unrecorded;
     let tester = heard(&script, &mut recorder);
-    let oedometer = oedometer::of(&tester).expect("an oedometer");
+    let oedometer = oedometer::of(&tester.heard).expect("an oedometer");
     assert!((oedometer.height - 0.2).abs() < 1e-15);
     // E = k h/A
     let area = script.loaded_area;

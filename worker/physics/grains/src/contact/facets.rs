@@ -1,14 +1,14 @@
 //! Contacts of a sphere and facets.
 //!
 //! The sphere is a, the facet b: n points from the centre to the nearest point of the triangle, at a
-//! distance d; δ = r − d. A facet is like a plane ([`walls`](super::walls)), with the sphere's radius
+//! distance d; δ = r − d. A facet is like a plane ([`planes`](super::planes)), with the sphere's radius
 //! as its own and (G.7). By Yade's rule it has twice that radius in the stiffness, and slip is that
 //! of the surfaces in the middle of the overlap:
 //!
 //!   v = v_b − v_a − (r − δ/2) ω_a × n (G.20)
 //!
 //! Candidates are listed by sphere, so that one sphere's facets are looked at together and features
-//! that they share count once ([`once`](super::super::facets::once)). Where they are is found one by
+//! that they share count once ([`once`](crate::walls::facets::once)). Where they are is found one by
 //! one: most end at their distance from the triangle's plane. The law then works in vectors, each as
 //! soon as all spheres in it were looked at.
 //!
@@ -18,51 +18,62 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Scenery, Slip, Touch, Wrenches,
+    Deepest, Scenery, Slip, Touch,
+    blocks::{Before, Block, Blocks, Ends},
     law::{Law, Past},
     stiffness::Springs,
-    tangents::{Tangent, Tangents},
 };
 use crate::{
-    facets::{
+    motion::Wrenches,
+    numbers::{
+        lanes::{Array, LANES, Lanes, Vectors, any, bits},
+        rows::{Row, gather},
+    },
+    walls::facets::{
         FacetRule,
         once::{Near, last_heir},
     },
-    lanes::{Array, LANES, Lanes, Vectors, bits},
-    rows::{Row, gather},
 };
 
-/// Candidates in vectors; what fills up the last block belongs to no sphere.
+/// Spheres and facets of a block.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(bound = "")]
-#[repr(align(64))]
-pub(crate) struct FacetBlock<F: Law> {
-    pub(crate) particles: [u32; LANES],
-    pub(crate) facets: [u32; LANES],
-    /// Constant of the normal spring: k_N [N/m] of a linear one.
-    pub(crate) stiffness: Array,
-    pub(crate) law: F,
+pub(super) struct Visits {
+    pub(super) particles: [u32; LANES],
+    pub(super) facets: [u32; LANES],
 }
 
-/// Candidates of a patch's spheres and which of them touched in the last step.
+type FacetBlock<F> = Block<Visits, F>;
+
+/// Candidates of a patch's spheres.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub(crate) struct FacetList<F: Law> {
+pub(super) struct FacetList<F: Law> {
     /// How many facets are near each sphere that has any.
     visitors: Vec<u32>,
     /// Candidates of one sphere after those of another, without a gap.
-    pub(crate) blocks: Vec<FacetBlock<F>>,
-    /// Bits by lane.
-    pub(crate) touching: Vec<u8>,
-    pub(super) tangents: Tangents,
-    /// Candidates, padding not counted.
-    pub(crate) count: usize,
+    pub(super) list: Blocks<Visits, F>,
     /// What the sphere at work reaches.
     #[serde(skip)]
     near: Vec<Near>,
     /// What counts of that in blocks that wait for their last sphere, by slot.
     #[serde(skip)]
     reached: Vec<Near>,
+}
+
+impl Ends for Visits {
+    type Lane = [u32; 2];
+
+    /// It belongs to no sphere that is looked at.
+    fn padding([particle, _]: [u32; 2]) -> Self {
+        Self {
+            particles: [particle; LANES],
+            facets: [0; LANES],
+        }
+    }
+
+    fn set(&mut self, lane: usize, ends: [u32; 2]) {
+        [self.particles[lane], self.facets[lane]] = ends;
+    }
 }
 
 /// A facet near a sphere, what they are made of, and what they remember.
@@ -77,6 +88,7 @@ pub(super) struct Sides<'a> {
     pub(super) wrenches: &'a mut Wrenches,
     /// On each mesh [N]; the fourth number is the power of its turning [W].
     pub(super) on_meshes: &'a mut [[f64; 4]],
+    pub(super) deepest: &'a mut Deepest,
 }
 
 /// The facets of a block that are touched, as the law wants them.
@@ -101,9 +113,9 @@ impl<F: Law> FacetList<F> {
         let (mut slot, mut pushed) = (0, 0);
         for visitor in 0..self.visitors.len() {
             slot = self.look(scenery, self.visitors[visitor], slot);
-            let is_last = slot == self.count;
+            let is_last = slot == self.list.count;
             let whole = if is_last {
-                self.blocks.len()
+                self.list.blocks.len()
             } else {
                 slot / LANES
             };
@@ -117,19 +129,19 @@ impl<F: Law> FacetList<F> {
     /// Finds out which facets a sphere touches, so many of whose candidates begin at `slot`; returns
     /// where they end.
     fn look(&mut self, scenery: Scenery<'_>, candidates: u32, slot: usize) -> usize {
-        let particle = self.blocks[slot / LANES].particles[slot % LANES];
+        let particle = self.list.blocks[slot / LANES].ends.particles[slot % LANES];
         let sphere = &scenery.kinematics.centres[particle as usize];
         let end = slot + candidates as usize;
         self.near.clear();
         for slot in slot..end {
-            let facet = self.blocks[slot / LANES].facets[slot % LANES];
+            let facet = self.list.blocks[slot / LANES].ends.facets[slot % LANES];
             let near = (scenery.facets).reach(scenery.poses, sphere, slot as u32, facet);
             self.near.extend(near);
         }
         if scenery.facets.rule == FacetRule::Once && self.near.len() > 1 {
             (scenery.facets).settle(scenery.poses, &mut self.near, sphere.0[3]);
             if F::IS_ROUGH {
-                hand_over(&self.near, &mut self.blocks, &mut self.touching);
+                hand_over(&self.near, &mut self.list.blocks, &mut self.list.touching);
             }
         }
         let counting = self.near.iter().filter(|near| near.heir.is_none());
@@ -148,18 +160,18 @@ impl<F: Law> FacetList<F> {
     ) {
         let next = (number + 1) * LANES;
         let end = (self.reached).partition_point(|near| (near.slot as usize) < next);
-        let (block, touching) = (&mut self.blocks[number], &mut self.touching[number]);
+        let (block, touching, before) = self.list.take(number);
         if end == 0 && *touching == 0 {
             return;
         }
-        let (particles, facets) = (block.particles, block.facets);
+        let (particles, facets) = (block.ends.particles, block.ends.facets);
         let touched = scenery.touched(&particles, &self.reached[..end]);
         *touching = block.advance(
             simd,
             scenery,
             &touched,
-            self.tangents.of::<F>(number),
-            *touching,
+            before,
+            sides.deepest,
             #[inline(always)]
             |lane: usize, force: [f64; 4], moment: [f64; 4]| {
                 if touched.touches[lane] == 0.0 {
@@ -192,25 +204,7 @@ impl<F: Law> FacetList<F> {
     /// Adds a sphere with its candidates, if it has any.
     pub(super) fn add(&mut self, particle: u32, candidates: &[FacetCandidate]) {
         for (facet, springs, past) in candidates {
-            let lane = self.count % LANES;
-            if lane == 0 {
-                self.blocks.push(FacetBlock {
-                    particles: [particle; LANES],
-                    ..FacetBlock::default()
-                });
-                self.touching.push(0);
-            }
-            self.tangents.set::<F>(self.count / LANES, lane, springs);
-            self.count += 1;
-            if let (Some(block), Some(touching)) =
-                (self.blocks.last_mut(), self.touching.last_mut())
-            {
-                block.particles[lane] = particle;
-                block.facets[lane] = *facet;
-                block.stiffness[lane] = springs.normal;
-                block.law.start(lane, springs, &past.unwrap_or_default());
-                *touching |= u8::from(past.is_some()) << lane;
-            }
+            self.list.add([particle, *facet], springs, past.as_ref());
         }
         if !candidates.is_empty() {
             self.visitors.push(candidates.len() as u32);
@@ -219,16 +213,12 @@ impl<F: Law> FacetList<F> {
 
     pub(super) fn finish(&mut self) {
         self.visitors.shrink_to_fit();
-        self.blocks.shrink_to_fit();
-        self.touching.shrink_to_fit();
-        self.tangents.finish();
+        self.list.finish();
     }
 
     /// Memory [bytes].
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.visitors.as_slice())
-            + size_of_val(self.blocks.as_slice())
-            + self.tangents.bytes()
+        size_of_val(self.visitors.as_slice()) + self.list.bytes()
     }
 }
 
@@ -296,8 +286,8 @@ impl<F: Law> FacetBlock<F> {
         simd: S,
         scenery: Scenery<'_>,
         touched: &Touched,
-        tangent: Tangent<'_>,
-        before: u8,
+        before: Before<'_>,
+        deepest: &mut Deepest,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
         let kinematics = scenery.kinematics;
@@ -305,16 +295,16 @@ impl<F: Law> FacetBlock<F> {
         let mut touching = 0;
         for part in 0..LANES / S::F64_LANES {
             let is_touching = none.below(Lanes::load(simd, &touched.touches, part));
-            if bits::<S>(is_touching, 0) == 0 {
-                if before != 0 {
+            if !any::<S>(is_touching) {
+                if before.touched != 0 {
                     self.law.forget(simd, part);
                 }
                 continue;
             }
-            let radius = gather(simd, kinematics.centres, &self.particles, part).fourth;
+            let radius = gather(simd, kinematics.centres, &self.ends.particles, part).fourth;
             let normal = Vectors::load(simd, &touched.normal, part);
             let overlap = Lanes::load(simd, &touched.overlap, part);
-            let [shear_ratio, friction] = tangent.load(simd, part);
+            let [shear_ratio, friction] = before.tangent.load(simd, part);
             let touch = Touch {
                 normal,
                 overlap,
@@ -326,12 +316,13 @@ impl<F: Law> FacetBlock<F> {
             };
             let mut slip = Slip::none(simd);
             if F::FEELS_SPEED {
-                let velocity = gather(simd, kinematics.velocities, &self.particles, part).vector;
+                let velocity =
+                    gather(simd, kinematics.velocities, &self.ends.particles, part).vector;
                 let wall = Vectors::load(simd, &touched.velocity, part);
                 let relative = wall - velocity;
                 slip.approach = relative.dot(normal);
                 if F::IS_ROUGH {
-                    let spin = gather(simd, kinematics.spins, &self.particles, part).vector;
+                    let spin = gather(simd, kinematics.spins, &self.ends.particles, part).vector;
                     let approach = Lanes::load(simd, &touched.approach, part);
                     let arm = Lanes::load(simd, &touched.arm, part);
                     let velocity = relative.scaled(approach) - spin.scaled(arm).cross(normal);
@@ -343,6 +334,7 @@ impl<F: Law> FacetBlock<F> {
                 .law
                 .advance(simd, part, touch, slip, kinematics.time_step);
             touching |= bits::<S>(push.acts, part);
+            push.tell(simd, radius, deepest);
             push.against_wall(simd, part, &touch, radius, &mut act);
         }
         touching

@@ -9,15 +9,15 @@ use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Scenery, Wrenches,
+    Deepest, Scenery,
     facets::{FacetCandidate, FacetList, Sides},
-    law::{Lanewise, Law, Past},
+    law::{Law, Past},
     pairs::PairList,
+    planes::WallList,
     stiffness::Springs,
-    tangents::Tangents,
-    walls::WallList,
+    touching::{Observer, Who},
 };
-use crate::lanes::LANES;
+use crate::motion::Wrenches;
 
 /// What the contacts of a patch act on.
 #[derive(Debug)]
@@ -30,34 +30,9 @@ pub(crate) struct Acting<'a> {
     pub(crate) halo: &'a mut Wrenches,
     /// On each wall, planes before meshes [N]; the fourth number is the power of a mesh's turning [W].
     pub(crate) on_walls: &'a mut [[f64; 4]],
+    /// Of all its contacts.
+    pub(crate) deepest: &'a mut Deepest,
 }
-
-/// Who touches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Who {
-    /// Two particles.
-    Pair([u32; 2]),
-    /// A particle and a plane.
-    Plane([u32; 2]),
-    /// A particle and a facet.
-    Facet([u32; 2]),
-}
-
-/// A contact that touched in the last step.
-#[derive(Clone, Copy)]
-pub(crate) struct Touching<'a> {
-    pub(crate) who: Who,
-    /// Constant of the normal spring: k_N [N/m] of a linear one.
-    pub(crate) constant: f64,
-    /// k_T/k_N of the constants.
-    pub(crate) shear_ratio: f64,
-    /// Its law, and its lane there.
-    pub(crate) law: &'a dyn Lanewise,
-    pub(crate) lane: usize,
-}
-
-/// Who looks at contacts.
-pub(crate) type Observer<'a> = dyn FnMut(Touching<'_>) + 'a;
 
 /// Candidates for contact of a patch's particles, and what they remember.
 pub(crate) trait Lists: Debug + Send + Sync {
@@ -135,24 +110,24 @@ impl<F: Law> Lists for PatchLists<F> {
     }
 
     fn add_inner(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>) {
-        self.inner.add(pair, springs, past);
+        self.inner.list.add(pair, springs, past);
     }
 
     fn add_outer(&mut self, pair: [u32; 2], place: u32, springs: &Springs, past: Option<&Past>) {
-        let candidate = self.outer.add(pair, springs, past);
+        let candidate = self.outer.list.add(pair, springs, past);
         self.outer.set_place(candidate, place);
     }
 
     fn close_blocks(&mut self) {
-        self.inner.close_block();
-        self.outer.close_block();
+        self.inner.list.close_block();
+        self.outer.list.close_block();
     }
 
     fn add_plane(&mut self, plane: usize, particle: u32, springs: &Springs, past: Option<&Past>) {
         if self.walls.len() <= plane {
             self.walls.resize_with(plane + 1, WallList::default);
         }
-        self.walls[plane].add(particle, springs, past);
+        self.walls[plane].list.add(particle, springs, past);
     }
 
     fn add_facets(&mut self, particle: u32, candidates: &[FacetCandidate]) {
@@ -167,85 +142,39 @@ impl<F: Law> Lists for PatchLists<F> {
     }
 
     fn see(&self, observer: &mut Observer<'_>) {
-        for list in [&self.inner, &self.outer] {
-            see(
-                &list.blocks,
-                &list.touching,
-                &list.tangents,
-                observer,
-                |block, lane| {
-                    let who = Who::Pair([block.a[lane], block.b[lane]]);
-                    (who, block.stiffness[lane], &block.law)
-                },
-            );
+        for list in [&self.inner.list, &self.outer.list] {
+            list.see(observer, |pair, lane| {
+                Who::Pair([pair.a[lane], pair.b[lane]])
+            });
         }
         for (plane, list) in (0..).zip(&self.walls) {
-            see(
-                &list.blocks,
-                &list.touching,
-                &list.tangents,
-                observer,
-                |block, lane| {
-                    let who = Who::Plane([block.particles[lane], plane]);
-                    (who, block.stiffness[lane], &block.law)
-                },
-            );
+            (list.list).see(observer, |particles, lane| {
+                Who::Plane([particles.0[lane], plane])
+            });
         }
-        let list = &self.facets;
-        see(
-            &list.blocks,
-            &list.touching,
-            &list.tangents,
-            observer,
-            |block, lane| {
-                let who = Who::Facet([block.particles[lane], block.facets[lane]]);
-                (who, block.stiffness[lane], &block.law)
-            },
-        );
+        (self.facets.list).see(observer, |ends, lane| {
+            Who::Facet([ends.particles[lane], ends.facets[lane]])
+        });
     }
 
     fn rub(&mut self, factor: f64) {
-        let walls = self.walls.iter_mut().map(|list| &mut list.tangents);
-        let bodies = [&mut self.inner.tangents, &mut self.outer.tangents];
-        let lists = bodies.into_iter().chain(walls);
-        let lists = lists.chain([&mut self.facets.tangents]);
-        lists.for_each(|tangents| tangents.rub(factor));
+        self.inner.list.rub(factor);
+        self.outer.list.rub(factor);
+        self.walls.iter_mut().for_each(|list| list.list.rub(factor));
+        self.facets.list.rub(factor);
     }
 
     fn candidates(&self) -> usize {
-        self.inner.count + self.outer.count + self.facets.count
+        self.inner.list.count + self.outer.list.count + self.facets.list.count
     }
 
     fn bytes(&self) -> usize {
-        let walls = self.walls.iter().map(WallList::bytes);
+        let walls = self.walls.iter().map(|list| list.list.bytes());
         self.inner.bytes() + self.outer.bytes() + walls.sum::<usize>() + self.facets.bytes()
     }
 
     fn pack(&self) -> Result<Vec<u8>, CheckpointError> {
         postcard::to_stdvec(self).map_err(checkpoint::form)
-    }
-}
-
-/// Shows the contacts of a list that touched in the last step; `of` tells who is in the lane of a
-/// block, the constant of its normal spring, and its law.
-fn see<'a, B, F: Law>(
-    blocks: &'a [B],
-    touching: &[u8],
-    tangents: &Tangents,
-    observer: &mut Observer<'_>,
-    of: impl Fn(&'a B, usize) -> (Who, f64, &'a F),
-) {
-    for (number, (block, bits)) in blocks.iter().zip(touching).enumerate() {
-        for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
-            let (who, constant, law) = of(block, lane);
-            observer(Touching {
-                who,
-                constant,
-                shear_ratio: tangents.ratio(number, lane),
-                law,
-                lane,
-            });
-        }
     }
 }
 
@@ -272,18 +201,20 @@ impl<F: Law> WithSimd for Push<'_, F> {
             wrenches,
             halo,
             on_walls,
+            deepest,
         } = acting;
-        (lists.inner).push_inner(simd, kinematics, first, wrenches);
-        (lists.outer).push_outer(simd, kinematics, first, wrenches, halo);
+        (lists.inner).push_inner(simd, kinematics, first, wrenches, deepest);
+        (lists.outer).push_outer(simd, kinematics, first, wrenches, halo, deepest);
         let (on_planes, on_meshes) = on_walls.split_at_mut(scenery.faces.len());
         let planes = lists.walls.iter_mut().zip(scenery.faces).zip(on_planes);
         for ((list, face), on_plane) in planes {
-            *on_plane = list.push(simd, face, kinematics, first, wrenches);
+            *on_plane = list.push(simd, face, kinematics, first, wrenches, deepest);
         }
         let sides = Sides {
             first,
             wrenches,
             on_meshes,
+            deepest,
         };
         (lists.facets).push(simd, scenery, sides);
     }

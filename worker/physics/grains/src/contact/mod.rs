@@ -7,55 +7,65 @@
 //!   F_N = k_N δ, never negative (G.1);
 //! - torque on either body (r − δ/2) n × (−F) (G.2).
 //!
-//! Contacts live in blocks of [`LANES`], worked through as vectors; the blocks of a patch make up its
-//! [`lists`], behind which laws are types and before which they are not. [`pairs`] are contacts of two
-//! spheres, [`walls`] of a sphere and a plane; [`stiffness`] knows what the two bodies bring to a
-//! contact, of which the law's normal spring makes its constants. A block holds *candidates*,
+//! Contacts live in [`blocks`] of [`LANES`], worked through as vectors: [`pairs`] are contacts of two
+//! spheres, [`planes`] of a sphere and a plane, [`facets`] of a sphere and a triangle. Those of a patch make
+//! up its [`lists`], behind which laws are types and before which they are not; which law is
+//! [`chosen`] once. [`stiffness`] knows what the two bodies bring to a contact, of which the law's
+//! normal spring makes its constants, [`tangents`] what shears. Below: [`walls`](crate::walls) and
+//! [`motion`](crate::motion), of which it asks where things are and how they move. A block holds *candidates*,
 //! some of which do not touch: they cost a look at the distance, and a candidate that stops
 //! touching forgets its shear force.
 //!
 //! Source: [CundallStrack1979]; order of operations as in Yade's `ScGeom` and
 //! `Law2_ScGeom_FrictPhys_CundallStrack`.
-pub(super) mod facets;
-pub(super) mod law;
-pub(super) mod lists;
-pub(super) mod pairs;
-pub(super) mod stiffness;
+mod blocks;
+pub(crate) mod chosen;
+pub(crate) mod facets;
+pub(crate) mod law;
+pub(crate) mod lists;
+mod pairs;
+mod planes;
+pub(crate) mod stiffness;
 mod tangents;
-pub(super) mod walls;
+pub(crate) mod touching;
 
 use std::ops::Range;
 
 use pulp::Simd;
+use serde::{Deserialize, Serialize};
 
-use super::{
-    ahead::ask,
-    facets::{Facets, Pose},
-    lanes::{Lanes, Vectors},
-    rows::{Gathered, Row, scatter},
+use crate::{
+    numbers::{
+        ahead::ask,
+        lanes::{Array, LANES, Lanes, Vectors, any, bits},
+        rows::{Gathered, Row, scatter},
+    },
+    walls::{
+        Face,
+        facets::{Facets, Pose},
+    },
 };
-use walls::Face;
 
 /// Where the particles are and how they move: one row each.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kinematics<'a> {
+pub(crate) struct Kinematics<'a> {
     /// Centre [m] and radius [m].
-    pub(super) centres: &'a [Row],
+    pub(crate) centres: &'a [Row],
     /// Velocity [m/s], half a step ago.
-    pub(super) velocities: &'a [Row],
+    pub(crate) velocities: &'a [Row],
     /// Angular velocity [rad/s], half a step ago.
-    pub(super) spins: &'a [Row],
+    pub(crate) spins: &'a [Row],
     /// Δt of the step that brought the centres to where they are [s].
-    pub(super) last_step: f64,
+    pub(crate) last_step: f64,
     /// Δt of this step [s].
-    pub(super) time_step: f64,
+    pub(crate) time_step: f64,
 }
 
 impl Kinematics<'_> {
     /// Reads the rows of neighbouring particles in the order of memory. Contacts ask for them in
     /// another, and would wait for each that is not in the cache; with 100 000 spheres that took
     /// a fifth of the time.
-    pub(super) fn fetch(&self, particles: Range<usize>) {
+    pub(crate) fn fetch(&self, particles: Range<usize>) {
         for rows in [self.centres, self.velocities, self.spins] {
             // one of each line of the cache
             let rows = rows.get(particles.clone()).unwrap_or_default().iter();
@@ -65,7 +75,7 @@ impl Kinematics<'_> {
     }
 
     /// Asks for the rows of particles here and there.
-    pub(super) fn ask(&self, particles: &[u32]) {
+    pub(crate) fn ask(&self, particles: &[u32]) {
         for particle in particles {
             for rows in [self.centres, self.velocities, self.spins] {
                 if let Some(row) = rows.get(*particle as usize) {
@@ -78,62 +88,79 @@ impl Kinematics<'_> {
 
 /// All that the contacts of a step need to know of the scene.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scenery<'a> {
-    pub(super) kinematics: Kinematics<'a>,
-    pub(super) faces: &'a [Face],
-    pub(super) facets: &'a Facets,
-    pub(super) poses: &'a [Pose],
-}
-
-/// Forces [N] and torques [N m] on the particles of a patch, or on those of others in its halo. There
-/// are no torques without friction; the fourth numbers mean nothing.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Wrenches {
-    pub(super) forces: Vec<Row>,
-    pub(super) torques: Vec<Row>,
+pub(crate) struct Scenery<'a> {
+    pub(crate) kinematics: Kinematics<'a>,
+    pub(crate) faces: &'a [Face],
+    pub(crate) facets: &'a Facets,
+    pub(crate) poses: &'a [Pose],
 }
 
 /// Part of the contacts of a block as they stand now.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Touch<S: Simd> {
+pub(crate) struct Touch<S: Simd> {
     /// From a to b.
-    pub(super) normal: Vectors<S>,
+    pub(crate) normal: Vectors<S>,
     /// δ [m].
-    pub(super) overlap: Lanes<S>,
+    pub(crate) overlap: Lanes<S>,
     /// Distance at which the bodies just touch [m].
-    pub(super) reach: Lanes<S>,
+    pub(crate) reach: Lanes<S>,
     /// Constant of the normal spring: k_N [N/m] of a linear one.
-    pub(super) stiffness: Lanes<S>,
+    pub(crate) stiffness: Lanes<S>,
     /// k_T/k_N of the constants.
-    pub(super) shear_ratio: Lanes<S>,
+    pub(crate) shear_ratio: Lanes<S>,
     /// tan φ.
-    pub(super) friction: Lanes<S>,
-    pub(super) is_touching: S::m64s,
+    pub(crate) friction: Lanes<S>,
+    pub(crate) is_touching: S::m64s,
 }
 
 /// What a part of the contacts of a block does.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Push<S: Simd> {
+pub(crate) struct Push<S: Simd> {
     /// F_N [N]; of no meaning where the contact does not act.
-    pub(super) normal: Lanes<S>,
+    pub(crate) normal: Lanes<S>,
     /// F_T on b [N], zero where it does not act.
-    pub(super) shear: Vectors<S>,
+    pub(crate) shear: Vectors<S>,
     /// F_N tan φ [N], at which it slides, with F_N of the spring.
-    pub(super) limit: Lanes<S>,
-    pub(super) acts: S::m64s,
+    pub(crate) limit: Lanes<S>,
+    /// Of the spring [m]: δ, or the change of a bond's overlap.
+    pub(crate) compression: Lanes<S>,
+    pub(crate) acts: S::m64s,
+}
+
+/// Largest compression over the smaller radius that contacts had, step by step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Deepest {
+    pub(crate) ratio: f64,
+    /// A little less, for the comparison.
+    known: f64,
+}
+
+/// What is compared with a product may be rounded either way.
+const NEARLY_ONE: f64 = 1.0 - 4.0 * f64::EPSILON;
+
+impl Deepest {
+    /// Takes in the lanes `deeper`, by the quotient itself: the largest of them is the same in any order.
+    #[cold]
+    #[inline(never)]
+    fn raise(&mut self, compression: &Array, radius: &Array, deeper: u8) {
+        for lane in (0..LANES).filter(|lane| deeper >> lane & 1 == 1) {
+            self.ratio = self.ratio.max(compression[lane] / radius[lane]);
+        }
+        self.known = NEARLY_ONE * self.ratio;
+    }
 }
 
 /// How the surfaces of a part of a block move past each other.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Slip<S: Simd> {
+pub(crate) struct Slip<S: Simd> {
     /// Velocity of b relative to a along the normal: negative when they come closer [m/s].
-    pub(super) approach: Lanes<S>,
+    pub(crate) approach: Lanes<S>,
     /// Velocity of b's contact point relative to a's, across the normal [m/s].
-    pub(super) velocity: Vectors<S>,
+    pub(crate) velocity: Vectors<S>,
     /// Sum of both spins [rad/s].
-    pub(super) spins: Vectors<S>,
+    pub(crate) spins: Vectors<S>,
     /// n₀, for a law that does not keep it.
-    pub(super) last_normal: Vectors<S>,
+    pub(crate) last_normal: Vectors<S>,
 }
 
 impl<S: Simd> Slip<S> {
@@ -150,6 +177,20 @@ impl<S: Simd> Slip<S> {
 }
 
 impl<S: Simd> Push<S> {
+    /// Tells `deepest` of contacts with these smaller radii. After some steps hardly any is deeper than
+    /// those before, so that this is a comparison.
+    #[inline(always)]
+    fn tell(&self, simd: S, radius: Lanes<S>, deepest: &mut Deepest) {
+        let known = radius * Lanes::splat(simd, deepest.known);
+        let is_deeper = simd.and_m64s(known.below(self.compression), self.acts);
+        if any::<S>(is_deeper) {
+            let mut arrays = [[0.0; LANES]; 2];
+            self.compression.store(&mut arrays[0], 0);
+            radius.store(&mut arrays[1], 0);
+            deepest.raise(&arrays[0], &arrays[1], bits::<S>(is_deeper, 0));
+        }
+    }
+
     /// Gives `act` what a part of a block of spheres at walls does, lane by lane: the force on the
     /// wall and its moment about the centre of the sphere of this radius (G.2).
     #[inline(always)]
@@ -182,18 +223,5 @@ impl<S: Simd> Push<S> {
             #[inline(always)]
             |lane, [force, moment]| act(lane, force, moment),
         );
-    }
-}
-
-impl Wrenches {
-    /// Nothing acts on `particles`.
-    pub(super) fn clear(&mut self, particles: usize, with_torques: bool) {
-        self.forces.clear();
-        self.forces.resize(particles, Row::default());
-        self.torques.clear();
-        // without friction no torque ever acts
-        if with_torques {
-            self.torques.resize(particles, Row::default());
-        }
     }
 }

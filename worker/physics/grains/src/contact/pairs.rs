@@ -13,44 +13,50 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Kinematics, Slip, Touch, Wrenches,
-    law::{Law, Past, direction},
-    stiffness::Springs,
-    tangents::{Tangent, Tangents},
+    Deepest, Kinematics, Slip, Touch,
+    blocks::{Before, Block, Blocks, Ends},
+    law::{Law, direction},
 };
 use crate::{
-    ahead::ask,
-    lanes::{Array, LANES, Lanes, Vectors, bits},
-    rows::{Gathered, Row, gather, scatter},
+    motion::Wrenches,
+    numbers::{
+        ahead::ask,
+        lanes::{LANES, Lanes, Vectors, any, bits},
+        rows::{Gathered, Row, gather, scatter},
+    },
 };
 
-/// Candidates in vectors; the last ones of a list may be padding, which never touches.
+/// Particles a and b of a block; padding is a particle against itself.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(bound = "")]
-#[repr(align(64))]
-pub(crate) struct PairBlock<F: Law> {
-    /// Particles a; padding is a particle against itself.
-    pub(crate) a: [u32; LANES],
-    pub(crate) b: [u32; LANES],
-    /// Constant of the normal spring: k_N [N/m] of a linear one.
-    pub(crate) stiffness: Array,
-    pub(crate) law: F,
+pub(super) struct Pairs {
+    pub(super) a: [u32; LANES],
+    pub(super) b: [u32; LANES],
 }
 
-/// Candidates and which of them touched in the last step.
+type PairBlock<F> = Block<Pairs, F>;
+
+/// Candidates of two spheres.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub(crate) struct PairList<F: Law> {
-    pub(crate) blocks: Vec<PairBlock<F>>,
-    /// Bits by lane.
-    pub(crate) touching: Vec<u8>,
-    pub(super) tangents: Tangents,
-    /// Candidates, padding not counted.
-    pub(crate) count: usize,
-    /// Lanes of the last block that are taken; 0 when it is full or closed.
-    pub(crate) filled: usize,
+pub(super) struct PairList<F: Law> {
+    pub(super) list: Blocks<Pairs, F>,
     /// Rows of the halo for particles b, where these belong to other patches.
-    pub(crate) places: Vec<[u32; LANES]>,
+    places: Vec<[u32; LANES]>,
+}
+
+impl Ends for Pairs {
+    type Lane = [u32; 2];
+
+    fn padding([a, _]: [u32; 2]) -> Self {
+        Self {
+            a: [a; LANES],
+            b: [a; LANES],
+        }
+    }
+
+    fn set(&mut self, lane: usize, ends: [u32; 2]) {
+        [self.a[lane], self.b[lane]] = ends;
+    }
 }
 
 /// Blocks asked for before their turn, half a microsecond: several times what memory takes. From 4
@@ -64,9 +70,9 @@ impl<F: Law> PairList<F> {
     /// Asks for a block, if there is one.
     #[inline(always)]
     fn ask(&self, index: usize) {
-        if let Some(block) = self.blocks.get(index) {
+        if let Some(block) = self.list.blocks.get(index) {
             // both ends are in one line
-            ask(&block.a);
+            ask(&block.ends.a);
             ask(&block.stiffness);
             block.law.ask();
         }
@@ -74,23 +80,23 @@ impl<F: Law> PairList<F> {
 
     /// Adds the forces of inner blocks to both particles. The patch begins with particle `first`.
     #[inline(always)]
-    pub(crate) fn push_inner<S: Simd>(
+    pub(super) fn push_inner<S: Simd>(
         &mut self,
         simd: S,
         kinematics: Kinematics<'_>,
         first: usize,
         wrenches: &mut Wrenches,
+        deepest: &mut Deepest,
     ) {
-        for index in 0..self.blocks.len() {
+        for index in 0..self.list.blocks.len() {
             self.ask(index + BLOCKS_AHEAD);
-            let tangent = self.tangents.of::<F>(index);
-            let (block, touching) = (&mut self.blocks[index], &mut self.touching[index]);
-            let (a, b) = (block.a, block.b);
+            let (block, touching, before) = self.list.take(index);
+            let (a, b) = (block.ends.a, block.ends.b);
             *touching = block.advance(
                 simd,
                 kinematics,
-                tangent,
-                *touching,
+                before,
+                deepest,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], torque: [f64; 4]| {
                     let (a, b) = (a[lane] as usize - first, b[lane] as usize - first);
@@ -108,28 +114,28 @@ impl<F: Law> PairList<F> {
 
     /// Adds the forces of outer blocks to their first particles and those on the second to the halo.
     #[inline(always)]
-    pub(crate) fn push_outer<S: Simd>(
+    pub(super) fn push_outer<S: Simd>(
         &mut self,
         simd: S,
         kinematics: Kinematics<'_>,
         first: usize,
         wrenches: &mut Wrenches,
         halo: &mut Wrenches,
+        deepest: &mut Deepest,
     ) {
-        for index in 0..self.blocks.len() {
+        for index in 0..self.list.blocks.len() {
             self.ask(index + BLOCKS_AHEAD);
-            if let Some(block) = self.blocks.get(index + OTHERS_AHEAD) {
-                kinematics.ask(&block.b);
+            if let Some(block) = self.list.blocks.get(index + OTHERS_AHEAD) {
+                kinematics.ask(&block.ends.b);
             }
             let places = self.places[index];
-            let tangent = self.tangents.of::<F>(index);
-            let (block, touching) = (&mut self.blocks[index], &mut self.touching[index]);
-            let a = block.a;
+            let (block, touching, before) = self.list.take(index);
+            let a = block.ends.a;
             *touching = block.advance(
                 simd,
                 kinematics,
-                tangent,
-                *touching,
+                before,
+                deepest,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], torque: [f64; 4]| {
                     let a = a[lane] as usize - first;
@@ -148,57 +154,22 @@ impl<F: Law> PairList<F> {
 }
 
 impl<F: Law> PairList<F> {
-    /// Adds a candidate and returns its place, block by block. Its bit is set when it has a past, so
-    /// that the past is forgotten in time.
-    pub(super) fn add(&mut self, pair: [u32; 2], springs: &Springs, past: Option<&Past>) -> usize {
-        let lane = self.filled;
-        if lane == 0 {
-            let block = PairBlock {
-                a: [pair[0]; LANES],
-                b: [pair[0]; LANES],
-                ..PairBlock::default()
-            };
-            self.blocks.push(block);
-            self.touching.push(0);
-        }
-        let number = self.blocks.len() - 1;
-        self.tangents.set::<F>(number, lane, springs);
-        self.count += 1;
-        self.filled = (lane + 1) % LANES;
-        if let (Some(block), Some(touching)) = (self.blocks.last_mut(), self.touching.last_mut()) {
-            [block.a[lane], block.b[lane]] = pair;
-            block.stiffness[lane] = springs.normal;
-            let remembered = past.copied().unwrap_or_default();
-            block.law.start(lane, springs, &remembered);
-            *touching |= u8::from(past.is_some()) << lane;
-        }
-        number * LANES + lane
-    }
-
-    /// Sets the row of the halo for particle b of a candidate, by the place that [`PairList::add`] gave.
+    /// Sets the row of the halo for particle b of a candidate, by the place that [`Blocks::add`] gave.
     pub(super) fn set_place(&mut self, candidate: usize, row: u32) {
         // padding of the last block adds nothing, anywhere
-        self.places.resize(self.blocks.len(), [row; LANES]);
+        self.places.resize(self.list.blocks.len(), [row; LANES]);
         self.places[candidate / LANES][candidate % LANES] = row;
     }
 
     /// Memory [bytes].
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.blocks.as_slice())
-            + size_of_val(self.places.as_slice())
-            + self.tangents.bytes()
+        self.list.bytes() + size_of_val(self.places.as_slice())
     }
 
-    /// The next candidate begins a block.
-    pub(super) fn close_block(&mut self) {
-        self.filled = 0;
-    }
-
+    /// All is added.
     pub(super) fn finish(&mut self) {
-        self.blocks.shrink_to_fit();
-        self.touching.shrink_to_fit();
+        self.list.finish();
         self.places.shrink_to_fit();
-        self.tangents.finish();
     }
 }
 
@@ -223,14 +194,14 @@ impl<F: Law> PairBlock<F> {
         &mut self,
         simd: S,
         kinematics: Kinematics<'_>,
-        tangent: Tangent<'_>,
-        touched: u8,
+        before: Before<'_>,
+        deepest: &mut Deepest,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
     ) -> u8 {
         let mut touching = 0;
         for part in 0..LANES / S::F64_LANES {
-            let a = gather(simd, kinematics.centres, &self.a, part);
-            let b = gather(simd, kinematics.centres, &self.b, part);
+            let a = gather(simd, kinematics.centres, &self.ends.a, part);
+            let b = gather(simd, kinematics.centres, &self.ends.b, part);
             let between = b.vector - a.vector;
             let reach = a.fourth + b.fourth;
             let distance = between.dot(between).sqrt();
@@ -239,8 +210,8 @@ impl<F: Law> PairBlock<F> {
             let is_apart = Lanes::splat(simd, 0.0).below(distance);
             let is_touching = simd.and_m64s(is_near, is_apart);
             let may_act = self.law.acting(simd, part, is_touching);
-            if bits::<S>(may_act, 0) == 0 {
-                if touched != 0 {
+            if !any::<S>(may_act) {
+                if before.touched != 0 {
                     self.law.forget(simd, part);
                     // adds nothing, but the compiler lays the loop out better: without it a bed without
                     // friction takes 6 to 8 % longer
@@ -254,7 +225,7 @@ impl<F: Law> PairBlock<F> {
             let inverse = Lanes::splat(simd, 1.0).over(distance);
             let normal = between.scaled(inverse);
             let overlap = reach - distance;
-            let [shear_ratio, friction] = tangent.load(simd, part);
+            let [shear_ratio, friction] = before.tangent.load(simd, part);
             let touch = Touch {
                 normal,
                 overlap,
@@ -285,6 +256,8 @@ impl<F: Law> PairBlock<F> {
                 .law
                 .advance(simd, part, touch, slip, kinematics.time_step);
             touching |= bits::<S>(push.acts, part);
+            let smaller = a.fourth.only_if(a.fourth.below(b.fourth), b.fourth);
+            push.tell(simd, smaller, deepest);
             let half = Lanes::splat(simd, 0.5) * overlap;
             let force = Gathered {
                 vector: normal.scaled(push.normal) + push.shear,
@@ -314,8 +287,8 @@ impl<F: Law> PairBlock<F> {
     #[inline(always)]
     fn sides<S: Simd>(&self, simd: S, rows: &[Row], part: usize) -> [Vectors<S>; 2] {
         [
-            gather(simd, rows, &self.a, part).vector,
-            gather(simd, rows, &self.b, part).vector,
+            gather(simd, rows, &self.ends.a, part).vector,
+            gather(simd, rows, &self.ends.b, part).vector,
         ]
     }
 }

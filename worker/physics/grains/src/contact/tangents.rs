@@ -3,7 +3,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{law::Law, stiffness::Springs};
-use crate::lanes::{Array, LANES, Lanes};
+use crate::numbers::lanes::{Array, LANES, Lanes};
 
 /// k_T/k_N and tan φ. They belong to a pair of materials; where one pair meets, which is nearly
 /// everywhere, a list has them once, and a list without friction never.

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use rand::Rng;
 
 use super::Region;
-use crate::sphere::Sphere;
+use crate::geometry::sphere::Sphere;
 
 /// Places tried for one sphere. More would go little further: near saturation each further
 /// per cent of solid takes many times the tries of the last.

@@ -6,7 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt as _};
 
 use super::Region;
-use crate::sphere::Sphere;
+use crate::geometry::sphere::Sphere;
 
 /// Places a bound may be missed by [share of the spacing], rounded.
 const ROUND_OFF: f64 = 1e-9;

@@ -13,8 +13,8 @@
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
-use super::Drive;
-use crate::{Vector, contact::Wrenches, rows::Row};
+use super::{Drive, Wrenches};
+use crate::numbers::{Vector, rows::Row};
 
 /// A rigid clump.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,6 +59,12 @@ impl Clump {
     pub(crate) fn members(&self) -> std::ops::Range<usize> {
         let first = self.first as usize;
         first..first + self.offsets.len()
+    }
+
+    /// Arm² over inertia of a contact of a member, at most [1/kg].
+    pub(crate) fn turning(&self, member: &Row) -> f64 {
+        let arm = (member.vector() - self.centre).norm() + member.0[3];
+        arm.powi(2) / self.inertia.min()
     }
 
     /// Inertia in the global frame [kg m²].

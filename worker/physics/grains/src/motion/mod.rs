@@ -9,28 +9,58 @@
 //! [`splitting`] turns, [`wall`] walls.
 //!
 //! Source: T 3.27-3.31 and 3.35; Yade's `NewtonIntegrator`.
-pub(super) mod clump;
-pub(super) mod spheres;
-pub(super) mod splitting;
-pub(super) mod wall;
+pub(crate) mod clump;
+pub(crate) mod spheres;
+pub(crate) mod splitting;
 
-use super::Vector;
+use crate::numbers::{Vector, rows::Row};
+
+/// Forces [N] and torques [N m] on the particles of a patch, or on those of others in its halo. There
+/// are no torques without friction; the fourth numbers mean nothing.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Wrenches {
+    pub(crate) forces: Vec<Row>,
+    pub(crate) torques: Vec<Row>,
+}
+
+impl Wrenches {
+    /// Nothing acts on `particles`.
+    pub(crate) fn clear(&mut self, particles: usize, with_torques: bool) {
+        self.forces.clear();
+        self.forces.resize(particles, Row::default());
+        self.torques.clear();
+        // without friction no torque ever acts
+        if with_torques {
+            self.torques.resize(particles, Row::default());
+        }
+    }
+}
+
+/// The largest stable step [s] of a body whose ω² [1/s²] and damping over mass D [1/s] are these: the
+/// root of ω² Δt² + 2 D Δt = 4 (G.19).
+pub(crate) fn critical_step(square: f64, damped: f64) -> f64 {
+    if damped > 0.0 {
+        4.0 / (damped + (damped * damped + 4.0 * square).sqrt())
+    } else {
+        2.0 / square.sqrt()
+    }
+}
 
 /// What every body feels in a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Drive {
+pub(crate) struct Drive {
     /// Δt [s].
-    pub(super) time_step: f64,
+    pub(crate) time_step: f64,
     /// g [m/s²].
-    pub(super) gravity: Vector,
+    pub(crate) gravity: Vector,
     /// λ.
-    pub(super) damping: f64,
+    pub(crate) damping: f64,
 }
 
 impl Drive {
     /// An acceleration after damping (G.8).
     #[inline(always)]
-    pub(super) fn damped(&self, acceleration: f64, velocity: f64) -> f64 {
+    pub(crate) fn damped(&self, acceleration: f64, velocity: f64) -> f64 {
         let middle = velocity + 0.5 * self.time_step * acceleration;
         self.against(acceleration, acceleration * middle)
     }

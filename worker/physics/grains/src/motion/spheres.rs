@@ -8,7 +8,7 @@ use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 use super::{Drive, Vector};
-use crate::{
+use crate::numbers::{
     lanes::{Array, LANES, Lanes},
     rows::Row,
 };

@@ -13,7 +13,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::clump::Clump;
-use crate::{
+use crate::numbers::{
     Vector,
     lanes::{Array, LANES, Lanes, Vectors},
 };

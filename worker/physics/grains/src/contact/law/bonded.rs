@@ -18,7 +18,7 @@ use super::{
     Bond, ContactForces, Kept, Lanewise, Law, Linear, Past, Push, Slip, Spring, Touch,
     coulomb::{Coulomb, cut},
 };
-use crate::{
+use crate::numbers::{
     ahead::ask,
     lanes::{Array, Lanes, Vectors},
 };
@@ -60,7 +60,8 @@ impl Law for Bonded {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let was_intact = self.is_intact(simd, part);
         let rest = Lanes::load(simd, &self.rest, part);
-        let spring = touch.stiffness * (touch.overlap - rest);
+        let stretch = touch.overlap - rest;
+        let spring = touch.stiffness * stretch;
         let grown = self.coulomb.grown(simd, part, &touch, slip, time_step);
 
         let holds = Lanes::load(simd, &self.normal_strength, part);
@@ -79,6 +80,9 @@ impl Law for Bonded {
         let limit = pushes * touch.friction;
         let sliding = cut(simd, grown, limit);
         let acts = simd.or_m64s(touch.is_touching, is_intact);
+        // what broke does not pull
+        let pulled = (-stretch).only_if(is_intact, zero);
+        let compression = stretch.only_if(zero.below(stretch), pulled);
         let shear = grown
             .only_if(is_intact, sliding)
             .only_if(acts, Vectors::zero(simd));
@@ -88,6 +92,7 @@ impl Law for Bonded {
             normal,
             shear,
             limit,
+            compression,
             acts,
         }
     }

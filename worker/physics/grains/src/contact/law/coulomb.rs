@@ -15,7 +15,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{ContactForces, Lanewise, Law, Normal, Normals, Past, Push, Slip, Spring, Touch};
-use crate::{
+use crate::numbers::{
     Vector,
     ahead::ask_all,
     lanes::{Array, Lanes, Vectors},
@@ -108,6 +108,7 @@ impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
             normal,
             shear,
             limit,
+            compression: touch.overlap,
             acts: touch.is_touching,
         }
     }

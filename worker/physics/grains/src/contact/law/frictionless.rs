@@ -5,7 +5,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{ContactForces, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch};
-use crate::{
+use crate::numbers::{
     Vector,
     lanes::{Lanes, Vectors},
 };
@@ -33,6 +33,7 @@ impl<N: Normal> Law for Frictionless<N> {
             normal: N::force(simd, &touch),
             shear: Vectors::zero(simd),
             limit: Lanes::splat(simd, 0.0),
+            compression: touch.overlap,
             acts: touch.is_touching,
         }
     }

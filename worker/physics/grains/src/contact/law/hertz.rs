@@ -22,9 +22,11 @@ use super::{
     normal::{Normal, Spring},
 };
 use crate::{
-    ahead::ask,
     contact::stiffness::{Side, Springs},
-    lanes::{Array, Lanes, Vectors},
+    numbers::{
+        ahead::ask,
+        lanes::{Array, Lanes, Vectors},
+    },
 };
 
 /// F_N = 4/3 E* √R* δ^1.5.
@@ -122,6 +124,7 @@ impl Law for HertzMindlin {
             normal,
             shear,
             limit,
+            compression: touch.overlap,
             acts: touch.is_touching,
         }
     }

@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     contact::stiffness::{Side, Springs},
-    lanes::Lanes,
+    numbers::lanes::Lanes,
 };
 
 /// F_N = −k_N d₀ ln(d/d₀).

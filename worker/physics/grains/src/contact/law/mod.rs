@@ -5,7 +5,7 @@
 //! last step, [`Kept`] or [`Followed`]), [`HertzMindlin`] the overlap it
 //! belongs to as well, [`Bonded`] holds together until it breaks. Each stands on a spring along the
 //! [`normal`]: [`Linear`], [`Logarithmic`] or [`Hertz`]. [`Viscous`] is a dashpot beside any of them,
-//! [`ViscousShear`] one across the normal beside those with friction.
+//! [`Along`] the normal or, beside those with friction, [`Across`].
 mod bonded;
 mod coulomb;
 mod frictionless;
@@ -14,20 +14,14 @@ mod logarithmic;
 pub(crate) mod normal;
 mod normals;
 mod viscous;
-mod viscous_shear;
 
 use std::fmt::Debug;
 
-use loadframe_harness::checkpoint::CheckpointError;
 use pulp::Simd;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use super::{
-    Push, Slip, Touch,
-    lists::{Lists, PatchLists},
-    stiffness::{Side, Springs},
-};
-use crate::Vector;
+use super::{Push, Slip, Touch, stiffness::Springs};
+use crate::numbers::Vector;
 
 pub(crate) use bonded::Bonded;
 pub(crate) use coulomb::Coulomb;
@@ -36,8 +30,7 @@ pub(crate) use hertz::{Hertz, HertzMindlin};
 pub(crate) use logarithmic::Logarithmic;
 pub(crate) use normal::{Linear, Normal, Spring};
 pub(crate) use normals::{Followed, Kept, Normals, direction};
-pub(crate) use viscous::Viscous;
-pub(crate) use viscous_shear::ViscousShear;
+pub(crate) use viscous::{Across, Along, Viscous};
 
 /// What a contact remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -138,36 +131,6 @@ pub(crate) trait Law:
     fn forget<S: Simd>(&mut self, simd: S, part: usize);
 }
 
-/// Lists that were read from a checkpoint, or why they cannot be.
-pub(crate) type Unpacked = Result<Box<dyn Lists>, CheckpointError>;
-
-/// A law as all see it that do not work through its blocks.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Chosen {
-    /// Constants of the springs between two bodies.
-    pub(crate) springs: fn(&Side, &Side) -> Springs,
-    /// ∫ F_N dδ [J], given the square of F_N.
-    pub(crate) energy: fn(&Spring, f64) -> f64,
-    /// Stiffness [N/m] of a contact that a body may come to, at a speed [m/s].
-    pub(crate) foreseen: fn(&Side, f64) -> f64,
-    /// The lists of a patch without contacts.
-    pub(crate) lists: fn() -> Box<dyn Lists>,
-    /// Reads what [`Lists::pack`] wrote.
-    pub(crate) unpack: fn(&[u8]) -> Unpacked,
-}
-
-impl Chosen {
-    pub(crate) fn of<F: Law>() -> Self {
-        Self {
-            springs: F::Normal::springs,
-            energy: F::Normal::energy,
-            foreseen: F::Normal::foreseen,
-            lists: || Box::new(PatchLists::<F>::default()),
-            unpack: |bytes| Ok(Box::new(PatchLists::<F>::unpack(bytes)?)),
-        }
-    }
-}
-
 impl ContactForces {
     /// A normal spring alone, with what shears it: the constant of k_T and the force on b.
     fn spring<N: Normal>(spring: &Spring, shear_constant: f64, shear: Vector) -> Self {
@@ -208,7 +171,7 @@ impl Past {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{Array, LANES, Lanes, Vectors};
+    use crate::numbers::lanes::{Array, LANES, Lanes, Vectors};
     use pulp::{Arch, Scalar, WithSimd};
 
     /// Some steps of one block of contacts, all different; the last step in bits.
@@ -262,11 +225,13 @@ mod tests {
                     };
                     let push = self.0.advance(simd, part, touch, slip, 1e-5);
                     let nothing = Vectors::zero(simd);
-                    let mut out = [[0.0; LANES]; 4];
+                    let mut out = [[0.0; LANES]; 5];
                     let force = push.normal.only_if(push.acts, nothing.x);
                     force.store(&mut out[0], part);
+                    let compression = push.compression.only_if(push.acts, nothing.x);
+                    compression.store(&mut out[4], part);
                     for (column, shear) in
-                        out[1..]
+                        out[1..4]
                             .iter_mut()
                             .zip([push.shear.x, push.shear.y, push.shear.z])
                     {
@@ -300,9 +265,9 @@ mod tests {
         assert_same_bits::<Coulomb<Logarithmic, Kept>>();
         assert_same_bits::<HertzMindlin>();
         assert_same_bits::<Bonded>();
-        assert_same_bits::<Viscous<HertzMindlin>>();
-        assert_same_bits::<Viscous<Frictionless<Hertz>>>();
-        assert_same_bits::<ViscousShear<Coulomb<Linear, Followed>>>();
-        assert_same_bits::<Viscous<ViscousShear<HertzMindlin>>>();
+        assert_same_bits::<Viscous<HertzMindlin, Along>>();
+        assert_same_bits::<Viscous<Frictionless<Hertz>, Along>>();
+        assert_same_bits::<Viscous<Coulomb<Linear, Followed>, Across>>();
+        assert_same_bits::<Viscous<Viscous<HertzMindlin, Across>, Along>>();
     }
 }

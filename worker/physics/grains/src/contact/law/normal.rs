@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use super::Touch;
 use crate::{
     contact::stiffness::{Side, Springs},
-    lanes::{Lanes, Vectors},
+    numbers::lanes::{Lanes, Vectors},
 };
 
 /// The normal spring of one contact, as observers see it.
@@ -66,6 +66,12 @@ impl Spring {
         N::force(simd, &self.touch(simd)).value
     }
 
+    /// Tangents k_N, k_T [N/m].
+    pub(crate) fn tangents<N: Normal>(&self) -> [f64; 2] {
+        let constant = self.shear_ratio * self.constant;
+        [N::tangent(self), N::shear(constant, self)]
+    }
+
     /// What the constants of dashpots are multiplied with.
     pub(crate) fn dashpot<N: Normal>(&self) -> f64 {
         let simd = Scalar::new();
@@ -92,7 +98,7 @@ pub(crate) struct Linear;
 
 impl Linear {
     /// k_N and k_T of two springs in series, and dashpots that give the restitutions they are asked for
-    /// in every impact (see [`super::viscous`]) and every swing ([`super::viscous_shear`]).
+    /// in every impact and every swing (see [`super::viscous`]).
     pub(super) fn between(a: &Side, b: &Side) -> Springs {
         let [first, second] = [a, b].map(|side| side.surface.youngs_modulus * 2.0 * side.radius);
         let [first_ratio, second_ratio] = [a, b].map(|side| side.surface.stiffness_ratio);

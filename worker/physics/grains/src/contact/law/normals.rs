@@ -8,7 +8,7 @@ use std::fmt::Debug;
 use pulp::Simd;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use crate::{
+use crate::numbers::{
     Vector,
     ahead::ask_all,
     lanes::{Array, Lanes, Vectors},

@@ -1,6 +1,8 @@
-//! A dashpot along the normal, beside any law: impacts that give back a part of the speed.
+//! Dashpots beside any law: impacts that give back a part of the speed, and what sticks comes to rest.
 //!
-//!   F_N ← F_N − c v_N while the bodies touch, with v_N the speed at which they part (G.17)
+//! *Along* the normal, while the bodies touch, with v_N the speed at which they part:
+//!
+//!   F_N ← F_N − c v_N (G.17)
 //!   c = 2 β √(m* k_N), β = −ln e / √(π² + ln² e), 1/m* = 1/m_a + 1/m_b (G.18)
 //!
 //! A linear spring with this dashpot is the damped oscillator; after half a period, when the bodies
@@ -9,33 +11,153 @@
 //! many contacts at once each has its own dashpot. The spheres part when they no longer overlap: just
 //! before, the dashpot pulls a little, as the closed form supposes. Sliding is limited by the force
 //! of the spring alone, which is never negative. A body that cannot move counts as infinitely heavy, a
-//! clump's member with the mass of its clump. What sticks rings on its shear spring all the same:
-//! [`super::viscous_shear`] is the dashpot across the normal.
+//! clump's member with the mass of its clump.
+//!
+//! *Across* the normal, beside a law with friction: what sticks would ring on its shear spring.
+//!
+//!   F_T ← F_T − c_T v_T while the bodies touch, |F_T| ≤ F_N tan φ (G.24)
+//!   c_T = 2 β_T √(2/7 m* k_T), β_T = −ln e_T / √(π² + ln² e_T) (G.25)
+//!
+//! F_T is that of the spring, cut back already, F_N the force of the spring along the normal, as for
+//! sliding without the dashpot. What is remembered is the spring alone. A cut takes the sum to the nearest
+//! force within the limit, where that of the spring is already: the dashpot never gives energy.
+//! Two spheres that stick and turn freely are a damped oscillator: with I = 2/5 m r² a force across the
+//! normal moves the surfaces past each other by 1/m* (1 + 5/2), so that half a period leaves e_T of
+//! the speed. For clumps, whose inertia depends on the place, 2/7 is an estimate. The k_T of
+//! [`super::HertzMindlin`] is that of the moment and c_T follows its root: e_T is kept at a constant
+//! overlap, and approximate where the overlap changes during the swing.
 //!
 //! Source: the oscillator in any textbook; for Hertz [Tsuji1992], [AntypovElliott2011].
-use pulp::Simd;
-use serde::{Deserialize, Serialize};
+use std::fmt::Debug;
 
-use super::{ContactForces, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch};
+use pulp::Simd;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use super::{ContactForces, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch, coulomb::cut};
 use crate::{
-    ahead::ask,
     contact::stiffness::Springs,
-    lanes::{Array, Lanes},
+    numbers::{
+        Vector,
+        ahead::{ask, ask_all},
+        lanes::{Array, Lanes, Vectors},
+    },
 };
 
 /// A law and a dashpot.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
 #[repr(align(64))]
-pub(crate) struct Viscous<F: Law> {
+pub(crate) struct Viscous<F: Law, D: Dashpot> {
     law: F,
-    /// c [N s/m], or what gives it with the overlap.
-    dashpot: Array,
+    /// c or c_T [N s/m], or what gives it with the overlap.
+    constant: Array,
+    dashpot: D,
+}
+
+/// A way in which a dashpot works, and its force in the last step.
+pub(crate) trait Dashpot:
+    Clone + Debug + Default + PartialEq + Send + Sync + Serialize + DeserializeOwned + 'static
+{
+    /// Place of its constant among those of [`Springs::dashpots`].
+    const WAY: usize;
+
+    /// Adds its force to what the law does, given its constant at this overlap.
+    fn act<S: Simd>(
+        &mut self,
+        simd: S,
+        part: usize,
+        constant: Lanes<S>,
+        touch: &Touch<S>,
+        slip: &Slip<S>,
+        push: Push<S>,
+    ) -> Push<S>;
+
+    /// Asks for its memory.
+    fn ask(&self);
+
+    /// The same for an observer.
+    fn add(&self, lane: usize, forces: &mut ContactForces);
+}
+
+/// Along the normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[repr(align(64))]
+pub(crate) struct Along {
     /// −c v_N in the last step [N].
     force: Array,
 }
 
-impl<F: Law> Law for Viscous<F> {
+/// Across the normal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[repr(align(64))]
+pub(crate) struct Across {
+    /// F_T of spring and dashpot in the last step [N].
+    shear: [Array; 3],
+}
+
+impl Dashpot for Along {
+    const WAY: usize = 0;
+
+    #[inline(always)]
+    fn act<S: Simd>(
+        &mut self,
+        simd: S,
+        part: usize,
+        constant: Lanes<S>,
+        touch: &Touch<S>,
+        slip: &Slip<S>,
+        push: Push<S>,
+    ) -> Push<S> {
+        let drag = constant * slip.approach;
+        let drag = (-drag).only_if(touch.is_touching, Lanes::splat(simd, 0.0));
+        drag.store(&mut self.force, part);
+        Push {
+            normal: push.normal + drag,
+            ..push
+        }
+    }
+
+    #[inline(always)]
+    fn ask(&self) {
+        ask(&self.force);
+    }
+
+    fn add(&self, lane: usize, forces: &mut ContactForces) {
+        forces.force += self.force[lane];
+    }
+}
+
+impl Dashpot for Across {
+    const WAY: usize = 1;
+
+    #[inline(always)]
+    fn act<S: Simd>(
+        &mut self,
+        simd: S,
+        part: usize,
+        constant: Lanes<S>,
+        touch: &Touch<S>,
+        slip: &Slip<S>,
+        push: Push<S>,
+    ) -> Push<S> {
+        let drag = slip.velocity.scaled(constant);
+        let shear = cut(simd, push.shear - drag, push.limit);
+        let shear = shear.only_if(touch.is_touching, Vectors::zero(simd));
+        shear.store(&mut self.shear, part);
+        Push { shear, ..push }
+    }
+
+    #[inline(always)]
+    fn ask(&self) {
+        ask_all(&self.shear);
+    }
+
+    fn add(&self, lane: usize, forces: &mut ContactForces) {
+        forces.shear = Vector::from(self.shear.map(|array| array[lane]));
+    }
+}
+
+impl<F: Law, D: Dashpot> Law for Viscous<F, D> {
     type Normal = F::Normal;
     const IS_ROUGH: bool = F::IS_ROUGH;
     const FOLLOWS_NORMALS: bool = F::FOLLOWS_NORMALS;
@@ -55,22 +177,16 @@ impl<F: Law> Law for Viscous<F> {
         slip: Slip<S>,
         time_step: f64,
     ) -> Push<S> {
-        let scale = F::Normal::dashpot(simd, &touch);
-        let drag = Lanes::load(simd, &self.dashpot, part) * scale * slip.approach;
-        let drag = (-drag).only_if(touch.is_touching, Lanes::splat(simd, 0.0));
-        drag.store(&mut self.force, part);
         let push = self.law.advance(simd, part, touch, slip, time_step);
-        Push {
-            normal: push.normal + drag,
-            ..push
-        }
+        let constant = Lanes::load(simd, &self.constant, part) * F::Normal::dashpot(simd, &touch);
+        (self.dashpot).act(simd, part, constant, &touch, &slip, push)
     }
 
     #[inline(always)]
     fn ask(&self) {
         self.law.ask();
-        ask(&self.dashpot);
-        ask(&self.force);
+        ask(&self.constant);
+        self.dashpot.ask();
     }
 
     #[inline(always)]
@@ -79,14 +195,14 @@ impl<F: Law> Law for Viscous<F> {
     }
 }
 
-impl<F: Law> Lanewise for Viscous<F> {
+impl<F: Law, D: Dashpot> Lanewise for Viscous<F, D> {
     fn past(&self, lane: usize) -> Past {
         self.law.past(lane)
     }
 
     fn start(&mut self, lane: usize, springs: &Springs, past: &Past) {
         self.law.start(lane, springs, past);
-        self.dashpot[lane] = springs.dashpots[0];
+        self.constant[lane] = springs.dashpots[D::WAY];
     }
 
     fn remember(&mut self, lane: usize, past: &Past) {
@@ -94,12 +210,9 @@ impl<F: Law> Lanewise for Viscous<F> {
     }
 
     fn forces(&self, lane: usize, spring: &Spring) -> ContactForces {
-        let forces = self.law.forces(lane, spring);
-        let scale = spring.dashpot::<F::Normal>();
-        ContactForces {
-            force: forces.force + self.force[lane],
-            dashpots: [self.dashpot[lane] * scale, forces.dashpots[1]],
-            ..forces
-        }
+        let mut forces = self.law.forces(lane, spring);
+        forces.dashpots[D::WAY] = self.constant[lane] * spring.dashpot::<F::Normal>();
+        self.dashpot.add(lane, &mut forces);
+        forces
     }
 }

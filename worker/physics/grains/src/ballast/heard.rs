@@ -1,0 +1,130 @@
+//! What a test heard of its scene, row by row.
+use loadframe_api::spec::ballast::{Phase, Script};
+
+/// A row of the scene, in terms of the test.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Row {
+    /// [s].
+    pub(super) time: f64,
+    pub(super) stage: usize,
+    /// Height of the loading wall's lower face [m].
+    pub(super) height: f64,
+    /// Of the bed on the loading wall, without the wall's weight [N].
+    pub(super) force: f64,
+    pub(super) coordination: f64,
+    pub(super) unbalanced: f64,
+    pub(super) step_ratio: f64,
+    /// I and mean stress [Pa] of the bed.
+    pub(super) inertial_number: f64,
+    pub(super) mean_stress: f64,
+    /// Number of the row.
+    pub(super) number: usize,
+    /// Solid volume of the bed [m³].
+    pub(super) bed_solid: f64,
+    pub(super) broken_bonds: Option<f64>,
+}
+
+/// All rows so far.
+#[derive(Debug)]
+pub(super) struct Heard<'a> {
+    pub(super) script: &'a Script,
+    pub(super) rows: Vec<Row>,
+    /// Solid volumes of slices [m³], row after row: many small vectors among the engine's large ones
+    /// would keep memory from being used again.
+    pub(super) solids: Vec<f64>,
+    /// Where the cycles begin: time [s] and height [m].
+    start: Option<(f64, f64)>,
+}
+
+impl Row {
+    /// Way of the loading wall downward from a height [m].
+    pub(super) fn displacement(&self, start: f64) -> f64 {
+        start - self.height
+    }
+}
+
+impl<'a> Heard<'a> {
+    pub(super) fn new(script: &'a Script) -> Self {
+        Self {
+            script,
+            rows: Vec::new(),
+            solids: Vec::new(),
+            start: None,
+        }
+    }
+
+    /// Forgets all, to hear it again.
+    pub(super) fn clear(&mut self) {
+        *self = Self::new(self.script);
+    }
+
+    /// Adds a row. Returns where the cycles began, time [s] and height [m], if it is one of them.
+    pub(super) fn add(&mut self, row: Row) -> Option<(f64, f64)> {
+        let start = (self.phase(row.stage) == Some(Phase::Load)).then(|| {
+            let before = self.rows.last().unwrap_or(&row);
+            let (time, height) = (before.time, before.height);
+            *self.start.get_or_insert((time, height))
+        });
+        self.rows.push(row);
+        start
+    }
+
+    /// Solid volume of each slice at a row [m³].
+    pub(super) fn solids(&self, row: &Row) -> &[f64] {
+        let count = self.script.slices.len();
+        &self.solids[row.number * count..][..count]
+    }
+
+    fn phase(&self, stage: usize) -> Option<Phase> {
+        self.script.phases.get(stage).copied()
+    }
+
+    /// Rows of the cycles, with what they are measured from: time [s] and height [m].
+    pub(super) fn loading(&self) -> (impl Iterator<Item = &Row> + Clone, (f64, f64)) {
+        let rows = self.rows.iter();
+        let rows = rows.filter(|row| self.phase(row.stage) == Some(Phase::Load));
+        (rows, self.start.unwrap_or_default())
+    }
+
+    /// The last row before the cycles.
+    pub(super) fn last_before_loading(&self) -> Option<&Row> {
+        let mut rows = self.rows.iter().rev();
+        rows.find(|row| self.phase(row.stage) != Some(Phase::Load))
+    }
+
+    /// Volume of each slice below the loading wall at a row [m³].
+    fn room(&self, row: &Row) -> impl Iterator<Item = f64> {
+        let (area, height) = (self.script.loaded_area, row.height);
+        let slices = self.script.slices.iter();
+        slices.map(move |slice| slice.room(area, height))
+    }
+
+    /// Porosity of the slices that the bed fills at a row.
+    pub(super) fn bed_porosity(&self, row: &Row) -> f64 {
+        let volume: f64 = self.room(row).sum();
+        let solid: f64 = self.solids(row).iter().sum();
+        1.0 - solid / volume
+    }
+
+    /// Porosity of each slice at a row, unknown where the loading wall has taken all of it.
+    pub(super) fn porosities(&self, row: &Row) -> Vec<f64> {
+        let slices = self.room(row).zip(self.solids(row));
+        let porosity = |(volume, solid): (f64, &f64)| match volume > 0.0 {
+            true => 1.0 - solid / volume,
+            false => f64::NAN,
+        };
+        slices.map(porosity).collect()
+    }
+
+    /// The row of the cycles with the largest force.
+    pub(super) fn peak_row(&self) -> Option<&Row> {
+        let (rows, _) = self.loading();
+        rows.reduce(|best, row| if row.force > best.force { row } else { best })
+    }
+
+    /// V_s of the bed where the cycles begin [m³].
+    pub(super) fn bed_volume(&self) -> f64 {
+        let row = self.last_before_loading();
+        row.map_or(f64::NAN, |row| row.bed_solid)
+    }
+}

@@ -1,0 +1,133 @@
+//! Candidates in blocks: what lists of pairs, planes and facets have in common.
+use std::fmt::Debug;
+
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use super::{
+    law::{Law, Past},
+    stiffness::Springs,
+    tangents::{Tangent, Tangents},
+    touching::{Observer, Touching, Who},
+};
+use crate::numbers::lanes::{Array, LANES};
+
+/// Who meets in the lanes of a block.
+pub(super) trait Ends:
+    Clone + Debug + Default + Send + Sync + Serialize + DeserializeOwned + 'static
+{
+    /// Those of one lane.
+    type Lane: Copy;
+
+    /// A block of this lane alone, where nothing else may ever touch.
+    fn padding(lane: Self::Lane) -> Self;
+
+    fn set(&mut self, lane: usize, ends: Self::Lane);
+}
+
+/// Candidates in vectors; the last ones of a list may be padding, which never touches.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+#[repr(align(64))]
+pub(super) struct Block<E: Ends, F: Law> {
+    pub(super) ends: E,
+    /// Constant of the normal spring: k_N [N/m] of a linear one; 0 for padding.
+    pub(super) stiffness: Array,
+    pub(super) law: F,
+}
+
+/// Candidates and which of them touched in the last step.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub(super) struct Blocks<E: Ends, F: Law> {
+    pub(super) blocks: Vec<Block<E, F>>,
+    /// Bits by lane.
+    pub(super) touching: Vec<u8>,
+    tangents: Tangents,
+    /// Candidates, padding not counted.
+    pub(super) count: usize,
+    /// Lanes of the last block that are taken; 0 when it is full or closed.
+    filled: usize,
+}
+
+/// What is known of a block before its step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Before<'a> {
+    pub(super) tangent: Tangent<'a>,
+    /// Bits of what touched in the last step.
+    pub(super) touched: u8,
+}
+
+impl<E: Ends, F: Law> Blocks<E, F> {
+    /// Adds a candidate and returns its place, block by block. Its bit is set when it has a past, so
+    /// that the past is forgotten in time.
+    pub(super) fn add(&mut self, ends: E::Lane, springs: &Springs, past: Option<&Past>) -> usize {
+        let lane = self.filled;
+        if lane == 0 {
+            self.blocks.push(Block {
+                ends: E::padding(ends),
+                ..Block::default()
+            });
+            self.touching.push(0);
+        }
+        let number = self.blocks.len() - 1;
+        self.tangents.set::<F>(number, lane, springs);
+        self.count += 1;
+        self.filled = (lane + 1) % LANES;
+        let block = &mut self.blocks[number];
+        block.ends.set(lane, ends);
+        block.stiffness[lane] = springs.normal;
+        let remembered = past.copied().unwrap_or_default();
+        block.law.start(lane, springs, &remembered);
+        self.touching[number] |= u8::from(past.is_some()) << lane;
+        number * LANES + lane
+    }
+
+    /// The next candidate begins a block.
+    pub(super) fn close_block(&mut self) {
+        self.filled = 0;
+    }
+
+    /// All is added.
+    pub(super) fn finish(&mut self) {
+        self.blocks.shrink_to_fit();
+        self.touching.shrink_to_fit();
+        self.tangents.finish();
+    }
+
+    /// A block to work through, its bits, and what is known before.
+    #[inline(always)]
+    pub(super) fn take(&mut self, block: usize) -> (&mut Block<E, F>, &mut u8, Before<'_>) {
+        let touching = &mut self.touching[block];
+        let before = Before {
+            tangent: self.tangents.of::<F>(block),
+            touched: *touching,
+        };
+        (&mut self.blocks[block], touching, before)
+    }
+
+    /// Multiplies tan φ of all contacts.
+    pub(super) fn rub(&mut self, factor: f64) {
+        self.tangents.rub(factor);
+    }
+
+    /// Shows the contacts that touched in the last step; `of` tells who is in a lane.
+    pub(super) fn see(&self, observer: &mut Observer<'_>, of: impl Fn(&E, usize) -> Who) {
+        let blocks = self.blocks.iter().zip(&self.touching);
+        for (number, (block, bits)) in blocks.enumerate() {
+            for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+                observer(Touching {
+                    who: of(&block.ends, lane),
+                    constant: block.stiffness[lane],
+                    shear_ratio: self.tangents.ratio(number, lane),
+                    law: &block.law,
+                    lane,
+                });
+            }
+        }
+    }
+
+    /// Memory [bytes].
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.blocks.as_slice()) + self.tangents.bytes()
+    }
+}

@@ -1,0 +1,390 @@
+//! Results of a run, and whether to believe them.
+use indexmap::IndexMap;
+use loadframe_api::{
+    BodyProperties, QualityCheck, Quantity, Report, Warning, spec::granular_scene::GranularScene,
+};
+
+use super::journal::{Journal, Worst};
+use crate::{numbers::Vector, step::engine::Engine};
+
+/// δ/r beyond which a linear contact of stiff grains is not what it stands for.
+const LARGEST_OVERLAP: f64 = 0.05;
+/// Of the critical step; beyond it an undamped gas of grains gains 20 % energy in a minute's run.
+const LARGEST_STEP_RATIO: f64 = 0.4;
+/// The same where local damping takes what a step creates: beds pressed at 0.8 are those pressed at 0.1, to
+/// within what beds differ (guide, ballast).
+const LARGEST_DAMPED_STEP_RATIO: f64 = 0.8;
+/// Created over largest energy.
+const LARGEST_CREATION: f64 = 0.05;
+/// I beyond which bodies that are driven do not follow at once ([GdrMidi2004]).
+const LARGEST_INERTIAL_NUMBER: f64 = 1e-3;
+/// Mean unbalanced force ratio of driven stages beyond which their forces are those of motion.
+const LARGEST_UNBALANCED: f64 = 0.1;
+/// Escaped bodies named in the warning.
+const LISTED: usize = 5;
+
+pub(crate) fn report(spec: &GranularScene, engine: &Engine, journal: &Journal) -> Report {
+    let escaped = engine.escaped_bodies();
+    let quality = quality(spec, engine, journal);
+    Report {
+        stop_reason: "stages_done".to_owned(),
+        summary: summary(engine, journal, escaped.len()),
+        warnings: warnings(spec, engine, journal, &quality, &escaped),
+        quality,
+        bodies: if GranularScene::describes_bodies(engine.model.masses.len()) {
+            bodies(engine)
+        } else {
+            Vec::new()
+        },
+        work: IndexMap::from([
+            ("steps".to_owned(), engine.state.step),
+            (
+                "particle_steps".to_owned(),
+                engine.state.step * engine.state.particles.len() as u64,
+            ),
+            ("candidate_steps".to_owned(), journal.candidate_steps),
+            ("neighbour_searches".to_owned(), engine.state.lists),
+            ("particle_bytes".to_owned(), engine.state.particles.bytes()),
+            ("contact_bytes".to_owned(), engine.contact_bytes()),
+        ]),
+    }
+}
+
+fn summary(engine: &Engine, journal: &Journal, escaped: usize) -> IndexMap<String, Quantity> {
+    let last = &journal.last;
+    let mut masses: Vec<(u32, f64)> = engine
+        .present_bodies()
+        .map(|(body, mass, _)| (body, mass))
+        .collect();
+    // summed in the order of numbers
+    masses.sort_unstable_by_key(|(body, _)| *body);
+    let mass: f64 = masses.iter().map(|(_, mass)| mass).sum();
+    let rows: [(&str, Option<f64>, &str, &str); 12] = [
+        (
+            "simulated_time",
+            Some(engine.state.time),
+            "s",
+            "Time at the end.",
+        ),
+        (
+            "steps",
+            Some(engine.state.step as f64),
+            "1",
+            "Time steps done.",
+        ),
+        (
+            "time_step",
+            Some(journal.time_step),
+            "s",
+            "The last time step.",
+        ),
+        (
+            "bodies",
+            Some(masses.len() as f64),
+            "1",
+            "Bodies of the scene at the end; each sphere of a breakable one is one.",
+        ),
+        (
+            "particles",
+            Some(engine.state.particles.len() as f64),
+            "1",
+            "Spheres, members of clumps included.",
+        ),
+        (
+            "total_mass",
+            Some(mass),
+            "kg",
+            "Mass of all bodies at the end.",
+        ),
+        (
+            "contacts",
+            Some(last.contacts as f64),
+            "1",
+            "Touching contacts at the end.",
+        ),
+        (
+            "coordination_number",
+            last.coordination,
+            "1",
+            "Contacts per movable body at the end.",
+        ),
+        (
+            "kinetic_energy",
+            Some(last.kinetic),
+            "J",
+            "Of movable bodies at the end.",
+        ),
+        (
+            "elastic_energy",
+            Some(last.elastic),
+            "J",
+            "In the contacts at the end.",
+        ),
+        (
+            "unbalanced_force_ratio",
+            last.unbalanced,
+            "1",
+            "Mean resultant force on a movable body over the mean contact force, at the end: near 0 at rest.",
+        ),
+        (
+            "escaped_bodies",
+            Some(escaped as f64),
+            "1",
+            "Movable bodies behind a plane, or farther from the box of all bodies at the start and all walls than its diagonal.",
+        ),
+    ];
+    let mut summary: IndexMap<String, Quantity> = IndexMap::new();
+    for (name, value, unit, description) in rows {
+        let value = value.unwrap_or(f64::NAN);
+        summary.insert(name.to_owned(), Quantity::new(value, unit, description));
+    }
+    let made = engine.state.bonds_made;
+    if made > 0 {
+        let broken = engine.broken_bonds(last);
+        for (name, count, description) in [
+            ("bonds", made, "Bonds made at the start."),
+            ("broken_bonds", broken, "Bonds that broke."),
+        ] {
+            summary.insert(
+                name.to_owned(),
+                Quantity::new(count as f64, "1", description),
+            );
+        }
+    }
+    if journal.removed_bodies > 0 {
+        let count = journal.removed_bodies as f64;
+        let count = Quantity::new(count, "1", "Bodies that stages took out.");
+        summary.insert("removed_bodies".to_owned(), count);
+        let mass = Quantity::new(journal.removed_mass, "kg", "Their mass.");
+        summary.insert("removed_mass".to_owned(), mass);
+    }
+    summary
+}
+
+/// What looks saw, and every step.
+fn worst(engine: &Engine, journal: &Journal) -> Worst {
+    journal.worst.with(&engine.state.seen)
+}
+
+fn quality(
+    spec: &GranularScene,
+    engine: &Engine,
+    journal: &Journal,
+) -> IndexMap<String, QualityCheck> {
+    let worst = worst(engine, journal);
+    let mut quality = IndexMap::from([
+        (
+            "largest_overlap_ratio".to_owned(),
+            QualityCheck::at_most(
+                worst.overlap_ratio,
+                LARGEST_OVERLAP,
+                "1",
+                "Largest overlap of any step over the smaller radius: grains this soft are not stiff grains.",
+            ),
+        ),
+        (
+            "step_over_critical".to_owned(),
+            QualityCheck::at_most(
+                worst.step_ratio,
+                if spec.local_damping() > 0.0 {
+                    LARGEST_DAMPED_STEP_RATIO
+                } else {
+                    LARGEST_STEP_RATIO
+                },
+                "1",
+                &limit(spec, engine, &worst),
+            ),
+        ),
+    ]);
+    if !engine.model.has_driven_bodies {
+        quality.insert(
+            "created_energy_ratio".to_owned(),
+            QualityCheck::at_most(
+                journal.balance.created_ratio(),
+                LARGEST_CREATION,
+                "1",
+                &format!(
+                    "Energy that the integration made, over the largest kinetic and elastic energy: by \
+                     {} looks in {} steps, between which more may come and go.",
+                    journal.balance.looks, engine.state.step
+                ),
+            ),
+        );
+    }
+    if let Some([number, ratio]) = journal.driving.means() {
+        quality.insert(
+            "inertial_number".to_owned(),
+            QualityCheck::at_most(
+                number,
+                LARGEST_INERTIAL_NUMBER,
+                "1",
+                "Mean over the looks at stages that drive, weighed by pressure: above the bound the bodies' inertia shows.",
+            ),
+        );
+        quality.insert(
+            "driven_unbalanced_force_ratio".to_owned(),
+            QualityCheck::at_most(
+                ratio,
+                LARGEST_UNBALANCED,
+                "1",
+                "Mean resultant force on a body over the mean contact force, over the looks at stages that drive, weighed by pressure.",
+            ),
+        );
+    }
+    quality
+}
+
+/// What set the time step, and what softening it would save.
+fn limit(spec: &GranularScene, engine: &Engine, worst: &Worst) -> String {
+    let first = "Largest time step over the critical one: of the contacts of each body together \
+                 when they were looked at, of any that may touch alone at every step.";
+    let Some(critical) = worst.critical else {
+        return format!("{first} Nothing touched.");
+    };
+    let factor = critical.median.map(|median| median / critical.step);
+    let saving = if let Some(factor) = factor.filter(|factor| *factor > 1.01) {
+        format!(
+            "; half of the bodies would allow {factor:.1} times as much, so softening this contact \
+             would save up to {:.0} % of the steps",
+            100.0 * (1.0 - 1.0 / factor)
+        )
+    } else if factor.is_some() {
+        "; most bodies are as critical, so only softening all of them would save steps: a hundredth \
+         of the modulus takes a tenth"
+            .to_owned()
+    } else {
+        String::new()
+    };
+    let bodies = engine.model.masses.len();
+    format!(
+        "{first} That was {:.2e} s, set by body {} and its contact with {}{saving}.",
+        critical.step,
+        critical.body,
+        partner(spec, bodies, critical.partner)
+    )
+}
+
+/// What a body touches: another, or a wall, which are numbered after the bodies, planes before meshes.
+fn partner(spec: &GranularScene, bodies: usize, number: u32) -> String {
+    let wall = (number as usize).checked_sub(bodies);
+    let plane = wall.and_then(|wall| spec.planes.get(wall));
+    let mesh = wall.and_then(|wall| spec.facets.get(wall.checked_sub(spec.planes.len())?));
+    match (plane, mesh) {
+        (Some(plane), _) => format!("plane {:?}", plane.name),
+        (None, Some(mesh)) => format!("facets {:?}", mesh.name),
+        (None, None) => format!("body {number}"),
+    }
+}
+
+fn warnings(
+    spec: &GranularScene,
+    engine: &Engine,
+    journal: &Journal,
+    quality: &IndexMap<String, QualityCheck>,
+    escaped: &[u32],
+) -> Vec<Warning> {
+    let mut warnings: Vec<Warning> = quality
+        .iter()
+        .filter(|(_, check)| !check.ok)
+        .map(|(name, check)| {
+            let advice = match name.as_str() {
+                "largest_overlap_ratio" => "choose a higher Young's modulus".to_owned(),
+                "inertial_number" | "driven_unbalanced_force_ratio" => {
+                    "drive more slowly".to_owned()
+                }
+                _ => match worst(engine, journal).critical {
+                    Some(critical) => format!(
+                        "choose a smaller time step; the smallest critical step seen was {:e} s, \
+                         set by body {} and its contact with {}",
+                        critical.step,
+                        critical.body,
+                        partner(spec, engine.model.masses.len(), critical.partner)
+                    ),
+                    None => "choose a smaller time step".to_owned(),
+                },
+            };
+            Warning {
+                code: name.clone(),
+                detail: format!(
+                    "{} is {:.3e}, beyond {}: {advice}",
+                    name.replace('_', " "),
+                    check.value,
+                    check.bound
+                ),
+            }
+        })
+        .collect();
+    for stage in &journal.unsettled_stages {
+        warnings.push(Warning {
+            code: "not_settled".to_owned(),
+            detail: format!(
+                "stage {stage} ended before the bodies were as it waits for: give it more steps"
+            ),
+        });
+    }
+    for (stage, left) in &journal.not_inserted {
+        warnings.push(Warning {
+            code: "not_inserted".to_owned(),
+            detail: format!(
+                "stage {stage} ended before {left} of its grains found room: give it more time or a \
+                 larger region"
+            ),
+        });
+    }
+    if !escaped.is_empty() {
+        let listed: Vec<String> = escaped.iter().take(LISTED).map(u32::to_string).collect();
+        let more = if escaped.len() > LISTED { ", ..." } else { "" };
+        warnings.push(Warning {
+            code: "escaped_bodies".to_owned(),
+            detail: format!(
+                "{} bodies left the scene: {}{more}",
+                escaped.len(),
+                listed.join(", ")
+            ),
+        });
+    }
+    warnings
+}
+
+fn bodies(engine: &Engine) -> Vec<BodyProperties> {
+    let state = &engine.state;
+    let mut bodies = Vec::with_capacity(engine.model.masses.len());
+    for (particle, owner) in state.particles.owners.iter().enumerate() {
+        let inertia = engine.model.sphere_inertias[*owner as usize];
+        if inertia > 0.0 {
+            let diagonal = nalgebra::Matrix3::from_diagonal_element(inertia);
+            bodies.push(properties(
+                *owner,
+                engine,
+                state.particles.centres[particle].vector(),
+                diagonal,
+            ));
+        }
+    }
+    for clump in &state.clumps {
+        bodies.push(properties(
+            clump.body,
+            engine,
+            clump.centre,
+            clump.global_inertia(),
+        ));
+    }
+    bodies.sort_by_key(|body| body.body);
+    bodies
+}
+
+fn properties(
+    body: u32,
+    engine: &Engine,
+    centre: Vector,
+    inertia: nalgebra::Matrix3<f64>,
+) -> BodyProperties {
+    BodyProperties {
+        body,
+        mass_kg: engine.model.masses[body as usize],
+        centre_m: centre.into(),
+        inertia_kg_m2: std::array::from_fn(|row| {
+            std::array::from_fn(|column| inertia[(row, column)])
+        }),
+    }
+}

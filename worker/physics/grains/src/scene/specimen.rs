@@ -1,0 +1,301 @@
+//! What a scene is made of, body by body: those the spec gives, and those it asks to be made.
+//!
+//! Everything random comes from the named streams of the seed, one for each generator, so that what
+//! one generator draws does not depend on the others. Bodies that a stage puts in are drawn here as
+//! well, so that their numbers, sizes and masses are known before the run; only their places wait.
+use std::{borrow::Cow, collections::BTreeMap, f64::consts::PI, ops::Range};
+
+use loadframe_api::{
+    filling::Arrangement as LatticeArrangement,
+    spec::granular_scene::{
+        Arrangement, Body, Clump, Generate, Grain, GranularScene, Member, Sphere as SphereShape,
+        Stage,
+    },
+};
+use loadframe_harness::{
+    SimulationError,
+    rng::{Purpose, Streams},
+};
+use nalgebra::UnitQuaternion;
+use rand::seq::SliceRandom as _;
+
+use crate::{
+    generate::{Amount, Region, Sizes, bounding_radius, insert, place_regularly, random_rotation},
+    geometry::{sphere::Sphere, union::mass_properties},
+    numbers::Vector,
+    walls::facets::{Facets, Pose, search::Search},
+};
+
+/// Every body of a scene, members one by one.
+#[derive(Clone, Debug)]
+pub(crate) struct Specimen<'a> {
+    /// First those that are there at the start.
+    pub(crate) bodies: Cow<'a, [Body]>,
+    pub(crate) present: usize,
+    /// Those that wait for a stage to put them in, about the origin, by number of the stage.
+    pub(crate) waiting: BTreeMap<usize, Range<usize>>,
+}
+
+/// Streams of generators in stages begin here, so that a further generator at the start changes none.
+const FIRST_STAGE_STREAM: usize = 1 << 32;
+
+impl<'a> Specimen<'a> {
+    /// # Errors
+    /// [`SimulationError::Unbuildable`] with what does not fit, and what to change.
+    pub(crate) fn new(spec: &'a GranularScene) -> Result<Self, SimulationError> {
+        let mut bodies = spec.given_bodies();
+        if bodies.iter().any(Body::is_filled) {
+            for (index, body) in bodies.to_mut().iter_mut().enumerate() {
+                for shape in [&mut body.clump, &mut body.breakable].into_iter().flatten() {
+                    *shape = shape
+                        .resolved()
+                        .map_err(|error| wrong(format!("/bodies/{index}"), error))?;
+                }
+            }
+        }
+        let mut walls = Walls::new(spec);
+        for (index, generator) in spec.generate.iter().enumerate() {
+            let pointer = format!("/generate/{index}");
+            let made = Maker::new(spec, generator, index)
+                .and_then(|maker| maker.placed(&bodies, &mut walls))
+                .map_err(|error| wrong(pointer, error))?;
+            bodies.to_mut().extend(made);
+        }
+        let present = bodies.len();
+        let is_made = !spec.generate.is_empty() || spec.bodies.iter().any(Body::is_filled);
+        let mut waiting = BTreeMap::new();
+        for (stage, insert) in spec.stages.iter().enumerate() {
+            let Stage::Insert(insert) = insert else {
+                continue;
+            };
+            let maker = Maker::new(spec, &insert.bodies, FIRST_STAGE_STREAM + stage)
+                .map_err(|error| wrong(format!("/stages/{stage}/insert/bodies"), error))?;
+            let first = bodies.len();
+            bodies.to_mut().extend(maker.waiting());
+            waiting.insert(stage, first..bodies.len());
+        }
+        let specimen = Self {
+            bodies,
+            present,
+            waiting,
+        };
+        if is_made || !specimen.waiting.is_empty() {
+            let violations = spec.check_start(&specimen.bodies[..present], specimen.numbers());
+            if let Some(first) = violations.first() {
+                let allowed = first.allowed.as_deref().unwrap_or("something else");
+                let text = format!("{}: {}, allowed: {allowed}", first.pointer, first.detail);
+                return Err(SimulationError::Unbuildable(text));
+            }
+        }
+        Ok(specimen)
+    }
+
+    /// Numbers that the bodies take.
+    pub(crate) fn numbers(&self) -> usize {
+        self.bodies.iter().map(Body::numbers).sum()
+    }
+}
+
+fn wrong(pointer: String, error: impl std::fmt::Display) -> SimulationError {
+    SimulationError::Unbuildable(format!("{pointer}: {error}"))
+}
+
+/// Facets as they stand at the start.
+struct Walls {
+    facets: Facets,
+    poses: Vec<Pose>,
+    search: Search,
+}
+
+impl Walls {
+    fn new(spec: &GranularScene) -> Self {
+        let facets = Facets::new(spec);
+        Self {
+            poses: vec![Pose::default(); facets.meshes.len()],
+            facets,
+            search: Search::default(),
+        }
+    }
+
+    /// Whether nothing of them reaches into a sphere, which is no larger than those prepared for.
+    fn are_clear(&self, sphere: &Sphere) -> bool {
+        self.search.is_clear(&self.facets, &self.poses, sphere)
+    }
+}
+
+/// A generator at work.
+struct Maker<'a> {
+    generator: &'a Generate,
+    region: Region,
+    seed: u64,
+    /// Number of its streams.
+    stream: usize,
+    /// Members about their common centre of mass, turned and scaled for each grain.
+    template: Option<Vec<Sphere>>,
+    /// Radius of the sphere of each grain's volume [m].
+    radii: Vec<f64>,
+    /// Radius of that sphere for the template [m].
+    own_radius: f64,
+    /// Bounding radius of the template over `own_radius`; 1 for spheres.
+    reach: f64,
+}
+
+impl<'a> Maker<'a> {
+    fn new(spec: &GranularScene, generator: &'a Generate, stream: usize) -> Result<Self, String> {
+        let template = generator.grain.template().map(Clump::resolved).transpose();
+        let template = template.map_err(|error| error.to_string())?;
+        let is_rigid = matches!(generator.grain, Grain::Clump(_));
+        let template = template.map(|clump| about_centre(&clump, is_rigid));
+        let (own_radius, reach) = match &template {
+            Some((members, volume)) => {
+                let radius = (volume / (4.0 / 3.0 * PI)).cbrt();
+                (radius, bounding_radius(members, &Vector::zeros()) / radius)
+            }
+            None => (1.0, 1.0),
+        };
+        let region = Region::from(generator.region);
+        let density = spec.materials[&generator.material].density_kg_per_m3;
+        let by_mass = generator.mass_kg.map(|mass| mass / density);
+        let by_porosity = generator
+            .porosity
+            .map(|porosity| (1.0 - porosity) * region.volume());
+        let amount = match generator.count {
+            Some(count) => Amount::Count(count as usize),
+            None => Amount::Volume(by_mass.or(by_porosity).unwrap_or(0.0)),
+        };
+        let sizes = generator
+            .sizes
+            .as_ref()
+            .map_or(Sizes::Single(own_radius), Sizes::from);
+        let random = &mut Streams::new(spec.seed, Purpose::GrainSizes).of(stream);
+        let mut radii = sizes.draw(amount, random);
+        // fractions were drawn one after the other, and pour as a mixture
+        radii.shuffle(random);
+        Ok(Self {
+            generator,
+            region,
+            seed: spec.seed,
+            stream,
+            template: template.map(|(members, _)| members),
+            radii,
+            own_radius,
+            reach,
+        })
+    }
+
+    /// Bodies in the region, clear of `others` and of facets.
+    fn placed(&self, others: &[Body], walls: &mut Walls) -> Result<Vec<Body>, String> {
+        let random = &mut Streams::new(self.seed, Purpose::GrainPlaces).of(self.stream);
+        let rooms: Vec<f64> = self
+            .radii
+            .iter()
+            .map(|radius| self.reach * radius)
+            .collect();
+        let obstacles = obstacles(others, &self.region);
+        let largest = rooms.iter().copied().fold(0.0, f64::max);
+        walls.search.prepare(&walls.facets, largest);
+        let lattice = match self.generator.arrangement {
+            Arrangement::Random => {
+                let centres = insert(
+                    &self.region,
+                    &rooms,
+                    &obstacles,
+                    |place| walls.are_clear(place),
+                    random,
+                );
+                return Ok(self.bodies(&centres.map_err(|error| error.to_string())?));
+            }
+            Arrangement::Grid => LatticeArrangement::SimpleCubic,
+            Arrangement::Hexagonal => LatticeArrangement::Hexagonal,
+        };
+        let mut centres =
+            place_regularly(&self.region, lattice, 2.0 * largest, largest, 0.0, random);
+        centres.retain(|centre| {
+            obstacles
+                .iter()
+                .all(|obstacle| (obstacle.centre - centre).norm() >= obstacle.radius + largest)
+                && walls.are_clear(&Sphere::new(*centre, largest))
+        });
+        if centres.len() < rooms.len() {
+            return Err(format!(
+                "the lattice of the largest grain, radius {largest:.6} m with all its members, has \
+                 {} free places for {} grains: use a larger region or fewer or smaller grains",
+                centres.len(),
+                rooms.len()
+            ));
+        }
+        centres.truncate(rooms.len());
+        Ok(self.bodies(&centres))
+    }
+
+    /// Bodies about the origin.
+    fn waiting(&self) -> Vec<Body> {
+        self.bodies(&vec![Vector::zeros(); self.radii.len()])
+    }
+
+    fn bodies(&self, centres: &[Vector]) -> Vec<Body> {
+        let random = &mut Streams::new(self.seed, Purpose::GrainRotations).of(self.stream);
+        let grains = self.radii.iter().zip(centres);
+        let body = |(radius, centre): (&f64, &Vector)| {
+            let mut body = Body {
+                velocity_m_per_s: self.generator.velocity_m_per_s,
+                ..Body::at((*centre).into(), &self.generator.material)
+            };
+            let Some(template) = &self.template else {
+                body.sphere = Some(SphereShape { radius_m: *radius });
+                return body;
+            };
+            let rotation = if self.generator.turned {
+                random_rotation(random)
+            } else {
+                UnitQuaternion::identity()
+            };
+            let scale = radius / self.own_radius;
+            let members = template.iter().map(|member| Member {
+                offset_m: (rotation * member.centre * scale).into(),
+                radius_m: member.radius * scale,
+            });
+            let clump = Clump {
+                members: members.collect(),
+                filled: None,
+            };
+            match self.generator.grain {
+                Grain::Breakable(_) => body.breakable = Some(clump),
+                _ => body.clump = Some(clump),
+            }
+            body
+        };
+        grains.map(body).collect()
+    }
+}
+
+/// Members about their centre of mass, and their volume [m³]: of the union when they are one body,
+/// else the sum.
+fn about_centre(clump: &Clump, is_rigid: bool) -> (Vec<Sphere>, f64) {
+    let sphere = |member: &Member| Sphere::new(member.offset_m.into(), member.radius_m);
+    let mut members: Vec<Sphere> = clump.members.iter().map(sphere).collect();
+    let (centre, volume) = if is_rigid {
+        let properties = mass_properties(&members);
+        (properties.centroid, properties.volume)
+    } else {
+        let volume: f64 = members.iter().map(Sphere::volume).sum();
+        let weighted = members.iter().map(|member| member.centre * member.volume());
+        (weighted.sum::<Vector>() / volume, volume)
+    };
+    for member in &mut members {
+        member.centre -= centre;
+    }
+    (members, volume)
+}
+
+/// Spheres of bodies that reach into a region's box.
+fn obstacles(bodies: &[Body], region: &Region) -> Vec<Sphere> {
+    let [lower, upper] = region.bounds();
+    let spheres = bodies.iter().flat_map(Body::spheres);
+    let spheres = spheres.map(|(centre, radius)| Sphere::new(centre.into(), radius));
+    let reaches = |sphere: &Sphere| {
+        let outside = (lower - sphere.centre).sup(&(sphere.centre - upper));
+        outside.max() < sphere.radius
+    };
+    spheres.filter(reaches).collect()
+}

@@ -1,0 +1,203 @@
+//! What a stage does to walls and bodies: at its start once, and before each of its steps.
+use loadframe_api::{
+    spec::granular_scene::{Axis, BodyDrive, Drive, LoadPlane, MovePlane, Stage, WallDrive},
+    surface::Point,
+};
+
+use super::runner::Runner;
+use crate::{
+    numbers::Vector,
+    scene::model::DrivenBody,
+    step::{engine::Engine, patch::BodyLoad},
+    walls::motion::Load,
+};
+
+impl Runner<'_> {
+    /// Sets walls and bodies going that this stage drives, and lets those of others stand. A stage that
+    /// was begun goes on at the speeds it had.
+    pub(crate) fn begin_drives(&mut self, stage: &Stage) {
+        let goes_on = self.journal.stage_steps > 0;
+        for wall in 0..self.engine.wall_count() {
+            let motion = self.engine.wall_motion(wall);
+            motion.load = None;
+            if !goes_on {
+                motion.velocity = [0.0; 3];
+            }
+        }
+        for pose in &mut self.engine.state.poses {
+            pose.turn([0.0; 3], [0.0; 3]);
+        }
+        self.engine.loads.clear();
+        self.rest_walls();
+        self.hold_bodies(stage);
+        match stage {
+            Stage::MovePlane(MovePlane {
+                name,
+                velocity_m_per_s,
+                ..
+            }) => {
+                if let Some(plane) = self.engine.wall(name) {
+                    let axis = self.engine.state.faces[plane].axis;
+                    let motion = self.engine.wall_motion(plane);
+                    motion.velocity = along(axis, *velocity_m_per_s);
+                }
+            }
+            Stage::LoadPlane(load) => self.begin_load(load),
+            Stage::Drive(drive) => self.begin_drive(drive),
+            _ => {}
+        }
+    }
+
+    fn begin_load(&mut self, load: &LoadPlane) {
+        if let Some(plane) = self.engine.wall(&load.name) {
+            let axis = self.engine.state.faces[plane].axis;
+            self.engine.wall_motion(plane).load = Some(Load {
+                force: along(axis, load.force_n),
+                mass: load.mass_kg,
+                free: [0, 1, 2].map(|other| other == axis),
+            });
+        }
+    }
+
+    fn begin_drive(&mut self, drive: &Drive) {
+        for wall in &drive.walls {
+            let Some(number) = self.engine.wall(&wall.name) else {
+                continue;
+            };
+            let motion = self.engine.wall_motion(number);
+            if let Some(velocity) = wall.velocity_m_per_s {
+                motion.velocity = velocity;
+            }
+            if let Some(force) = &wall.force {
+                motion.load = Some(Load {
+                    force: force.force_n,
+                    mass: force.mass_kg,
+                    free: are_among(&force.free),
+                });
+            }
+            if let Some(turn) = &wall.turn {
+                let mesh = number - self.engine.state.faces.len();
+                let pose = &mut self.engine.state.poses[mesh];
+                pose.turn(turn.angular_velocity_rad_per_s, turn.about_m);
+            }
+        }
+    }
+
+    /// Holds the bodies that this stage gives a velocity, and lets others go.
+    fn hold_bodies(&mut self, stage: &Stage) {
+        let drives: &[BodyDrive] = match stage {
+            Stage::Drive(drive) => &drive.bodies,
+            _ => &[],
+        };
+        for mut driven in self.engine.model.driven.clone() {
+            self.free_placed(&mut driven);
+            let drive = drives.iter().find(|drive| drive.body == driven.body);
+            let velocity = drive.and_then(|drive| drive.velocity.as_ref());
+            let held = velocity.map_or([false; 3], |held| are_among(&held.along));
+            let velocity = velocity.map_or([0.0; 3], |held| held.velocity_m_per_s);
+            self.engine.hold(&driven, held, velocity);
+        }
+    }
+
+    /// Forces and velocities of this moment.
+    pub(crate) fn drive(&mut self, stage: &Stage) {
+        let time = self.engine.state.time - self.journal.stage_start;
+        match stage {
+            Stage::LoadPlane(load) => {
+                let force = load.force_at(time);
+                for face in &mut self.engine.state.faces {
+                    if let Some(on_face) = &mut face.motion.load {
+                        on_face.force = along(face.axis, force);
+                    }
+                }
+            }
+            Stage::Drive(drive) => {
+                for wall in &drive.walls {
+                    self.drive_wall(wall, time);
+                }
+                self.engine.loads.clear();
+                let loads = drive.bodies.iter().filter_map(|drive| load_on(drive, time));
+                self.engine.loads.extend(loads);
+            }
+            _ => {}
+        }
+    }
+
+    fn drive_wall(&mut self, wall: &WallDrive, time: f64) {
+        let time_step = self.journal.time_step;
+        let Some(number) = self.engine.wall(&wall.name) else {
+            return;
+        };
+        let motion = self.engine.wall_motion(number);
+        if let Some(sine) = &wall.sine {
+            // the velocity that brings it to where it has to be after the step
+            let [now, then] = [time, time + time_step].map(|time| sine.way_at(time));
+            motion.velocity = [0, 1, 2].map(|axis| (then[axis] - now[axis]) / time_step);
+        }
+        if let (Some(force), Some(load)) = (&wall.force, &mut motion.load) {
+            load.force = force.force_at(time);
+        }
+    }
+}
+
+fn load_on(drive: &BodyDrive, time: f64) -> Option<BodyLoad> {
+    let force = drive.force.as_ref()?;
+    Some(BodyLoad {
+        body: drive.body,
+        force: Vector::from(force.force_at(time)),
+    })
+}
+
+/// A vector along an axis.
+fn along(axis: usize, value: f64) -> Point {
+    let mut vector = [0.0; 3];
+    vector[axis] = value;
+    vector
+}
+
+/// Which of x, y, z are in a list.
+fn are_among(axes: &[Axis]) -> [bool; 3] {
+    [Axis::X, Axis::Y, Axis::Z].map(|axis| axes.contains(&axis))
+}
+
+impl Engine {
+    /// Holds a body to a velocity [m/s] along some axes, and leaves the others to its spec.
+    fn hold(&mut self, driven: &DrivenBody, held: [bool; 3], velocity: Point) {
+        let state = &mut self.state;
+        let given = [0, 1, 2].map(|axis| match (held[axis], driven.fixed[axis]) {
+            (true, _) => Some(velocity[axis]),
+            (false, true) => Some(driven.velocity[axis]),
+            (false, false) => None,
+        });
+        let mut clumps = state.clumps.iter_mut();
+        if let Some(clump) = clumps.find(|clump| clump.body == driven.body) {
+            for (axis, given) in given.into_iter().enumerate() {
+                clump.fixed[axis] = given.is_some();
+                clump.velocity[axis] = given.unwrap_or(clump.velocity[axis]);
+            }
+            return;
+        }
+        let particles = &mut state.particles;
+        let mut owners = particles.owners.iter();
+        let Some(particle) = owners.position(|owner| *owner == driven.body) else {
+            return;
+        };
+        let velocities = &mut particles.velocities[particle].0;
+        let mut fixed = particles.fixed[particle] & !0b111;
+        for (axis, given) in given.into_iter().enumerate() {
+            fixed |= u8::from(given.is_some()) << axis;
+            velocities[axis] = given.unwrap_or(velocities[axis]);
+        }
+        let mass = self.model.masses[driven.body as usize];
+        velocities[3] = if fixed & 0b111 == 0b111 {
+            0.0
+        } else {
+            1.0 / mass
+        };
+        if particles.fixed[particle] != fixed {
+            particles.fixed[particle] = fixed;
+            // patches know which of their spheres are fixed in part
+            self.drop_lists();
+        }
+    }
+}

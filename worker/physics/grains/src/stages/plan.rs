@@ -1,0 +1,98 @@
+//! The stages of a run: when each is done, how far the run is.
+use loadframe_api::spec::granular_scene::Stage;
+use loadframe_harness::Recorder;
+
+use super::runner::Runner;
+use crate::numbers::Vector;
+
+impl Runner<'_> {
+    pub(crate) fn is_stage_done(&self, stage: &Stage) -> bool {
+        self.journal.is_settled || self.steps_left(stage) <= 0.0
+    }
+
+    pub(crate) fn is_last_stage(&self) -> bool {
+        self.journal.stage + 1 == self.spec.stages.len()
+    }
+
+    pub(crate) fn is_last_step(&self) -> bool {
+        let last = self.spec.stages.last();
+        self.is_last_stage() && last.is_some_and(|stage| self.steps_left(stage) <= 1.0)
+    }
+
+    /// Steps that a stage still takes with the present time step.
+    fn steps_left(&self, stage: &Stage) -> f64 {
+        let duration = stage.duration();
+        let steps_of = |time: f64| {
+            // a hair of a step is round-off
+            (time / self.journal.time_step - 1e-6).ceil()
+        };
+        let latest = match (duration.steps, duration.time_s) {
+            (Some(steps), _) => steps.saturating_sub(self.journal.stage_steps) as f64,
+            (None, Some(time)) => {
+                steps_of(self.journal.stage_start + time - self.engine.state.time)
+            }
+            (None, None) => 0.0,
+        };
+        match stage {
+            Stage::Insert(insert) => self
+                .time_after_last_batch(insert)
+                .map_or(latest, |time| latest.min(steps_of(time))),
+            _ => latest,
+        }
+    }
+
+    /// Friction during a stage; to be called as it begins.
+    pub(crate) fn rub(&mut self, stage: &Stage) {
+        self.engine.rub(match stage {
+            Stage::Vibrate(vibrate) => vibrate.friction_factor,
+            _ => 1.0,
+        });
+    }
+
+    /// Gravity of this moment.
+    pub(crate) fn shake(&mut self, stage: &Stage) {
+        let engine = &mut self.engine;
+        engine.gravity = engine.model.gravity;
+        if let Stage::Vibrate(vibrate) = stage {
+            let time = engine.state.time - self.journal.stage_start;
+            engine.gravity += Vector::from(vibrate.acceleration_at(time));
+        }
+    }
+
+    /// Whether the next step ends the present stage, as far as that is known before it.
+    pub(crate) fn ends_stage(&self) -> bool {
+        let stage = self.spec.stages.get(self.journal.stage);
+        stage.is_some_and(|stage| self.steps_left(stage) <= 1.0)
+    }
+
+    pub(crate) fn tell_progress(&self, recorder: &mut dyn Recorder) {
+        let steps = |stage: &Stage| {
+            let duration = stage.duration();
+            let by_time = duration.time_s.map(|time| time / self.journal.time_step);
+            duration
+                .steps
+                .map(|steps| steps as f64)
+                .or(by_time)
+                .unwrap_or(0.0)
+        };
+        let all: f64 = self.spec.stages.iter().map(steps).sum();
+        let before: f64 = self.spec.stages[..self.journal.stage]
+            .iter()
+            .map(steps)
+            .sum();
+        let fraction = (before + self.journal.stage_steps as f64) / all.max(1.0);
+        let stage = self
+            .spec
+            .stages
+            .get(self.journal.stage)
+            .map_or("", Stage::name);
+        let phase = format!(
+            "stage {} of {}, {stage}, step {}, {:.6} s",
+            self.journal.stage + 1,
+            self.spec.stages.len(),
+            self.engine.state.step,
+            self.engine.state.time
+        );
+        recorder.progress(fraction.clamp(0.0, 0.999), &phase);
+    }
+}

@@ -1,0 +1,80 @@
+//! A run: steps, what is observed on the way, until the end of the last of its stages.
+use loadframe_api::spec::granular_scene::{GranularScene, Stage};
+use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
+use loadframe_numerics::Team;
+
+use super::runner::Runner;
+use crate::output::{journal::Journal, report, snapshot, tables};
+
+/// Runs the scene of `spec`; returns its journal as well, for tests in terms of their own.
+pub(crate) fn run(
+    spec: &GranularScene,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<(Ending, Journal), SimulationError> {
+    let mut runner = Runner::new(spec, Team::new(context.threads)?)?;
+    if let Some(bytes) = context.checkpoint {
+        runner.resume(bytes)?;
+    }
+    let columns = tables::curve_columns(spec);
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+    recorder.columns(&columns)?;
+    for row in runner.journal.curve.chunks_exact(columns.len()) {
+        recorder.point(row)?;
+    }
+    if context.checkpoint.is_none() {
+        runner.begin(recorder)?;
+    }
+    let mut work = 0;
+    while let Some(stage) = spec.stages.get(runner.journal.stage) {
+        runner.begin_drives(stage);
+        runner.rub(stage);
+        if let Stage::Cut(cut) = stage {
+            runner.cut(cut, recorder)?;
+        }
+        if let Stage::Place(place) = stage {
+            runner.place(place, recorder)?;
+        }
+        while !runner.is_stage_done(stage) {
+            work += runner.steps_unseen(stage, work)?;
+            if runner.is_stage_done(stage) {
+                break;
+            }
+            work += runner.work_of_step();
+            if work > runner.work_uninterrupted() {
+                work = 0;
+                match context.interrupt.interrupt() {
+                    Some(Interrupt::Cancel) => return Ok((Ending::Cancelled, runner.journal)),
+                    Some(Interrupt::Suspend) => {
+                        runner.keep(recorder)?;
+                        return Ok((Ending::Suspended, runner.journal));
+                    }
+                    None => {}
+                }
+                runner.tell_progress(recorder);
+                if recorder.checkpoint_due() {
+                    runner.keep(recorder)?;
+                }
+            }
+            runner.prepare_step(stage);
+            runner.supply(stage, recorder);
+            runner.step(recorder)?;
+        }
+        let waits = matches!(stage, Stage::Settle(_) | Stage::Relax(_));
+        if waits && !runner.journal.is_settled {
+            runner.journal.unsettled_stages.push(runner.journal.stage);
+        }
+        runner.end_supply(stage);
+        runner.end_stiffening(stage);
+        runner.journal.is_settled = false;
+        runner.journal.stage += 1;
+        runner.journal.stage_steps = 0;
+        runner.journal.stage_start = runner.engine.state.time;
+    }
+    tables::write(spec, &runner.journal, recorder)?;
+    let has_walls = runner.engine.wall_count() > 0;
+    snapshot::write_series(&runner.journal, has_walls, recorder)?;
+    recorder.progress(1.0, "finished");
+    let report = report::report(spec, &runner.engine, &runner.journal);
+    Ok((Ending::Finished(report), runner.journal))
+}
