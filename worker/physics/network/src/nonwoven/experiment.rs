@@ -307,25 +307,26 @@ impl<'a> Experiment<'a> {
     /// Whether these bonds may break here: they are hardly over their strength, or there is nothing
     /// left to divide between here and the last state in which they were not.
     fn is_resolved(&mut self, over: &[Candidate], force: f64) -> bool {
-        let state = &self.state;
         let largest = over.iter().map(Candidate::index).fold(0.0, f64::max);
-        let interval = (force - state.reached.force).abs();
         // forces grow about as tensions do
-        let excess = ((1.0 - largest.recip()) * force.abs()).min(interval);
-        let width = state.strain - state.reached.strain;
+        let excess = (1.0 - largest.recip()) * force.abs();
+        self.state.overstep = excess.min((force - self.state.reached.force).abs());
         let Some(precision) = self.knobs.break_precision else {
-            self.state.overstep = excess;
             return true;
         };
-        let is_short =
-            interval <= precision * state.max_force.max(force) && width <= precision * state.strain;
-        let looks = state.search.as_ref().map_or(0, |search| search.looks);
-        let is_resolved = largest <= 1.0 + precision
-            || is_short
-            || width <= SHORTEST * self.spec.test.strain_step
-            || looks >= MOST_LOOKS;
-        self.state.overstep = excess;
-        is_resolved
+        let search = self.state.search.as_ref();
+        largest <= 1.0 + precision
+            || search.is_some_and(|search| search.looks >= MOST_LOOKS)
+            || self.is_indivisible(self.state.strain, force)
+    }
+
+    /// Whether nothing is gained by dividing what lies between the last state in which no bond was over
+    /// its strength and this one.
+    fn is_indivisible(&self, strain: f64, force: f64) -> bool {
+        let (reached, precision) = (self.state.reached, self.smallest_fall());
+        let (width, rise) = (strain - reached.strain, (force - reached.force).abs());
+        let is_close = rise <= precision * self.state.max_force.max(force);
+        (is_close && width <= precision * strain) || width <= SHORTEST * self.spec.test.strain_step
     }
 
     /// Goes back to the last state in which no bond was over its strength, and chooses a strain on the
@@ -369,20 +370,14 @@ impl<'a> Experiment<'a> {
                 after: *index,
             })
             .collect();
-        let precision = self.smallest_fall();
-        let part = next_look(&crossings, precision, search.looks);
-        let strain = reached + part * (search.strain - reached);
-        let interval = (search.force - self.state.reached.force).abs();
-        let is_short = interval <= precision * self.state.max_force.max(search.force)
-            && search.strain - reached <= precision * search.strain;
+        let part = next_look(&crossings, self.smallest_fall(), search.looks);
         search.looks += 1;
-        self.state.strain = if is_short || strain <= reached || strain >= search.strain {
-            // nothing left to divide: bonds break where they are known to
+        self.state.strain = reached + part * (search.strain - reached);
+        if self.is_indivisible(search.strain, search.force) {
+            // bonds break where they are known to
             search.looks = MOST_LOOKS;
-            search.strain
-        } else {
-            strain
-        };
+            self.state.strain = search.strain;
+        }
         self.state.search = Some(search);
     }
 

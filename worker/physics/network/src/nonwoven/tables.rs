@@ -74,9 +74,7 @@ pub(super) fn write(
         recorder.file("force_histogram.csv", &mut |out| {
             histogram(out, &state.histogram)
         })?;
-        recorder.file("snapshots.pvd", &mut |out| {
-            snapshot::series(out, state)
-        })?;
+        recorder.file("snapshots.pvd", &mut |out| snapshot::series(out, state))?;
     }
     Ok(())
 }
