@@ -139,9 +139,9 @@ mod tests {
                 };
                 let load = from + next_look(&[crossing], PRECISION, look) * (to - from);
                 if quantity(load) > 1.0 {
-                    to = load
+                    to = load;
                 } else {
-                    from = load
+                    from = load;
                 }
                 look += 1;
                 assert!(look < 40, "{end}: {from} to {to}");
