@@ -130,7 +130,7 @@ class Fabric:
                 "compression_stiffness_n": COMPRESSION_STIFFNESS, "mean_strength_n": MEAN_STRENGTH,
             },
             "test": {"strain_step": STRAIN_STEP, "max_strain": LARGEST_STRAIN, "breaking": "all_over_strength"},
-            "accuracy": {"solver": "newton_cg", "force_accuracy": FORCE_ACCURACY / SHARE_OF_LIMIT},
+            "accuracy": {"solver": "newton_cg", "force_accuracy": FORCE_ACCURACY / SHARE_OF_LIMIT, "break_precision": None},
             "output": {"snapshot_every_steps": 0},
         }}
 

@@ -3,7 +3,7 @@
 mod scene;
 
 use loadframe_api::spec::nonwoven_tensile::{
-    Bond, Breaking, Fabric, Jaw, NetworkBond, NonwovenTensile,
+    Accuracy, Bond, Breaking, Fabric, Jaw, Knobs, NetworkBond, NonwovenTensile,
 };
 use scene::{bond, explicit, run, value};
 
@@ -202,8 +202,13 @@ fn two_bars() -> loadframe_api::spec::nonwoven_tensile::NonwovenTensile {
 }
 
 #[test]
-fn bonds_break_at_their_strength_and_the_curve_ends_without_load_path() {
-    let (report, record) = run(&two_bars());
+fn at_whole_steps_bonds_break_after_their_strength_and_the_curve_ends_without_load_path() {
+    let mut spec = two_bars();
+    spec.accuracy = Accuracy::Knobs(Knobs {
+        break_precision: None,
+        ..spec.accuracy.knobs()
+    });
+    let (report, record) = run(&spec);
     assert_eq!(report.stop_reason, "no_load_path");
     // the steps that first exceed 0.25 and 0.4 are 0.30 and 0.42
     let energy = |strain: f64| 10.0 * 2.0 * strain * strain / 2.0;
@@ -229,12 +234,29 @@ fn bonds_break_at_their_strength_and_the_curve_ends_without_load_path() {
 }
 
 #[test]
+fn bonds_break_at_their_strength_within_the_precision() {
+    let (report, record) = run(&two_bars());
+    assert_eq!(report.stop_reason, "no_load_path");
+    let close = |found: f64, expected: f64| {
+        let excess = found / expected - 1.0;
+        assert!((0.0..=0.01).contains(&excess), "{found} against {expected}");
+    };
+    for (event, expected) in record.table("events.csv").iter().zip([0.25, 0.4]) {
+        close(event[2], expected);
+        close(event[4], 2.0 * expected);
+    }
+    close(value(&report, "max_force"), 2.0 * 2.0 * 0.25);
+    close(value(&report, "strain_at_max_force"), 0.25);
+}
+
+#[test]
 fn a_force_drop_ends_the_test_when_asked_to() {
     let mut spec = two_bars();
     spec.test.stop_force_fraction = 0.7;
     let (report, record) = run(&spec);
     assert_eq!(report.stop_reason, "force_dropped");
-    assert_eq!(record.points.len(), 6);
+    // steps 0 to 4, before and after the first bar broke
+    assert_eq!(record.points.len(), 7);
 }
 
 #[test]
@@ -335,7 +357,8 @@ fn bonds_without_strength_part_at_the_first_step() {
     let (report, record) = run(&spec);
     assert_eq!(report.stop_reason, "no_load_path");
     assert_eq!(value(&report, "broken_bonds"), 2.0);
-    assert_eq!(record.column("force_n"), [0.0, 0.0]);
+    let forces = record.column("force_n");
+    assert!(forces.iter().all(|force| *force < 1e-10), "{forces:?}");
 }
 
 #[test]

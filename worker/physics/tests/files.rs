@@ -64,8 +64,10 @@ fn a_snapshot_is_vtk_poly_data_with_lines() {
     spec.test.strain_step = 0.1;
     spec.output.snapshot_every_steps = 1;
     let (_, record) = run(&spec);
-    let last = record.points.len() - 1;
-    let file = &record.files[&format!("snapshots/step_{last:05}.vtp")];
+    let mut files = record.files.iter();
+    let (_, file) = files
+        .rfind(|(name, _)| name.starts_with("snapshots/"))
+        .expect("a snapshot of every step");
     let nodes = 3 * 3 + 2 * 4 + 2 * 6;
     let bonds = 3 * 2 + 2 * 3 + 4 * 6 + 2 * 6;
     let head = String::from_utf8_lossy(&file[..400]);

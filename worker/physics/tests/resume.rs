@@ -73,6 +73,23 @@ fn a_single_break_at_a_time_resumes_between_its_rounds() {
 }
 
 #[test]
+fn a_break_that_is_being_looked_for_is_found_all_the_same() {
+    let mut spec = small(Solver::NewtonCg);
+    spec.bond.modulus_n = Some(100.0);
+    spec.bond.friction_modulus_n = 0.0;
+    spec.test.strain_step = 0.02;
+    for breaking in [Breaking::AllOverStrength, Breaking::WeakestFirst] {
+        spec.test.breaking = breaking;
+        let expected = run(&spec);
+        for looks in [2, 3, 7] {
+            let pieces = run_in_pieces(&spec, looks);
+            assert!(pieces.2 > 10, "{} pieces", pieces.2);
+            assert_same(&expected, &pieces);
+        }
+    }
+}
+
+#[test]
 fn an_equilibrium_that_was_abandoned_is_searched_again() {
     // large enough that looks fall into the middle of equilibria
     let mut spec = polyester(15, 17, 3);

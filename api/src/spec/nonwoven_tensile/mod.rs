@@ -148,6 +148,12 @@ pub struct Knobs {
     /// ω, the part of its Newton step a node moves in parallel relaxation.
     #[schemars(range(min = 0.01, max = 1.0), extend("x-unit" = "1"))]
     pub relaxation_factor: f64,
+    /// A strain step is divided until no bond whose breaking lowers the force by more than this part of
+    /// the maximum breaks at more than this part above its strength; the first bond that breaks is
+    /// found as well. `null`: bonds break at whole strain steps only, as in [Zilka2022], and a maximum
+    /// between two of them is not seen.
+    #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
+    pub break_precision: Option<f64>,
 }
 
 /// The way to equilibrium.
@@ -214,6 +220,7 @@ impl Default for Knobs {
             force_accuracy: 100.0,
             iteration_limit: None,
             relaxation_factor: 0.6,
+            break_precision: Some(0.01),
         }
     }
 }
@@ -231,14 +238,15 @@ impl Default for Output {
 impl Accuracy {
     /// The knobs a preset stands for.
     pub fn knobs(&self) -> Knobs {
-        let force_accuracy = match self {
+        let (force_accuracy, break_precision) = match self {
             Self::Knobs(knobs) => return knobs.clone(),
-            Self::Preset(Preset::Draft) => 5.0,
-            Self::Preset(Preset::Standard) => 100.0,
-            Self::Preset(Preset::Reference) => 1e4,
+            Self::Preset(Preset::Draft) => (5.0, 0.05),
+            Self::Preset(Preset::Standard) => (100.0, 0.01),
+            Self::Preset(Preset::Reference) => (1e4, 0.002),
         };
         Knobs {
             force_accuracy,
+            break_precision: Some(break_precision),
             ..Knobs::default()
         }
     }

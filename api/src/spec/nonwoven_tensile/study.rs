@@ -50,6 +50,17 @@ pub(super) fn knobs(spec: &NonwovenTensile) -> Vec<Knob> {
     ];
     if spec.test.breaking != Breaking::None {
         knobs.push(Knob {
+            name: "break_precision",
+            description: "a number from 1e-6 to 1, or null: how far above its strength a bond may \
+                          break whose breaking shows in the force",
+            present: accuracy
+                .break_precision
+                .map_or_else(|| "null".to_owned(), |precision| precision.to_string()),
+            grid: strings(&["null", "0.05", "0.01", "0.002"]),
+            reference: vec![("break_precision", "0.0005".to_owned())],
+            keeps_specimen: true,
+        });
+        knobs.push(Knob {
             name: "breaking",
             description: "which bonds break in a round: all_over_strength, weakest_first or none",
             present: word(&spec.test.breaking),
@@ -110,6 +121,13 @@ pub(super) fn turn(spec: &mut NonwovenTensile, knob: &str, value: &str) -> Optio
         "solver" => {
             let solver: Solver = variant(value)?;
             change_knobs(spec, |knobs| knobs.solver = solver);
+        }
+        "break_precision" => {
+            let break_precision = match value {
+                "null" => None,
+                number => Some(number.parse().ok()?),
+            };
+            change_knobs(spec, |knobs| knobs.break_precision = break_precision);
         }
         "strain_step" => spec.test.strain_step = value.parse().ok()?,
         "breaking" => spec.test.breaking = variant(value)?,

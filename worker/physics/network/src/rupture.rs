@@ -43,7 +43,12 @@ pub(crate) struct Candidate {
 }
 
 impl Candidate {
-    fn is_over_strength(&self) -> bool {
+    /// Failure index: tension over strength [-].
+    pub(crate) fn index(&self) -> f64 {
+        self.tension / self.strength
+    }
+
+    pub(crate) fn is_over_strength(&self) -> bool {
         self.tension > self.strength && self.tension > 0.0
     }
 }
@@ -61,7 +66,7 @@ pub(crate) fn breaking(
             // the first of equals stays, which is the one with the lowest number; without strength
             // the ratio is infinite
             let weaker = |worst: Candidate, next: Candidate| {
-                let is_worse = next.tension / next.strength > worst.tension / worst.strength;
+                let is_worse = next.index() > worst.index();
                 if is_worse { next } else { worst }
             };
             over_strength.reduce(weaker).into_iter().collect()

@@ -1,9 +1,12 @@
 //! Arithmetic that gives the same bits on every machine and on any number of threads.
 //!
 //! [`Team`] shares passes over arrays among threads and sums in a fixed order; [`wide`] runs a kernel
-//! in the widest vector instructions that the machine has.
+//! in the widest vector instructions that the machine has. [`next_look`] finds where the first of many
+//! quantities passes a limit.
+mod crossing;
 mod parallel;
 mod wide;
 
+pub use crossing::{Crossing, next_look};
 pub use parallel::{Team, ThreadsError};
 pub use wide::wide;

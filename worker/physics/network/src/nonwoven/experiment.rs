@@ -1,18 +1,18 @@
 //! The test itself: strain, equilibrium, breaking, until it ends.
 use loadframe_api::spec::nonwoven_tensile::{Breaking, Knobs, NonwovenTensile, Solver};
 use loadframe_harness::{Interrupt, SimulationError};
-use loadframe_numerics::Team;
+use loadframe_numerics::{Crossing, Team, next_look};
 
 use super::{
     predictor::JawMove,
     specimen::Specimen,
-    state::{Event, Increment, Point, State, Worst},
+    state::{Event, Increment, Point, Reached, Retreat, Search, State, Unresolved, Worst},
 };
 use crate::{
     Network, Vector,
     assembly::Assembly,
     configuration::{Configuration, Verdict},
-    equilibrium::{Method, Search, Settled, Workspace, calm, work::Meter},
+    equilibrium::{Method, Search as Equilibrium, Settled, Workspace, calm, work::Meter},
     field::Field,
     law::{BondLaw, StrainLaw},
     load_path::{Part, parts},
@@ -28,6 +28,13 @@ const LEAST_PATIENCE: u32 = 8;
 /// Farthest a node may move at once, in mean rest lengths: about two row spacings. A node thrown
 /// farther passes through its neighbours and settles on the wrong side of them.
 const STEP_CAP: f64 = 2.0;
+/// Part of the maximum force by which a fall of the force may be overstepped without a warning, as the force
+/// error that ISO 7500-1 allows a testing machine of class 1.
+pub(super) const LARGEST_OVERSTEP: f64 = 0.01;
+/// Strains tried at most to find a break. Halving alone brings an interval to the last digits by then.
+const MOST_LOOKS: u32 = 150;
+/// Least part of the strain step that is looked at.
+const SHORTEST: f64 = 1e-12;
 
 /// A running test.
 pub(super) struct Experiment<'a> {
@@ -68,8 +75,8 @@ pub(super) enum StopReason {
 /// What one equilibrium brought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Advance {
-    /// Bonds broke; the step goes on.
-    Broke,
+    /// Bonds broke, or a break is looked for; the step goes on.
+    GoesOn,
     /// The step is done, and perhaps the test.
     StepDone(Option<StopReason>),
 }
@@ -136,7 +143,8 @@ impl<'a> Experiment<'a> {
         if !broken.is_empty() {
             let last = Configuration::of(&loaded.assembly, &state.displacements, &team);
             loaded.follow(network, broken);
-            if spec.accuracy.knobs().solver == Solver::NewtonCg {
+            let is_between_rounds = state.round > state.rounds_before;
+            if is_between_rounds && spec.accuracy.knobs().solver == Solver::NewtonCg {
                 workspace.go_on(&loaded.assembly, last);
             }
         }
@@ -163,13 +171,14 @@ impl<'a> Experiment<'a> {
         self.spec.output.histogram_bins
     }
 
-    /// Nominal strain of the step being worked on.
+    /// Nominal strain being worked on.
     pub(super) fn nominal_strain(&self) -> f64 {
-        nominal_strain(self.spec, self.state.step)
+        self.state.strain
     }
 
-    /// Finds the next equilibrium, breaks what is over strength, and records the step if nothing
-    /// is. The state changes only when all of it succeeded.
+    /// Finds the next equilibrium and breaks what is over strength; or, where that would overstep a
+    /// fall of the force, goes back to find where it begins. The state changes only when all of it
+    /// succeeded.
     ///
     /// # Errors
     /// An interrupt, or a state that is not finite.
@@ -177,16 +186,23 @@ impl<'a> Experiment<'a> {
         meter.look()?;
         let start = self.start(meter)?;
         if self.loaded.assembly.is_empty() {
+            if self.has_fallen(0.0) {
+                return Ok(self.retreat());
+            }
             self.state.displacements = start;
             self.settled = None;
-            self.note_force(0.0);
-            self.record([0.0, 0.0], 0.0);
+            let point = self.point([0.0, 0.0], 0.0);
+            if self.is_first() {
+                self.state.before_breaking = Some(point);
+            }
+            self.record_fall(&point);
+            self.record(point);
             return Ok(Advance::StepDone(Some(StopReason::NoLoadPath)));
         }
         let assembly = &self.loaded.assembly;
-        let search = self.search();
+        let search = self.equilibrium();
         match self.settled.take() {
-            Some(last) if self.state.round > 0 && search.method == Method::NewtonCg => {
+            Some(last) if !self.is_first() && search.method == Method::NewtonCg => {
                 self.workspace.go_on(assembly, last.configuration);
             }
             Some(last) => self.workspace.take_back(last),
@@ -197,7 +213,7 @@ impl<'a> Experiment<'a> {
 
         let mut displacements = start;
         assembly.put(&settled.configuration.displacements, &mut displacements);
-        if self.state.round == 0 && self.state.step > 0 {
+        if self.is_first() && self.state.strain > self.state.reached.strain {
             let jaw_move = self.jaw_move();
             let pairs = displacements.iter().zip(&self.state.displacements);
             self.state.last_increment = Some(Increment {
@@ -205,36 +221,232 @@ impl<'a> Experiment<'a> {
                 displacements: pairs.map(|(after, before)| after - before).collect(),
             });
         }
-        self.state.displacements = displacements;
+        let before = std::mem::replace(&mut self.state.displacements, displacements);
+        let worst_before = self.state.worst_of_step;
         self.judge(&settled, search.force_limit);
 
-        let broken = self.break_bonds(&settled);
+        let over = self.over_strength(&settled);
         let jaw_forces = assembly_forces(&self.loaded.assembly, &settled);
-        self.note_force(jaw_forces[0]);
-        let energy = settled.configuration.energy;
-        self.settled = Some(settled);
-        if broken > 0 {
-            self.state.round += 1;
-            let before = self.state.events.len() - broken;
-            let broken = &self.state.events[before..];
-            self.loaded.follow(&self.specimen.network, broken);
-            return Ok(Advance::Broke);
+        let point = self.point(jaw_forces, settled.configuration.energy);
+        if self.is_first() {
+            self.state.before_breaking = Some(point);
+            if !over.is_empty() && !self.is_resolved(&over, point.force) {
+                let found = Search {
+                    strain: self.state.strain,
+                    force: point.force,
+                    over: over
+                        .iter()
+                        .map(|one| (one.bond as u32, one.index()))
+                        .collect(),
+                    looks: self.state.search.as_ref().map_or(0, |search| search.looks),
+                };
+                let retreat = Retreat {
+                    displacements: before,
+                    worst_of_step: worst_before,
+                    events: self.state.events.len(),
+                    search: found,
+                };
+                let is_known_to_fall = self.state.search.is_some();
+                self.settled = Some(settled);
+                let is_first_break = self.state.events.is_empty();
+                self.state.retreat = Some(retreat);
+                if is_first_break || is_known_to_fall {
+                    return Ok(self.retreat());
+                }
+                return Ok(self.break_bonds(over));
+            }
+            self.state.retreat = None;
+        } else if self.has_fallen(point.force) {
+            self.settled = Some(settled);
+            return Ok(self.retreat());
         }
-        self.record(jaw_forces, energy);
-        Ok(Advance::StepDone(self.stop_reason()))
+        self.settled = Some(settled);
+        if !over.is_empty() {
+            return Ok(self.break_bonds(over));
+        }
+        self.state.retreat = None;
+        if self.is_first() && self.state.search.is_some() {
+            // the break lies between here and where it was overstepped
+            self.reach(point.force);
+            self.look_between();
+            return Ok(Advance::GoesOn);
+        }
+        Ok(self.conclude(point))
     }
 
     /// Goes on to the next step.
     pub(super) fn next_step(&mut self) {
         self.state.step += 1;
+        self.state.strain = nominal_strain(self.spec, self.state.step);
         self.state.round = 0;
+        self.state.rounds_before = 0;
         self.state.worst_of_step = Worst::default();
+    }
+
+    /// Whether nothing has broken yet at the strain being worked on.
+    fn is_first(&self) -> bool {
+        self.state.round == self.state.rounds_before
+    }
+
+    /// Part of the maximum force by which it must fall for the break to be looked for.
+    fn smallest_fall(&self) -> f64 {
+        self.knobs.break_precision.unwrap_or(LARGEST_OVERSTEP)
+    }
+
+    /// Whether the force, found after bonds broke that may be too far over their strength, shows that
+    /// the break should have been found first.
+    fn has_fallen(&self, force: f64) -> bool {
+        let before = self.state.before_breaking.map_or(0.0, |point| point.force);
+        self.state.retreat.is_some() && self.is_fall(before, force)
+    }
+
+    fn is_fall(&self, before: f64, after: f64) -> bool {
+        before - after > self.smallest_fall() * self.state.max_force.max(before)
+    }
+
+    /// Whether these bonds may break here: they are hardly over their strength, or there is nothing
+    /// left to divide between here and the last state in which they were not.
+    fn is_resolved(&mut self, over: &[Candidate], force: f64) -> bool {
+        let largest = over.iter().map(Candidate::index).fold(0.0, f64::max);
+        // forces grow about as tensions do
+        let excess = (1.0 - largest.recip()) * force.abs();
+        self.state.overstep = excess.min((force - self.state.reached.force).abs());
+        let Some(precision) = self.knobs.break_precision else {
+            return true;
+        };
+        let search = self.state.search.as_ref();
+        largest <= 1.0 + precision
+            || search.is_some_and(|search| search.looks >= MOST_LOOKS)
+            || self.is_indivisible(self.state.strain, force)
+    }
+
+    /// Whether nothing is gained by dividing what lies between the last state in which no bond was over
+    /// its strength and this one.
+    fn is_indivisible(&self, strain: f64, force: f64) -> bool {
+        let (reached, precision) = (self.state.reached, self.smallest_fall());
+        let (width, rise) = (strain - reached.strain, (force - reached.force).abs());
+        let is_close = rise <= precision * self.state.max_force.max(force);
+        (is_close && width <= precision * strain) || width <= SHORTEST * self.spec.test.strain_step
+    }
+
+    /// Goes back to the last state in which no bond was over its strength, and chooses a strain on the
+    /// way to the one where some were.
+    fn retreat(&mut self) -> Advance {
+        let state = &mut self.state;
+        let Some(retreat) = state.retreat.take() else {
+            return Advance::GoesOn;
+        };
+        state.displacements = retreat.displacements;
+        state.worst_of_step = retreat.worst_of_step;
+        state.search = Some(retreat.search);
+        if state.round > state.rounds_before {
+            state.events.truncate(retreat.events);
+            state.round = state.rounds_before;
+            self.settled = None;
+            self.workspace = Workspace::default();
+            let network = &self.specimen.network;
+            let (intact, broken) = state.intact(network.bonds.len());
+            self.loaded = Loaded::new(network, intact);
+            if !broken.is_empty() {
+                self.loaded.follow(network, broken);
+            }
+        }
+        self.look_between();
+        Advance::GoesOn
+    }
+
+    /// Chooses a strain between the last state in which no bond was over its strength and the first
+    /// known in which some were.
+    fn look_between(&mut self) {
+        let reached = self.state.reached.strain;
+        let Some(mut search) = self.state.search.take() else {
+            return;
+        };
+        let crossings: Vec<Crossing> = search
+            .over
+            .iter()
+            .map(|(bond, index)| Crossing {
+                before: self.index_of(*bond as usize),
+                after: *index,
+            })
+            .collect();
+        let part = next_look(&crossings, self.smallest_fall(), search.looks);
+        search.looks += 1;
+        self.state.strain = reached + part * (search.strain - reached);
+        if self.is_indivisible(search.strain, search.force) {
+            // bonds break where they are known to
+            search.looks = MOST_LOOKS;
+            self.state.strain = search.strain;
+        }
+        self.state.search = Some(search);
+    }
+
+    /// Tension over strength of a bond at the present displacements.
+    fn index_of(&self, bond: usize) -> f64 {
+        let network = &self.specimen.network;
+        let bonds = &network.bonds;
+        let [first, second] = bonds.ends[bond]
+            .map(|node| network.positions[node as usize] + self.state.displacements[node as usize]);
+        let rest = bonds.rest_lengths[bond];
+        let strain = ((second - first).norm() - rest) / rest;
+        bonds.laws.of(bond).tension(strain) / bonds.strengths[bond]
+    }
+
+    /// Nothing is over its strength here any more.
+    fn reach(&mut self, force: f64) {
+        self.state.reached = Reached {
+            strain: self.state.strain,
+            force,
+        };
+    }
+
+    /// Ends work at a strain at which nothing breaks any more.
+    fn conclude(&mut self, point: Point) -> Advance {
+        let has_fallen = self.record_fall(&point);
+        self.reach(point.force);
+        self.state.search = None;
+        let end = nominal_strain(self.spec, self.state.step);
+        if self.state.strain >= end {
+            self.record(point);
+            return Advance::StepDone(self.stop_reason());
+        }
+        if has_fallen {
+            self.record(point);
+            if let Some(reason) = self.stop_reason() {
+                return Advance::StepDone(Some(reason));
+            }
+        }
+        self.state.rounds_before = self.state.round;
+        self.state.strain = end;
+        Advance::GoesOn
+    }
+
+    /// Keeps the state before a fall of the force that ends in `after`, if it is one.
+    fn record_fall(&mut self, after: &Point) -> bool {
+        let Some(before) = self.state.before_breaking.filter(|_| !self.is_first()) else {
+            return false;
+        };
+        if !self.is_fall(before.force, after.force) {
+            return false;
+        }
+        let force = self.state.overstep.min(before.force - after.force);
+        let state = &mut self.state;
+        if state.unresolved.is_none_or(|worst| force > worst.force) {
+            state.unresolved = Some(Unresolved {
+                nominal_strain: state.strain,
+                force,
+            });
+        }
+        if self.knobs.break_precision.is_some() {
+            self.record(before);
+        }
+        true
     }
 
     /// Displacements to search equilibrium from.
     fn start(&mut self, meter: &mut Meter<'_>) -> Result<Vec<Vector>, Interrupt> {
         let state = &self.state;
-        if state.round > 0 || state.step == 0 {
+        if state.round > state.rounds_before || state.step == 0 {
             return Ok(state.displacements.clone());
         }
         let (network, parts) = (&self.specimen.network, &self.loaded.parts);
@@ -255,16 +467,15 @@ impl<'a> Experiment<'a> {
 
     fn jaw_move(&self) -> JawMove {
         let specimen = &self.specimen;
-        let displacement = |step| nominal_strain(self.spec, step) * specimen.gauge_length;
         JawMove {
-            from: displacement(self.state.step.saturating_sub(1)),
-            to: displacement(self.state.step),
+            from: self.state.reached.strain * specimen.gauge_length,
+            to: self.state.strain * specimen.gauge_length,
             bottom: specimen.bottom,
             gauge_length: specimen.gauge_length,
         }
     }
 
-    fn search(&self) -> Search {
+    fn equilibrium(&self) -> Equilibrium {
         let knobs = &self.knobs;
         let (method, iterations) = match knobs.solver {
             Solver::NewtonCg => {
@@ -285,7 +496,7 @@ impl<'a> Experiment<'a> {
             compression_stiffness: 0.0,
             ..self.specimen.mean_law
         };
-        Search {
+        Equilibrium {
             method,
             iteration_limit: knobs.iteration_limit.unwrap_or(iterations),
             force_limit: in_tension.tension(strain) / knobs.force_accuracy,
@@ -307,13 +518,11 @@ impl<'a> Experiment<'a> {
         }
     }
 
-    /// Applies the breaking rule; returns how many bonds broke.
-    fn break_bonds(&mut self, settled: &Settled) -> usize {
-        let rule = match self.spec.test.breaking {
-            Breaking::AllOverStrength => BreakingRule::AllOverStrength,
-            Breaking::WeakestFirst => BreakingRule::WeakestFirst,
-            Breaking::None => BreakingRule::Never,
-        };
+    /// The bonds over their strength, by ascending number; none where none may break.
+    fn over_strength(&self, settled: &Settled) -> Vec<Candidate> {
+        if self.spec.test.breaking == Breaking::None {
+            return Vec::new();
+        }
         let assembly = &self.loaded.assembly;
         let (tensions, strengths) = (&settled.configuration.tensions, &self.loaded.strengths);
         let of_slot = |slot: usize| {
@@ -324,55 +533,79 @@ impl<'a> Experiment<'a> {
             })
         };
         let over = over_strength(tensions, strengths);
-        let mut candidates: Vec<Candidate> = over.into_iter().filter_map(of_slot).collect();
-        candidates.sort_unstable_by_key(|candidate| candidate.bond);
-        let broken = breaking(rule, candidates.into_iter());
+        let candidates = over.into_iter().filter_map(of_slot);
+        let mut over: Vec<Candidate> = candidates.filter(Candidate::is_over_strength).collect();
+        over.sort_unstable_by_key(|candidate| candidate.bond);
+        over
+    }
+
+    /// Applies the breaking rule to the bonds over their strength at the last equilibrium.
+    fn break_bonds(&mut self, over: Vec<Candidate>) -> Advance {
+        let rule = match self.spec.test.breaking {
+            Breaking::AllOverStrength => BreakingRule::AllOverStrength,
+            Breaking::WeakestFirst => BreakingRule::WeakestFirst,
+            Breaking::None => BreakingRule::Never,
+        };
+        let broken = breaking(rule, over.into_iter());
         let (step, round) = (self.state.step, self.state.round + 1);
         let nominal_strain = self.nominal_strain();
+        let assembly = &self.loaded.assembly;
+        let energy = |bond: usize| {
+            let settled = self.settled.as_ref();
+            settled.map_or(0.0, |settled| {
+                settled
+                    .configuration
+                    .bond(assembly, assembly.slot(bond))
+                    .energy
+            })
+        };
         let events = broken.iter().map(|candidate| Event {
             step,
             round,
             nominal_strain,
             bond: candidate.bond as u32,
             force: candidate.tension,
-            energy: settled
-                .configuration
-                .bond(assembly, assembly.slot(candidate.bond))
-                .energy,
+            energy: energy(candidate.bond),
         });
         self.state.events.extend(events);
-        broken.len()
+        self.state.round += 1;
+        let before = self.state.events.len() - broken.len();
+        self.loaded
+            .follow(&self.specimen.network, &self.state.events[before..]);
+        Advance::GoesOn
     }
 
-    /// Keeps the force at the first equilibrium of a step.
-    fn note_force(&mut self, force: f64) {
-        if self.state.round == 0 {
-            self.state.force_before_breaking = force;
-        }
-    }
-
-    fn record(&mut self, [force, bottom_force]: [f64; 2], stored_energy: f64) {
-        let nominal_strain = self.nominal_strain();
-        let state = &mut self.state;
-        let worst = state.worst_of_step;
-        if worst.is_unconverged {
-            state.unconverged.push(nominal_strain);
-        } else if worst.is_round_off {
-            state.round_off.push(nominal_strain);
-        }
-        state.max_force = state.max_force.max(force);
+    /// The state at the strain being worked on.
+    fn point(&self, [force, bottom_force]: [f64; 2], stored_energy: f64) -> Point {
+        let state = &self.state;
+        let before_breaking = match self.state.before_breaking {
+            Some(before) if !self.is_first() => before.force,
+            _ => force,
+        };
         let width_gauge = self.specimen.width_gauge.as_ref();
-        state.points.push(Point {
-            nominal_strain,
+        Point {
+            nominal_strain: state.strain,
             force,
             bottom_force,
-            force_before_breaking: state.force_before_breaking,
+            force_before_breaking: before_breaking,
             broken: state.events.len() as u64,
-            residual_ratio: worst.residual_ratio,
-            rounds: state.round,
+            residual_ratio: state.worst_of_step.residual_ratio,
+            rounds: state.round - state.rounds_before,
             stored_energy,
             width_strain: width_gauge.map(|gauge| gauge.strain(&state.displacements)),
-        });
+        }
+    }
+
+    fn record(&mut self, point: Point) {
+        let state = &mut self.state;
+        let worst = std::mem::take(&mut state.worst_of_step);
+        if worst.is_unconverged {
+            state.unconverged.push(point.nominal_strain);
+        } else if worst.is_round_off {
+            state.round_off.push(point.nominal_strain);
+        }
+        state.max_force = state.max_force.max(point.force);
+        state.points.push(point);
     }
 
     fn stop_reason(&self) -> Option<StopReason> {

@@ -99,12 +99,19 @@ fn run_one(
     };
     let stop_reason = loop {
         let was_whole = experiment.state.events.is_empty();
-        match experiment.advance(&mut meter) {
-            Ok(Advance::Broke) if was_whole => recorder.log(&format!(
-                "the first bonds break at {} strain",
-                yardstick.percent(experiment.nominal_strain())
-            )),
-            Ok(Advance::Broke) => {}
+        let known = experiment.state.points.len();
+        let advance = experiment.advance(&mut meter);
+        for point in &experiment.state.points[known..] {
+            recorder.point(&tables::values(point))?;
+        }
+        match advance {
+            Ok(Advance::GoesOn) if was_whole && !experiment.state.events.is_empty() => {
+                recorder.log(&format!(
+                    "the first bonds break at {} strain",
+                    yardstick.percent(experiment.nominal_strain())
+                ));
+            }
+            Ok(Advance::GoesOn) => {}
             Ok(Advance::StepDone(stop)) => {
                 record_step(
                     &mut experiment,
@@ -143,16 +150,13 @@ fn run_one(
     Ok(Ending::Finished(report))
 }
 
-/// Hands a finished step to the recorder, with the snapshot and force distribution that are due.
+/// Takes the snapshot and the force distribution that are due after a step.
 fn record_step(
     experiment: &mut Experiment<'_>,
     distribution_steps: &[u64],
     is_last: bool,
     recorder: &mut dyn Recorder,
 ) -> Result<(), SimulationError> {
-    if let Some(point) = experiment.state.points.last() {
-        recorder.point(&tables::values(point))?;
-    }
     let every = u64::from(experiment.snapshot_every());
     let is_due = every > 0 && (is_last || experiment.state.step.is_multiple_of(every));
     if is_due {

@@ -8,7 +8,7 @@ use loadframe_harness::curve;
 
 use super::{
     distribution,
-    experiment::StopReason,
+    experiment::{LARGEST_OVERSTEP, StopReason},
     specimen::Specimen,
     state::{Point, State},
 };
@@ -37,7 +37,7 @@ pub(super) fn report(
     state: &State,
     stop_reason: StopReason,
 ) -> Report {
-    let quality = quality(state);
+    let quality = quality(spec, state);
     Report {
         stop_reason: stop_reason.name().to_owned(),
         summary: summary(specimen, state),
@@ -161,7 +161,7 @@ fn summary(specimen: &Specimen, state: &State) -> IndexMap<String, Quantity> {
     summary
 }
 
-fn quality(state: &State) -> IndexMap<String, QualityCheck> {
+fn quality(spec: &NonwovenTensile, state: &State) -> IndexMap<String, QualityCheck> {
     let largest = |value: fn(&Point) -> f64| state.points.iter().map(value).fold(0.0, f64::max);
     let imbalance = largest(|point| (point.force - point.bottom_force).abs());
     let relative_imbalance = if imbalance > 0.0 {
@@ -189,6 +189,21 @@ fn quality(state: &State) -> IndexMap<String, QualityCheck> {
             ),
         ),
         (
+            "overstepped_force".to_owned(),
+            QualityCheck::at_most(
+                overstepped(state),
+                spec.accuracy
+                    .knobs()
+                    .break_precision
+                    .map_or(LARGEST_OVERSTEP, |precision| {
+                        precision.max(LARGEST_OVERSTEP)
+                    }),
+                "1",
+                "How far the force may have risen past where it fell, over its maximum: maximum force \
+                 and its strain may be off by so much.",
+            ),
+        ),
+        (
             "unconverged_steps".to_owned(),
             QualityCheck::at_most(
                 state.unconverged.len() as f64,
@@ -198,6 +213,13 @@ fn quality(state: &State) -> IndexMap<String, QualityCheck> {
             ),
         ),
     ])
+}
+
+/// The fall of the force found least precisely, over the maximum force.
+fn overstepped(state: &State) -> f64 {
+    state
+        .unresolved
+        .map_or(0.0, |worst| worst.force / state.max_force.max(worst.force))
 }
 
 fn warnings(
@@ -253,6 +275,21 @@ fn warnings(
                     Solver::NewtonCg => "",
                     Solver::Sequential | Solver::Parallel => " or the solver newton_cg",
                 },
+            ),
+        );
+    }
+    if let (Some(check), Some(worst)) = (
+        quality.get("overstepped_force").filter(|check| !check.ok),
+        state.unresolved,
+    ) {
+        warn(
+            "break_overstepped",
+            format!(
+                "at a nominal strain of {:.6} the force fell within a strain step; the maximum force \
+                 may be off by {:.1} %, and its strain with it: a break_precision or a smaller \
+                 strain_step finds where it begins",
+                worst.nominal_strain,
+                100.0 * check.value,
             ),
         );
     }

@@ -5,14 +5,13 @@
 //! cells. To see the intact network, keep the cells with `broken` below one half.
 use std::io::{self, Write};
 
-use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
 use loadframe_harness::{
     Recorder,
     vtk::{Array, Lines, Series},
 };
 
 use super::{
-    experiment::{Experiment, nominal_strain},
+    experiment::Experiment,
     state::{HistogramBin, State},
 };
 use crate::Hold;
@@ -67,13 +66,14 @@ pub(super) fn take(experiment: &mut Experiment<'_>, recorder: &mut dyn Recorder)
     recorder.file(&name(step), &mut |out| lines.write(out))?;
     let bins = histogram(experiment);
     experiment.state.histogram.extend(bins);
-    experiment.state.snapshots.push(step);
+    let nominal_strain = experiment.nominal_strain();
+    experiment.state.snapshots.push((step, nominal_strain));
     Ok(())
 }
 
 /// The series of all snapshots, played over nominal strain.
-pub(super) fn series(out: &mut dyn Write, spec: &NonwovenTensile, state: &State) -> io::Result<()> {
-    let entry = |step: &u64| (nominal_strain(spec, *step), name(*step));
+pub(super) fn series(out: &mut dyn Write, state: &State) -> io::Result<()> {
+    let entry = |(step, strain): &(u64, f64)| (*strain, name(*step));
     let entries = state.snapshots.iter().map(entry).collect();
     Series { entries }.write(out)
 }

@@ -8,14 +8,24 @@ use crate::{Vector, equilibrium::work::Work};
 pub(super) struct State {
     /// Strain step being worked on, counted from 0, the step without strain.
     pub(super) step: u64,
+    /// Nominal strain being worked on: that of the step, or one on the way to it.
+    pub(super) strain: f64,
     /// Breaking rounds done in this step.
     pub(super) round: u32,
+    /// Those done when work at this strain began.
+    pub(super) rounds_before: u32,
+    /// The last state in which no bond was over its strength.
+    pub(super) reached: Reached,
+    /// What is known of a break that is being looked for.
+    pub(super) search: Option<Search>,
+    /// Where to go back to should the force fall in the breaking that goes on.
+    pub(super) retreat: Option<Retreat>,
     /// Displacement of every node [mm].
     pub(super) displacements: Vec<Vector>,
     /// How the displacements changed in the last step before anything broke.
     pub(super) last_increment: Option<Increment>,
-    /// On the moving jaw at the first equilibrium of this step, before any of its bonds broke [N].
-    pub(super) force_before_breaking: f64,
+    /// At this strain before any bond broke there.
+    pub(super) before_breaking: Option<Point>,
     /// Worst residual ratio and verdict among the equilibria of this step.
     pub(super) worst_of_step: Worst,
     pub(super) points: Vec<Point>,
@@ -26,8 +36,13 @@ pub(super) struct State {
     pub(super) histogram: Vec<HistogramBin>,
     /// Bins at the strains the spec asks for.
     pub(super) force_distribution: Vec<HistogramBin>,
-    /// Steps of which a snapshot was written.
-    pub(super) snapshots: Vec<u64>,
+    /// How far the force may have risen past where it should have fallen, at the strain being worked
+    /// on [N].
+    pub(super) overstep: f64,
+    /// The fall of the force that was found least precisely.
+    pub(super) unresolved: Option<Unresolved>,
+    /// Steps of which a snapshot was written, and their nominal strain.
+    pub(super) snapshots: Vec<(u64, f64)>,
     /// Strains at which equilibrium was not reached.
     pub(super) unconverged: Vec<f64>,
     /// Strains at which round-off, not the force limit, bounded the residual.
@@ -42,6 +57,45 @@ pub(super) struct State {
 pub(super) struct Increment {
     pub(super) jaw: f64,
     pub(super) displacements: Vec<Vector>,
+}
+
+/// A state in which no bond is over its strength.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Reached {
+    pub(super) strain: f64,
+    /// On the moving jaw [N].
+    pub(super) force: f64,
+}
+
+/// A strain at which bonds are over their strength, to be approached from below.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Search {
+    pub(super) strain: f64,
+    /// On the moving jaw before any bond broke there [N].
+    pub(super) force: f64,
+    /// Number of each bond over its strength there, and its tension over strength.
+    pub(super) over: Vec<(u32, f64)>,
+    /// Strains tried on the way.
+    pub(super) looks: u32,
+}
+
+/// The state before the strain at which bonds now break.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Retreat {
+    pub(super) displacements: Vec<Vector>,
+    pub(super) worst_of_step: Worst,
+    /// Events until then.
+    pub(super) events: usize,
+    /// What was found at the strain before anything broke.
+    pub(super) search: Search,
+}
+
+/// A fall of the force that is not known to begin where it is said to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Unresolved {
+    pub(super) nominal_strain: f64,
+    /// The maximum of the force may lie so much beside what was recorded [N].
+    pub(super) force: f64,
 }
 
 /// The worst equilibrium of a step.
@@ -115,16 +169,23 @@ impl State {
     pub(super) fn new(nodes: usize) -> Self {
         Self {
             step: 0,
+            strain: 0.0,
             round: 0,
+            rounds_before: 0,
+            reached: Reached::default(),
+            search: None,
+            retreat: None,
             displacements: vec![Vector::zeros(); nodes],
             last_increment: None,
-            force_before_breaking: 0.0,
+            before_breaking: None,
             worst_of_step: Worst::default(),
             points: Vec::new(),
             max_force: 0.0,
             events: Vec::new(),
             histogram: Vec::new(),
             force_distribution: Vec::new(),
+            overstep: 0.0,
+            unresolved: None,
             snapshots: Vec::new(),
             unconverged: Vec::new(),
             round_off: Vec::new(),

@@ -74,9 +74,7 @@ pub(super) fn write(
         recorder.file("force_histogram.csv", &mut |out| {
             histogram(out, &state.histogram)
         })?;
-        recorder.file("snapshots.pvd", &mut |out| {
-            snapshot::series(out, spec, state)
-        })?;
+        recorder.file("snapshots.pvd", &mut |out| snapshot::series(out, state))?;
     }
     Ok(())
 }
@@ -118,6 +116,10 @@ fn poisson_ratio(out: &mut dyn Write, state: &State) -> io::Result<()> {
     )?;
     for pair in state.points.windows(2) {
         let [before, point] = pair else { continue };
+        if point.nominal_strain <= before.nominal_strain {
+            // a fall of the force at one strain
+            continue;
+        }
         let (Some(width_before), Some(width), Some(ratio)) = (
             before.width_strain,
             point.width_strain,
