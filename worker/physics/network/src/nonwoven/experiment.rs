@@ -33,6 +33,9 @@ const STEP_CAP: f64 = 2.0;
 pub(super) const LARGEST_OVERSTEP: f64 = 0.01;
 /// Strains tried at most to find a break. Halving alone brings an interval to the last digits by then.
 const MOST_LOOKS: u32 = 150;
+/// Where the network snaps, forces jump at one strain and no division brings them nearer to each other:
+/// a break is then placed to this part of the precision, of its strain.
+const NARROW: f64 = 0.01;
 /// Least part of the strain step that is looked at.
 const SHORTEST: f64 = 1e-12;
 
@@ -326,7 +329,9 @@ impl<'a> Experiment<'a> {
         let (reached, precision) = (self.state.reached, self.smallest_fall());
         let (width, rise) = (strain - reached.strain, (force - reached.force).abs());
         let is_close = rise <= precision * self.state.max_force.max(force);
-        (is_close && width <= precision * strain) || width <= SHORTEST * self.spec.test.strain_step
+        (is_close && width <= precision * strain)
+            || width <= NARROW * precision * strain
+            || width <= SHORTEST * self.spec.test.strain_step
     }
 
     /// Goes back to the last state in which no bond was over its strength, and chooses a strain on the
