@@ -204,6 +204,35 @@ def check_scene(folder: Path, spec: dict, rows: list[dict]) -> str:
     return f"{len(times)} snapshots, {points.n_points} spheres in the last, {compared} held against the tables"
 
 
+def check_section(folder: Path, spec: dict) -> str:
+    """The deformed section: its cells fill the section, and its points moved as the tables say."""
+    summary = json.loads((folder / "outcome.json").read_text())["summary"]
+    cells, factor = int(summary["cells"]["value"]), summary["deformation_factor"]["value"]
+    series = pyvista.get_reader(folder / "snapshots.pvd")
+    series.set_active_time_value(series.time_values[-1])
+    mesh = series.read()[0]
+    check(mesh.n_cells == cells, f"{mesh.n_cells} cells instead of {cells}")
+    check(read(folder / "snapshots" / "section.vtp").GetNumberOfPolys() == cells, "polygons of VTK's own reader")
+    displacement = mesh.point_data["displacement_mm"]
+    start = mesh.points.astype(float) - factor * displacement
+    sides = np.array([spec["section"]["length_mm"], spec["section"]["height_mm"]])
+    check(np.abs(np.ptp(start, axis=0)[:2] - sides) <= 1e-6 * sides, "the undeformed section has other sides")
+    corners = start.reshape(cells, 4, 3)
+    area = np.prod(np.ptp(corners, axis=1)[:, :2], axis=1)
+    check(abs(area.sum() / sides.prod() - 1) < 1e-6, "the cells do not fill the section")
+    # the top face's points are those of its table
+    for row in table(folder / "faces" / "top.csv"):
+        near = np.hypot(start[:, 0] - row["along_mm"], start[:, 1] - sides[1]) < 1e-6 * sides.max()
+        check(near.any(), f"no point at {row['along_mm']} of the top face")
+        check(np.abs(displacement[near][:, 1] - row["uy_mm"]) <= 1e-12 + 1e-9 * np.abs(row["uy_mm"]), "uy at the top")
+    share = mesh.cell_data["fibre_share"]
+    check((share >= 0) & (share <= 1), "shares of fibre")
+    bonds = pyvista.read(folder / "snapshots" / "bonds.vtp")
+    check(np.isfinite(bonds.cell_data["force_n"]), "bond forces")
+    check(bonds.n_points == int(summary["particles"]["value"]), "particles of the bonds")
+    return f"{cells} cells, {bonds.n_lines} bonds"
+
+
 def check_example(binary: str, example: Path) -> str:
     job = json.loads(example.read_text())
     spec = job["spec"]
@@ -218,6 +247,8 @@ def check_example(binary: str, example: Path) -> str:
             default = 1 if job["kind"] == "nonwoven_tensile" else 0
             check(wanted.get("snapshot_every_steps", default) == 0, "snapshots are missing")
             return "no snapshots asked for"
+        if job["kind"] == "composite_bending":
+            return check_section(Path(folder), job["spec"])
         if job["kind"] == "granular_scene":
             return check_scene(folder, spec, table(folder / "curve.csv"))
         if job["kind"].startswith("ballast_"):

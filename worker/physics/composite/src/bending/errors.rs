@@ -21,6 +21,8 @@ pub(super) enum Comparison {
         /// and go on their way to the limit.
         wanders: bool,
     },
+    /// None: the paper's lattice has fibres as thick as its cells, whatever they are, and no limit.
+    None,
     /// The cells are cut by faces that other grids cut elsewhere: results on them have no common way
     /// to the limit. A graded grid of as many cells, with lines on the faces, stands for the truth,
     /// and one of half of them tells its own error.
@@ -42,8 +44,7 @@ impl Comparison {
     /// How the errors of a lattice's grid are found.
     pub(super) fn of(fit: Fit, is_paper: bool) -> Self {
         match fit {
-            // the paper's lattice has no other grids, and no limit that is right
-            _ if is_paper => Self::Coarser { wanders: true },
+            _ if is_paper => Self::None,
             Fit::Exact => Self::Coarser { wanders: false },
             Fit::Slanted => Self::Coarser { wanders: true },
             Fit::Cut => Self::Graded,
@@ -54,6 +55,7 @@ impl Comparison {
     /// there are cells, or graded ones.
     pub(super) fn grids(self, finest: Fineness) -> Vec<Fineness> {
         match self {
+            Self::None => Vec::new(),
             Self::Coarser { .. } => {
                 let first = halved(finest);
                 let second = first.and_then(halved);
@@ -111,6 +113,7 @@ impl Finding {
         };
         let (step, before) = (measured.value - other(0), other(0) - other(1));
         match comparison {
+            Comparison::None => f64::NAN,
             Comparison::Graded => step.abs() + before.abs(),
             Comparison::Coarser { wanders: true } => {
                 let slow = 1.0 / (ORDERS[0].exp2() - 1.0);

@@ -2,7 +2,7 @@
 use indexmap::IndexMap;
 use loadframe_api::{QualityCheck, Quantity, Report, Warning};
 
-use super::errors::{self, Finding};
+use super::errors::{self, Comparison, Finding};
 use super::files;
 use super::model::Model;
 use super::results::{Measured, Tested};
@@ -166,7 +166,7 @@ fn warnings(
             ),
         );
     }
-    if grid_error.is_none() {
+    if grid_error.is_none() && model.comparison() != Comparison::None {
         warn(
             "unknown_discretisation_error",
             "no coarser grid could be tried, so that the grid's error is not known".to_owned(),

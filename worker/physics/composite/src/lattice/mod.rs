@@ -1,6 +1,6 @@
 //! Particles on a grid and what holds them together.
 //!
-//! Two lattices share one form: the *exact* one has a [cell](cell) for every four particles, the
+//! Two lattices share one form: the *exact* one has a [`cell`] for every four particles, the
 //! *paper's* one has [bonds](bond) between pairs. [`Geometry`] says whether displacements are small
 //! or large; it is chosen once, outside of every loop. Supports, loads and ways to equilibrium are
 //! not known here.
