@@ -115,7 +115,7 @@ fn a_graded_grid_has_lines_on_the_faces_of_fibres_along_an_axis() {
         layout
             .fibre_share()
             .iter()
-            .all(|&share| share == 0.0 || share == 1.0)
+            .all(|share| [0.0, 1.0].contains(share))
     );
     assert!((fibre_area(&layout) - 2.0 * 70.0 * 0.7).abs() < 1e-10);
     let sizes: Vec<f64> = layout

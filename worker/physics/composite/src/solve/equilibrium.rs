@@ -493,8 +493,8 @@ impl<'a> Search<'a> {
             }
         }
         self.solve()?;
-        for place in 0..self.u.len() {
-            self.u[place] += moved[place] + self.step[place];
+        for ((u, moved), step) in self.u.iter_mut().zip(&moved).zip(&self.step) {
+            *u += moved + step;
         }
         // Exact, so that steps of the load do not add up their round-off.
         for place in 0..self.u.len() {

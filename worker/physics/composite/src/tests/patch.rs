@@ -15,8 +15,8 @@ fn held_boundary(grid: &Grid, gradient: [[f64; 2]; 2]) -> Supports {
         for line in 0..face.lines_mm(grid).len() {
             let particle = face.particle(grid, line);
             let [x, y] = grid.place_mm(particle);
-            for axis in 0..2 {
-                let value = gradient[axis][0] * x + gradient[axis][1] * y;
+            for (axis, [by_x, by_y]) in gradient.iter().enumerate() {
+                let value = by_x * x + by_y * y;
                 supports.hold(grid, particle, axis, value).unwrap();
             }
         }
@@ -58,8 +58,8 @@ fn every_material_at_every_angle_is_exact_in_uniform_strain() {
                     equilibrium(&lattice, &supports, &load, &StaticOptions::default()).unwrap();
                 for particle in 0..grid.particles() {
                     let [x, y] = grid.place_mm(particle);
-                    for axis in 0..2 {
-                        let expected = gradient[axis][0] * x + gradient[axis][1] * y;
+                    for (axis, [by_x, by_y]) in gradient.iter().enumerate() {
+                        let expected = by_x * x + by_y * y;
                         let found = rest.displacements_mm[2 * particle + axis];
                         assert!(
                             (found - expected).abs() < EXACT * 7e-3,
@@ -129,8 +129,8 @@ fn large_uniform_stretch_is_uniform_and_its_energy_that_of_the_stretch() {
     let rest = equilibrium(&lattice, &supports, &load, &options).unwrap();
     for particle in 0..lattice.grid().particles() {
         let [x, y] = lattice.grid().place_mm(particle);
-        for axis in 0..2 {
-            let expected = gradient[axis][0] * x + gradient[axis][1] * y;
+        for (axis, [by_x, by_y]) in gradient.iter().enumerate() {
+            let expected = by_x * x + by_y * y;
             let found = rest.displacements_mm[2 * particle + axis];
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
