@@ -358,3 +358,82 @@ fn a_cancelled_run_ends() {
         assert!(matches!(ending, Ok(Ending::Cancelled)), "{ending:?}");
     }
 }
+
+fn codes(report: &Report) -> Vec<&str> {
+    report
+        .warnings
+        .iter()
+        .map(|warning| warning.code.as_str())
+        .collect()
+}
+
+#[test]
+fn one_cell_has_a_result_and_no_known_error() {
+    let spec = with(&macro_case(0.0, 10), "/grid/cells", json!([1, 1]));
+    let mut spec = with(&spec, "/fibres", json!([]));
+    spec["test"] = json!({"tension": {"strain": 1e-3}});
+    let (report, _) = run(&spec);
+    assert!((value(&report, "effective_modulus") / 85.0 - 1.0).abs() < 1e-9);
+    assert!(report.summary["effective_modulus"].error.is_none());
+    assert_eq!(codes(&report), ["unknown_discretisation_error"]);
+}
+
+#[test]
+fn stiffness_of_any_contrast_is_solved_or_doubted() {
+    for modulus in [1e-6, 1e9] {
+        let stiff = json!({"isotropic": {"youngs_modulus_mpa": modulus, "poisson_ratio": 0.3}});
+        let spec = with(&macro_case(90.0, 14), "/materials/fibre", stiff);
+        let (report, _) = run(&spec);
+        assert!(value(&report, "mean_top_deflection") > 0.0);
+        let residual = &report.quality["residual"];
+        assert!(
+            residual.ok || codes(&report).contains(&"residual"),
+            "{residual:?}"
+        );
+    }
+}
+
+#[test]
+fn fibres_far_thinner_than_cells_stiffen_as_layers_do() {
+    // stiff threads of a millionth of the height: E of the layers in parallel
+    let mut spec = macro_case(0.0, 7);
+    for fibre in spec["fibres"].as_array_mut().expect("a list") {
+        fibre["thickness_mm"] = json!(1e-5);
+    }
+    spec["materials"]["fibre"] =
+        json!({"isotropic": {"youngs_modulus_mpa": 8.5e6, "poisson_ratio": 0.3}});
+    spec["test"] = json!({"tension": {"strain": 1e-4}});
+    let (report, _) = run(&spec);
+    let share = 5.0 * 1e-5 / 70.0;
+    let layers = 85.0 * (1.0 - share) + 8.5e6 * share;
+    let found = value(&report, "effective_modulus");
+    assert!((found / layers - 1.0).abs() < 1e-6, "{found} {layers}");
+}
+
+#[test]
+fn a_load_beyond_what_the_section_can_carry_ends_with_the_place() {
+    let mut spec = macro_case(0.0, 6);
+    spec["accuracy"] = json!({"geometry": "large"});
+    spec["test"]["load"]["force_n"] = json!([0, -1e7]);
+    let ending = run_job(&job(&spec), &mut Record::default(), &Uninterrupted, None, 1);
+    let error = ending.expect_err("no section carries this");
+    assert!(error.is_of_the_spec());
+    let told = error.to_string();
+    assert!(
+        told.contains("turns inside out") || told.contains("no equilibrium"),
+        "{told}"
+    );
+}
+
+#[test]
+fn edges_alone_fold_and_say_so() {
+    let mut spec = with(
+        &macro_case(0.0, 10),
+        "/lattice",
+        json!({"paper": {"stiffness": "bare", "bonds": "edges"}}),
+    );
+    spec["test"]["supports"] = json!({"bottom": "clamped"});
+    let ending = run_job(&job(&spec), &mut Record::default(), &Uninterrupted, None, 1);
+    let told = ending.expect_err("nothing resists").to_string();
+    assert!(told.contains("folds without resistance"), "{told}");
+}
