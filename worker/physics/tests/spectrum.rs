@@ -3,7 +3,7 @@
 #![allow(clippy::float_cmp, reason = "counts and copied numbers are exact")]
 mod scene;
 
-use loadframe_api::spec::nonwoven_tensile::{Breaking, Jaw, NonwovenTensile};
+use loadframe_api::spec::nonwoven_tensile::{Accuracy, Breaking, Jaw, NonwovenTensile};
 use scene::{Record, bond, explicit, polyester, run};
 
 /// Additions of a few hundred numbers of order one.
@@ -44,7 +44,10 @@ fn every_event_is_counted_once_in_every_table() {
     );
     // as many steps with breaks as avalanches of steps
     let steps: f64 = avalanches.iter().map(|row| row[1]).sum();
-    assert_eq!(drops.len() as f64, steps);
+    let mut in_steps: Vec<f64> = drops.iter().map(|drop| drop[0]).collect();
+    // a step has a row for each fall that was found in it
+    in_steps.dedup();
+    assert_eq!(in_steps.len() as f64, steps);
 }
 
 #[test]
@@ -67,6 +70,9 @@ fn a_bond_that_breaks_beside_another_takes_its_force_away() {
     spec.test.breaking = Breaking::AllOverStrength;
     spec.test.strain_step = 0.1;
     spec.test.max_strain = 0.3;
+    let mut knobs = spec.accuracy.knobs();
+    knobs.break_precision = None;
+    spec.accuracy = Accuracy::Knobs(knobs);
     let (_, record) = run(&spec);
     let drops = record.table("force_drops.csv");
     let expected = [2.0, 0.2, 1.0, 1.0, 0.8, 0.2, 0.6];
@@ -88,11 +94,16 @@ fn the_poisson_ratio_is_contraction_over_strain_along_the_whole_curve() {
     let widths = record.column("width_strain");
     let ratios = record.column("poisson_ratio");
     assert_eq!(ratios[0], 0.0);
-    for (step, row) in record.table("poisson_ratio.csv").iter().enumerate() {
-        let step = step + 1;
-        assert_eq!(row[..3], [strains[step], widths[step], ratios[step]]);
-        assert!((ratios[step] * strains[step] + widths[step]).abs() < ROUND_OFF);
-        let tangent = -(widths[step] - widths[step - 1]) / (strains[step] - strains[step - 1]);
+    // of the two points of a fall, at one strain, the later has no row
+    let risen: Vec<usize> = (1..strains.len())
+        .filter(|point| strains[*point] > strains[point - 1])
+        .collect();
+    let rows = record.table("poisson_ratio.csv");
+    assert_eq!(rows.len(), risen.len());
+    for (row, point) in rows.iter().zip(risen) {
+        assert_eq!(row[..3], [strains[point], widths[point], ratios[point]]);
+        assert!((ratios[point] * strains[point] + widths[point]).abs() < ROUND_OFF);
+        let tangent = -(widths[point] - widths[point - 1]) / (strains[point] - strains[point - 1]);
         assert!((row[3] - tangent).abs() < ROUND_OFF * tangent.abs().max(1.0));
     }
 }

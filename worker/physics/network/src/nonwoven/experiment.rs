@@ -268,12 +268,15 @@ impl<'a> Experiment<'a> {
             return Ok(self.break_bonds(over));
         }
         self.state.retreat = None;
-        if self.is_first() && self.state.search.is_some() {
+        let overstepped = self.state.search.as_ref().map(|search| search.strain);
+        if self.is_first() && overstepped.is_some_and(|end| self.state.strain < end) {
             // the break lies between here and where it was overstepped
             self.reach(point.force);
             self.look_between();
             return Ok(Advance::GoesOn);
         }
+        // where the network can rest in several ways, the way here may have led to one in which nothing
+        // is over its strength: then there is no break
         Ok(self.conclude(point))
     }
 

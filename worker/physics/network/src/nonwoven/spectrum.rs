@@ -76,7 +76,7 @@ pub(super) fn write(
         )
     })?;
     recorder.file("force_drops.csv", &mut |out| {
-        force_drops(out, &state.points)
+        force_drops(out, &state.points, |step| nominal_strain(spec, step))
     })?;
     recorder.file("avalanches.csv", &mut |out| {
         csv::header(out, &["bonds", "steps", "rounds"])?;
@@ -139,7 +139,11 @@ fn write_bins(out: &mut dyn Write, bounds: [&str; 2], bins: &[Bin]) -> io::Resul
     bins.try_for_each(|bin| csv::row(out, &[bin.lower, bin.upper, bin.bonds as f64, bin.energy]))
 }
 
-fn force_drops(out: &mut dyn Write, points: &[Point]) -> io::Result<()> {
+fn force_drops(
+    out: &mut dyn Write,
+    points: &[Point],
+    strain: impl Fn(u64) -> f64,
+) -> io::Result<()> {
     let columns = [
         "step",
         "nominal_strain",
@@ -151,7 +155,12 @@ fn force_drops(out: &mut dyn Write, points: &[Point]) -> io::Result<()> {
     ];
     csv::header(out, &columns)?;
     let mut broken_before = 0;
-    for (step, point) in points.iter().enumerate() {
+    let mut step = 0;
+    for point in points {
+        // a step has a point for each fall that was found in it, and one at its end
+        while strain(step) < point.nominal_strain {
+            step += 1;
+        }
         let broken = point.broken - broken_before;
         broken_before = point.broken;
         if broken > 0 {
