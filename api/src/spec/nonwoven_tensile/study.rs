@@ -246,7 +246,7 @@ mod tests {
     fn unknown_knobs_and_values_are_refused_by_name() {
         let mut spec = example(0);
         let error = spec.turn("stepsize", "1").expect_err("no such knob");
-        let known = "force_accuracy, solver, strain_step, breaking, size";
+        let known = "force_accuracy, solver, strain_step, break_precision, breaking, size";
         assert!(error.to_string().ends_with(known), "{error}");
         let error = spec.turn("solver", "magic").expect_err("no such solver");
         assert!(

@@ -42,7 +42,9 @@ pub(super) struct Finding {
 
 impl Comparison {
     /// How the errors of a lattice's grid are found.
-    pub(super) fn of(fit: Fit, is_paper: bool) -> Self {
+    pub(super) fn of(fit: Fit, half_fit: Fit, is_paper: bool) -> Self {
+        // half of the cells may be too few to follow the faces that all of them do
+        let fit = if half_fit == Fit::Cut { half_fit } else { fit };
         match fit {
             _ if is_paper => Self::None,
             Fit::Exact => Self::Coarser { wanders: false },
@@ -77,7 +79,7 @@ impl Comparison {
 }
 
 /// Half of the cells along both sides, in fibres and in contacts; `None` where there is one only.
-fn halved(finer: Fineness) -> Option<Fineness> {
+pub(super) fn halved(finer: Fineness) -> Option<Fineness> {
     let grid = finer.grid;
     let has_half = grid.cells.iter().all(|count| *count > 1);
     has_half.then(|| Fineness {

@@ -2,7 +2,7 @@
 use loadframe_api::spec::composite_bending as spec;
 use loadframe_api::spec::composite_bending::{CompositeBending, Grips, Way};
 
-use super::errors::Comparison;
+use super::errors::{Comparison, halved};
 use crate::error::CompositeError;
 use crate::flexure::{Drive, Flexure, Loading};
 use crate::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
@@ -91,19 +91,7 @@ impl<'a> Model<'a> {
         names: &[&String],
         refinements: &[Refinement],
     ) -> Result<Self, CompositeError> {
-        let grid = fineness.grid;
-        let cells = grid.cells.map(|count| count as usize);
-        let division = match grid.graded_cells_per_fibre {
-            None if grid.equal_cells || matches!(spec.lattice, spec::Lattice::Paper(_)) => {
-                Division::Uniform { cells }
-            }
-            None => Division::Fitted { cells },
-            Some(across) => Division::Graded {
-                cells,
-                across: across as usize,
-            },
-        };
-        let layout = section.layout_refined(division, refinements)?;
+        let layout = section.layout_refined(division(spec, fineness.grid), refinements)?;
         let lattice = match &spec.lattice {
             spec::Lattice::Exact(_) => Lattice::exact(&layout),
             spec::Lattice::Paper(paper) => Lattice::paper(&section, &layout, rule(*paper))?,
@@ -139,10 +127,10 @@ impl<'a> Model<'a> {
 
     /// How the errors of its grid are found.
     pub(super) fn comparison(&self) -> Comparison {
-        Comparison::of(
-            self.fit,
-            matches!(self.spec.lattice, spec::Lattice::Paper(_)),
-        )
+        let is_paper = matches!(self.spec.lattice, spec::Lattice::Paper(_));
+        let half = halved(self.fineness)
+            .and_then(|half| self.section.layout(division(self.spec, half.grid)).ok());
+        Comparison::of(self.fit, half.map_or(self.fit, |half| half.fit()), is_paper)
     }
 
     pub(super) fn geometry(&self) -> Geometry {
@@ -161,6 +149,20 @@ impl<'a> Model<'a> {
             grid.rows(),
             grid.particles()
         )
+    }
+}
+
+fn division(spec: &CompositeBending, grid: spec::Grid) -> Division {
+    let cells = grid.cells.map(|count| count as usize);
+    match grid.graded_cells_per_fibre {
+        None if grid.equal_cells || matches!(spec.lattice, spec::Lattice::Paper(_)) => {
+            Division::Uniform { cells }
+        }
+        None => Division::Fitted { cells },
+        Some(across) => Division::Graded {
+            cells,
+            across: across as usize,
+        },
     }
 }
 

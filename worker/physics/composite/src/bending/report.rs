@@ -12,6 +12,8 @@ use crate::section::Grid;
 
 /// Reactions and loads that do not balance better than this are not to be believed.
 const LARGEST_REACTION_ERROR: f64 = 1e-6;
+/// The same over the residual asked for, which of many particles adds up.
+const REACTION_OVER_RESIDUAL: f64 = 100.0;
 /// Unbalanced force over the largest force, at most.
 const LARGEST_RESIDUAL: f64 = 1e-6;
 /// Error for the grid over the value, at most.
@@ -86,7 +88,7 @@ fn quality(
             "reaction_error".to_owned(),
             QualityCheck::at_most(
                 rest.reaction_error,
-                LARGEST_REACTION_ERROR,
+                LARGEST_REACTION_ERROR.max(REACTION_OVER_RESIDUAL * rest.residual),
                 "1",
                 "Sum of loads and reactions over the sum of their sizes, at rest.",
             ),

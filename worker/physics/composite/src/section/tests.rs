@@ -326,7 +326,7 @@ fn a_graded_grid_has_lines_on_the_faces_of_plies_and_at_refined_places() {
     assert!((mass / expected - 1.0).abs() < 1e-10);
     assert!(matches!(
         stack.layout_refined(Division::Uniform { cells: [5, 5] }, &[refinement]),
-        Err(CompositeError::OutOfRange { quantity, .. }) if quantity.contains("uniform")
+        Err(CompositeError::OutOfRange { quantity, .. }) if quantity.contains("not graded")
     ));
 }
 
