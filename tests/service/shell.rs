@@ -164,7 +164,7 @@ fn a_study_tells_what_exactness_costs_and_refuses_knobs_there_are_not() {
     };
     let refused = study(&["--knob", "magic=1"]);
     assert_eq!(code(&refused), 2, "{}", text(&refused));
-    let known = "force_accuracy, solver, strain_step, breaking, size";
+    let known = "force_accuracy, solver, strain_step, break_precision, breaking, size";
     assert!(text(&refused).contains(known), "{}", text(&refused));
     assert!(!folder.path().join("study").exists());
     let told = study(&["--knob", "force_accuracy=5,50", "--seeds", "2"]);

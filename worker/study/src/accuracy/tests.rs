@@ -73,6 +73,7 @@ fn all_knobs_are_studied_against_references_without_error() {
             "force_accuracy",
             "solver",
             "strain_step",
+            "break_precision",
             "breaking",
             "size"
         ]
@@ -270,7 +271,7 @@ fn bad_knobs_and_values_are_refused_with_what_there_is() {
     };
     let message = refused(request("accuracy", &["5"]));
     assert!(
-        message.contains("force_accuracy, solver, strain_step, breaking, size"),
+        message.contains("force_accuracy, solver, strain_step, break_precision, breaking, size"),
         "{message}"
     );
     let message = refused(request("solver", &["newton"]));
