@@ -1,4 +1,6 @@
 //! The lattice of a spec on a grid, what holds it and what loads it.
+use std::cell::OnceCell;
+
 use loadframe_api::spec::composite_bending as spec;
 use loadframe_api::spec::composite_bending::{CompositeBending, Grips, Way};
 
@@ -42,6 +44,8 @@ pub(super) struct Model<'a> {
     pub(super) direction: [f64; 2],
     /// Names of materials with what was taken for constants that were not given.
     pub(super) notes: Vec<(String, Note)>,
+    /// Known once it was asked for: it takes a layout of half of the cells.
+    comparison: OnceCell<Comparison>,
 }
 
 impl<'a> Model<'a> {
@@ -117,6 +121,7 @@ impl<'a> Model<'a> {
             direction: direction(spec),
             notes,
             lattice,
+            comparison: OnceCell::new(),
         })
     }
 
@@ -127,10 +132,12 @@ impl<'a> Model<'a> {
 
     /// How the errors of its grid are found.
     pub(super) fn comparison(&self) -> Comparison {
-        let is_paper = matches!(self.spec.lattice, spec::Lattice::Paper(_));
-        let half = halved(self.fineness)
-            .and_then(|half| self.section.layout(division(self.spec, half.grid)).ok());
-        Comparison::of(self.fit, half.map_or(self.fit, |half| half.fit()), is_paper)
+        *self.comparison.get_or_init(|| {
+            let is_paper = matches!(self.spec.lattice, spec::Lattice::Paper(_));
+            let half = halved(self.fineness)
+                .and_then(|half| self.section.layout(division(self.spec, half.grid)).ok());
+            Comparison::of(self.fit, half.map_or(self.fit, |half| half.fit()), is_paper)
+        })
     }
 
     pub(super) fn geometry(&self) -> Geometry {
