@@ -5,7 +5,7 @@
 //! by bonds, pulls, and breaks.
 //!
 //! Units throughout: lengths in µm, forces in mN, moduli and stresses in GPa = mN/µm², energies in
-//! nJ = mN µm, masses in µg, times in ms.
+//! nJ = mN µm, masses in µg, times in µs.
 pub mod fibre;
 pub mod frame;
 pub mod sheet;
