@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use serde_json::value::RawValue;
 
+use crate::earlier::Earlier;
 use crate::kind_schemas::spec_violations;
 use crate::kinds::{JobKind, JobSpec, SpecVisitor};
 use crate::problem::{Problem, Violation};
@@ -63,6 +64,14 @@ impl Submission {
     /// # Errors
     /// Every violation found, with pointers into the whole body.
     pub fn from_slice(body: &[u8]) -> Result<Self, SubmissionError> {
+        Self::from_slice_after(body, &Earlier::default())
+    }
+
+    /// Reads and checks a submission that may refer to results of `earlier` jobs.
+    ///
+    /// # Errors
+    /// As [`Self::from_slice`].
+    pub fn from_slice_after(body: &[u8], earlier: &Earlier) -> Result<Self, SubmissionError> {
         let value = parse(body)?;
         let mut violations = envelope_violations(&value);
         let kind = value["kind"]
@@ -78,7 +87,10 @@ impl Submission {
         }
         // the schema is content, so what the types refuse now is rare: duplicate keys, 1.0 for 1
         let envelope: Envelope = typed(body, "")?;
-        let spec = envelope.kind.visit(ReadSpec(envelope.spec.get()))?;
+        let spec = envelope.kind.visit(ReadSpec {
+            text: envelope.spec.get(),
+            earlier,
+        })?;
         let name = match envelope.name.trim() {
             "" => envelope.kind.title().to_owned(),
             name => name.to_owned(),
@@ -100,15 +112,21 @@ impl Submission {
 }
 
 /// Reads a kind's spec from its raw text, checks and normalises it.
-struct ReadSpec<'a>(&'a str);
+struct ReadSpec<'a> {
+    text: &'a str,
+    earlier: &'a Earlier,
+}
 
 impl SpecVisitor for ReadSpec<'_> {
     type Output = Result<JobSpec, SubmissionError>;
 
     fn visit<T: Spec>(self, wrap: fn(T) -> JobSpec) -> Self::Output {
-        let mut spec: T = typed(self.0.as_bytes(), "/spec")?;
+        let mut spec: T = typed(self.text.as_bytes(), "/spec")?;
         let mut violations = Vec::new();
-        spec.check(&mut violations);
+        spec.learn(self.earlier, &mut violations);
+        if violations.is_empty() {
+            spec.check(&mut violations);
+        }
         if violations.is_empty() {
             spec.normalise();
             Ok(wrap(spec))
@@ -126,7 +144,10 @@ impl JobSpec {
     /// # Errors
     /// As [`Submission::from_slice`].
     pub fn from_json(kind: JobKind, text: &str) -> Result<Self, SubmissionError> {
-        kind.visit(ReadSpec(text))
+        kind.visit(ReadSpec {
+            text,
+            earlier: &Earlier::default(),
+        })
     }
 }
 

@@ -151,7 +151,12 @@ job_kinds! {
     CompositeBending("composite_bending"): spec::composite_bending::CompositeBending,
         "Composite bending",
         "A section of fibres or plies in a matrix is held and loaded, bent on rollers, pulled or sheared: deflections, moduli, stresses.",
-        ["composite_bending", "composite_bending_three_point", "composite_bending_paper"];
+        ["composite_bending", "composite_bending_three_point", "composite_bending_paper",
+            "composite_bending_break"];
+    CompositeCell("composite_cell"): spec::composite_cell::CompositeCell,
+        "Composite cell",
+        "Fibres in a matrix, seen along them: the elastic constants of the composite, beside the bounds that theory sets.",
+        ["composite_cell", "composite_cell_hexagonal"];
     Calibrate("calibrate"): spec::calibrate::Calibrate,
         "Calibration",
         "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",

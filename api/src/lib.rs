@@ -8,6 +8,7 @@
 mod calibration;
 mod changes;
 mod digest;
+mod earlier;
 mod envelope;
 mod event;
 mod examples;
@@ -32,6 +33,7 @@ pub mod worker;
 pub use calibration::{Calibration, Estimate};
 pub use changes::JobChanges;
 pub use digest::sha256_hex;
+pub use earlier::{Earlier, EarlierJob};
 pub use envelope::{Envelope, Submission, SubmissionError};
 pub use event::{Event, JobDeleted, PointsReady, ProgressNow};
 pub use examples::UnknownExample;

@@ -3,6 +3,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::{Calibration, Estimate};
+use crate::earlier::Earlier;
 use crate::problem::Violation;
 use crate::study::Knob;
 
@@ -10,6 +11,10 @@ use crate::study::Knob;
 pub trait Spec: Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
     /// Reports what its JSON Schema cannot say, with pointers relative to the spec.
     fn check(&self, violations: &mut Vec<Violation>);
+
+    /// Takes over what `earlier` jobs found where it refers to them; reports references that lead
+    /// nowhere.
+    fn learn(&mut self, _earlier: &Earlier, _violations: &mut Vec<Violation>) {}
 
     /// Writes out what stands behind names (a preset's knobs).
     fn normalise(&mut self);

@@ -57,10 +57,12 @@ pub enum CompositeError {
     /// The supports leave the section free to move as a whole.
     #[error("the supports let the section {motion}: fix it where it could move")]
     Unsupported { motion: &'static str },
-    /// The lattice itself folds without resistance.
+    /// The lattice yields without resistance, as far as double precision can tell.
     #[error(
-        "the lattice folds without resistance at ({x_mm} mm, {y_mm} mm): bonds along edges alone do \
-         not keep the shape of a cell; choose crossed bonds or one diagonal"
+        "the lattice yields without resistance at ({x_mm} mm, {y_mm} mm): bonds along edges alone do \
+         not keep the shape of a cell (choose crossed bonds or one diagonal); with other bonds the \
+         section is too slender, or its materials too different, for double precision (a smaller \
+         ratio of length to height, or of moduli)"
     )]
     Mechanism { x_mm: f64, y_mm: f64 },
     /// No memory for the equations.
@@ -144,6 +146,12 @@ pub enum CompositeError {
         iterations: u64,
         residual: f64,
     },
+    /// Motion did not come to rest.
+    #[error(
+        "the particles did not come to rest in {steps} time steps: the residual is {residual:e} of the \
+         load; raise step_limit or residual in accuracy, or use the solver static"
+    )]
+    NotAtRest { steps: u64, residual: f64 },
     /// A given time step is beyond the stable one.
     #[error(
         "the time step {given_s:e} s is beyond the stable step {critical_s:e} s of this lattice: \

@@ -3,5 +3,6 @@
 pub mod ballast;
 pub mod calibrate;
 pub mod composite_bending;
+pub mod composite_cell;
 pub mod granular_scene;
 pub mod nonwoven_tensile;

@@ -1,11 +1,17 @@
 //! The test of a composite's section as a kind of job.
 use super::{Accuracy, CompositeBending, checks, estimate, study};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation, study::Knob};
+use crate::{Calibration, Earlier, Estimate, Violation, study::Knob};
 
 impl Spec for CompositeBending {
     fn check(&self, violations: &mut Vec<Violation>) {
         checks::check(self, violations);
+    }
+
+    fn learn(&mut self, earlier: &Earlier, violations: &mut Vec<Violation>) {
+        for (name, material) in &mut self.materials {
+            material.learn(name, earlier, violations);
+        }
     }
 
     fn normalise(&mut self) {

@@ -1,8 +1,10 @@
 //! Elastic materials.
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use uuid::Uuid;
 
 use crate::section::material as elastic;
+use crate::section::strength;
 
 /// A linear elastic material: isotropic or orthotropic.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -16,6 +18,57 @@ pub struct Material {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-3, max = 1e6), extend("x-unit" = "kg/m3"))]
     pub density_kg_per_m3: Option<f64>,
+    /// What it bears, where the test lets things break; left out, it does not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strength: Option<Strength>,
+    /// What the faces of fibres of this material bear; left out, they hold.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interface: Option<Interface>,
+    /// A finished `composite_cell` job whose constants these are. Alone, without constants, a server
+    /// fills them in when it takes the job.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_job: Option<Uuid>,
+}
+
+/// Where a crack begins, and what it takes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Limit {
+    #[schemars(range(min = 1e-9, max = 1e12), extend("x-unit" = "MPa"))]
+    pub strength_mpa: f64,
+    /// Energy per area of crack (N/mm = kJ/m²). Left out: what breaks is gone at once, and the energy
+    /// of a crack is what its cells held, which falls with their size; the result says so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-12, max = 1e12), extend("x-unit" = "N/mm"))]
+    pub fracture_energy_n_per_mm: Option<f64>,
+}
+
+/// What a material bears. A direction that is left out does not break.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Strength {
+    /// Of an isotropic material against its largest principal stress; of an orthotropic one along axis 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tension: Option<Limit>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compression: Option<Limit>,
+    /// Across axis 1 of an orthotropic material.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub across_tension: Option<Limit>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub across_compression: Option<Limit>,
+    /// In shear along axis 1 of an orthotropic material.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shear: Option<Limit>,
+}
+
+/// What the face of a fibre bears: tension across it and shear along it count together, each over its
+/// strength, as the root of the sum of their squares.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Interface {
+    pub normal: Limit,
+    pub shear: Limit,
 }
 
 /// The same in all directions.
@@ -91,6 +144,36 @@ impl Material {
                 shear_modulus_23_mpa: constants.shear_modulus_23_mpa,
             })),
             _ => None,
+        }
+    }
+}
+
+impl From<Limit> for strength::Limit {
+    fn from(limit: Limit) -> Self {
+        Self {
+            limit: limit.strength_mpa,
+            fracture_energy_n_per_mm: limit.fracture_energy_n_per_mm,
+        }
+    }
+}
+
+impl From<Strength> for strength::Strength {
+    fn from(strength: Strength) -> Self {
+        Self {
+            tension: strength.tension.map(Into::into),
+            compression: strength.compression.map(Into::into),
+            across_tension: strength.across_tension.map(Into::into),
+            across_compression: strength.across_compression.map(Into::into),
+            shear: strength.shear.map(Into::into),
+        }
+    }
+}
+
+impl From<Interface> for strength::InterfaceStrength {
+    fn from(interface: Interface) -> Self {
+        Self {
+            normal: interface.normal.into(),
+            shear: interface.shear.into(),
         }
     }
 }

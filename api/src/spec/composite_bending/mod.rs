@@ -7,9 +7,10 @@
 //! The parts, each in its own file: what the section is made of ([`Material`], [`Fibre`], [`Ply`]),
 //! what is done to it ([`Test`]), and how exactly ([`Grid`], [`Lattice`], [`Accuracy`]).
 mod accuracy;
-mod checks;
+pub(super) mod checks;
 mod estimate;
 mod job_kind;
+mod learned;
 mod material;
 mod study;
 mod test;
@@ -20,10 +21,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use accuracy::{Accuracy, Geometry, Grid, Knobs, Preset, Solver};
-pub use material::{Isotropic, Material, Orthotropic};
+pub use material::{Interface, Isotropic, Limit, Material, Orthotropic, Strength};
 pub use test::{
-    Axis, Driven, Face, Flexure, Grips, History, HistoryLoad, Load, LoadPlace, Patch, Shear,
-    Support, SupportWord, Supports, Tension, Test, Way,
+    Axis, Breaking, Control, Criterion, Driven, Face, Flexure, Grips, History, HistoryLoad, Load,
+    LoadPlace, Patch, Scatter, Shear, Support, SupportWord, Supports, Tension, Test, Way,
 };
 
 /// A virtual test of a composite's section.

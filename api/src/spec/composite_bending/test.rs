@@ -30,6 +30,74 @@ pub struct Test {
     /// Simple shear of the section's edges, for the effective shear modulus.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shear: Option<Shear>,
+    /// Lets materials and interfaces break where their strengths are reached, as the load or the
+    /// way of what is driven grows from nothing, beyond what is given until the test ends. Left out,
+    /// everything holds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub breaking: Option<Breaking>,
+}
+
+/// How things break: crack by crack, each where and when its strength is reached.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Breaking {
+    pub criterion: Criterion,
+    /// What the machine keeps from falling back while something breaks.
+    pub control: Control,
+    /// Scatter of strengths from cell to cell. Left out, all have those of their materials.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<Scatter>,
+    /// Steps in which a crack of a material with a fracture energy opens.
+    #[schemars(range(min = 2, max = 100), extend("x-unit" = "1"))]
+    pub teeth: u32,
+    /// The test ends when the force has fallen below this part of its peak.
+    #[schemars(range(min = 0.0, max = 0.99), extend("x-unit" = "1"))]
+    pub stop_force_fraction: f64,
+    /// The test ends when what is driven has gone this far.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-12, max = 1e6), extend("x-unit" = "mm"))]
+    pub max_displacement_mm: Option<f64>,
+    /// The test ends after so many events.
+    #[schemars(range(min = 1, max = 10_000_000), extend("x-unit" = "1"))]
+    pub max_events: u64,
+}
+
+/// What is compared with a strength.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Criterion {
+    /// Stresses.
+    #[default]
+    Stress,
+    /// Strains, with the strength over the modulus of its direction.
+    Strain,
+}
+
+/// How the machine drives the test.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Control {
+    /// The way grows: a break that would take it back lets the force fall at the same way.
+    #[default]
+    Displacement,
+    /// The force grows: at its peak all breaks at once.
+    Force,
+    /// Neither: the curve follows every equilibrium, back where the section snaps back.
+    Path,
+}
+
+/// Weibull's distribution of strengths.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scatter {
+    /// Shape: some 5 scatters a fifth of the strength, some 25 a twentieth.
+    #[schemars(range(min = 1.0, max = 1000.0), extend("x-unit" = "1"))]
+    pub weibull_modulus: f64,
+    /// Volume in which strengths have the mean given; smaller cells are stronger on average, by the
+    /// weakest link. Left out: every cell has it, whatever its size, and finer grids are weaker.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-15, max = 1e15), extend("x-unit" = "mm3"))]
+    pub reference_volume_mm3: Option<f64>,
 }
 
 /// What holds each face.
@@ -227,6 +295,20 @@ fn curve_points() -> u32 {
 /// ISO 14125 asks for loading rollers of 5 mm.
 fn roller() -> f64 {
     5.0
+}
+
+impl Default for Breaking {
+    fn default() -> Self {
+        Self {
+            criterion: Criterion::default(),
+            control: Control::default(),
+            scatter: None,
+            teeth: 10,
+            stop_force_fraction: 0.3,
+            max_displacement_mm: None,
+            max_events: 100_000,
+        }
+    }
 }
 
 impl Default for Support {

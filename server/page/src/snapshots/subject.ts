@@ -3,13 +3,18 @@ import type { Job } from "../api/types";
 import { formatNumber } from "../format/numbers";
 import { withUnit } from "../format/words";
 
-/** Bodies in time, bonds over strain, or the face of a section: under its load, or at the end of a motion. */
-export type Subject = "scene" | "fabric" | "loaded section" | "moved section";
+/**
+ * Bodies in time, bonds over strain, or the face of a section: under its load, while it breaks, at the end of
+ * a motion, or of fibres seen from their ends.
+ */
+export type Subject = "scene" | "fabric" | "loaded section" | "breaking section" | "moved section" | "cell section";
 
 export function subjectOf({ kind, spec }: Pick<Job, "kind" | "spec">): Subject {
   if (kind.startsWith("nonwoven")) return "fabric";
   if (!kind.startsWith("composite")) return "scene";
-  const test = (spec as { test?: { history?: unknown } } | undefined)?.test;
+  if (kind === "composite_cell") return "cell section";
+  const test = (spec as { test?: { history?: unknown; breaking?: unknown } } | undefined)?.test;
+  if (test?.breaking) return "breaking section";
   return test?.history ? "moved section" : "loaded section";
 }
 
@@ -26,6 +31,10 @@ export function momentOf(at: number, subject: Subject): string {
       return withUnit(formatNumber(100 * at), "% strain");
     case "loaded section":
       return at === 1 ? "full load" : withUnit(formatNumber(100 * at), "% of the load");
+    case "breaking section":
+      return `at ${withUnit(formatNumber(at), "mm")}`;
+    case "cell section":
+      return "pulled across the fibres by 1 MPa";
     case "moved section":
       return at === 1 ? "at the end" : withUnit(formatNumber(100 * at), "% of the time");
   }

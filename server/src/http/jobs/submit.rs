@@ -3,7 +3,9 @@ use axum::Json;
 use axum::extract::{Query, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use loadframe_api::{Calibration, Estimate, Submission, Warning, sha256_hex};
+use loadframe_api::{
+    Calibration, Earlier, Estimate, Submission, SubmissionError, Warning, sha256_hex,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
@@ -13,10 +15,12 @@ use super::super::AppState;
 use super::super::body::JsonBody;
 use super::super::body_budget::SMALL;
 use super::super::problem::{ApiError, INVALID, INVALID_JOB, Result};
-use crate::store::IdempotencyKey;
+use crate::store::{IdempotencyKey, StoreError};
 
 /// Longest idempotency key [characters].
 const LONGEST_KEY: usize = 200;
+/// So many earlier jobs of one spec are looked up.
+const MOST_REFERRED: usize = 100;
 
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
@@ -67,7 +71,7 @@ pub(super) async fn create(
     body: JsonBody,
 ) -> Result<Response> {
     let key = idempotency_key(&headers)?;
-    let (submission, body) = read(body).await?;
+    let (submission, body) = read(&state, body).await?;
     let measured = state.store.calibration().await?;
     let estimate = Estimate {
         calibrated: measured.is_some(),
@@ -101,16 +105,42 @@ pub(super) async fn create(
     Ok(response)
 }
 
-/// Checks the body, a large one where it holds up nobody.
-async fn read(body: JsonBody) -> Result<(Submission, JsonBody)> {
-    if body.bytes.len() <= SMALL {
-        return Ok((Submission::from_slice(&body.bytes)?, body));
+/// Checks the body, with the results of the jobs that it refers to.
+async fn read(state: &AppState, body: JsonBody) -> Result<(Submission, JsonBody)> {
+    let (first, body) = check(body, Earlier::default()).await?;
+    let wanted = match &first {
+        Ok(_) => Vec::new(),
+        Err(error) => error.wanted_jobs(),
+    };
+    if wanted.is_empty() {
+        return Ok((first?, body));
     }
-    let read = move || (Submission::from_slice(&body.bytes), body);
-    let (submission, body) = tokio::task::spawn_blocking(read)
+    let mut earlier = Earlier::default();
+    for id in wanted.into_iter().take(MOST_REFERRED) {
+        let view = match state.store.job(id).await {
+            Ok(view) => Some(view),
+            Err(StoreError::NotFound(_)) => None,
+            Err(error) => return Err(error.into()),
+        };
+        earlier.insert(id, view);
+    }
+    let (second, body) = check(body, earlier).await?;
+    Ok((second?, body))
+}
+
+/// Checks the body, a large one where it holds up nobody.
+async fn check(
+    body: JsonBody,
+    earlier: Earlier,
+) -> Result<(std::result::Result<Submission, SubmissionError>, JsonBody)> {
+    let is_short = body.bytes.len() <= SMALL;
+    let check = move || (Submission::from_slice_after(&body.bytes, &earlier), body);
+    if is_short {
+        return Ok(check());
+    }
+    tokio::task::spawn_blocking(check)
         .await
-        .map_err(|error| ApiError::internal(&error))?;
-    Ok((submission?, body))
+        .map_err(|error| ApiError::internal(&error))
 }
 
 fn dry_run_of(

@@ -167,7 +167,7 @@ fn write_pictures(
         }
     }
     let mut data = vec![
-        Array::scalars("fibre_share", &model.fibre_share),
+        Array::scalars("fibre_share", model.layout.fibre_share()),
         Array::scalars("strain_xx", &strain[0]),
         Array::scalars("strain_yy", &strain[1]),
         Array::scalars("strain_xy", &strain[2]),

@@ -2,10 +2,12 @@
 //!
 //! In the order in which a run calls them: [`model`] builds the lattice, its supports and its load from
 //! the spec, for any grid; [`rest`] finds its rest by the solver asked for, [`rollers`] bends it,
-//! [`history`] moves it in time; [`results`] reads values off, [`errors`] says how wrong they may be from the same test on
+//! [`history`] moves it in time, [`cracks`] lets it break; [`results`] reads values off, [`errors`] says how wrong they may be from the same test on
 //! coarser grids; [`files`] and [`report`] write. This file holds the course of it, which alone talks
 //! to the recorder.
+mod cracks;
 mod errors;
+mod failure;
 mod files;
 mod history;
 mod model;
@@ -48,6 +50,7 @@ enum Progress {
     /// Steps done.
     Rollers(u32),
     History(history::HistoryState),
+    Cracks(cracks::CracksState),
     /// The test is over, and of its comparisons those that are known.
     Done(Box<(Tested, Finding)>),
 }
@@ -67,12 +70,17 @@ trait Watch {
 /// Why a test ended before its end.
 enum Halt {
     Interrupted(Interrupt),
+    /// Its grid is too coarse for cracks with their fracture energies.
+    TooCoarse(CompositeError),
     Failed(SimulationError),
 }
 
 impl From<CompositeError> for Halt {
     fn from(error: CompositeError) -> Self {
-        Self::Failed(error.into())
+        match error {
+            CompositeError::CellTooLarge { .. } => Self::TooCoarse(error),
+            error => Self::Failed(error.into()),
+        }
     }
 }
 
@@ -192,6 +200,7 @@ pub fn run(
     match test(spec, progress, &mut recorded) {
         Ok(report) => Ok(Ending::Finished(report)),
         Err(Halt::Failed(error)) => Err(error),
+        Err(Halt::TooCoarse(error)) => Err(error.into()),
         Err(Halt::Interrupted(Interrupt::Cancel)) => Ok(Ending::Cancelled),
         Err(Halt::Interrupted(Interrupt::Suspend)) => Ok(Ending::Suspended),
     }
@@ -232,6 +241,9 @@ fn conduct(
     if let Some(Progress::Done(done)) = progress {
         watch.columns(results::columns(model))?;
         return Ok(done.0);
+    }
+    if let Some(given) = &model.spec.test.breaking {
+        return cracks::conduct(model, given, progress, watch);
     }
     if let Some((flexure, given)) = model.flexure() {
         return rollers::conduct(model, flexure, given, progress, watch);
@@ -276,7 +288,14 @@ fn compare(
         let next = if by_static && finding.by_static.is_none() {
             other(&plain, finest).map(|values| finding.by_static = Some(values))
         } else if let Some(fineness) = all.get(finding.others.len()) {
-            other(&plain, *fineness).map(|values| finding.others.push(values))
+            match other(&plain, *fineness) {
+                // on so few cells nothing is known
+                Err(Halt::TooCoarse(_)) => {
+                    finding.others.push(Values::new());
+                    Ok(())
+                }
+                found => found.map(|values| finding.others.push(values)),
+            }
         } else if matches!(spec.lattice, Lattice::Paper(_)) && finding.exact.is_none() {
             let exact = CompositeBending {
                 lattice: Lattice::default(),

@@ -10,7 +10,7 @@ use crate::flexure::{Drive, Flexure, Loading};
 use crate::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
 use crate::load::{Load, LoadPlace};
 use crate::material::{Material, Note};
-use crate::section::{Division, Fibre, Fit, Ply, Refinement, Section, Substance};
+use crate::section::{Division, Fibre, Layout, Ply, Refinement, Section, Substance};
 use crate::solve::StaticOptions;
 use crate::supports::{Face, FaceSupport, Supports};
 
@@ -37,9 +37,7 @@ pub(super) struct Model<'a> {
     pub(super) supports: Supports,
     /// On every particle [N].
     pub(super) load: Vec<f64>,
-    /// Share of each cell's area that is fibre.
-    pub(super) fibre_share: Vec<f64>,
-    pub(super) fit: Fit,
+    pub(super) layout: Layout,
     /// The direction in which deflections count as positive.
     pub(super) direction: [f64; 2],
     /// Names of materials with what was taken for constants that were not given.
@@ -116,11 +114,10 @@ impl<'a> Model<'a> {
             section,
             supports,
             load,
-            fibre_share: layout.fibre_share().to_vec(),
-            fit: layout.fit(),
             direction: direction(spec),
             notes,
             lattice,
+            layout,
             comparison: OnceCell::new(),
         })
     }
@@ -136,7 +133,8 @@ impl<'a> Model<'a> {
             let is_paper = matches!(self.spec.lattice, spec::Lattice::Paper(_));
             let half = halved(self.fineness)
                 .and_then(|half| self.section.layout(division(self.spec, half.grid)).ok());
-            Comparison::of(self.fit, half.map_or(self.fit, |half| half.fit()), is_paper)
+            let fit = self.layout.fit();
+            Comparison::of(fit, half.map_or(fit, |half| half.fit()), is_paper)
         })
     }
 

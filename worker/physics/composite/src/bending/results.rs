@@ -3,7 +3,9 @@ use indexmap::IndexMap;
 use loadframe_api::spec::composite_bending::Way;
 use serde::{Deserialize, Serialize};
 
+use super::cracks::Broken;
 use super::history::Swing;
+use super::failure;
 use super::model::Model;
 use crate::flexure::FlexureResult;
 use crate::measure::face_mean_mm;
@@ -23,6 +25,8 @@ pub(super) struct Tested {
     pub(super) motion: Option<Moved>,
     /// What rollers did.
     pub(super) bent: Option<Bent>,
+    /// What broke.
+    pub(super) broken: Option<Broken>,
 }
 
 /// What rollers did to a bent specimen.
@@ -77,6 +81,7 @@ impl Tested {
             rest,
             motion: None,
             bent: None,
+            broken: None,
         }
     }
 
@@ -112,6 +117,7 @@ impl Tested {
             rest: found.contact.equilibrium,
             motion: None,
             bent: Some(bent),
+            broken: None,
         }
     }
 
@@ -126,6 +132,7 @@ impl Tested {
             rest,
             motion: Some(motion),
             bent: None,
+            broken: None,
         }
     }
 
@@ -137,20 +144,28 @@ impl Tested {
             ("linear_solutions".to_owned(), self.rest.solutions),
             ("iterations".to_owned(), self.rest.iterations),
             ("particle_steps".to_owned(), particles * moved),
+            (
+                "events".to_owned(),
+                self.broken.as_ref().map_or(0, |broken| broken.totals.events),
+            ),
         ])
     }
 
     /// Displacements at the end of the test [mm].
     pub(super) fn displacements_mm(&self) -> &[f64] {
-        self.motion
-            .as_ref()
-            .map_or(&self.rest.displacements_mm, |moved| &moved.displacements_mm)
+        let moved = self.motion.as_ref().map(|moved| &moved.displacements_mm);
+        let broken = self.broken.as_ref().and_then(|broken| broken.end.as_ref());
+        moved
+            .or(broken.map(|look| &look.displacements_mm))
+            .unwrap_or(&self.rest.displacements_mm)
     }
 }
 
 /// Names of the curve's columns.
 pub(super) fn columns(model: &Model<'_>) -> &'static [&'static str] {
-    if model.spec.test.history.is_some() {
+    if model.spec.test.breaking.is_some() {
+        &["deflection_mm", "force_n", "events", "dissipated_n_mm"]
+    } else if model.spec.test.history.is_some() {
         &[
             "time_s",
             "mean_top_deflection_mm",
@@ -219,9 +234,21 @@ fn faces(model: &Model<'_>, u: &[f64]) -> [f64; 2] {
 
 /// All results.
 pub(super) fn measure(model: &Model<'_>, tested: &Tested) -> Vec<Measured> {
-    if let Some(bent) = &tested.bent {
-        return bending(bent);
-    }
+    let whole = match &tested.bent {
+        Some(bent) => bending(bent),
+        None => at_rest(model, tested),
+    };
+    let Some(broken) = &tested.broken else {
+        return whole;
+    };
+    // under the load that was given nothing may be whole any more: what does not grow with it stays
+    let mut all = failure::measure(model, broken);
+    all.extend(whole.into_iter().filter(|one| failure::stays(one.name)));
+    all
+}
+
+/// Results of a section that is held and loaded, or moves.
+fn at_rest(model: &Model<'_>, tested: &Tested) -> Vec<Measured> {
     let mut all = Vec::new();
     let mut add = |name, value, unit, description| {
         all.push(Measured {

@@ -456,9 +456,8 @@ impl<'a> Motion<'a> {
                 return Err(CompositeError::Stopped);
             }
         }
-        Err(CompositeError::NotConverged {
-            load_fraction: 1.0,
-            iterations: self.steps,
+        Err(CompositeError::NotAtRest {
+            steps: self.steps,
             residual,
         })
     }

@@ -25,7 +25,10 @@ use relay::{Message, Relay};
 
 pub use keeper::{Curve, CurveKeeper};
 pub use relay::Share;
-pub use reports::{SavedReport, joint_warnings, mean, total_work, values, worst_quality};
+pub use reports::{
+    SavedReport, join_repeats, joint_warnings, mean, total_work, values, worst_quality,
+    write_repeats,
+};
 
 /// Messages under way before a test waits for the recorder.
 const MESSAGES: usize = 64;

@@ -1,10 +1,14 @@
 //! What the reports of several tests say together.
+use std::io;
+
 use indexmap::IndexMap;
-use loadframe_api::{QualityCheck, Quantity, Report, Warning};
+use loadframe_api::{ErrorBasis, ErrorPart, QualityCheck, Quantity, Report, Warning};
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    Recorder,
     checkpoint::{self, CheckpointError},
+    csv,
     statistics::Sample,
 };
 
@@ -68,6 +72,93 @@ pub fn mean(quantity: &Quantity, values: &[f64]) -> Quantity {
         n: Some(sample.map_or(0, |sample| sample.count)),
         ..quantity.clone()
     }
+}
+
+/// The joint report of repeats, whose seeds count on from the first: means with their scatter, the worst
+/// quality, all warnings. The first gives the words.
+pub fn join_repeats(first_seed: u64, reports: &[Report]) -> Report {
+    let mut joint = reports.first().cloned().unwrap_or_default();
+    for (name, quantity) in &mut joint.summary {
+        *quantity = mean(quantity, &values(reports, name)).with_error(errors(reports, name));
+    }
+    joint.quality = worst_quality(reports, "The worst of all repeats.");
+    joint.warnings = joint_warnings(first_seed, "repeats", reports);
+    let mut others = reports.iter().skip(1);
+    if reports.len() > 1 && others.all(|report| report.summary == reports[0].summary) {
+        joint.warnings.push(Warning {
+            code: "repeats_alike".to_owned(),
+            detail: "all repeats gave the same: nothing that counts in this test is drawn at \
+                     random, and one repeat says as much"
+                .to_owned(),
+        });
+    }
+    joint.work = total_work(reports);
+    joint
+}
+
+/// How wrong the mean of a result is: what each repeat says of itself, which grids and solvers do to
+/// all of them alike, and what the scatter leaves open. Nothing where repeats say nothing.
+fn errors(reports: &[Report], name: &str) -> Vec<ErrorPart> {
+    let told = reports
+        .iter()
+        .filter_map(|report| report.summary.get(name)?.error.as_ref());
+    let told: Vec<_> = told.collect();
+    let Some(first) = told.first() else {
+        return Vec::new();
+    };
+    let mean_of = |source: &str| {
+        let parts = told.iter().flat_map(|error| &error.parts);
+        let values = parts.filter(|part| part.source == source);
+        values.map(|part| part.value).sum::<f64>() / told.len() as f64
+    };
+    let mut parts: Vec<ErrorPart> = first
+        .parts
+        .iter()
+        .map(|part| ErrorPart {
+            value: mean_of(&part.source),
+            ..part.clone()
+        })
+        .collect();
+    let sample = Sample::of(&values(reports, name));
+    if let Some((sample, deviation)) = sample.and_then(|sample| Some((sample, sample.deviation?))) {
+        parts.push(ErrorPart {
+            source: "specimens".to_owned(),
+            value: deviation / f64::from(sample.count).sqrt(),
+            basis: ErrorBasis::Repeats,
+        });
+    }
+    parts
+}
+
+/// `repeats.csv`: seed and results of every repeat.
+///
+/// # Errors
+/// Of the recorder.
+pub fn write_repeats(
+    first_seed: u64,
+    reports: &[Report],
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
+    recorder.file("repeats.csv", &mut |out| {
+        let Some(first) = reports.first() else {
+            return Ok(());
+        };
+        let results = first.summary.iter();
+        let results = results.map(|(name, quantity)| csv::column(name, &quantity.unit));
+        let names: Vec<String> = ["repeat".to_owned(), "seed".to_owned()]
+            .into_iter()
+            .chain(results)
+            .collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        csv::header(out, &names)?;
+        for (index, report) in reports.iter().enumerate() {
+            let mut row = vec![(index + 1) as f64, (first_seed + index as u64) as f64];
+            let results = first.summary.keys().map(|name| report.summary.get(name));
+            row.extend(results.map(|found| found.and_then(|q| q.value).unwrap_or(f64::NAN)));
+            csv::row(out, &row)?;
+        }
+        Ok(())
+    })
 }
 
 /// Each sort of warning once, in the words of the first of the `tests` that has it; their seeds count

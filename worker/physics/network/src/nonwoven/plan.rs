@@ -9,7 +9,10 @@ use loadframe_api::{
 use loadframe_harness::{
     Ending, Interrupt, Recorder, RunContext, SimulationError,
     checkpoint::Fingerprint,
-    plan::{Conclusion, Curve, CurveKeeper, Plan, SavedReport, Share, Tests},
+    plan::{
+        Conclusion, Curve, CurveKeeper, Plan, SavedReport, Share, Tests, join_repeats,
+        write_repeats,
+    },
 };
 use serde::{Deserialize, Serialize};
 
@@ -62,7 +65,7 @@ pub fn run(
     let report = match reports.as_slice() {
         [report] => report.clone(),
         reports => {
-            repeats::write(spec, reports, recorder)?;
+            write_repeats(spec.seed, reports, recorder)?;
             for direction in 0..tests_per_repeat(spec) {
                 let name = share(spec, direction).name("repeats_curves.csv");
                 let tests = finished.iter().skip(direction);
@@ -70,7 +73,7 @@ pub fn run(
                 let curves = tests.map(|test| &test.curve);
                 repeats::write_curves(&name, curves, recorder)?;
             }
-            repeats::join(spec, reports)
+            join_repeats(spec.seed, reports)
         }
     };
     recorder.progress(1.0, "finished");

@@ -1,0 +1,87 @@
+//! What can break, and in which tests.
+use super::materials::escaped;
+use crate::Violation;
+use crate::spec::composite_bending::{CompositeBending, Geometry, Lattice, Solver, Way};
+
+pub(super) fn check_breaking(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+    if spec.test.breaking.is_none() {
+        return;
+    }
+    let breaks = |material: &super::super::Material| {
+        let strength = material.strength.unwrap_or_default();
+        strength != Default::default() || material.interface.is_some()
+    };
+    if !spec.materials.values().any(breaks) {
+        violations.push(
+            Violation::new(
+                "/test/breaking",
+                "nothing_breaks",
+                "no material has a strength",
+            )
+            .allowed("a strength or an interface of at least one material"),
+        );
+    }
+    check_interfaces(spec, violations);
+    let knobs = spec.accuracy.knobs();
+    let refusals = [
+        (
+            "/lattice",
+            !matches!(spec.lattice, Lattice::Exact(_)),
+            "the paper's lattice has one stiffness for all directions, which no strength fits",
+            "{\"exact\": {}} with breaking",
+        ),
+        (
+            "/accuracy/solver",
+            knobs.solver != Solver::Static,
+            "breaks are found by the equations of equilibrium",
+            "\"static\" with breaking",
+        ),
+        (
+            "/accuracy/geometry",
+            knobs.geometry == Geometry::Large,
+            "breaks are found for small displacements",
+            "\"linear\" with breaking",
+        ),
+        (
+            "/test/history",
+            spec.test.history.is_some(),
+            "breaks are found at rest, not in time",
+            "breaking without history",
+        ),
+    ];
+    for (pointer, is_refused, detail, allowed) in refusals {
+        if is_refused {
+            violations.push(Violation::new(pointer, "not_allowed", detail).allowed(allowed));
+        }
+    }
+    if let Some(Way::Held(supports)) = spec.test.way()
+        && spec.test.load.is_some()
+        && supports.faces().iter().any(|(_, support)| support.drives())
+    {
+        violations.push(
+            Violation::new(
+                "/test/load",
+                "two_drives",
+                "a load and moved faces would have to grow together, in a proportion that nothing says",
+            )
+            .allowed("a load or faces with displacement_mm"),
+        );
+    }
+}
+
+/// Interfaces are those of fibres.
+fn check_interfaces(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+    for (name, material) in &spec.materials {
+        let is_fibre = spec.fibres.iter().any(|fibre| fibre.material == *name);
+        if material.interface.is_some() && !is_fibre {
+            violations.push(
+                Violation::new(
+                    format!("/materials/{}/interface", escaped(name)),
+                    "not_allowed",
+                    "no fibre is of this material, so that it has no interface",
+                )
+                .allowed("the interface of a fibre's material"),
+            );
+        }
+    }
+}

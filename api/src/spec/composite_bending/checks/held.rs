@@ -1,0 +1,191 @@
+//! A section that must be held, and loaded by something.
+use super::outside;
+use crate::Violation;
+use crate::spec::composite_bending::{
+    Axis, CompositeBending, Face, HistoryLoad, LoadPlace, Solver, Support, SupportWord, Supports,
+    Test,
+};
+
+pub(super) fn check_held(
+    spec: &CompositeBending,
+    supports: &Supports,
+    violations: &mut Vec<Violation>,
+) {
+    let test = &spec.test;
+    let drives = supports.faces().iter().any(|(_, support)| support.drives());
+    if test.load.is_none() && !drives && !moves_first(test) {
+        violations.push(
+            Violation::new("/test/load", "missing", "nothing loads the section")
+                .allowed("a load, a face with displacement_mm, or a velocity in history"),
+        );
+    }
+    check_load(spec, violations);
+    check_history(spec, violations);
+    check_corners(supports, violations);
+    if let Some(motion) = loose(supports) {
+        violations.push(
+            Violation::new(
+                "/test/supports",
+                "unsupported",
+                format!("the supports let the section {motion}"),
+            )
+            .allowed("faces held so that it can neither move along x, along y, nor turn"),
+        );
+    }
+}
+
+/// Faces that meet at a corner and move it to two places.
+fn check_corners(supports: &Supports, violations: &mut Vec<Violation>) {
+    let across = [(Face::Left, &supports.left), (Face::Right, &supports.right)];
+    let along = [(Face::Bottom, &supports.bottom), (Face::Top, &supports.top)];
+    for (first, one) in across {
+        for (second, other) in along {
+            let pair = [(first, one), (second, other)].map(|(face, held)| prescribed(face, held));
+            for (axis, name) in ["x", "y"].into_iter().enumerate() {
+                let (Some(a), Some(b)) = (pair[0][axis], pair[1][axis]) else {
+                    continue;
+                };
+                if (a - b).abs() > SAME * a.abs().max(b.abs()) {
+                    violations.push(
+                        Violation::new(
+                            "/test/supports",
+                            "contradiction",
+                            format!(
+                                "the {} and the {} face ask their common corner for different \
+                                 displacements along {name}",
+                                first.name(),
+                                second.name()
+                            ),
+                        )
+                        .value(vec![a, b])
+                        .allowed(
+                            "the same displacement, or one of the two left free along this axis",
+                        )
+                        .unit("mm"),
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Displacements that differ by less than this part are the same.
+const SAME: f64 = 1e-12;
+
+/// What a face is held at along both axes [mm].
+fn prescribed(face: Face, support: &Support) -> [Option<f64>; 2] {
+    match support {
+        Support::Driven(driven) => driven.displacement_mm,
+        _ => held_axes(face, support).map(|is_held| is_held.then_some(0.0)),
+    }
+}
+
+/// Whether the history itself sets the section in motion.
+fn moves_first(test: &Test) -> bool {
+    let history = test.history.as_ref();
+    history.is_some_and(|history| history.velocity_mm_per_s.iter().any(|speed| *speed != 0.0))
+}
+
+/// How the section could move as a whole: a face is a line of points, so that one held across
+/// resists turning, and two held along do, too.
+fn loose(supports: &Supports) -> Option<&'static str> {
+    let held = supports
+        .faces()
+        .map(|(face, support)| (face, held_axes(face, support)));
+    let along = |axis: usize| held.iter().any(|(_, axes)| axes[axis]);
+    if !along(0) {
+        return Some("move along x");
+    }
+    if !along(1) {
+        return Some("move along y");
+    }
+    // a face held across keeps its direction; one held only along itself turns about any of its
+    // points unless another line of such points exists
+    let across = held.iter().any(|(face, axes)| match face {
+        Face::Left | Face::Right => axes[0],
+        Face::Bottom | Face::Top => axes[1],
+    });
+    let pair = |first: Face, second: Face, axis: usize| {
+        let is_held = |face: Face| {
+            held.iter()
+                .any(|(known, axes)| *known == face && axes[axis])
+        };
+        is_held(first) && is_held(second)
+    };
+    let turns = !across && !pair(Face::Left, Face::Right, 1) && !pair(Face::Bottom, Face::Top, 0);
+    turns.then_some("turn")
+}
+
+fn held_axes(face: Face, support: &Support) -> [bool; 2] {
+    match support {
+        Support::Word(SupportWord::Clamped) => [true; 2],
+        Support::Word(SupportWord::Free) => [false; 2],
+        Support::Word(SupportWord::Rolling) => match face {
+            Face::Left | Face::Right => [true, false],
+            Face::Bottom | Face::Top => [false, true],
+        },
+        Support::PerAxis(axes) => axes.map(|axis| axis == Axis::Clamped),
+        Support::Driven(driven) => driven.displacement_mm.map(|value| value.is_some()),
+    }
+}
+
+fn check_load(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+    let Some(load) = &spec.test.load else { return };
+    if load.force_n.iter().all(|force| *force == 0.0) {
+        violations.push(
+            Violation::new("/test/load/force_n", "out_of_range", "the load is no force")
+                .value(load.force_n.to_vec())
+                .allowed("a force other than 0")
+                .unit("N"),
+        );
+    }
+    let sides = [spec.section.length_mm, spec.section.height_mm];
+    match &load.on {
+        LoadPlace::Patch(patch) => {
+            let side = match patch.face {
+                Face::Left | Face::Right => sides[1],
+                Face::Bottom | Face::Top => sides[0],
+            };
+            if patch.to_mm <= patch.from_mm || patch.to_mm > side {
+                violations.push(
+                    Violation::new(
+                        "/test/load/on/patch",
+                        "load_on_nothing",
+                        format!("the patch is no part of the {} face", patch.face.name()),
+                    )
+                    .value(vec![patch.from_mm, patch.to_mm])
+                    .allowed(format!("0 ≤ from_mm < to_mm ≤ {side}"))
+                    .unit("mm"),
+                );
+            }
+        }
+        LoadPlace::PointMm(point) => {
+            violations.extend(outside(spec, "/test/load/on/point_mm".to_owned(), *point));
+        }
+        LoadPlace::Face(_) | LoadPlace::Body => {}
+    }
+}
+
+fn check_history(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+    let Some(history) = &spec.test.history else {
+        return;
+    };
+    let knobs = spec.accuracy.knobs();
+    if knobs.solver != Solver::Verlet {
+        violations.push(
+            Violation::new(
+                "/accuracy/solver",
+                "not_allowed",
+                "motion in time is that of springs: the shifts of pbd and xpbd damp it, and static \
+                 has none",
+            )
+            .allowed("\"verlet\" with history"),
+        );
+    }
+    if history.load == HistoryLoad::Released && spec.test.load.is_none() {
+        violations.push(
+            Violation::new("/test/load", "missing", "there is no load to release")
+                .allowed("a load"),
+        );
+    }
+}

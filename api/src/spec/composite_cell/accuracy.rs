@@ -1,0 +1,62 @@
+//! How finely a cell is divided.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How exactly: a preset's name or its knobs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Accuracy {
+    Preset(Preset),
+    Knobs(Knobs),
+}
+
+/// Named choices of the knobs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    Draft,
+    Standard,
+    Reference,
+}
+
+/// The knobs of accuracy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Knobs {
+    /// Cells of the grid through the thinnest fibre.
+    #[schemars(range(min = 2, max = 512), extend("x-unit" = "1"))]
+    pub cells_per_fibre: u32,
+}
+
+const CELLS: [(Preset, u32); 3] = [
+    (Preset::Draft, 12),
+    (Preset::Standard, 24),
+    (Preset::Reference, 64),
+];
+
+impl Default for Accuracy {
+    fn default() -> Self {
+        Self::Preset(Preset::Standard)
+    }
+}
+
+impl Default for Knobs {
+    fn default() -> Self {
+        Accuracy::default().knobs()
+    }
+}
+
+impl Accuracy {
+    /// The knobs.
+    pub fn knobs(&self) -> Knobs {
+        match self {
+            Self::Knobs(knobs) => *knobs,
+            Self::Preset(preset) => {
+                let found = CELLS.iter().find(|(known, _)| known == preset);
+                Knobs {
+                    cells_per_fibre: found.map_or(24, |(_, cells)| *cells),
+                }
+            }
+        }
+    }
+}

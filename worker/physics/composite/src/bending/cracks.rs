@@ -1,0 +1,260 @@
+//! A section that is loaded until it breaks, crack by crack.
+//!
+//! Rollers keep the forces on their contacts in the proportions that they have on the whole section,
+//! which then balance each other and grow by one factor.
+use loadframe_api::spec::composite_bending as spec;
+use loadframe_api::spec::composite_bending::Breaking as Given;
+use serde::{Deserialize, Serialize};
+
+use super::model::{Model, drive};
+use super::results::{self, Tested};
+use super::{Halt, Progress, Watch};
+use crate::breaking::{
+    Advance, Breaking, BreakingOptions, BreakingState, Control, EndReason, Event, MaterialStrength,
+    Machine, Scatter, ScatterLaw, Specimen, Stop, Totals,
+};
+use crate::error::CompositeError;
+use crate::flexure::{Flexure, FlexureResult};
+use crate::solve::{StaticOptions, equilibrium};
+use crate::strength::Criterion;
+use crate::supports::{Face, Supports};
+
+/// How far breaking is.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct CracksState {
+    state: BreakingState,
+    events: Vec<Event>,
+    peak: Option<Look>,
+}
+
+/// A section at one moment of its breaking.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Look {
+    /// Way of the drive [mm], and its force [N].
+    pub(super) displacement_mm: f64,
+    pub(super) force_n: f64,
+    pub(super) displacements_mm: Vec<f64>,
+    /// Lost part of every cell's stiffness.
+    pub(super) damage: Vec<f64>,
+}
+
+/// What breaking has come to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Broken {
+    pub(super) events: Vec<Event>,
+    pub(super) reason: EndReason,
+    pub(super) totals: Totals,
+    /// At the largest force and at the end; none where nothing broke.
+    pub(super) peak: Option<Look>,
+    pub(super) end: Option<Look>,
+}
+
+/// Events between two looks at whether to go on.
+const LOOK: u64 = 20;
+
+pub(super) fn conduct(
+    model: &Model<'_>,
+    given: &Given,
+    progress: Option<Progress>,
+    watch: &mut dyn Watch,
+) -> Result<Tested, Halt> {
+    watch.columns(results::columns(model))?;
+    let (mut tested, supports, load) = whole(model)?;
+    let strengths: Vec<MaterialStrength> = model
+        .spec
+        .materials
+        .values()
+        .map(|material| MaterialStrength {
+            bulk: material.strength.unwrap_or_default().into(),
+            interface: material.interface.map(Into::into),
+        })
+        .collect();
+    let specimen = Specimen {
+        layout: &model.layout,
+        supports: &supports,
+        load_n: &load,
+        strengths: &strengths,
+    };
+    let mut breaking = Breaking::new(specimen, options(model, given))?;
+    let (mut events, mut peak) = (Vec::new(), None);
+    let mut curve = Curve::new(given);
+    if let Some(Progress::Cracks(kept)) = progress {
+        breaking.resume(kept.state)?;
+        (events, peak) = (kept.events, kept.peak);
+        curve.known(&events);
+    } else {
+        watch.point(&Curve::START)?;
+    }
+    let mut largest = peak.as_ref().map_or(0.0, |look: &Look| look.force_n);
+    let reason = loop {
+        let event = match breaking.advance()? {
+            Advance::Ended(reason) => break reason,
+            Advance::Broke(event) => event,
+        };
+        let is_seen = curve.add(&event, watch)?;
+        events.push(event);
+        if is_seen && event.force_n > largest {
+            largest = event.force_n;
+            peak = Some(look(&breaking, &event));
+        }
+        if event.number.is_multiple_of(LOOK) {
+            let mut state = || {
+                Progress::Cracks(CracksState {
+                    state: breaking.state(),
+                    events: events.clone(),
+                    peak: peak.clone(),
+                })
+            };
+            watch.look(fraction(given, &event, largest), &mut state)?;
+        }
+    };
+    curve.end(&events, watch)?;
+    tested.broken = Some(Broken {
+        reason,
+        totals: breaking.totals(),
+        end: events.last().map(|event| look(&breaking, event)),
+        peak,
+        events,
+    });
+    Ok(tested)
+}
+
+/// The whole section under what is given, and what drives its breaking.
+fn whole(model: &Model<'_>) -> Result<(Tested, Supports, Vec<f64>), Halt> {
+    let options = StaticOptions::default();
+    if let Some((flexure, given)) = model.flexure() {
+        let found = flexure.bend(&model.section, &model.lattice, drive(given, 1.0), &options)?;
+        let (supports, load) = frozen(model, flexure, &found)?;
+        return Ok((Tested::bent(found), supports, load));
+    }
+    let rest = equilibrium(&model.lattice, &model.supports, &model.load, &options)?;
+    Ok((Tested::at_rest(rest), model.supports.clone(), model.load.clone()))
+}
+
+/// The forces of rollers on the particles that touch them, which balance each other, and what keeps
+/// the section from moving as a whole, which bears nothing.
+fn frozen(
+    model: &Model<'_>,
+    flexure: Flexure,
+    found: &FlexureResult,
+) -> Result<(Supports, Vec<f64>), CompositeError> {
+    let grid = model.lattice.grid();
+    let reactions = &found.contact.equilibrium.reactions_n;
+    let mut load = vec![0.0; reactions.len()];
+    for face in [Face::Bottom, Face::Top] {
+        for line in 0..=grid.columns() {
+            let vertical = 2 * face.particle(grid, line) + 1;
+            load[vertical] = reactions[vertical];
+        }
+    }
+    let nearest = |at: f64| {
+        let lines = grid.x_mm().iter().enumerate();
+        let nearest = lines.min_by(|a, b| (a.1 - at).abs().total_cmp(&(b.1 - at).abs()));
+        nearest.map_or(0, |(line, _)| line)
+    };
+    let mut supports = Supports::none(grid);
+    let ([left, right], _) = flexure.rollers(&model.section);
+    let middle = grid.particle(nearest(0.5 * model.section.length_mm), 0);
+    supports.hold(grid, middle, 0, 0.0)?;
+    for roller in [left, right] {
+        supports.hold(grid, grid.particle(nearest(roller.at_mm), 0), 1, 0.0)?;
+    }
+    Ok((supports, load))
+}
+
+fn options(model: &Model<'_>, given: &Given) -> BreakingOptions {
+    BreakingOptions {
+        criterion: match given.criterion {
+            spec::Criterion::Stress => Criterion::Stress,
+            spec::Criterion::Strain => Criterion::Strain,
+        },
+        scatter: given.scatter.map(|scatter| Scatter {
+            law: ScatterLaw::Weibull {
+                modulus: scatter.weibull_modulus,
+            },
+            reference_volume_mm3: scatter.reference_volume_mm3,
+        }),
+        teeth: given.teeth,
+        seed: model.spec.seed,
+        stop: Stop {
+            force_fraction: given.stop_force_fraction,
+            events: given.max_events,
+            displacement_mm: given.max_displacement_mm,
+        },
+    }
+}
+
+fn look(breaking: &Breaking, event: &Event) -> Look {
+    Look {
+        displacement_mm: event.displacement_mm,
+        force_n: event.force_n,
+        displacements_mm: breaking.displacements_mm().to_vec(),
+        damage: breaking.damage().to_vec(),
+    }
+}
+
+/// How far a test is, as far as its force or its way tells.
+fn fraction(given: &Given, event: &Event, largest: f64) -> f64 {
+    let by_force = (1.0 - event.force_n / largest) / (1.0 - given.stop_force_fraction);
+    let by_way = given
+        .max_displacement_mm
+        .map_or(0.0, |most| event.displacement_mm / most);
+    let by_events = event.number as f64 / given.max_events as f64;
+    by_force.max(by_way).max(by_events).clamp(0.0, 0.99)
+}
+
+/// The curve that a machine records, as it grows.
+struct Curve {
+    machine: Machine,
+}
+
+impl Curve {
+    /// Unloaded.
+    const START: [f64; 4] = [0.0; 4];
+
+    fn new(given: &Given) -> Self {
+        let control = match given.control {
+            spec::Control::Displacement => Control::Displacement,
+            spec::Control::Force => Control::Force,
+            spec::Control::Path => Control::Events,
+        };
+        Self {
+            machine: Machine::new(control),
+        }
+    }
+
+    /// Takes in events whose points are known already.
+    fn known(&mut self, events: &[Event]) {
+        for event in events {
+            self.machine.add(event);
+        }
+    }
+
+    /// Adds an event; whether the machine sees it.
+    fn add(&mut self, event: &Event, watch: &mut dyn Watch) -> Result<bool, Halt> {
+        let Some(points) = self.machine.add(event) else {
+            return Ok(false);
+        };
+        for (displacement, force) in points.into_iter().flatten() {
+            watch.point(&[
+                displacement,
+                force,
+                event.number as f64,
+                event.dissipated_n_mm,
+            ])?;
+        }
+        Ok(true)
+    }
+
+    /// The fall after the last event.
+    fn end(&self, events: &[Event], watch: &mut dyn Watch) -> Result<(), Halt> {
+        let Some(last) = events.last() else {
+            return Ok(());
+        };
+        if let Some((displacement, force)) = self.machine.end(last) {
+            let dissipated = last.dissipated_n_mm;
+            watch.point(&[displacement, force, last.number as f64, dissipated])?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,167 @@
+//! Values read off a section that broke.
+use loadframe_api::spec::composite_bending::Way;
+
+use super::cracks::Broken;
+use super::model::Model;
+use super::results::Measured;
+use crate::breaking::{Event, EndReason};
+
+/// N mm in J.
+const J: f64 = 1e-3;
+
+/// Results of the whole section that do not grow with its load.
+const STAY: [&str; 8] = [
+    "flexural_modulus",
+    "bending_modulus",
+    "flexural_modulus_without_shear",
+    "shear_deflection_share",
+    "span_to_depth",
+    "effective_modulus",
+    "effective_poisson_ratio",
+    "effective_shear_modulus",
+];
+
+/// Whether a result of the whole section is one of a section that breaks, too.
+pub(super) fn stays(name: &str) -> bool {
+    STAY.contains(&name)
+}
+
+/// Why the test ended, as a word for programs.
+pub(super) fn stop_reason(reason: EndReason) -> &'static str {
+    match reason {
+        EndReason::NothingBreaks => "nothing_breaks",
+        EndReason::ForceFell => "force_dropped",
+        EndReason::Events => "max_events",
+        EndReason::Displacement => "max_displacement",
+    }
+}
+
+pub(super) fn measure(model: &Model<'_>, broken: &Broken) -> Vec<Measured> {
+    let mut all = Vec::new();
+    let mut add = |name, value, unit, description| {
+        all.push(Measured {
+            name,
+            value,
+            unit,
+            description,
+        });
+    };
+    let peak = broken.peak.as_ref();
+    let force = peak.map_or(f64::NAN, |peak| peak.force_n);
+    add(
+        "max_force",
+        force,
+        "N",
+        "Largest force that the machine sees.",
+    );
+    add(
+        "displacement_at_max_force",
+        peak.map_or(f64::NAN, |peak| peak.displacement_mm),
+        "mm",
+        "Way of what is driven at the largest force, along the force; of rollers with what all dent.",
+    );
+    strengths(model, force, &mut add);
+    let first = broken.events.first();
+    let of_first = |value: fn(&Event) -> f64| first.map_or(f64::NAN, value);
+    add(
+        "first_crack_force",
+        of_first(|event| event.force_n),
+        "N",
+        "Force at which the first part of the section reaches its strength.",
+    );
+    add(
+        "first_crack_displacement",
+        of_first(|event| event.displacement_mm),
+        "mm",
+        "Way of what is driven at that moment.",
+    );
+    let stiffness = of_first(|event| event.force_n / event.displacement_mm);
+    add(
+        "initial_stiffness",
+        stiffness,
+        "N/mm",
+        "Force over way before the first crack.",
+    );
+    let totals = &broken.totals;
+    let dissipated = &totals.dissipated;
+    for (name, value, description) in [
+        (
+            "dissipated_energy",
+            dissipated.total_n_mm(),
+            "Energy that all cracks took.",
+        ),
+        (
+            "dissipated_in_matrix",
+            dissipated.matrix_n_mm,
+            "Energy that cracks of the matrix or of plies took.",
+        ),
+        (
+            "dissipated_in_fibres",
+            dissipated.fibres_n_mm,
+            "Energy that breaks of fibres took.",
+        ),
+        (
+            "dissipated_at_interfaces",
+            dissipated.interfaces_n_mm,
+            "Energy that fibres took to come off.",
+        ),
+    ] {
+        add(name, value * J, "J", description);
+    }
+    add(
+        "crack_area",
+        totals.crack_area_mm2,
+        "mm2",
+        "Area of cracks that are open through.",
+    );
+    add(
+        "cracks",
+        totals.events as f64,
+        "1",
+        "Events: steps in which parts of cells lost stiffness.",
+    );
+    add(
+        "broken_cells",
+        totals.broken_cells as f64,
+        "1",
+        "Cells with a crack that is open through.",
+    );
+    all
+}
+
+/// Strengths as the standards word them, from the largest force.
+fn strengths(
+    model: &Model<'_>,
+    force: f64,
+    add: &mut impl FnMut(&'static str, f64, &'static str, &'static str),
+) {
+    let section = &model.spec.section;
+    let sides = [section.thickness_mm, section.height_mm];
+    let area = section.thickness_mm * section.height_mm;
+    let way = model.spec.test.way();
+    if let (Some((flexure, given)), Some(way)) = (model.flexure(), way) {
+        if matches!(way, Way::ShortBeam(_)) {
+            add(
+                "interlaminar_shear_strength",
+                0.75 * force / area,
+                "MPa",
+                "Apparent interlaminar shear strength 3F/(4bh) of ISO 14130.",
+            );
+        } else {
+            add(
+                "flexural_strength",
+                flexure.loading.outer_stress(given.span_mm, sides, force),
+                "MPa",
+                "Stress of the outer fibre at midspan under the largest force by the standard's formula, as \
+                 of one material.",
+            );
+        }
+    } else if matches!(way, Some(Way::Tension(_))) {
+        add(
+            "tensile_strength",
+            force / area,
+            "MPa",
+            "Largest force over the section's area.",
+        );
+    }
+}
