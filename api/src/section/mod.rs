@@ -8,3 +8,4 @@ pub mod fibre;
 pub mod material;
 pub mod polygon;
 pub mod stiffness;
+pub mod strength;

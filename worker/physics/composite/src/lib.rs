@@ -16,4 +16,4 @@ pub mod supports;
 #[cfg(test)]
 mod tests;
 
-pub use loadframe_api::section::{error, material, stiffness};
+pub use loadframe_api::section::{error, material, stiffness, strength};

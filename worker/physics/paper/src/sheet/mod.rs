@@ -1,0 +1,1 @@
+//! Fibres laid down to a sheet, and where they touch.
