@@ -1,6 +1,6 @@
 //! A section laid out on its grid: what every cell holds.
 use crate::error::{CompositeError, positive};
-use crate::material::{Material, Note};
+use crate::material::{Material, Note, PlaneState};
 use crate::section::grid::{
     Division, Fine, Grid, Refinement, fitted_lines, graded_lines, pass_through,
 };
@@ -25,6 +25,7 @@ pub struct Layout {
     pub(crate) fibre_share: Vec<f64>,
     pub(crate) notes: Vec<(usize, Note)>,
     pub(crate) fit: Fit,
+    pub(crate) state: PlaneState,
     /// What each ply is of, from the bottom; the matrix alone when there are none.
     pub(crate) plies: Vec<Constituent>,
     /// Faces of the plies from 0 to the section's height [mm].
@@ -159,6 +160,7 @@ impl Layout {
             fibre_share,
             notes,
             fit,
+            state: section.state,
             plies,
             ply_faces_mm: faces,
             fibres,
