@@ -123,6 +123,29 @@ pub enum CompositeError {
          use a coarser grid at the rollers"
     )]
     ContactUnsettled { share: f64 },
+    /// A cell that stores more energy than the crack in it takes up.
+    #[error(
+        "the cell at ({x_mm} mm, {y_mm} mm) is {width_mm} mm wide across a crack in material \
+         {material} and must be at most {largest_mm} mm, 2 E G / f² of its strength and fracture \
+         energy: use a finer grid, or give no fracture energy"
+    )]
+    CellTooLarge {
+        x_mm: f64,
+        y_mm: f64,
+        /// Place of the material in the list.
+        material: usize,
+        width_mm: f64,
+        largest_mm: f64,
+    },
+    /// Forces and displacements both drive the section.
+    #[error(
+        "forces and prescribed displacements both drive the section: what breaks it grows by one \
+         factor; give one of them"
+    )]
+    MixedDrive,
+    /// Nothing drives the section.
+    #[error("neither a force nor a prescribed displacement drives the section: give one of them")]
+    NoDrive,
     /// A cell would have to be turned inside out to go on.
     #[error(
         "cell ({column}, {row}) at ({x_mm} mm, {y_mm} mm) turns inside out at {load_fraction} of the \

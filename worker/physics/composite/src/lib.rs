@@ -2,8 +2,10 @@
 //!
 //! From the bottom up: [`section`] lays what is described on a grid, [`lattice`] holds the particles
 //! together, [`supports`] and [`load`] act on them, [`solve`] finds their rest and [`motion`] moves them
-//! in time, [`measure`] reads off, [`flexure`] bends on rollers. [`bending`] is the job that calls them.
+//! in time, [`measure`] reads off, [`flexure`] bends on rollers, [`breaking`] lets parts crack one by
+//! one. [`bending`] is the job that calls them.
 pub mod bending;
+pub mod breaking;
 pub mod flexure;
 pub mod lattice;
 pub mod load;

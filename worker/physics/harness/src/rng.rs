@@ -20,6 +20,8 @@ pub enum Purpose {
     GrainPlaces,
     /// Places of grains that are put in during a test, one stream per batch.
     BatchPlaces,
+    /// Strengths of what a cell of a section holds, one stream per cell.
+    CellStrength,
 }
 
 /// The streams of one purpose.
@@ -35,6 +37,7 @@ impl Streams {
             Purpose::GrainRotations => "grain rotations",
             Purpose::GrainPlaces => "grain places",
             Purpose::BatchPlaces => "batch places",
+            Purpose::CellStrength => "cell strength",
         };
         // hashing keeps streams unrelated for seeds that differ in one bit, and the name makes a
         // new purpose harmless to the numbers of the old ones

@@ -149,6 +149,13 @@ impl Lattice {
         }
     }
 
+    /// Gives a cell another stiffness, and the hourglass stiffness that goes with it.
+    pub(crate) fn replace_stiffness(&mut self, place: usize, stiffness: Stiffness) {
+        self.hourglass[place] =
+            cell::hourglass(&stiffness, self.grid.sides_mm(place), self.thickness_mm);
+        self.stiffness[place] = stiffness;
+    }
+
     pub(crate) fn cells(&self) -> usize {
         self.stiffness.len()
     }

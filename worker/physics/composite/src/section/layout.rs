@@ -1,10 +1,10 @@
 //! A section laid out on its grid: what every cell holds.
 use crate::error::{CompositeError, positive};
-use crate::material::Note;
+use crate::material::{Material, Note, PlaneState};
 use crate::section::grid::{
     Division, Fine, Grid, Refinement, fitted_lines, graded_lines, pass_through,
 };
-use crate::section::ply::{Ply, Strip, faces_mm, strip};
+use crate::section::ply::{Ply, Strip, faces_mm, shares_between, strip};
 use crate::section::{Band, Polygon, Section, refuse_overlap};
 use crate::stiffness::{Stiffness, laminate};
 
@@ -25,13 +25,38 @@ pub struct Layout {
     pub(crate) fibre_share: Vec<f64>,
     pub(crate) notes: Vec<(usize, Note)>,
     pub(crate) fit: Fit,
+    pub(crate) state: PlaneState,
+    /// What each ply is of, from the bottom; the matrix alone when there are none.
+    pub(crate) plies: Vec<Constituent>,
+    /// Faces of the plies from 0 to the section's height [mm].
+    pub(crate) ply_faces_mm: Vec<f64>,
+    /// What each band of fibre is of.
+    pub(crate) fibres: Vec<Constituent>,
+    /// Fibres in cells, by cell and then by band.
+    pub(crate) parts: Vec<Part>,
+}
+
+/// What a ply or a band of fibre is of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Constituent {
+    /// Place of the material.
+    pub(crate) material: usize,
+    /// Whether it has an axis at all.
+    pub(crate) is_orthotropic: bool,
+    /// Angle of axis 1 out of the section's plane [°].
+    pub(crate) out_of_plane_deg: f64,
+    /// Angle of axis 1 to x in the section's plane [°].
+    pub(crate) in_plane_deg: f64,
+    /// In the section's axes [MPa].
+    pub(crate) stiffness: Stiffness,
 }
 
 /// A fibre in a cell: which band, and its share of the cell's area.
-struct Part {
-    cell: u32,
-    band: u32,
-    share: f64,
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part {
+    pub(crate) cell: u32,
+    pub(crate) band: u32,
+    pub(crate) share: f64,
 }
 
 impl Layout {
@@ -66,7 +91,14 @@ impl Layout {
                     notes.push(told);
                 }
             }
-            Ok(stiffness)
+            let material = section.materials[ply.material].material;
+            Ok(Constituent {
+                material: ply.material,
+                is_orthotropic: matches!(material, Material::Orthotropic(_)),
+                out_of_plane_deg: ply.angle_deg,
+                in_plane_deg: ply.in_plane_angle_deg,
+                stiffness,
+            })
         };
         let plies = stack
             .iter()
@@ -87,13 +119,20 @@ impl Layout {
 
         let density_of = |place: usize| section.materials[place].density_kg_per_m3;
         let densities: Vec<f64> = stack.iter().map(|ply| density_of(ply.material)).collect();
+        let ply_stiffness: Vec<Stiffness> = plies.iter().map(|ply| ply.stiffness).collect();
         let mut stiffness = Vec::with_capacity(grid.cells());
         let mut density = Vec::with_capacity(grid.cells());
         for pair in grid.y_mm().windows(2) {
             let Strip {
                 stiffness: held,
                 density: mean,
-            } = strip([pair[0], pair[1]], &faces, &plies, &densities, LEAST_SHARE);
+            } = strip(
+                [pair[0], pair[1]],
+                &faces,
+                &ply_stiffness,
+                &densities,
+                LEAST_SHARE,
+            );
             stiffness.resize(stiffness.len() + grid.columns(), held);
             density.resize(density.len() + grid.columns(), mean);
         }
@@ -103,12 +142,7 @@ impl Layout {
         for held in parts.chunk_by(|a, b| a.cell == b.cell) {
             let cell = held[0].cell as usize;
             let whole: f64 = held.iter().map(|part| part.share).sum();
-            // Fibres fill the cell but for round-off, or leave room for matrix.
-            let rest = if whole > 1.0 - LEAST_SHARE {
-                0.0
-            } else {
-                1.0 - whole
-            };
+            let rest = matrix_share(whole);
             stiffness[cell] = mixture(stiffness[cell], rest, held, &bands, &fibres);
             fibre_share[cell] = whole.min(1.0);
             density[cell] = rest * density[cell]
@@ -126,7 +160,29 @@ impl Layout {
             fibre_share,
             notes,
             fit,
+            state: section.state,
+            plies,
+            ply_faces_mm: faces,
+            fibres,
+            parts,
         })
+    }
+
+    /// The fibres that a cell holds.
+    pub(crate) fn parts_of(&self, cell: usize) -> &[Part] {
+        let first = self
+            .parts
+            .partition_point(|part| (part.cell as usize) < cell);
+        let after = self
+            .parts
+            .partition_point(|part| (part.cell as usize) <= cell);
+        &self.parts[first..after]
+    }
+
+    /// The plies that a row of cells cuts, with their shares of its height.
+    pub(crate) fn plies_of(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let y = self.grid.y_mm();
+        shares_between([y[row], y[row + 1]], &self.ply_faces_mm, LEAST_SHARE)
     }
 
     /// The grid of particles.
@@ -171,7 +227,7 @@ fn mixture(
     matrix_share: f64,
     held: &[Part],
     bands: &[Band],
-    fibres: &[Stiffness],
+    fibres: &[Constituent],
 ) -> Stiffness {
     let mut background = matrix;
     let mut background_share = matrix_share;
@@ -190,13 +246,22 @@ fn mixture(
             let sine = axis[0] * towards[1] - axis[1] * towards[0];
             if !done[other] && sine.abs() < 1e-9 {
                 done[other] = true;
-                layers.push((part.share, fibres[part.band as usize]));
+                layers.push((part.share, fibres[part.band as usize].stiffness));
                 background_share += part.share;
             }
         }
         background = laminate(&layers, bands[held[first].band as usize].angle_deg);
     }
     background
+}
+
+/// Share of a cell beside its fibres, which fill it but for round-off or leave room for matrix.
+pub(crate) fn matrix_share(fibres: f64) -> f64 {
+    if fibres > 1.0 - LEAST_SHARE {
+        0.0
+    } else {
+        1.0 - fibres
+    }
 }
 
 /// Shares of all cells that fibres touch: the cell's rectangle, cut by the band's polygon.

@@ -10,6 +10,7 @@ mod tests;
 
 pub use grid::{Division, Grid, Refinement};
 pub(crate) use grid::{corner_weights, within};
+pub(crate) use layout::{Constituent, matrix_share};
 pub use layout::{Fit, Layout};
 pub use loadframe_api::section::fibre::Fibre;
 pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};

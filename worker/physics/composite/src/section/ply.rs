@@ -112,16 +112,29 @@ pub(crate) fn strip(
     let mut layers = Vec::new();
     let mut mean = 0.0;
     let mut whole = 0.0;
-    for (place, pair) in faces.windows(2).enumerate() {
-        let share = (pair[1].min(upper) - pair[0].max(lower)) / (upper - lower);
-        if share > least {
-            layers.push((share, stiffness[place]));
-            mean += share * density[place];
-            whole += share;
-        }
+    for (place, share) in shares_between([lower, upper], faces, least) {
+        layers.push((share, stiffness[place]));
+        mean += share * density[place];
+        whole += share;
     }
     Strip {
         density: mean / whole,
         stiffness: laminate(&layers, 0.0),
     }
+}
+
+/// The layers between two heights, with their shares of the stretch. One of less than `least` is
+/// round-off.
+pub(crate) fn shares_between(
+    [lower, upper]: [f64; 2],
+    faces: &[f64],
+    least: f64,
+) -> impl Iterator<Item = (usize, f64)> + '_ {
+    faces
+        .windows(2)
+        .enumerate()
+        .filter_map(move |(place, pair)| {
+            let share = (pair[1].min(upper) - pair[0].max(lower)) / (upper - lower);
+            (share > least).then_some((place, share))
+        })
 }

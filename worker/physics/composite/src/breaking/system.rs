@@ -1,0 +1,384 @@
+//! The lattice under its drive at load factor 1, while cells of it soften.
+//!
+//! Its matrix is factored once; what cells lost since is taken from the factor by
+//! [`Softening`](loadframe_numerics::Softening), and it is factored anew before that costs more. The
+//! new displacements are found from the old ones by their unbalanced forces, so that round-off is
+//! taken away with every crack and never adds up.
+use loadframe_numerics::Softening;
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+use crate::error::CompositeError;
+use crate::lattice::{Corners, Geometry, Lattice, Measures, Tangent, gather};
+use crate::matrix::GridMatrix;
+use crate::solve::direct::{Direct, NoFactor};
+use crate::stiffness::Stiffness;
+use crate::supports::Supports;
+
+/// Columns that a factor carries before it is made anew. Measured on 100 by 30 cells, see the
+/// table in [`breaking`](crate::breaking).
+pub(super) const MOST_COLUMNS: usize = 96;
+
+/// Largest unbalanced force over the largest force, below which displacements are not refined.
+const BALANCED: f64 = 1e-12;
+/// The same, above which they are no equilibrium.
+const UNBALANCED: f64 = 1e-7;
+/// Solutions after which refining further is of no use.
+const REFINEMENTS: u64 = 5;
+/// Parts of a change of stiffness below this over the largest are round-off.
+const ROUND_OFF: f64 = 1e-13;
+
+/// What drives the section, in the measure that does its work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Drive {
+    /// Forces of this size together [N].
+    Forces(f64),
+    /// Displacements of which this is the largest [mm].
+    Displacements(f64),
+}
+
+/// What a cell's stiffness loses: of the mean strains, volume included [N mm], and of both hourglass
+/// amplitudes [N/mm].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Loss {
+    pub(crate) moduli: [[f64; 3]; 3],
+    pub(crate) hourglass: [f64; 2],
+}
+
+impl Loss {
+    /// a · loss · b of the measures of two states [N mm].
+    pub(crate) fn between(&self, a: &Measures, b: &Measures) -> f64 {
+        let mut sum = 0.0;
+        for row in 0..3 {
+            for column in 0..3 {
+                sum += a[row] * self.moduli[row][column] * b[column];
+            }
+        }
+        sum + self.hourglass[0] * a[3] * b[3] + self.hourglass[1] * a[4] * b[4]
+    }
+}
+
+#[derive(Debug)]
+pub(crate) struct System {
+    pub(crate) lattice: Lattice,
+    supports: Supports,
+    load: Vec<f64>,
+    drive: Drive,
+    matrix: GridMatrix,
+    direct: Direct,
+    softening: Softening,
+    most_columns: usize,
+    /// Solutions for unit measures of cells with the factor: several teeth of a cell need them.
+    solved: Vec<(u32, u8, Vec<f64>)>,
+    u: Vec<f64>,
+    forces: Vec<f64>,
+    right: Vec<f64>,
+    step: Vec<f64>,
+    energy: f64,
+    /// How often it was factored.
+    pub(crate) factors: u64,
+}
+
+impl System {
+    pub(crate) fn new(
+        lattice: Lattice,
+        supports: &Supports,
+        load_n: &[f64],
+        most_columns: usize,
+    ) -> Result<Self, CompositeError> {
+        let drive = drive(&lattice, supports, load_n)?;
+        supports.refuse_rigid_motion(lattice.grid())?;
+        let matrix = lattice.matrix();
+        let direct =
+            Direct::new(&matrix, supports).map_err(|failure| failure.told(lattice.grid()))?;
+        let size = lattice.displacements();
+        let mut load = load_n.to_vec();
+        for (place, force) in load.iter_mut().enumerate() {
+            // what pushes on a support does no work
+            if supports.is_held(place) {
+                *force = 0.0;
+            }
+        }
+        let mut system = Self {
+            softening: Softening::new(size),
+            supports: supports.clone(),
+            load,
+            drive,
+            matrix,
+            direct,
+            most_columns,
+            solved: Vec::new(),
+            u: vec![0.0; size],
+            forces: vec![0.0; size],
+            right: vec![0.0; size],
+            step: vec![0.0; size],
+            energy: 0.0,
+            factors: 0,
+            lattice,
+        };
+        system.factor()?;
+        Ok(system)
+    }
+
+    /// Displacements at load factor 1 [mm].
+    pub(crate) fn displacements(&self) -> &[f64] {
+        &self.u
+    }
+
+    /// Measures of a cell at load factor 1.
+    pub(crate) fn measures(&self, cell: usize) -> Measures {
+        let corners = gather(&self.u, self.lattice.grid().corners(cell));
+        self.lattice.cell(cell).measures(&corners)
+    }
+
+    /// Displacement [mm] and force [N] of the drive at load factor 1: their product is the work of
+    /// all loads and supports.
+    pub(crate) fn response(&self) -> [f64; 2] {
+        let work =
+            |forces: &[f64], u: &[f64]| forces.iter().zip(u).map(|(f, u)| f * u).sum::<f64>();
+        match self.drive {
+            Drive::Forces(force) => [work(&self.load, &self.u) / force, force],
+            Drive::Displacements(largest) => {
+                // forces on what moves freely are round-off
+                let held = (0..self.u.len()).filter(|&place| self.supports.is_held(place));
+                let work: f64 = held.map(|place| self.forces[place] * self.u[place]).sum();
+                [largest, work / largest]
+            }
+        }
+    }
+
+    /// Elastic energy at load factor 1 [N mm].
+    pub(crate) fn energy(&self) -> f64 {
+        self.energy
+    }
+
+    /// Gives cells new stiffnesses and factors.
+    pub(crate) fn restart(
+        &mut self,
+        cells: impl Iterator<Item = (usize, Stiffness)>,
+    ) -> Result<(), CompositeError> {
+        for (cell, stiffness) in cells {
+            self.lattice.replace_stiffness(cell, stiffness);
+        }
+        self.factor()
+    }
+
+    /// Gives a cell a smaller stiffness; what it lost, and whether the system was factored anew.
+    pub(crate) fn soften(
+        &mut self,
+        cell: usize,
+        stiffness: Stiffness,
+    ) -> Result<(Loss, bool), CompositeError> {
+        let before = self.lattice.cell(cell);
+        self.lattice.replace_stiffness(cell, stiffness);
+        let after = self.lattice.cell(cell);
+        let lost = (before.stiffness - after.stiffness) * before.volume;
+        let loss = Loss {
+            moduli: lost.transpose().into(),
+            hourglass: [0, 1].map(|axis| before.hourglass[axis] - after.hourglass[axis]),
+        };
+        if self.softening.len() + 5 > self.most_columns || !self.take(cell, &loss) {
+            self.factor()?;
+            return Ok((loss, true));
+        }
+        if self.settle() > UNBALANCED {
+            self.factor()?;
+            return Ok((loss, true));
+        }
+        Ok((loss, false))
+    }
+
+    /// Takes a loss from the factor; `false` where only a new factor knows what is left.
+    fn take(&mut self, cell: usize, loss: &Loss) -> bool {
+        let rates = self.lattice.cell(cell).rates();
+        let corners = self.lattice.grid().corners(cell);
+        let eigen = Matrix3::from(loss.moduli).symmetric_eigen();
+        let largest = eigen.eigenvalues.amax();
+        let mut modes: Vec<(f64, [f64; 5])> = Vec::with_capacity(5);
+        for place in 0..3 {
+            let value = eigen.eigenvalues[place];
+            if value > ROUND_OFF * largest {
+                let vector = eigen.eigenvectors.column(place);
+                modes.push((value, [vector[0], vector[1], vector[2], 0.0, 0.0]));
+            }
+        }
+        for (axis, &value) in loss.hourglass.iter().enumerate() {
+            // beside the hourglass stiffness itself a smaller part is round-off
+            if value > ROUND_OFF * self.lattice.cell(cell).hourglass[axis] {
+                let mut mode = [0.0; 5];
+                mode[3 + axis] = 1.0;
+                modes.push((value, mode));
+            }
+        }
+        for (coefficient, mode) in modes {
+            let mut entries = Vec::with_capacity(8);
+            for (corner, particle) in corners.into_iter().enumerate() {
+                for axis in 0..2 {
+                    let displacement = 2 * particle + axis;
+                    let value: f64 = (0..5)
+                        .map(|measure| mode[measure] * rates[measure][2 * corner + axis])
+                        .sum();
+                    if !self.supports.is_held(displacement) && value != 0.0 {
+                        entries.push((displacement as u32, value));
+                    }
+                }
+            }
+            if entries.is_empty() {
+                continue;
+            }
+            for measure in 0..5 {
+                if mode[measure] != 0.0 {
+                    self.solve_measure(cell as u32, measure, &rates[measure], corners);
+                }
+            }
+            let solved = &self.solved;
+            let taken = self.softening.take(&entries, coefficient, |_, solution| {
+                solution.fill(0.0);
+                for (of, measure, column) in solved {
+                    let weight = mode[*measure as usize];
+                    if *of == cell as u32 && weight != 0.0 {
+                        for (sum, value) in solution.iter_mut().zip(column) {
+                            *sum += weight * value;
+                        }
+                    }
+                }
+            });
+            if taken.is_err() {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Solves for unit forces of a cell's measure, once for each factor.
+    fn solve_measure(&mut self, cell: u32, measure: usize, rate: &Corners, corners: [usize; 4]) {
+        let is_known =
+            |(of, which, _): &(u32, u8, Vec<f64>)| *of == cell && usize::from(*which) == measure;
+        if self.solved.iter().any(is_known) {
+            return;
+        }
+        self.right.fill(0.0);
+        for (corner, particle) in corners.into_iter().enumerate() {
+            for axis in 0..2 {
+                self.right[2 * particle + axis] += rate[2 * corner + axis];
+            }
+        }
+        let mut column = vec![0.0; self.u.len()];
+        self.direct.solve(&self.right, &mut column);
+        self.solved.push((cell, measure as u8, column));
+    }
+
+    /// Factors the lattice as it is and finds its displacements from nothing else, so that what
+    /// follows is the same whatever came before.
+    fn factor(&mut self) -> Result<(), CompositeError> {
+        self.factors += 1;
+        self.lattice
+            .tangent(Geometry::Linear, Tangent::Exact, &self.u, &mut self.matrix);
+        let told = |failure: NoFactor, lattice: &Lattice| failure.told(lattice.grid());
+        self.direct
+            .factor(&self.matrix)
+            .map_err(|failure| told(failure, &self.lattice))?;
+        self.softening.clear();
+        self.solved.clear();
+        self.u = self.supports.displacements();
+        let residual = self.settle();
+        if residual > UNBALANCED || residual.is_nan() {
+            return Err(CompositeError::NotConverged {
+                load_fraction: 1.0,
+                iterations: REFINEMENTS,
+                residual,
+            });
+        }
+        Ok(())
+    }
+
+    /// Refines the displacements; what is left unbalanced.
+    fn settle(&mut self) -> f64 {
+        let mut residual = self.unbalance();
+        for _ in 0..REFINEMENTS {
+            if residual <= BALANCED {
+                break;
+            }
+            self.direct.solve(&self.right, &mut self.step);
+            self.softening.correct(&mut self.step);
+            for (u, step) in self.u.iter_mut().zip(&self.step) {
+                *u += step;
+            }
+            let refined = self.unbalance();
+            // beyond this it is round-off that changes
+            if refined > 0.5 * residual {
+                residual = refined;
+                break;
+            }
+            residual = refined;
+        }
+        residual
+    }
+
+    /// Forces and energy at the displacements; the largest unbalanced force over the largest one.
+    fn unbalance(&mut self) -> f64 {
+        self.energy = self
+            .lattice
+            .forces(Geometry::Linear, &self.u, &mut self.forces);
+        let (mut largest, mut unbalanced) = (0.0_f64, 0.0_f64);
+        for (place, force) in self.forces.iter().enumerate() {
+            if self.supports.is_held(place) {
+                largest = largest.max(force.abs());
+                self.right[place] = 0.0;
+            } else {
+                let left = self.load[place] - force;
+                largest = largest.max(self.load[place].abs());
+                unbalanced = unbalanced.max(left.abs());
+                self.right[place] = left;
+            }
+        }
+        if !self.energy.is_finite() {
+            f64::INFINITY
+        } else if unbalanced > 0.0 {
+            unbalanced / largest
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The one thing that drives a section.
+fn drive(lattice: &Lattice, supports: &Supports, load_n: &[f64]) -> Result<Drive, CompositeError> {
+    if load_n.len() != lattice.displacements() {
+        return Err(CompositeError::OtherSize);
+    }
+    let (mut sum, mut sizes, mut largest) = ([0.0_f64; 2], 0.0_f64, 0.0_f64);
+    for (place, force) in load_n.iter().enumerate() {
+        crate::error::finite("a load [N]", *force)?;
+        match supports.prescribed(place) {
+            Some(value) => largest = largest.max(value.abs()),
+            None => sum[place % 2] += force,
+        }
+    }
+    for particle in 0..load_n.len() / 2 {
+        let free = [0, 1].map(|axis| {
+            let place = 2 * particle + axis;
+            if supports.is_held(place) {
+                0.0
+            } else {
+                load_n[place]
+            }
+        });
+        sizes += free[0].hypot(free[1]);
+    }
+    match (sizes > 0.0, largest > 0.0) {
+        (true, true) => Err(CompositeError::MixedDrive),
+        (false, false) => Err(CompositeError::NoDrive),
+        (false, true) => Ok(Drive::Displacements(largest)),
+        (true, false) => {
+            // forces that balance each other open something: half of them pull at each side
+            let whole = sum[0].hypot(sum[1]);
+            let balance = 1e-9 * sizes;
+            Ok(Drive::Forces(if whole > balance {
+                whole
+            } else {
+                0.5 * sizes
+            }))
+        }
+    }
+}

@@ -1,0 +1,1 @@
+//! How many events a second: prints, for the table in the room's docs.
