@@ -10,8 +10,8 @@ use super::model::{Model, drive};
 use super::results::{self, Tested};
 use super::{Halt, Progress, Watch};
 use crate::breaking::{
-    Advance, Breaking, BreakingOptions, BreakingState, Control, EndReason, Event, MaterialStrength,
-    Machine, Scatter, ScatterLaw, Specimen, Stop, Totals,
+    Advance, Breaking, BreakingOptions, BreakingState, Control, EndReason, Event, Machine,
+    MaterialStrength, Scatter, ScatterLaw, Specimen, Stop, Totals,
 };
 use crate::error::CompositeError;
 use crate::flexure::{Flexure, FlexureResult};
@@ -36,6 +36,8 @@ pub(super) struct Look {
     pub(super) displacements_mm: Vec<f64>,
     /// Lost part of every cell's stiffness.
     pub(super) damage: Vec<f64>,
+    /// σ_xx, σ_yy and σ_xy of every cell [MPa].
+    pub(super) stresses_mpa: Vec<[f64; 3]>,
 }
 
 /// What breaking has come to.
@@ -128,7 +130,11 @@ fn whole(model: &Model<'_>) -> Result<(Tested, Supports, Vec<f64>), Halt> {
         return Ok((Tested::bent(found), supports, load));
     }
     let rest = equilibrium(&model.lattice, &model.supports, &model.load, &options)?;
-    Ok((Tested::at_rest(rest), model.supports.clone(), model.load.clone()))
+    Ok((
+        Tested::at_rest(rest),
+        model.supports.clone(),
+        model.load.clone(),
+    ))
 }
 
 /// The forces of rollers on the particles that touch them, which balance each other, and what keeps
@@ -190,6 +196,7 @@ fn look(breaking: &Breaking, event: &Event) -> Look {
         force_n: event.force_n,
         displacements_mm: breaking.displacements_mm().to_vec(),
         damage: breaking.damage().to_vec(),
+        stresses_mpa: breaking.stresses_mpa(),
     }
 }
 

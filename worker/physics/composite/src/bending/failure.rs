@@ -4,7 +4,7 @@ use loadframe_api::spec::composite_bending::Way;
 use super::cracks::Broken;
 use super::model::Model;
 use super::results::Measured;
-use crate::breaking::{Event, EndReason};
+use crate::breaking::{EndReason, Event};
 
 /// N mm in J.
 const J: f64 = 1e-3;
@@ -164,4 +164,59 @@ fn strengths(
             "Largest force over the section's area.",
         );
     }
+}
+
+/// Part of a fracture energy by which the steps of softening may miss it, beyond which it is told.
+const SAW: f64 = 0.05;
+/// Part of the broken cells whose crack is pressed together, beyond which it is told.
+const OVERLAPPING: f64 = 0.1;
+
+/// What a reader of the result should know.
+pub(super) fn warnings(broken: &Broken) -> Vec<(&'static str, String)> {
+    let totals = &broken.totals;
+    let mut warnings = Vec::new();
+    if totals.energy_follows_grid {
+        warnings.push((
+            "energy_follows_grid",
+            "something that breaks has no fracture energy: what its cracks take, and how the force falls after \
+             the peak, follow the size of the cells; give fracture_energy_n_per_mm"
+                .to_owned(),
+        ));
+    }
+    if totals.saw_error > SAW {
+        warnings.push((
+            "coarse_softening",
+            format!(
+                "the steps in which cracks open may miss their fracture energy by {:.0} %; more teeth in \
+                 breaking make that less, in proportion",
+                100.0 * totals.saw_error
+            ),
+        ));
+    }
+    let overlapping = totals.overlapping_cells as f64;
+    if overlapping > OVERLAPPING * totals.broken_cells as f64 {
+        warnings.push((
+            "cracks_overlap",
+            format!(
+                "in {overlapping} of {} broken cells the faces of the crack are pressed into each other, which \
+                 nothing hinders here: in compression the section is stronger than it is told",
+                totals.broken_cells
+            ),
+        ));
+    }
+    match broken.reason {
+        EndReason::Events => warnings.push((
+            "max_events",
+            format!(
+                "the test ended after {} events, before its force fell; raise max_events in breaking",
+                totals.events
+            ),
+        )),
+        EndReason::NothingBreaks if totals.events == 0 => warnings.push((
+            "nothing_breaks",
+            "no part of the section reaches a strength under this load, however large".to_owned(),
+        )),
+        _ => {}
+    }
+    warnings
 }

@@ -3,9 +3,11 @@ use loadframe_harness::vtk::{Array, Lines, Polygons, Series};
 use loadframe_harness::{Recorder, SimulationError, csv};
 
 use super::Recorded;
+use super::cracks::Broken;
 use super::errors::Finding;
 use super::model::{Fineness, Model};
 use super::results::{self, Measured, Tested};
+use crate::breaking::{BrokenPart, Mode};
 use crate::lattice::{Geometry, gather};
 use crate::measure::{mean_gradient, point_mm};
 use crate::supports::Face;
@@ -29,6 +31,9 @@ pub(super) fn write(
     write_points(model, tested, recorder)?;
     write_faces(model, tested, recorder)?;
     write_convergence(model, measured, finding, recorder)?;
+    if let Some(broken) = &tested.broken {
+        write_events(model, broken, recorder)?;
+    }
     if model.spec.output.picture {
         write_pictures(model, tested, recorder)?;
     }
@@ -134,23 +139,74 @@ pub(super) fn factor(model: &Model<'_>, tested: &Tested) -> f64 {
     })
 }
 
-/// The deformed section as cells with stress and strain, and as bonds with their forces.
+/// The deformed section, at the moments that count.
 fn write_pictures(
     model: &Model<'_>,
     tested: &Tested,
     recorder: &mut dyn Recorder,
 ) -> Result<(), SimulationError> {
-    let grid = model.lattice.grid();
-    let u = tested.displacements_mm();
     let factor = factor(model, tested);
-    let place = |particle: usize| {
-        let [x, y] = grid.place_mm(particle);
-        [
-            x + factor * u[2 * particle],
-            y + factor * u[2 * particle + 1],
-            0.0,
-        ]
-    };
+    let mut entries = Vec::new();
+    if let Some(broken) = &tested.broken {
+        let looks = [("peak", &broken.peak), ("end", &broken.end)];
+        for (name, look) in looks {
+            let Some(look) = look else { continue };
+            let name = format!("snapshots/{name}.vtp");
+            let shown = Shown {
+                u: &look.displacements_mm,
+                stresses: Some(look.stresses_mpa.clone()),
+                damage: Some(&look.damage),
+            };
+            write_cells(model, &name, &shown, factor, recorder)?;
+            entries.push((look.displacement_mm, name));
+        }
+        write_cracks(model, broken, factor, recorder)?;
+    } else {
+        let name = "snapshots/section.vtp".to_owned();
+        let u = tested.displacements_mm();
+        let shown = Shown {
+            u,
+            stresses: stresses(model, u),
+            damage: None,
+        };
+        write_cells(model, &name, &shown, factor, recorder)?;
+        write_bonds(model, u, factor, recorder)?;
+        entries.push((1.0, name));
+    }
+    let series = Series { entries };
+    recorder.file("snapshots.pvd", &mut |out| series.write(out))?;
+    Ok(())
+}
+
+/// What a picture shows beside the section itself.
+struct Shown<'a> {
+    u: &'a [f64],
+    /// σ_xx, σ_yy and σ_xy of every cell [MPa].
+    stresses: Option<Vec<[f64; 3]>>,
+    /// Lost part of every cell's stiffness.
+    damage: Option<&'a [f64]>,
+}
+
+/// Where a particle is drawn.
+fn drawn(model: &Model<'_>, u: &[f64], factor: f64, particle: usize) -> [f64; 3] {
+    let [x, y] = model.lattice.grid().place_mm(particle);
+    [
+        x + factor * u[2 * particle],
+        y + factor * u[2 * particle + 1],
+        0.0,
+    ]
+}
+
+/// The deformed section as cells with stress and strain.
+fn write_cells(
+    model: &Model<'_>,
+    name: &str,
+    shown: &Shown<'_>,
+    factor: f64,
+    recorder: &mut dyn Recorder,
+) -> Result<(), SimulationError> {
+    let grid = model.lattice.grid();
+    let u = shown.u;
     let cells = grid.cells();
     let mut points = Vec::with_capacity(4 * cells);
     let mut displacement = Vec::with_capacity(12 * cells);
@@ -158,7 +214,7 @@ fn write_pictures(
     for cell in 0..cells {
         let corners = grid.corners(cell);
         for particle in corners {
-            points.push(place(particle));
+            points.push(drawn(model, u, factor, particle));
             displacement.extend([u[2 * particle], u[2 * particle + 1], 0.0]);
         }
         let [[xx, xy], [yx, yy]] = mean_gradient(grid.sides_mm(cell), &gather(u, corners));
@@ -166,26 +222,29 @@ fn write_pictures(
             all.push(one);
         }
     }
-    let mut data = vec![
-        Array::scalars("fibre_share", model.layout.fibre_share()),
-        Array::scalars("strain_xx", &strain[0]),
-        Array::scalars("strain_yy", &strain[1]),
-        Array::scalars("strain_xy", &strain[2]),
-    ];
-    let stresses = stresses(model, u);
-    if let Some(stresses) = &stresses {
+    let mut data = vec![Array::scalars("fibre_share", model.layout.fibre_share())];
+    if let Some(damage) = shown.damage {
+        data.push(Array::scalars("damage", damage));
+    }
+    for (name, values) in ["strain_xx", "strain_yy", "strain_xy"].iter().zip(&strain) {
+        data.push(Array::scalars(name, values));
+    }
+    let mut stress = [const { Vec::new() }; 4];
+    for [xx, yy, xy] in shown.stresses.iter().flatten() {
+        let mises = (xx * xx - xx * yy + yy * yy + 3.0 * xy * xy).sqrt();
+        for (all, one) in stress.iter_mut().zip([*xx, *yy, *xy, mises]) {
+            all.push(one);
+        }
+    }
+    if shown.stresses.is_some() {
         let names = [
             "stress_xx_mpa",
             "stress_yy_mpa",
             "stress_xy_mpa",
             "stress_mises_mpa",
         ];
-        data.extend(
-            names
-                .iter()
-                .zip(stresses)
-                .map(|(name, values)| Array::scalars(name, values)),
-        );
+        let arrays = names.iter().zip(&stress);
+        data.extend(arrays.map(|(name, values)| Array::scalars(name, values)));
     }
     let polygons = Polygons {
         points: &points,
@@ -193,10 +252,22 @@ fn write_pictures(
         point_data: &[Array::vectors("displacement_mm", &displacement)],
         cell_data: &data,
     };
-    recorder.file("snapshots/section.vtp", &mut |out| polygons.write(out))?;
+    recorder.file(name, &mut |out| polygons.write(out))?;
+    Ok(())
+}
 
+/// The bonds with their forces.
+fn write_bonds(
+    model: &Model<'_>,
+    u: &[f64],
+    factor: f64,
+    recorder: &mut dyn Recorder,
+) -> Result<(), SimulationError> {
     let (ends, forces) = bonds(model, u);
-    let particles: Vec<[f64; 3]> = (0..grid.particles()).map(place).collect();
+    let particles = 0..model.lattice.grid().particles();
+    let particles: Vec<[f64; 3]> = particles
+        .map(|particle| drawn(model, u, factor, particle))
+        .collect();
     let lines = Lines {
         points: &particles,
         ends: &ends,
@@ -204,26 +275,113 @@ fn write_pictures(
         cell_data: &[Array::scalars("force_n", &forces)],
     };
     recorder.file("snapshots/bonds.vtp", &mut |out| lines.write(out))?;
-    let series = Series {
-        entries: vec![(1.0, "snapshots/section.vtp".to_owned())],
-    };
-    recorder.file("snapshots.pvd", &mut |out| series.write(out))?;
     Ok(())
 }
 
-/// σ_xx, σ_yy, σ_xy and the equivalent stress of [vonMises1913] in plane stress, cell by cell; `None`
-/// in the paper's lattice, whose cells have none.
-fn stresses(model: &Model<'_>, u: &[f64]) -> Option<[Vec<f64>; 4]> {
-    let geometry: Geometry = model.geometry();
-    let mut all = [const { Vec::new() }; 4];
-    for cell in 0..model.lattice.grid().cells() {
-        let [xx, yy, xy] = model.lattice.stress(geometry, cell, u)?;
-        let mises = (xx * xx - xx * yy + yy * yy + 3.0 * xy * xy).sqrt();
-        for (all, one) in all.iter_mut().zip([xx, yy, xy, mises]) {
-            all.push(one);
+/// Cracks that are open through, as lines across their cells, where the section is at the end.
+fn write_cracks(
+    model: &Model<'_>,
+    broken: &Broken,
+    factor: f64,
+    recorder: &mut dyn Recorder,
+) -> Result<(), SimulationError> {
+    let Some(end) = &broken.end else {
+        return Ok(());
+    };
+    let grid = model.lattice.grid();
+    let (mut points, mut ends) = (Vec::new(), Vec::new());
+    let (mut numbers, mut parts) = (Vec::new(), Vec::new());
+    for event in broken
+        .events
+        .iter()
+        .filter(|event| event.crack_area_mm2 > 0.0)
+    {
+        let [mut x, mut y] = [0.0; 2];
+        for particle in grid.corners(event.cell) {
+            let place = drawn(model, &end.displacements_mm, factor, particle);
+            x += 0.25 * place[0];
+            y += 0.25 * place[1];
         }
+        let half = 0.5 * event.crack_area_mm2 / model.lattice.thickness_mm();
+        let along = [-event.normal[1] * half, event.normal[0] * half];
+        let first = points.len() as u32;
+        points.push([x - along[0], y - along[1], 0.0]);
+        points.push([x + along[0], y + along[1], 0.0]);
+        ends.push([first, first + 1]);
+        numbers.push(event.number as f64);
+        parts.push(part_number(event.part));
     }
-    Some(all)
+    let lines = Lines {
+        points: &points,
+        ends: &ends,
+        point_data: &[],
+        cell_data: &[
+            Array::scalars("event", &numbers),
+            Array::scalars("part", &parts),
+        ],
+    };
+    recorder.file("snapshots/cracks.vtp", &mut |out| lines.write(out))?;
+    Ok(())
+}
+
+/// Which sort of part broke, as a number for pictures: matrix or ply 0, fibre 1, interface 2.
+fn part_number(part: BrokenPart) -> f64 {
+    match part {
+        BrokenPart::Matrix => 0.0,
+        BrokenPart::Fibre(_) => 1.0,
+        BrokenPart::Interface(_) => 2.0,
+    }
+}
+
+/// Every event of a test that breaks.
+fn write_events(
+    model: &Model<'_>,
+    broken: &Broken,
+    recorder: &mut dyn Recorder,
+) -> Result<(), SimulationError> {
+    let grid = model.lattice.grid();
+    recorder.file("cracks.csv", &mut |out| {
+        writeln!(
+            out,
+            "event,load_factor,displacement_mm,force_n,x_mm,y_mm,part,fibre,mode,tooth,\
+             energy_released_n_mm,dissipated_n_mm,crack_area_mm2"
+        )?;
+        for event in &broken.events {
+            let [x, y] = grid.middle_mm(event.cell);
+            let (part, fibre) = match event.part {
+                BrokenPart::Matrix => ("matrix", String::new()),
+                BrokenPart::Fibre(place) => ("fibre", place.to_string()),
+                BrokenPart::Interface(place) => ("interface", place.to_string()),
+            };
+            let mode = match event.mode {
+                Mode::Tension => "tension",
+                Mode::Compression => "compression",
+                Mode::Shear => "shear",
+            };
+            writeln!(
+                out,
+                "{},{},{},{},{x},{y},{part},{fibre},{mode},{},{},{},{}",
+                event.number,
+                event.factor,
+                event.displacement_mm,
+                event.force_n,
+                event.tooth,
+                event.energy_released_n_mm,
+                event.dissipated_n_mm,
+                event.crack_area_mm2,
+            )?;
+        }
+        Ok(())
+    })?;
+    Ok(())
+}
+
+/// σ_xx, σ_yy and σ_xy of every cell [MPa]; `None` in the paper's lattice, whose cells have none.
+fn stresses(model: &Model<'_>, u: &[f64]) -> Option<Vec<[f64; 3]>> {
+    let geometry: Geometry = model.geometry();
+    (0..model.lattice.grid().cells())
+        .map(|cell| model.lattice.stress(geometry, cell, u))
+        .collect()
 }
 
 /// Bonds by their particles, and their forces [N].

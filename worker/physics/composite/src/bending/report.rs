@@ -3,9 +3,9 @@ use indexmap::IndexMap;
 use loadframe_api::{QualityCheck, Quantity, Report, Warning};
 
 use super::errors::{self, Comparison, Finding};
-use super::files;
 use super::model::Model;
 use super::results::{Measured, Tested};
+use super::{failure, files};
 use crate::lattice::{Geometry, gather};
 use crate::measure::mean_gradient;
 use crate::section::Grid;
@@ -61,10 +61,10 @@ pub(super) fn report(
     }
     let quality = quality(model, tested, measured, finding);
     let warnings = warnings(model, tested, measured, finding, &quality);
-    let stop_reason = if tested.motion.is_some() {
-        "duration"
-    } else {
-        "full_load"
+    let stop_reason = match &tested.broken {
+        Some(broken) => failure::stop_reason(broken.reason),
+        None if tested.motion.is_some() => "duration",
+        None => "full_load",
     };
     Report {
         stop_reason: stop_reason.to_owned(),
@@ -105,10 +105,10 @@ fn quality(
         (
             "inverted_cells".to_owned(),
             QualityCheck::at_most(
-                model.lattice.inverted_cells(tested.displacements_mm()) as f64,
+                inverted(model, tested) as f64,
                 0.0,
                 "1",
-                "Cells that the displacements turn inside out, at the end.",
+                "Cells that the displacements turn inside out, at the end; cells that broke are left out.",
             ),
         ),
     ]);
@@ -175,7 +175,7 @@ fn warnings(
         );
     }
     let is_linear = model.geometry() == Geometry::Linear;
-    let gradient = rms_gradient(model.lattice.grid(), tested.displacements_mm());
+    let gradient = rms_gradient(model.lattice.grid(), tested);
     if is_linear && gradient > SMALL {
         let advice = if tested.bent.is_some() {
             "the formulas of the standards leave this out, too"
@@ -200,6 +200,11 @@ fn warnings(
                  deflection is; graded_cells_per_fibre in the grid makes it finer at rollers"
             ),
         );
+    }
+    if let Some(broken) = &tested.broken {
+        for (code, detail) in failure::warnings(broken) {
+            warn(code, detail);
+        }
     }
     for (name, check) in quality {
         let has_own = name == "estimated_discretisation_error";
@@ -227,16 +232,24 @@ fn warnings(
     warnings
 }
 
-/// Root mean square over the section of the four derivatives of the displacements.
-fn rms_gradient(grid: &Grid, u: &[f64]) -> f64 {
+/// Root mean square over the section of the four derivatives of the displacements; where cells broke,
+/// these are openings of cracks, and left out.
+fn rms_gradient(grid: &Grid, tested: &Tested) -> f64 {
+    let u = tested.displacements_mm();
     let mut sum = 0.0;
     let mut area = 0.0;
-    for cell in 0..grid.cells() {
+    for cell in (0..grid.cells()).filter(|cell| tested.is_whole(*cell)) {
         let sides = grid.sides_mm(cell);
         let gradient = mean_gradient(sides, &gather(u, grid.corners(cell)));
         let squares: f64 = gradient.iter().flatten().map(|part| part * part).sum();
         sum += squares * sides[0] * sides[1];
         area += sides[0] * sides[1];
     }
-    (sum / area).sqrt()
+    if area > 0.0 { (sum / area).sqrt() } else { 0.0 }
+}
+
+/// Number of whole cells that displacements turn inside out.
+fn inverted(model: &Model<'_>, tested: &Tested) -> usize {
+    let cells = model.lattice.inverted_cells(tested.displacements_mm());
+    cells.filter(|cell| tested.is_whole(*cell)).count()
 }

@@ -4,8 +4,8 @@ use loadframe_api::spec::composite_bending::Way;
 use serde::{Deserialize, Serialize};
 
 use super::cracks::Broken;
-use super::history::Swing;
 use super::failure;
+use super::history::Swing;
 use super::model::Model;
 use crate::flexure::FlexureResult;
 use crate::measure::face_mean_mm;
@@ -146,9 +146,18 @@ impl Tested {
             ("particle_steps".to_owned(), particles * moved),
             (
                 "events".to_owned(),
-                self.broken.as_ref().map_or(0, |broken| broken.totals.events),
+                self.broken
+                    .as_ref()
+                    .map_or(0, |broken| broken.totals.events),
             ),
         ])
+    }
+
+    /// Whether a cell has kept most of its stiffness to the end.
+    pub(super) fn is_whole(&self, cell: usize) -> bool {
+        const MOSTLY: f64 = 0.5;
+        let end = self.broken.as_ref().and_then(|broken| broken.end.as_ref());
+        end.is_none_or(|look| look.damage[cell] < MOSTLY)
     }
 
     /// Displacements at the end of the test [mm].

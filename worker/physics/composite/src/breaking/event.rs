@@ -98,7 +98,7 @@ impl Dissipated {
 }
 
 /// Sums over all events.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Totals {
     pub events: u64,
     /// With the last event taken as at a held drive.

@@ -33,7 +33,7 @@ mod system;
 #[cfg(test)]
 mod tests;
 
-pub use curve::{Control, machine_curve};
+pub use curve::{Control, Machine, machine_curve};
 pub use event::{Advance, Dissipated, EndReason, Event, Mode, Totals};
 pub use part::BrokenPart;
 pub use scatter::{Scatter, ScatterLaw};
@@ -50,7 +50,7 @@ use state::{Pending, Progress};
 use system::{MOST_COLUMNS, System};
 
 use crate::error::{CompositeError, positive};
-use crate::lattice::Lattice;
+use crate::lattice::{Geometry, Lattice};
 use crate::section::Layout;
 use crate::stiffness::Stiffness;
 use crate::strength::{Criterion, InterfaceStrength, Strength};
@@ -320,6 +320,16 @@ impl Breaking {
     #[must_use]
     pub fn damage(&self) -> &[f64] {
         &self.lost
+    }
+
+    /// Stress of every cell at the last event [MPa]: xx, yy, xy; 0 before the first.
+    #[must_use]
+    pub fn stresses_mpa(&self) -> Vec<[f64; 3]> {
+        let lattice = &self.system.lattice;
+        let stress = |cell| lattice.stress(Geometry::Linear, cell, &self.displacements_mm);
+        (0..self.intact.len())
+            .map(|cell| stress(cell).unwrap_or_default())
+            .collect()
     }
 
     /// How often the equations were factored.

@@ -257,12 +257,9 @@ impl Lattice {
         (0..self.grid.cells()).find(|&place| self.is_inverted(place, u))
     }
 
-    /// Number of cells that displacements turn inside out.
-    #[must_use]
-    pub fn inverted_cells(&self, u: &[f64]) -> usize {
-        (0..self.grid.cells())
-            .filter(|&place| self.is_inverted(place, u))
-            .count()
+    /// Cells that displacements turn inside out.
+    pub fn inverted_cells<'a>(&'a self, u: &'a [f64]) -> impl Iterator<Item = usize> + 'a {
+        (0..self.grid.cells()).filter(|&place| self.is_inverted(place, u))
     }
 
     fn is_inverted(&self, place: usize, u: &[f64]) -> bool {
