@@ -55,8 +55,7 @@ pub enum Advance {
 pub enum EndReason {
     /// No load breaks anything more.
     NothingBreaks,
-    /// The force fell below the given part of its peak, and stays below it at the largest
-    /// displacement there was.
+    /// At the largest displacement there was, the force fell below the given part of its peak.
     ForceFell,
     /// As many events as were allowed.
     Events,

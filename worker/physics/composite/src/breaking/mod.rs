@@ -105,8 +105,9 @@ impl Default for BreakingOptions {
 /// When breaking ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stop {
-    /// When the force is below this part of its peak, and would be at the largest displacement so far;
-    /// 0 to below 1.
+    /// When the force at the largest displacement so far has fallen below this part of its peak; 0 to
+    /// below 1. Below a thousandth it is what broken cells keep for the equations' sake that bears,
+    /// and breaking ends in any case.
     pub force_fraction: f64,
     /// After so many events.
     pub events: u64,
@@ -123,6 +124,9 @@ impl Default for Stop {
         }
     }
 }
+
+/// Part of the peak force below which nothing real is left.
+const LEAST_FORCE: f64 = 1e-3;
 
 /// A section that breaks.
 #[derive(Debug)]
@@ -229,7 +233,7 @@ impl Breaking {
                 step: self.progress.events + 1,
             });
         }
-        if let Some(reason) = self.ends(displacement_mm, force_n, unit_n / unit_mm) {
+        if let Some(reason) = self.ends(displacement_mm, unit_n / unit_mm) {
             return Ok(Advance::Ended(reason));
         }
 
@@ -358,7 +362,7 @@ impl Breaking {
         first
     }
 
-    fn ends(&self, displacement_mm: f64, force_n: f64, stiffness: f64) -> Option<EndReason> {
+    fn ends(&self, displacement_mm: f64, stiffness: f64) -> Option<EndReason> {
         let stop = &self.options.stop;
         if stop
             .displacement_mm
@@ -366,9 +370,8 @@ impl Breaking {
         {
             return Some(EndReason::Displacement);
         }
-        let least = stop.force_fraction * self.progress.peak_n;
-        let fell = force_n < least && stiffness * self.progress.reach_mm < least;
-        fell.then_some(EndReason::ForceFell)
+        let least = stop.force_fraction.max(LEAST_FORCE) * self.progress.peak_n;
+        (stiffness * self.progress.reach_mm < least).then_some(EndReason::ForceFell)
     }
 
     fn cracked(&self, place: usize, hit: &Hit) -> Result<Damage, CompositeError> {
@@ -400,14 +403,17 @@ impl Breaking {
     /// Stiffness of a cell as damaged as its parts are [MPa].
     fn composed(&mut self, cell: usize) -> Stiffness {
         let of = self.parts.of(cell);
-        let stiffness = compose(
+        let is_intact = self.damage[of.clone()].iter().all(Damage::is_none);
+        let composed = compose(
             &self.parts.all[of.clone()],
             &self.parts.laws,
             &self.damage[of.clone()],
             self.teeth,
             &mut self.bearings[of],
         );
-        self.lost[cell] = lost(&self.intact[cell], &stiffness);
+        // to the last bit, as it was before
+        let stiffness = if is_intact { self.intact[cell] } else { composed };
+        self.lost[cell] = if is_intact { 0.0 } else { lost(&self.intact[cell], &stiffness) };
         stiffness
     }
 

@@ -45,7 +45,7 @@ fn a_weak_column_takes_its_strength_and_its_fracture_energy_on_every_grid() {
             let case = weak_bar(length, rows, columns, energy);
             let mut breaking = case.breaking();
             let (events, reason) = broken(&mut breaking);
-            assert_eq!(reason, EndReason::NothingBreaks);
+            assert_eq!(reason, EndReason::ForceFell);
             assert_eq!(events.len(), 10 * rows);
             let first = events[0].force_n;
             assert!((first / (STRENGTH * area) - 1.0).abs() < 1e-10, "{first}");

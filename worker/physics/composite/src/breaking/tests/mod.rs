@@ -6,7 +6,6 @@ mod laminates;
 mod speed;
 
 use super::*;
-use crate::lattice::Lattice;
 use crate::section::{Division, Section};
 use crate::strength::Limit;
 use crate::supports::{Face, FaceSupport};
