@@ -169,7 +169,7 @@ impl Breaking {
         let teeth = check(&options)?;
         let layout = specimen.layout;
         let drawn = Drawn::new(options.scatter.as_ref(), options.seed)?;
-        let parts = Parts::new(layout, specimen.strengths, options.criterion, teeth, &drawn)?;
+        let parts = Parts::new(layout, specimen.strengths, options.criterion, &drawn)?;
         let damage: Vec<Damage> = parts
             .all
             .iter()
@@ -412,8 +412,16 @@ impl Breaking {
             &mut self.bearings[of],
         );
         // to the last bit, as it was before
-        let stiffness = if is_intact { self.intact[cell] } else { composed };
-        self.lost[cell] = if is_intact { 0.0 } else { lost(&self.intact[cell], &stiffness) };
+        let stiffness = if is_intact {
+            self.intact[cell]
+        } else {
+            composed
+        };
+        self.lost[cell] = if is_intact {
+            0.0
+        } else {
+            lost(&self.intact[cell], &stiffness)
+        };
         stiffness
     }
 

@@ -35,13 +35,10 @@ fn double_cantilever(rows: usize, teeth: u32) -> Case {
     let cells = [columns, rows];
     let layout = section.layout(Division::Uniform { cells }).unwrap();
     let grid = layout.grid();
-    let mut supports =
-        Supports::of_faces(grid, &[(Face::Right, FaceSupport::Clamped)]).unwrap();
+    let mut supports = Supports::of_faces(grid, &[(Face::Right, FaceSupport::Clamped)]).unwrap();
     let quarter = rows / 4;
     for (line, way) in [(quarter, -1.0), (rows - quarter, 1.0)] {
-        supports
-            .hold(grid, grid.particle(0, line), 1, way)
-            .unwrap();
+        supports.hold(grid, grid.particle(0, line), 1, way).unwrap();
     }
     let load_n = vec![0.0; 2 * grid.particles()];
     let across = MaterialStrength {
@@ -83,31 +80,42 @@ fn release_rate(event: &Event) -> [f64; 2] {
     [length, rate]
 }
 
+/// The process zone is l = E G / f² = 2.2 mm long. Measured, mean release rate over G while the crack
+/// grows by 6 mm: 1.229, 1.173, 1.108, 1.085 with cells of l/3.5, l/4.4, l/6.4, l/8.4: what a coarse
+/// cell stores in the gradient of its opening breaks with it, an error in proportion to its size
+/// (0.8 h/l), as ten or thirty teeth show alike. Linearly extrapolated it is 0.99.
 #[test]
-fn a_double_cantilever_beam_splits_at_its_fracture_energy_on_every_grid() {
-    for teeth in [10] {
-    for rows in [7, 9, 13, 17] {
-        let case = double_cantilever(rows, teeth);
+fn a_double_cantilever_beam_splits_at_its_fracture_energy_as_the_grid_grows_finer() {
+    let mut found = Vec::new();
+    for rows in [7, 9, 13] {
+        let case = double_cantilever(rows, 10);
         let mut breaking = case.breaking();
         let (events, reason) = broken(&mut breaking);
         assert_eq!(reason, EndReason::Displacement);
-        // where the crack is fully grown, at every opening: the envelope of the path
-        let machine = machine_curve(&events, Control::Displacement);
-        let at_peaks: Vec<[f64; 2]> = events
+        // where the crack has grown far from the notch and is far from the end
+        let rates: Vec<f64> = events
             .iter()
             .map(release_rate)
             .filter(|[length, _]| (14.0..20.0).contains(length))
+            .map(|[_, rate]| rate / ENERGY)
             .collect();
-        let mean = at_peaks.iter().map(|r| r[1]).sum::<f64>() / at_peaks.len() as f64 / ENERGY;
-        let most = at_peaks.iter().map(|r| r[1]).fold(0.0, f64::max) / ENERGY;
-        let least = at_peaks.iter().map(|r| r[1]).fold(9.0, f64::min) / ENERGY;
-        let totals = breaking.totals();
-        let pertaining = totals.dissipated.total_n_mm() / totals.crack_area_mm2 / ENERGY;
-        println!(
-            "{teeth} {rows}: {} events {} mean {mean} {least}..{most} dissipated {pertaining} {} {} {} f {}",
-            events.len(), at_peaks.len(), totals.saw_error, imbalance(&events), machine.len(), breaking.factors()
+        let mean = rates.iter().sum::<f64>() / rates.len() as f64;
+        let coarseness = breaking.totals().coarseness;
+        let expected = 2.0 * ARM_MM / rows as f64 / (MODULUS * ENERGY / STRENGTH.powi(2));
+        assert!(
+            (coarseness / expected - 1.0).abs() < 1e-9,
+            "{coarseness} {expected}"
         );
-        assert!(imbalance(&events) < 1e-9);
+        assert!((mean - 1.0).abs() < coarseness, "{rows} {mean}");
+        assert!(imbalance(&events) < BALANCE, "{}", imbalance(&events));
+        found.push([coarseness, mean]);
     }
-    }
+    assert!(
+        found.windows(2).all(|pair| pair[1][1] < pair[0][1]),
+        "{found:?}"
+    );
+    // of the straight line through the finest and the coarsest
+    let slope = (found[0][1] - found[2][1]) / (found[0][0] - found[2][0]);
+    let limit = found[2][1] - slope * found[2][0];
+    assert!((limit - 1.0).abs() < 0.05, "{limit}");
 }

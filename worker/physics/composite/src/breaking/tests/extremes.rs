@@ -53,21 +53,15 @@ fn low_rank_corrections_and_new_factors_give_the_same_events() {
     let (factored, _) = broken(&mut fresh);
     assert_eq!(fresh.factors() as usize, factored.len() + 1);
     assert_eq!(carried.len(), factored.len());
-    assert!(carried.len() > 100, "{}", carried.len());
-    let kinds = |part: fn(&BrokenPart) -> bool| carried.iter().filter(|e| part(&e.part)).count();
-    println!(
-        "{} events, {} of matrix, {} of fibres, {} of faces; {}",
-        carried.len(),
-        kinds(|part| *part == BrokenPart::Matrix),
-        kinds(|part| matches!(part, BrokenPart::Fibre(_))),
-        kinds(|part| matches!(part, BrokenPart::Interface(_))),
-        imbalance(&carried),
-    );
+    assert!(carried.len() >= 100, "{}", carried.len());
+    let is_face = |event: &&Event| matches!(event.part, BrokenPart::Interface(_));
+    let faces = carried.iter().filter(is_face).count();
+    assert!((20..carried.len() - 20).contains(&faces), "{faces}");
     for (a, b) in carried.iter().zip(&factored) {
         assert_eq!((a.cell, a.part, a.tooth), (b.cell, b.part, b.tooth));
         assert!((a.factor / b.factor - 1.0).abs() < 1e-8, "{a:?} {b:?}");
     }
-    assert!(imbalance(&carried) < 1e-9, "{}", imbalance(&carried));
+    assert!(imbalance(&carried) < BALANCE, "{}", imbalance(&carried));
 }
 
 #[test]
@@ -120,7 +114,12 @@ fn plate(strength: MaterialStrength, cells: [usize; 2]) -> Case {
 
 #[test]
 fn what_has_no_meaning_is_refused_by_name() {
-    for (limit, energy) in [(0.0, None), (-1.0, None), (f64::NAN, None), (1.0, Some(0.0))] {
+    for (limit, energy) in [
+        (0.0, None),
+        (-1.0, None),
+        (f64::NAN, None),
+        (1.0, Some(0.0)),
+    ] {
         let case = plate(
             in_tension(Some(Limit {
                 limit,
@@ -137,8 +136,17 @@ fn what_has_no_meaning_is_refused_by_name() {
     // 2 E G / f² = 2 · 1000 · 0.01 / 10² = 0.2 mm
     let case = plate(in_tension(tough(10.0, 0.01)), [4, 2]);
     let refused = case.refused();
-    assert!(refused.contains("0.5 mm wide") && refused.contains("at most 0.2"), "{refused}");
-    assert!(Breaking::new(plate(in_tension(tough(10.0, 0.01)), [10, 5]).specimen(), BreakingOptions::default()).is_ok());
+    assert!(
+        refused.contains("0.5 mm wide") && refused.contains("at most 0.2"),
+        "{refused}"
+    );
+    assert!(
+        Breaking::new(
+            plate(in_tension(tough(10.0, 0.01)), [10, 5]).specimen(),
+            BreakingOptions::default()
+        )
+        .is_ok()
+    );
 
     let good = || plate(in_tension(brittle(1.0)), [2, 1]);
     let refused = |change: fn(&mut Case)| {
@@ -197,7 +205,7 @@ fn one_cell_breaks_once_and_wholly() {
     let case = plate(in_tension(brittle(10.0)), [1, 1]);
     let mut breaking = case.breaking();
     let (events, reason) = broken(&mut breaking);
-    assert_eq!(reason, EndReason::ForceFell);
+    assert_eq!(reason, EndReason::NothingBreaks);
     assert_eq!(events.len(), 1);
     assert!((events[0].force_n - 10.0).abs() < 1e-9);
     assert!((events[0].displacement_mm - 10.0 / 1_000.0 * 2.0).abs() < 1e-12);
@@ -236,17 +244,18 @@ fn forces_break_as_displacements_do() {
     // to the end, where little is left to hold the force
     pushed.options.stop.events = 1_000;
     let (events, _) = broken(&mut pushed.breaking());
-    assert!(imbalance(&events) < 1e-9, "{}", imbalance(&events));
+    assert!(imbalance(&events) < BALANCE, "{}", imbalance(&events));
 }
 
 #[test]
 fn a_huge_scatter_and_a_cap_of_events_end() {
     let section = plain([2.0, 1.0], isotropic(1_000.0, 0.2), 0.0);
-    for law in [
-        ScatterLaw::Weibull { modulus: 0.5 },
-        ScatterLaw::LogNormal { sigma: 3.0 },
+    // the mean square is 6 and 8100 times the mean's: so much more energy keeps the cells fine enough
+    for (law, energy) in [
+        (ScatterLaw::Weibull { modulus: 0.5 }, 0.1),
+        (ScatterLaw::LogNormal { sigma: 3.0 }, 100.0),
     ] {
-        let mut case = Case::pulled(&section, [12, 6], 1.0, &[in_tension(tough(5.0, 100.0))]);
+        let mut case = Case::pulled(&section, [12, 6], 1.0, &[in_tension(tough(5.0, energy))]);
         case.options.scatter = Some(Scatter {
             law,
             reference_volume_mm3: None,
@@ -254,8 +263,13 @@ fn a_huge_scatter_and_a_cap_of_events_end() {
         case.options.stop.force_fraction = 0.0;
         let mut breaking = case.breaking();
         let (events, reason) = broken(&mut breaking);
-        println!("{law:?} {} {reason:?} {} {:?}", events.len(), imbalance(&events), breaking.totals());
-        assert!(imbalance(&events) < 1e-8);
+        // the weakest first, then far stronger ones, until nothing is left
+        assert!(matches!(
+            reason,
+            EndReason::NothingBreaks | EndReason::ForceFell
+        ));
+        assert!(events.len() > 100 && peak(&events) > 3.0 * events[0].force_n);
+        assert!(imbalance(&events) < BALANCE, "{}", imbalance(&events));
     }
     let mut case = Case::pulled(&section, [12, 6], 1.0, &[in_tension(tough(5.0, 10.0))]);
     case.options.stop.events = 25;

@@ -45,7 +45,10 @@ fn the_plies_across_crack_first_at_their_transverse_strain() {
     // E₂ = 10 GPa: 50 MPa at 0.5 %; along, 2000 MPa of 140 GPa are 1.4 %
     assert!((event.displacement_mm / length - 50.0 / 10_000.0).abs() < 1e-9);
     assert!([1, 2].contains(&(event.cell / 20)), "{}", event.cell);
-    assert_eq!((event.part, event.mode), (BrokenPart::Matrix, Mode::Tension));
+    assert_eq!(
+        (event.part, event.mode),
+        (BrokenPart::Matrix, Mode::Tension)
+    );
     assert!((event.normal[0].abs() - 1.0).abs() < 1e-9);
     let force = 5e-3 * height * (140_000.0 + 10_000.0) / 2.0;
     assert!((event.force_n / force - 1.0).abs() < 1e-9);
@@ -61,7 +64,7 @@ fn the_plies_across_crack_first_at_their_transverse_strain() {
         .position(|event| [0, 3].contains(&(event.cell / 6)))
         .unwrap();
     assert!(events[..along].iter().all(|e| e.mode == Mode::Tension));
-    assert!(imbalance(&events) < 1e-9);
+    assert!(imbalance(&events) < BALANCE);
 }
 
 #[test]
@@ -143,6 +146,8 @@ fn a_fibre_breaks_in_tension_and_in_compression_at_its_own_limits() {
     }
 }
 
+/// Measured, energy over G times area: 1.107, 1.043, 0.985 with cells of 0.75, 0.5 and 0.25 of the
+/// process zone; the error of the finest grid's saw is 0.098.
 #[test]
 fn a_weak_face_opens_first_and_takes_its_energy() {
     let face = InterfaceStrength {
@@ -167,12 +172,26 @@ fn a_weak_face_opens_first_and_takes_its_energy() {
         let (events, _) = broken(&mut breaking);
         assert_eq!(events[0].part, BrokenPart::Interface(0));
         assert_eq!(events[0].mode, Mode::Tension);
-        assert!((events[0].force_n / (5.0 * 6.0) - 1.0).abs() < 1e-9, "{}", events[0].force_n);
+        assert!(
+            (events[0].force_n / (5.0 * 6.0) - 1.0).abs() < 1e-9,
+            "{}",
+            events[0].force_n
+        );
         let totals = breaking.totals();
-        println!("{cells:?} {totals:?}");
-        assert!(imbalance(&events) < 1e-9);
-        let taken = totals.dissipated.interfaces_n_mm / (0.05 * totals.crack_area_mm2);
-        println!("{taken}");
+        assert!(imbalance(&events) < BALANCE);
+        // one of the two faces, over the whole height
+        assert!((totals.crack_area_mm2 - 6.0).abs() < 1e-9);
+        assert_eq!(totals.broken_cells as usize, cells[1]);
+        let taken = totals.dissipated.interfaces_n_mm / (0.05 * 6.0);
+        let coarse = if cells[1] < 12 {
+            totals.coarseness
+        } else {
+            0.0
+        };
+        assert!(
+            (taken - 1.0).abs() < totals.saw_error + coarse,
+            "{cells:?} {taken}"
+        );
     }
 }
 
@@ -211,19 +230,172 @@ fn composed_cells_are_the_layouts_and_their_parts_bear_their_stress() {
             10,
             &mut bearings,
         );
-        assert!((composed - stiffness).amax() < 1e-12 * stiffness.amax(), "{cell}");
+        assert!(
+            (composed - stiffness).amax() < 1e-12 * stiffness.amax(),
+            "{cell}"
+        );
         let mean = parts
             .iter()
             .zip(&bearings)
             .fold(Vector3::zeros(), |sum, (part, bearing)| {
                 // from the axes of its planes to those of the section: σ = Tᵀ σ'
-                let axis = breaking.parts.laws[part.law as usize].axis.unwrap_or([1.0, 0.0]);
+                let axis = breaking.parts.laws[part.law as usize]
+                    .axis
+                    .unwrap_or([1.0, 0.0]);
                 let turn = composition::strain_turn(axis);
                 sum + turn.transpose() * (bearing.stress * strain) * part.share
             });
         let expected = stiffness * strain;
-        assert!((mean - expected).amax() < 1e-10 * expected.amax(), "{mean} {expected}");
+        assert!(
+            (mean - expected).amax() < 1e-10 * expected.amax(),
+            "{mean} {expected}"
+        );
         counts[parts.len()] += 1;
     }
-    assert!(counts[1] > 0 && counts[2] > 0 && counts[3] > 0, "{counts:?}");
+    assert!(
+        counts[1] > 0 && counts[2] > 0 && counts[3] > 0,
+        "{counts:?}"
+    );
+}
+
+#[test]
+fn a_face_that_slid_under_pressure_still_bears_it_and_opens_when_pulled() {
+    use super::criterion::{cracked, first_crack};
+    let face = InterfaceStrength {
+        normal: tough(5.0, 0.05).unwrap(),
+        shear: tough(8.0, 0.1).unwrap(),
+    };
+    let strength = MaterialStrength {
+        bulk: Strength::default(),
+        interface: Some(face),
+    };
+    let case = Case::pulled(&with_fibre(0.0), [12, 6], 1.0, &[UNBREAKABLE, strength]);
+    let breaking = case.breaking();
+    let place = breaking
+        .parts
+        .all
+        .iter()
+        .position(part::Part::is_face)
+        .unwrap();
+    let part = breaking.parts.all[place];
+    let law = breaking.parts.laws[part.law as usize];
+    let sides = [1.0, 1.0];
+    let mut damage = breaking.damage[place];
+    let crack = |damage: &Damage, stress: [f64; 3]| {
+        first_crack(&part, &law, damage, 10, [stress, [0.0; 3]])
+    };
+    // (⟨σ⟩/5)² + (τ/8)² = 1: pressure does not count
+    let hit = crack(&damage, [0.0, 3.0, 4.0]).unwrap();
+    assert!((hit.factor - 1.0 / (0.36_f64 + 0.25).sqrt()).abs() < 1e-12);
+    let pressed = [0.0, -100.0, 4.0];
+    let hit = crack(&damage, pressed).unwrap();
+    assert!((hit.factor - 2.0).abs() < 1e-12 && hit.is_pressed);
+    for level in 1..=10 {
+        let hit = crack(&damage, pressed).unwrap();
+        damage = cracked(&part, &law, &damage, 10, sides, 1.0, &hit).unwrap();
+        assert_eq!(
+            (damage.planes[1].level, damage.planes[1].opened),
+            (level, 0)
+        );
+        let [normal, shear] = damage.planes[1].softness(10, true);
+        assert!(normal == 0.0 && shear > 0.0);
+    }
+    assert!(crack(&damage, pressed).is_none());
+    // nothing holds it any more
+    let hit = crack(&damage, [0.0, 1.0, 0.0]).unwrap();
+    assert!(hit.factor == 0.0 && !hit.is_pressed);
+    damage = cracked(&part, &law, &damage, 10, sides, 1.0, &hit).unwrap();
+    assert_eq!(damage.planes[1].opened, 10);
+    assert!(crack(&damage, [0.0, 1.0, 0.0]).is_none());
+}
+
+#[test]
+fn principal_stresses_crack_across_their_own_direction() {
+    use super::criterion::first_crack;
+    let strength = MaterialStrength {
+        bulk: Strength {
+            tension: brittle(10.0),
+            compression: brittle(15.0),
+            ..Strength::default()
+        },
+        interface: None,
+    };
+    let section = plain([1.0, 1.0], isotropic(100.0, 0.2), 0.0);
+    let breaking = Case::pulled(&section, [1, 1], 1.0, &[strength]).breaking();
+    let (part, law) = (breaking.parts.all[0], breaking.parts.laws[0]);
+    for step in 0..24 {
+        let (s, c) = (f64::from(step) * 15.0_f64.to_radians()).sin_cos();
+        for (principal, factor, is_pressed) in [
+            ([4.0, 1.0], 10.0 / 4.0, false),
+            ([4.0, -5.0], 10.0 / 4.0, false),
+            ([1.0, -5.0], 15.0 / 5.0, true),
+        ] {
+            let [p, q]: [f64; 2] = principal;
+            let stress = [
+                p * c * c + q * s * s,
+                p * s * s + q * c * c,
+                (p - q) * s * c,
+            ];
+            let hit =
+                first_crack(&part, &law, &breaking.damage[0], 10, [stress, [0.0; 3]]).unwrap();
+            assert!((hit.factor - factor).abs() < 1e-12, "{hit:?}");
+            assert_eq!(hit.is_pressed, is_pressed);
+            // across the first principal direction, or the second
+            let expected = if is_pressed { [-s, c] } else { [c, s] };
+            let cosine = hit.axis[0] * expected[0] + hit.axis[1] * expected[1];
+            assert!((cosine.abs() - 1.0).abs() < 1e-12, "{hit:?} {step}");
+        }
+    }
+}
+
+#[test]
+fn no_damage_makes_a_cell_indefinite_or_stiffer() {
+    let mut section = with_fibre(30.0);
+    section.materials[0].material = CARBON;
+    let face = InterfaceStrength {
+        normal: tough(50.0, 9.0).unwrap(),
+        shear: tough(80.0, 9.0).unwrap(),
+    };
+    let tough_ply = MaterialStrength {
+        bulk: Strength {
+            tension: tough(100.0, 9.0),
+            compression: tough(100.0, 9.0),
+            across_tension: tough(30.0, 9.0),
+            across_compression: tough(40.0, 9.0),
+            shear: tough(30.0, 9.0),
+        },
+        interface: Some(face),
+    };
+    let case = Case::pulled(&section, [12, 6], 1.0, &[tough_ply; 2]);
+    let mut breaking = case.breaking();
+    let mut seen = 0;
+    for cell in 0..72 {
+        let of = breaking.parts.of(cell);
+        if of.len() < 3 {
+            continue;
+        }
+        seen += 1;
+        let mut before = breaking.intact[cell];
+        // one tooth after the other of every plane of every part, down to nothing
+        for step in 0..60 {
+            let place = of.start + step % of.len();
+            let plane = (step / of.len()) % 2;
+            if breaking.parts.all[place].is_face() && plane == 0 {
+                continue;
+            }
+            let state = &mut breaking.damage[place].planes[plane];
+            state.roots = [0.1; 2];
+            state.level = (state.level + 1).min(10);
+            state.opened = state.level;
+            let after = breaking.composed(cell);
+            let scale = breaking.intact[cell].amax();
+            let least = after.symmetric_eigenvalues().min();
+            assert!(least > 1e-10 * scale, "{cell} {step} {least}");
+            let lost = (before - after).symmetric_eigenvalues().min();
+            assert!(lost > -1e-12 * scale, "{cell} {step} {lost}");
+            before = after;
+        }
+        assert!(breaking.damage()[cell] > 0.999);
+    }
+    assert!(seen > 5, "{seen}");
 }

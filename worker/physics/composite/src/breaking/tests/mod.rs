@@ -132,6 +132,9 @@ fn imbalance(events: &[Event]) -> f64 {
     worst / largest
 }
 
+/// Bound of [`imbalance`]: sums of thousands of parts, each solved to 1e-12.
+const BALANCE: f64 = 1e-9;
+
 fn peak(events: &[Event]) -> f64 {
     events.iter().map(|event| event.force_n).fold(0.0, f64::max)
 }
