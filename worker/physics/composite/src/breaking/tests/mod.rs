@@ -6,9 +6,9 @@ mod laminates;
 mod speed;
 
 use super::*;
-use crate::section::{Division, Section};
-use crate::strength::Limit;
-use crate::supports::{Face, FaceSupport};
+use crate::section::{Division, Layout, Section};
+use crate::strength::{Criterion, InterfaceStrength, Limit, Strength};
+use crate::supports::{Face, FaceSupport, Supports};
 
 /// A limit with a fracture energy.
 fn tough(limit: f64, energy: f64) -> Option<Limit> {
