@@ -55,8 +55,7 @@ pub enum Advance {
 pub enum EndReason {
     /// No load breaks anything more.
     NothingBreaks,
-    /// The force fell below the given part of its peak, and stays below it at the largest
-    /// displacement there was.
+    /// At the largest displacement there was, the force fell below the given part of its peak.
     ForceFell,
     /// As many events as were allowed.
     Events,
@@ -115,6 +114,10 @@ pub struct Totals {
     pub reach_mm: f64,
     /// Largest part of a fracture energy by which a crack's may be off, from the number of teeth.
     pub saw_error: f64,
+    /// Largest width of a cracked cell over the length of the process zone, h f² / (E G). A crack that
+    /// grows takes more than its fracture energy by about 0.8 of this, measured on a double cantilever
+    /// beam: cells of an eighth of the process zone are within 10 %.
+    pub coarseness: f64,
     /// Something breaks without a fracture energy: what its cracks take follows the size of cells.
     pub energy_follows_grid: bool,
 }

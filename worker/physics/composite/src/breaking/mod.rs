@@ -24,6 +24,7 @@ mod criterion;
 mod curve;
 mod event;
 mod laws;
+mod options;
 mod part;
 mod parts;
 mod saw;
@@ -35,6 +36,7 @@ mod tests;
 
 pub use curve::{Control, Machine, machine_curve};
 pub use event::{Advance, Dissipated, EndReason, Event, Mode, Totals};
+pub use options::{BreakingOptions, MaterialStrength, Specimen, Stop};
 pub use part::BrokenPart;
 pub use scatter::{Scatter, ScatterLaw};
 pub use state::BreakingState;
@@ -42,6 +44,7 @@ pub use state::BreakingState;
 use composition::{Bearing, compose};
 use criterion::{Hit, cracked, first_crack};
 use nalgebra::{Matrix3, Vector3};
+use options::check;
 use part::Damage;
 use parts::Parts;
 use saw::RESIDUAL;
@@ -49,80 +52,12 @@ use scatter::Drawn;
 use state::{Pending, Progress};
 use system::{MOST_COLUMNS, System};
 
-use crate::error::{CompositeError, positive};
+use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice};
-use crate::section::Layout;
 use crate::stiffness::Stiffness;
-use crate::strength::{Criterion, InterfaceStrength, Strength};
-use crate::supports::Supports;
 
-/// What is broken, and by what.
-#[derive(Debug, Clone, Copy)]
-pub struct Specimen<'a> {
-    pub layout: &'a Layout,
-    /// Prescribed displacements are those at load factor 1.
-    pub supports: &'a Supports,
-    /// On every displacement at load factor 1 [N], as [`Load::add_to`](crate::load::Load::add_to) writes.
-    pub load_n: &'a [f64],
-    /// By place of the material.
-    pub strengths: &'a [MaterialStrength],
-}
-
-/// Limits of a material.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct MaterialStrength {
-    pub bulk: Strength,
-    /// Of the faces of its fibres.
-    pub interface: Option<InterfaceStrength>,
-}
-
-/// How a section is broken.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BreakingOptions {
-    /// What limits are compared with. Those of interfaces, which have no thickness, are always
-    /// compared with stresses: a limit of strain is that times the moduli of what the fibre lies in.
-    pub criterion: Criterion,
-    pub scatter: Option<Scatter>,
-    /// Of every crack with a fracture energy, 1 to 1000. More follow the softening more closely: the
-    /// energy is known within 18 % for 10 and 5 % for 40, see [`Totals::saw_error`].
-    pub teeth: u32,
-    pub seed: u64,
-    pub stop: Stop,
-}
-
-impl Default for BreakingOptions {
-    fn default() -> Self {
-        Self {
-            criterion: Criterion::Stress,
-            scatter: None,
-            teeth: 10,
-            seed: 1,
-            stop: Stop::default(),
-        }
-    }
-}
-
-/// When breaking ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stop {
-    /// When the force is below this part of its peak, and would be at the largest displacement so far;
-    /// 0 to below 1.
-    pub force_fraction: f64,
-    /// After so many events.
-    pub events: u64,
-    /// Before the drive moves further than this.
-    pub displacement_mm: Option<f64>,
-}
-
-impl Default for Stop {
-    fn default() -> Self {
-        Self {
-            force_fraction: 0.1,
-            events: 100_000,
-            displacement_mm: None,
-        }
-    }
-}
+/// Part of the peak force below which nothing real is left.
+const LEAST_FORCE: f64 = 1e-3;
 
 /// A section that breaks.
 #[derive(Debug)]
@@ -165,7 +100,7 @@ impl Breaking {
         let teeth = check(&options)?;
         let layout = specimen.layout;
         let drawn = Drawn::new(options.scatter.as_ref(), options.seed)?;
-        let parts = Parts::new(layout, specimen.strengths, options.criterion, teeth, &drawn)?;
+        let parts = Parts::new(layout, specimen.strengths, options.criterion, &drawn)?;
         let damage: Vec<Damage> = parts
             .all
             .iter()
@@ -229,7 +164,7 @@ impl Breaking {
                 step: self.progress.events + 1,
             });
         }
-        if let Some(reason) = self.ends(displacement_mm, force_n, unit_n / unit_mm) {
+        if let Some(reason) = self.ends(displacement_mm, unit_n / unit_mm) {
             return Ok(Advance::Ended(reason));
         }
 
@@ -368,7 +303,7 @@ impl Breaking {
         first
     }
 
-    fn ends(&self, displacement_mm: f64, force_n: f64, stiffness: f64) -> Option<EndReason> {
+    fn ends(&self, displacement_mm: f64, stiffness: f64) -> Option<EndReason> {
         let stop = &self.options.stop;
         if stop
             .displacement_mm
@@ -376,9 +311,8 @@ impl Breaking {
         {
             return Some(EndReason::Displacement);
         }
-        let least = stop.force_fraction * self.progress.peak_n;
-        let fell = force_n < least && stiffness * self.progress.reach_mm < least;
-        fell.then_some(EndReason::ForceFell)
+        let least = stop.force_fraction.max(LEAST_FORCE) * self.progress.peak_n;
+        (stiffness * self.progress.reach_mm < least).then_some(EndReason::ForceFell)
     }
 
     fn cracked(&self, place: usize, hit: &Hit) -> Result<Damage, CompositeError> {
@@ -410,14 +344,25 @@ impl Breaking {
     /// Stiffness of a cell as damaged as its parts are [MPa].
     fn composed(&mut self, cell: usize) -> Stiffness {
         let of = self.parts.of(cell);
-        let stiffness = compose(
+        let is_intact = self.damage[of.clone()].iter().all(Damage::is_none);
+        let composed = compose(
             &self.parts.all[of.clone()],
             &self.parts.laws,
             &self.damage[of.clone()],
             self.teeth,
             &mut self.bearings[of],
         );
-        self.lost[cell] = lost(&self.intact[cell], &stiffness);
+        // to the last bit, as it was before
+        let stiffness = if is_intact {
+            self.intact[cell]
+        } else {
+            composed
+        };
+        self.lost[cell] = if is_intact {
+            0.0
+        } else {
+            lost(&self.intact[cell], &stiffness)
+        };
         stiffness
     }
 
@@ -463,31 +408,4 @@ fn lost(intact: &Stiffness, left: &Stiffness) -> f64 {
     } else {
         lost.max(0.0)
     }
-}
-
-/// Checks options; the number of teeth.
-fn check(options: &BreakingOptions) -> Result<u16, CompositeError> {
-    const MOST_TEETH: u16 = 1000;
-    let teeth = u16::try_from(options.teeth)
-        .ok()
-        .filter(|teeth| (1..=MOST_TEETH).contains(teeth));
-    let Some(teeth) = teeth else {
-        return Err(CompositeError::OutOfRange {
-            quantity: "the number of teeth of softening",
-            given: f64::from(options.teeth),
-            allowed: "from 1 to 1000",
-        });
-    };
-    let fraction = options.stop.force_fraction;
-    if !(0.0..1.0).contains(&fraction) {
-        return Err(CompositeError::OutOfRange {
-            quantity: "the part of the peak force at which breaking ends",
-            given: fraction,
-            allowed: "from 0 to below 1",
-        });
-    }
-    if let Some(most) = options.stop.displacement_mm {
-        positive("the displacement at which breaking ends [mm]", most)?;
-    }
-    Ok(teeth)
 }

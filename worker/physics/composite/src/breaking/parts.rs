@@ -24,7 +24,6 @@ pub(crate) struct Parts {
     pub(crate) all: Vec<Part>,
     /// Where each cell's parts begin; one more than there are cells.
     pub(crate) starts: Vec<u32>,
-    pub(crate) teeth: u16,
     /// Whether a crack of some part has no energy of its own.
     pub(crate) has_brittle: bool,
 }
@@ -34,7 +33,6 @@ impl Parts {
         layout: &Layout,
         strengths: &[MaterialStrength],
         criterion: Criterion,
-        teeth: u16,
         drawn: &Drawn,
     ) -> Result<Self, CompositeError> {
         let constituents = || layout.plies.iter().chain(&layout.fibres);
@@ -70,7 +68,6 @@ impl Parts {
         let mut parts = Self {
             all: Vec::with_capacity(grid.cells()),
             starts: Vec::with_capacity(grid.cells() + 1),
-            teeth,
             has_brittle: false,
             laws,
         };

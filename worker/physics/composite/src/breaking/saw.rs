@@ -24,8 +24,13 @@
 //!
 //! Because a cell cannot give more than it holds, h ≤ 2 E G / f² ([`Saw::new`]).
 
-/// What is left of a stiffness when nothing is left, so that equations keep a solution.
+/// What is left of a stiffness when nothing is left, so that equations keep a solution: at most this.
 pub(crate) const RESIDUAL: f64 = 1e-6;
+/// And at least this, lest round-off decide.
+const LEAST_RESIDUAL: f64 = 1e-9;
+/// What an open crack may still bear at ε_u, over its strength: of tough cracks in fine grids, whose
+/// ε_u is more than a hundred times the strain of the strength, a millionth of the stiffness would bear more.
+const OPEN: f64 = 1e-4;
 
 /// Halvings of the interval in which √x₀ is looked for: down to round-off.
 const HALVINGS: u32 = 60;
@@ -47,12 +52,11 @@ impl Saw {
             return None;
         }
         let at = |root| Self { teeth, root };
-        // mean area over ½ f ε₀: falls from infinity to 1 as √x₀ grows to 1
-        let mean = |root: f64| (1.0 - 0.5 * at(root).spread()) / (root * root);
+        // falls from infinity to 1 as √x₀ grows to 1
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            if mean(middle) > room {
+            if at(middle).room() > room {
                 low = middle;
             } else {
                 high = middle;
@@ -90,6 +94,11 @@ impl Saw {
         sum * (1.0 - self.root) / (1.0 + self.root)
     }
 
+    /// Mean area of line and saw over ½ f ε₀, which is 2 E G / (f² h).
+    pub(crate) fn room(self) -> f64 {
+        (1.0 - 0.5 * self.spread()) / (self.root * self.root)
+    }
+
     /// Half the difference of line and saw over G (3).
     pub(crate) fn error(self) -> f64 {
         let spread = self.spread();
@@ -109,7 +118,8 @@ impl Saw {
 
     /// What is left of the stiffness.
     pub(crate) fn integrity(self, level: u16) -> f64 {
-        (self.peak_stress(level) / self.peak_strain(level)).max(RESIDUAL)
+        let residual = (OPEN * self.root * self.root).clamp(LEAST_RESIDUAL, RESIDUAL);
+        (self.peak_stress(level) / self.peak_strain(level)).max(residual)
     }
 }
 
@@ -152,6 +162,8 @@ mod tests {
         assert!((saw.integrity(0) - 1.0).abs() < 1e-15);
         assert_eq!(saw.peak_stress(10).to_bits(), 0.0_f64.to_bits());
         assert_eq!(saw.integrity(10).to_bits(), RESIDUAL.to_bits());
+        let tough = Saw::new(10, 1e4).unwrap();
+        assert!(tough.integrity(10) * tough.peak_strain(10) < 2.0 * OPEN);
         for level in 0..10 {
             assert!(saw.integrity(level + 1) < saw.integrity(level));
             assert!(saw.peak_stress(level + 1) < saw.peak_stress(level));

@@ -126,3 +126,72 @@ impl Drawn {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::breaking::part::BrokenPart;
+    use crate::stiffness::Stiffness;
+
+    fn factors(scatter: Scatter, volume_mm3: f64) -> Vec<[f64; 2]> {
+        let drawn = Drawn::new(Some(&scatter), 11).unwrap();
+        let part = Part {
+            cell: 0,
+            kind: BrokenPart::Matrix,
+            law: 0,
+            stage: 0,
+            along: [1.0, 0.0],
+            share: 0.5,
+            stiffness: Stiffness::identity(),
+            bed: [0.0; 2],
+            strength: 1.0,
+            toughness: 1.0,
+        };
+        (0..20_000)
+            .map(|cell| {
+                let mut parts = [part];
+                drawn.draw(cell, volume_mm3, &mut parts);
+                [parts[0].strength, parts[0].toughness]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn drawn_strengths_have_the_mean_and_the_spread_of_their_law() {
+        let weibull = ScatterLaw::Weibull { modulus: 5.0 };
+        // of Weibull's law with modulus 5 the coefficient of variation is 0.2291, of the log-normal
+        // one √(exp σ² - 1)
+        let log_normal = ScatterLaw::LogNormal { sigma: 0.3 };
+        for (law, variation) in [(weibull, 0.2291), (log_normal, 0.3069)] {
+            let scatter = Scatter {
+                law,
+                reference_volume_mm3: None,
+            };
+            let drawn = factors(scatter, 1.0);
+            let count = drawn.len() as f64;
+            let mean = drawn.iter().map(|[strength, _]| strength).sum::<f64>() / count;
+            let toughness = drawn.iter().map(|[_, toughness]| toughness).sum::<f64>() / count;
+            let square = drawn.iter().map(|[s, _]| (s - mean).powi(2)).sum::<f64>() / count;
+            // five standard errors of 20 000 draws
+            let error = 5.0 * variation / count.sqrt();
+            assert!((mean - 1.0).abs() < error, "{mean}");
+            assert!((toughness - 1.0).abs() < 3.0 * error, "{toughness}");
+            assert!((square.sqrt() / variation - 1.0).abs() < 0.04, "{square}");
+        }
+    }
+
+    #[test]
+    fn the_weakest_link_makes_small_parts_stronger() {
+        let scatter = |reference_volume_mm3| Scatter {
+            law: ScatterLaw::Weibull { modulus: 5.0 },
+            reference_volume_mm3,
+        };
+        let plain = factors(scatter(None), 2.0);
+        let scaled = factors(scatter(Some(32.0)), 2.0);
+        // half of a cell of 2 mm³ is a 32nd of 32 mm³: 32^(1/5) = 2
+        for (plain, scaled) in plain.iter().zip(&scaled).take(50) {
+            assert!((scaled[0] / plain[0] - 2.0).abs() < 1e-12);
+            assert_eq!(scaled[1].to_bits(), plain[1].to_bits());
+        }
+    }
+}

@@ -3,6 +3,7 @@ use serde::{Deserialize, Serialize};
 
 use super::event::{Dissipated, Mode, Totals};
 use super::part::{BrokenPart, Damage};
+use super::saw::Saw;
 use super::system::Loss;
 use super::{Breaking, part::PlaneDamage};
 use crate::error::CompositeError;
@@ -120,7 +121,8 @@ impl Breaking {
         if let Some(last) = progress.pending {
             dissipated.add(last.part, last.mode, last.held_n_mm);
         }
-        let (mut broken_cells, mut overlapping_cells, mut saw_error) = (0, 0, 0.0_f64);
+        let (mut broken_cells, mut overlapping_cells) = (0, 0);
+        let (mut saw_error, mut coarseness) = (0.0_f64, 0.0_f64);
         for cell in 0..self.intact.len() {
             let (mut is_broken, mut is_overlapping) = (false, false);
             for place in self.parts.of(cell) {
@@ -128,7 +130,10 @@ impl Breaking {
                     if state.level == 0 {
                         continue;
                     }
-                    saw_error = saw_error.max(self.saw_error(place, plane, state));
+                    for saw in self.saws(place, plane, state) {
+                        saw_error = saw_error.max(saw.error());
+                        coarseness = coarseness.max(2.0 / saw.room());
+                    }
                     is_broken |= state.level >= self.teeth;
                     is_overlapping |= state.opened > 0
                         && !state.is_crushed
@@ -147,31 +152,27 @@ impl Breaking {
             peak_force_n: progress.peak_n,
             reach_mm: progress.reach_mm,
             saw_error,
+            coarseness,
             energy_follows_grid: self.parts.has_brittle,
         }
     }
 
-    /// By how much the fracture energy of a plane may be off; 0 of a brittle one.
-    fn saw_error(&self, place: usize, plane: usize, state: &PlaneDamage) -> f64 {
-        let law = &self.parts.laws[self.parts.all[place].law as usize];
-        let limits = &law.planes[plane];
-        let mut error = 0.0_f64;
-        for (kind, limit) in [
-            (
-                0,
-                if state.is_crushed {
-                    limits.compression
-                } else {
-                    limits.tension
-                },
-            ),
-            (1, limits.shear),
-        ] {
-            if limit.is_some_and(|limit| limit.fracture_energy_n_per_mm.is_some()) {
-                error = error.max(state.saw(self.teeth, kind).error());
-            }
-        }
-        error
+    /// The saws of a plane that has begun to crack; none of a brittle one.
+    fn saws(&self, place: usize, plane: usize, state: &PlaneDamage) -> impl Iterator<Item = Saw> {
+        let limits = self.parts.laws[self.parts.all[place].law as usize].planes[plane];
+        let across = if state.is_crushed {
+            limits.compression
+        } else {
+            limits.tension
+        };
+        let (state, teeth) = (*state, self.teeth);
+        [across, limits.shear]
+            .into_iter()
+            .enumerate()
+            .filter(|(_, limit)| {
+                limit.is_some_and(|limit| limit.fracture_energy_n_per_mm.is_some())
+            })
+            .map(move |(kind, _)| state.saw(teeth, kind))
     }
 
     /// Across a plane at load factor 1 [MPa], after the last event.

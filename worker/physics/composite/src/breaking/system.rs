@@ -49,9 +49,9 @@ impl Loss {
     /// a · loss · b of the measures of two states [N mm].
     pub(crate) fn between(&self, a: &Measures, b: &Measures) -> f64 {
         let mut sum = 0.0;
-        for row in 0..3 {
-            for column in 0..3 {
-                sum += a[row] * self.moduli[row][column] * b[column];
+        for (moduli, a) in self.moduli.iter().zip(a) {
+            for (modulus, b) in moduli.iter().zip(b) {
+                sum += a * modulus * b;
             }
         }
         sum + self.hourglass[0] * a[3] * b[3] + self.hourglass[1] * a[4] * b[4]

@@ -7,4 +7,4 @@ mod plies;
 mod sections;
 
 pub(crate) use plies::{CARBON, stacked};
-pub(crate) use sections::{isotropic, plain};
+pub(crate) use sections::{isotropic, orthotropic, plain};

@@ -34,8 +34,10 @@ fn weak_bar(length: f64, rows: usize, columns: usize, energy: f64) -> Case {
     case
 }
 
-/// Measured, dissipated over G times area (the last tooth at a held drive):
-/// one cell across 15 to 135 columns ..., see the assertion's message.
+/// Measured, dissipated over G times area. One row of cells, which follows the softening line from
+/// tooth to tooth and ends with one jump: 1.107, 1.123 and 1.133 with 9, 19 and 37 columns, of which
+/// the saw's error is 0.121, 0.139 and 0.151. Four rows, whose cells hold each other's strains: 0.980 on
+/// all grids.
 #[test]
 fn a_weak_column_takes_its_strength_and_its_fracture_energy_on_every_grid() {
     let (length, area, energy) = (9.0, 2.0, 0.8);
@@ -44,8 +46,7 @@ fn a_weak_column_takes_its_strength_and_its_fracture_energy_on_every_grid() {
         for columns in [9, 19, 37] {
             let case = weak_bar(length, rows, columns, energy);
             let mut breaking = case.breaking();
-            let (events, reason) = broken(&mut breaking);
-            assert_eq!(reason, EndReason::NothingBreaks);
+            let (events, _) = broken(&mut breaking);
             assert_eq!(events.len(), 10 * rows);
             let first = events[0].force_n;
             assert!((first / (STRENGTH * area) - 1.0).abs() < 1e-10, "{first}");
@@ -53,15 +54,32 @@ fn a_weak_column_takes_its_strength_and_its_fracture_energy_on_every_grid() {
             let totals = breaking.totals();
             assert!((totals.crack_area_mm2 / area - 1.0).abs() < 1e-12);
             assert_eq!(totals.broken_cells, rows as u64);
+            assert!(!totals.energy_follows_grid);
             let toughness = totals.dissipated.total_n_mm() / (energy * area);
-            println!(
-                "{rows} {columns} {toughness} {} {}",
-                totals.saw_error,
-                imbalance(&events)
-            );
+            assert!((toughness - 1.0).abs() < totals.saw_error, "{toughness}");
+            assert!(imbalance(&events) < BALANCE, "{}", imbalance(&events));
             found.push(toughness);
-            assert!(imbalance(&events) < 1e-9);
         }
+        assert!(
+            found.iter().all(|t| (t / found[0] - 1.0).abs() < 0.05),
+            "{found:?}"
+        );
+    }
+}
+
+/// Measured for one row of 9 columns: 0.107, 0.047, 0.025 for 10, 20 and 40 teeth.
+#[test]
+fn more_teeth_bring_the_fracture_energy_nearer() {
+    let mut last = 1.0_f64;
+    for teeth in [10, 20, 40] {
+        let mut case = weak_bar(9.0, 1, 9, 0.8);
+        case.options.teeth = teeth;
+        let mut breaking = case.breaking();
+        broken(&mut breaking);
+        let totals = breaking.totals();
+        let off = (totals.dissipated.total_n_mm() / 1.6 - 1.0).abs();
+        assert!(off < totals.saw_error && off < 0.6 * last, "{teeth} {off}");
+        last = off;
     }
 }
 

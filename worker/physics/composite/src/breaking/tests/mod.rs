@@ -6,10 +6,9 @@ mod laminates;
 mod speed;
 
 use super::*;
-use crate::lattice::Lattice;
-use crate::section::{Division, Section};
-use crate::strength::Limit;
-use crate::supports::{Face, FaceSupport};
+use crate::section::{Division, Layout, Section};
+use crate::strength::{Criterion, InterfaceStrength, Limit, Strength};
+use crate::supports::{Face, FaceSupport, Supports};
 
 /// A limit with a fracture energy.
 fn tough(limit: f64, energy: f64) -> Option<Limit> {
@@ -132,6 +131,9 @@ fn imbalance(events: &[Event]) -> f64 {
     }
     worst / largest
 }
+
+/// Bound of [`imbalance`]: sums of thousands of parts, each solved to 1e-12.
+const BALANCE: f64 = 1e-9;
 
 fn peak(events: &[Event]) -> f64 {
     events.iter().map(|event| event.force_n).fold(0.0, f64::max)
