@@ -5,6 +5,7 @@
 //! in time, [`measure`] reads off, [`flexure`] bends on rollers. [`bending`] is the job that calls them.
 pub mod bending;
 pub mod flexure;
+pub mod homogenise;
 pub mod lattice;
 pub mod load;
 mod matrix;

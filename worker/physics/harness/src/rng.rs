@@ -20,6 +20,8 @@ pub enum Purpose {
     GrainPlaces,
     /// Places of grains that are put in during a test, one stream per batch.
     BatchPlaces,
+    /// Places of fibres in a unit cell, one stream per cell.
+    FibrePlaces,
 }
 
 /// The streams of one purpose.
@@ -35,6 +37,7 @@ impl Streams {
             Purpose::GrainRotations => "grain rotations",
             Purpose::GrainPlaces => "grain places",
             Purpose::BatchPlaces => "batch places",
+            Purpose::FibrePlaces => "fibre places",
         };
         // hashing keeps streams unrelated for seeds that differ in one bit, and the name makes a
         // new purpose harmless to the numbers of the old ones
