@@ -7,15 +7,20 @@ use super::constants::Constants;
 use super::phase::Space;
 use super::pixels::Pixels;
 use super::spectrum::Spectrum;
-use super::torus::{Field, Torus};
+use super::torus::{Field, Torus, dot};
 use super::{Phase, UnitCell};
 use crate::error::CompositeError;
 use crate::material::Note;
 
-/// Share of the hourglass stiffness that cut pixels keep, and whole ones. Measured, see the room's
-/// documentation.
-const CUT_HOURGLASS: f64 = 1.0;
-const WHOLE_HOURGLASS: f64 = 1.0;
+/// Shares of their hourglass stiffness that whole pixels and pixels cut by a face keep.
+///
+/// A face that cuts a pixel bends its edges, which the hourglass stiffness resists as if the laminate
+/// were one material: the cell is then too stiff. Errors of G₁₂ of a square array of half fibre
+/// [PerrinsMcKenzieMcPhedran1979] on 96² pixels, cut pixels with all, 0.3, 0.1 and 0.01 of it:
+/// fibres 24 times as stiff as the matrix 5.6e-3, 2.6e-3, 1.4e-3, 0.8e-3; 200 times 2.1e-2, 1.3e-2,
+/// 8.8e-3, 5.8e-3; a hundredth -1.0e-3, -1.5e-3, -1.7e-3, -1.8e-3. What is kept holds checkerboards.
+/// Whole pixels with less lose nothing and gain little.
+const HOURGLASS: [f64; 2] = [1.0, 0.01];
 
 /// Voigt places of the strains that drive the in-plane problem, and those along the fibres.
 const PLANE: [usize; 4] = [0, 1, 2, 3];
@@ -111,7 +116,7 @@ impl Effective {
         fraction: f64,
         notes: Vec<(Phase, Note)>,
     ) -> Result<Self, CompositeError> {
-        Self::with_hourglass(pixels, fraction, notes, [WHOLE_HOURGLASS, CUT_HOURGLASS])
+        Self::with_hourglass(pixels, fraction, notes, HOURGLASS)
     }
 
     /// With these shares of the hourglass stiffness in whole and in cut pixels.
@@ -157,7 +162,7 @@ impl Effective {
         }
         for (a, (u_a, f_a, _)) in solved.iter().enumerate() {
             for (b, (u_b, _, r_b)) in solved.iter().enumerate() {
-                let relief = super::torus::dot(f_a, u_b) + super::torus::dot(u_a, r_b);
+                let relief = dot(f_a, u_b) + dot(u_a, r_b);
                 stiffness[(PLANE[a], PLANE[b])] -= relief / nodes;
             }
         }
@@ -309,8 +314,8 @@ impl UnitCell {
     /// The effective material, on a grid of so many pixels along 2 and 3.
     ///
     /// # Errors
-    /// When the cell is not one (see [`UnitCell::checked`]), the grid is too small or too large, or
-    /// no equilibrium is found.
+    /// When a size, a material, a fibre or the number of pixels is outside its range, fibres overlap,
+    /// or no equilibrium is found.
     pub fn effective(&self, grid: [usize; 2]) -> Result<Effective, CompositeError> {
         let (phases, notes) = self.checked(grid)?;
         let pixels = Pixels::new(self, grid, phases);

@@ -1,10 +1,32 @@
 //! From fibres and matrix to a composite: effective constants of a periodic cross section.
+//!
+//! A [`UnitCell`] is a rectangle of the plane of 2 and 3, across fibres that run along 1, repeated
+//! without end: an array, measured places, or [random ones](fibre_places). From the bottom up:
+//! `pixels` lays a grid over it and `phase` says what a pixel cut by a face is, the laminate of both
+//! sides [GelebartOuali2015]; `cells` is a pixel's answer to the displacements of its four corners,
+//! `torus` the grid they are on, `spectrum` the uniform body's equations solved by Fourier transforms,
+//! and `balance` finds equilibrium with it as preconditioner. [`Effective`] puts six load cases
+//! together (ε₁₁, ε₂₂, ε₃₃, γ₂₃ in generalised plane strain, γ₁₂ and γ₁₃ along the fibres);
+//! [`Errors`] come from coarser grids, [`bounds`] stand beside the result, [`Onset`] and [`Ensemble`]
+//! build on it.
+//!
+//! Displacements at corners and not strains are the unknowns, unlike in [MoulinecSuquet1998]: with
+//! these finite elements [LeuteLadeckyFalsafi2022] nothing rings where stiffness jumps, and a uniform
+//! body's equations are still a convolution.
+//!
+//! Faces are bonded, everything is linear, and all fibres are of one material. Jobs, specs and files
+//! are not known here.
 mod balance;
+pub mod bounds;
 mod cells;
 mod constants;
 mod effective;
+mod ensemble;
+mod onset;
 mod phase;
 mod pixels;
+mod places;
+mod refined;
 mod spectrum;
 #[cfg(test)]
 mod tests;
@@ -12,6 +34,10 @@ mod torus;
 
 pub use constants::Constants;
 pub use effective::{Effective, Load};
+pub use ensemble::{Ensemble, RandomCells};
+pub use onset::{Onset, Part, Site, Strengths};
+pub use places::{Randomness, fibre_places};
+pub use refined::Errors;
 
 use std::f64::consts::PI;
 

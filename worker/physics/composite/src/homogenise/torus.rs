@@ -98,16 +98,10 @@ impl Torus {
 
 /// Σ u · v over all nodes.
 pub(super) fn dot(u: &Field, v: &Field) -> f64 {
-    let [first, second] = dots(u, v);
-    first + second
-}
-
-/// Σ u · v of either unknown.
-pub(super) fn dots(u: &Field, v: &Field) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for (u, v) in u.iter().zip(v) {
         sums[0] += u[0] * v[0];
         sums[1] += u[1] * v[1];
     }
-    sums
+    sums[0] + sums[1]
 }

@@ -1,5 +1,12 @@
-//! Cells against what is known of them.
+//! Unit cells against what is known of them exactly.
+mod arrays;
+mod damage;
+mod exact;
+mod random;
+
+use super::pixels::Pixels;
 use super::*;
+use crate::material::Orthotropic;
 
 fn isotropic(youngs_modulus_mpa: f64, poisson_ratio: f64) -> Material {
     Material::Isotropic {
@@ -8,51 +15,65 @@ fn isotropic(youngs_modulus_mpa: f64, poisson_ratio: f64) -> Material {
     }
 }
 
-#[test]
-fn experiment() {
-    let shear = |e: f64, nu: f64| e / (2.0 * (1.0 + nu));
-    let list: Vec<[f64; 2]> = vec![
-        [1.0, 1.0],
-        [1.0, 0.3],
-        [1.0, 0.1],
-        [1.0, 0.01],
-        [0.1, 0.1],
-        [0.3, 0.3],
-    ];
-    for (contrast, fraction) in [(24.0, 0.5), (0.01, 0.5), (1000.0, 0.5)] {
-        let cell = UnitCell::square(
-            isotropic(1.0, 0.35),
-            isotropic(contrast, 0.2),
-            fraction,
-            0.007,
-        )
-        .unwrap();
-        let k = shear(contrast, 0.2) / shear(1.0, 0.35);
-        let t = (1.0 + 1.0) * 0.0 + (1.0 + k) / (1.0 - k);
-        let f = fraction;
-        let exact = 1.0
-            - 2.0 * f
-                / (t + f
-                    - 0.305827 * f.powi(4) * t / (t * t - 1.402958 * f.powi(8))
-                    - 0.013362 * f.powi(8) / t);
-        for &h in &list {
-            print!("contrast {contrast} h {h:?}:");
-            for n in [32, 64, 128] {
-                let (phases, notes) = cell.checked([n; 2]).unwrap();
-                let e = Effective::with_hourglass(Pixels::new(&cell, [n; 2], phases), f, notes, h)
-                    .unwrap();
-                let c = e.constants;
-                print!(
-                    "  [{n}] G12 err {:+.2e} E2 {:.6} G23 {:.6} nu23 {:.5} it {}",
-                    c.g12_mpa / shear(1.0, 0.35) / exact - 1.0,
-                    c.e2_mpa,
-                    c.g23_mpa,
-                    c.nu23,
-                    e.iterations
-                );
-            }
-            println!();
+/// Glass of 70 GPa in epoxy of 3 GPa.
+fn glass() -> Material {
+    isotropic(70_000.0, 0.22)
+}
+
+fn epoxy() -> Material {
+    isotropic(3_000.0, 0.35)
+}
+
+/// Nine constants, none like another.
+fn ply() -> Material {
+    Material::Orthotropic(Orthotropic {
+        modulus_1_mpa: 140_000.0,
+        modulus_2_mpa: 10_000.0,
+        poisson_ratio_12: 0.30,
+        shear_modulus_12_mpa: Some(5_000.0),
+        modulus_3_mpa: Some(9_000.0),
+        poisson_ratio_13: Some(0.25),
+        poisson_ratio_23: Some(0.45),
+        shear_modulus_13_mpa: Some(4_000.0),
+        shear_modulus_23_mpa: Some(3_300.0),
+    })
+}
+
+fn space(material: &Material) -> Space {
+    material.stiffness_of_space().unwrap().0
+}
+
+/// Largest difference of two stiffnesses over the larger stiffness of the strains it belongs to.
+fn difference(a: &Effective, b: &[[f64; 6]; 6]) -> f64 {
+    let mut largest = 0.0_f64;
+    for i in 0..6 {
+        for j in 0..6 {
+            let scale = (b[i][i] * b[j][j]).sqrt();
+            largest = largest.max((a.stiffness[i][j] - b[i][j]).abs() / scale);
         }
     }
+    largest
 }
-use super::pixels::Pixels;
+
+fn rows(space: &Space) -> [[f64; 6]; 6] {
+    [0, 1, 2, 3, 4, 5].map(|i| [0, 1, 2, 3, 4, 5].map(|j| space[(i, j)]))
+}
+
+/// Four fibres at places without any symmetry.
+fn scattered(matrix: Material, fibre: Material) -> UnitCell {
+    let fibre_at = |y: f64, z: f64, diameter_mm: f64| RoundFibre {
+        centre_mm: [y, z],
+        diameter_mm,
+    };
+    UnitCell {
+        size_mm: [0.020, 0.020],
+        matrix,
+        fibre,
+        fibres: vec![
+            fibre_at(0.0030, 0.0040, 0.007),
+            fibre_at(0.0110, 0.0050, 0.006),
+            fibre_at(0.0190, 0.0125, 0.008),
+            fibre_at(0.0085, 0.0140, 0.007),
+        ],
+    }
+}
