@@ -237,17 +237,13 @@ impl Effective {
     /// # Errors
     /// When a load is not finite.
     pub fn fields(&self, load: &Load) -> Result<Vec<[f64; 6]>, CompositeError> {
-        let mut stresses = vec![[0.0; 6]; self.pixels.count()];
-        self.for_pixels(load, |pixel, _, stress| stresses[pixel] = (*stress).into())?;
-        Ok(stresses)
+        let strains = self.strains(load)?;
+        let stress = |(pixel, strain)| self.pixels.stress(pixel, strain).into();
+        Ok(strains.iter().enumerate().map(stress).collect())
     }
 
-    /// Calls `each` with every pixel, its mean strain and its mean stress [MPa] under a load.
-    pub(super) fn for_pixels(
-        &self,
-        load: &Load,
-        mut each: impl FnMut(usize, &Vector6<f64>, &Vector6<f64>),
-    ) -> Result<(), CompositeError> {
+    /// Mean strain of every pixel under a load.
+    pub(super) fn strains(&self, load: &Load) -> Result<Vec<Vector6<f64>>, CompositeError> {
         let mean = self.mean_strain(load)?;
         let mut plane = vec![[0.0; 2]; self.shear.len()];
         for (field, place) in self.plane.iter().zip(PLANE) {
@@ -274,11 +270,7 @@ impl Effective {
                 strain[4] += mean[place] * along_3[case];
             }
         });
-        for (pixel, strain) in strains.iter().enumerate() {
-            let stiffness = &self.pixels.stiffness[self.pixels.kind[pixel] as usize];
-            each(pixel, strain, &(stiffness * strain));
-        }
-        Ok(())
+        Ok(strains)
     }
 
     /// Mean strain of a load.

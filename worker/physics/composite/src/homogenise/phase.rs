@@ -24,13 +24,6 @@ pub(super) struct Cut {
     pub(super) normal: [f64; 2],
 }
 
-/// Stresses on the two sides of a face [MPa], in its frame.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Sides {
-    pub(super) matrix: Vector6<f64>,
-    pub(super) fibre: Vector6<f64>,
-}
-
 /// The strains of a frame whose axis 2 lies at cosine c, sine s in the plane of 2 and 3.
 pub(super) fn strains_turned([c, s]: [f64; 2]) -> Matrix6<f64> {
     let mut turn = Matrix6::zeros();
@@ -139,22 +132,17 @@ impl Cut {
         (mean + mean.transpose()) * 0.5
     }
 
-    /// Stresses of both phases beside the face, in its frame, when the pixel's mean strain and
-    /// stress are these.
-    pub(super) fn sides(
+    /// Stress of the matrix beside the face, in its frame, when the pixel's mean strain and stress
+    /// are these: the traction on both sides of the face is in it.
+    pub(super) fn matrix_side(
         &self,
         matrix: &Space,
-        fibre: &Space,
         strain: &Vector6<f64>,
         stress: &Vector6<f64>,
-    ) -> Sides {
+    ) -> Vector6<f64> {
         let [c, s] = self.normal;
         let along = pick(&(strains_turned(self.normal) * strain), ALONG);
         let across = pick(&(strains_turned([c, -s]).transpose() * stress), ACROSS);
-        let side = |phase| Blocks::of(phase, self.normal).stress(&across, &along);
-        Sides {
-            matrix: side(matrix),
-            fibre: side(fibre),
-        }
+        Blocks::of(matrix, self.normal).stress(&across, &along)
     }
 }

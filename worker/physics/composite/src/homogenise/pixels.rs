@@ -1,6 +1,8 @@
 //! The cell as pixels: the share of fibre in each, and the normal of the face that cuts it.
 //!
 //! Shares are exact areas, so that the pixels hold as much fibre as the cell does.
+use nalgebra::Vector6;
+
 use super::phase::{Cut, Space};
 use super::{RoundFibre, UnitCell};
 
@@ -24,6 +26,8 @@ pub(super) struct Pixels {
     pub(super) stiffness: Vec<Space>,
     /// Of the kinds from the third on.
     pub(super) cuts: Vec<Cut>,
+    /// Longer sides of a pixel across the thinnest fibre.
+    pub(super) across_fibre: f64,
 }
 
 impl Pixels {
@@ -39,7 +43,15 @@ impl Pixels {
         for fibre in &cell.fibres {
             shares.add(fibre);
         }
-        Self::of_cuts(grid, sides_mm, phases, |pixel| shares.cut(pixel))
+        let thinnest = cell
+            .fibres
+            .iter()
+            .map(|fibre| fibre.diameter_mm)
+            .fold(f64::INFINITY, f64::min);
+        Self {
+            across_fibre: thinnest / sides_mm[0].max(sides_mm[1]),
+            ..Self::of_cuts(grid, sides_mm, phases, |pixel| shares.cut(pixel))
+        }
     }
 
     /// Pixels by their share of fibre and the normal of the face in it.
@@ -71,6 +83,7 @@ impl Pixels {
             kind,
             stiffness,
             cuts,
+            across_fibre: f64::INFINITY,
         }
     }
 
@@ -89,6 +102,22 @@ impl Pixels {
             Some(cut) => cut.fibre_share,
             None => f64::from(self.kind[pixel]),
         }
+    }
+
+    /// Mean stress of a pixel by its mean strain [MPa].
+    pub(super) fn stress(&self, pixel: usize, strain: &Vector6<f64>) -> Vector6<f64> {
+        self.stiffness[self.kind[pixel] as usize] * strain
+    }
+
+    /// A pixel and its eight neighbours.
+    pub(super) fn around(&self, pixel: usize) -> [usize; 9] {
+        let [columns, rows] = self.grid;
+        let (i, j) = (pixel % columns, pixel / columns);
+        std::array::from_fn(|place| {
+            let column = (i + columns + place % 3 - 1) % columns;
+            let row = (j + rows + place / 3 - 1) % rows;
+            row * columns + column
+        })
     }
 
     /// Middle of a pixel [mm].

@@ -2,7 +2,7 @@
 use super::UnitCell;
 use super::constants::Constants;
 use super::effective::{Effective, Load};
-use super::onset::{Onset, Strengths};
+use super::onset::{Onset, Site, Strengths};
 use crate::error::CompositeError;
 
 /// Orders of convergence that are believed. Faces that cut pixels make it 1 in the long run: a
@@ -11,6 +11,11 @@ const ORDERS: [f64; 2] = [0.5, 1.0];
 
 /// Round-off and what conjugate gradients leave, over the value.
 const LEAST: f64 = 1e-11;
+
+/// Shares of a peak of stress, in matrix, fibre and interface, by which grids of about the same
+/// fineness differ, as the face happens to cut their pixels. Measured on one thin fibre, whose
+/// stresses are known, on 48² to 120² pixels: 0.7 to 3.3 %, 5.5 % and 0.1 to 1.9 %, all too large.
+const PIXEL_SCATTER: [f64; 3] = [0.04, 0.06, 0.03];
 
 /// Fewest pixels along a side: a quarter of them must still be a grid.
 const FEWEST: usize = 16;
@@ -68,7 +73,8 @@ impl UnitCell {
 
 impl Errors {
     /// What the onset of damage on the full grid may be wrong by, relative, for matrix, fibre and
-    /// interface: the change from half of the pixels, which is the error itself when the order is 1.
+    /// interface: the change from half of the pixels, which is the error itself when the order is 1,
+    /// and what peaks scatter by from grid to grid.
     ///
     /// Stresses converge more slowly than constants, and peaks between fibres that nearly touch may
     /// not have begun to on any grid at hand; then this is a guess of the right size, not a bound.
@@ -82,15 +88,15 @@ impl Errors {
         strengths: &Strengths,
     ) -> Result<[Option<f64>; 3], CompositeError> {
         let half = self.half.onset(load, strengths)?;
-        let sites = [
-            (fine.matrix, half.matrix),
-            (fine.fibre, half.fibre),
-            (fine.interface, half.interface),
-        ];
-        Ok(sites.map(|pair| {
-            let (fine, half) = (pair.0?, pair.1?);
-            Some((half.factor / fine.factor - 1.0).abs())
-        }))
+        let error = |fine: Option<Site>, half: Option<Site>, scatter: f64| {
+            Some((half?.factor / fine?.factor - 1.0).abs() + scatter)
+        };
+        let [in_matrix, in_fibre, on_interface] = PIXEL_SCATTER;
+        Ok([
+            error(fine.matrix, half.matrix, in_matrix),
+            error(fine.fibre, half.fibre, in_fibre),
+            error(fine.interface, half.interface, on_interface),
+        ])
     }
 }
 

@@ -36,7 +36,6 @@ fn shear_along_arrays_approaches_the_series_of_perrins() {
                 assert!((constants.g12_mpa / constants.g13_mpa - 1.0).abs() < 0.02);
                 constants.g12_mpa / exact - 1.0
             });
-            println!("{ratio} {f} {errors:?}");
             assert!(errors[1].abs() < 6e-3, "{ratio} {f}: {errors:?}");
             assert!(
                 errors[1].abs() < 0.7 * errors[0].abs().max(1e-3),
@@ -47,19 +46,20 @@ fn shear_along_arrays_approaches_the_series_of_perrins() {
 }
 
 #[test]
-fn a_hexagonal_array_is_isotropic_across_the_fibres() {
+fn a_hexagonal_array_is_isotropic_across_the_fibres_in_the_limit() {
     let cell = UnitCell::hexagonal(epoxy(), glass(), 0.6, 0.01).unwrap();
-    let c = cell.effective([48, 84]).unwrap().constants;
-    println!("{c:?}");
-    assert!((c.e2_mpa / c.e3_mpa - 1.0).abs() < 4e-3);
-    assert!((c.g12_mpa / c.g13_mpa - 1.0).abs() < 4e-3);
-    assert!((c.nu12 / c.nu13 - 1.0).abs() < 2e-3);
-    let shear = c.e2_mpa / (2.0 * (1.0 + c.nu23));
-    assert!(
-        (c.g23_mpa / shear - 1.0).abs() < 6e-3,
-        "{} {shear}",
-        c.g23_mpa
-    );
+    let gaps = [[24, 42], [72, 124]].map(|grid| {
+        let c = cell.effective(grid).unwrap().constants;
+        [
+            (c.e2_mpa / c.e3_mpa - 1.0).abs(),
+            (c.g12_mpa / c.g13_mpa - 1.0).abs(),
+            (c.nu12 / c.nu13 - 1.0).abs(),
+            (2.0 * (1.0 + c.nu23) * c.g23_mpa / c.e2_mpa - 1.0).abs(),
+        ]
+    });
+    // the grid knows 2 from 3, the less the finer it is
+    assert!(gaps[1].iter().all(|gap| *gap < 6e-3), "{gaps:?}");
+    assert!(gaps[1][3] < 0.5 * gaps[0][3], "{gaps:?}");
 }
 
 #[test]
@@ -70,17 +70,12 @@ fn a_few_thin_fibres_follow_the_dilute_limit() {
     let effective = cell.effective([100; 2]).unwrap();
     let bound = bounds::companions(&glass(), &epoxy(), 0.03).unwrap();
     let bound = bound.hashin_shtrikman_lower.unwrap();
-    let bulk = |c: &Constants| {
-        // 1/k = 2 (1 - ν₂₃)/E₂ - 4 ν₁₂²/E₁
-        1.0 / (2.0 * (1.0 - c.nu23) / c.e2_mpa - 4.0 * c.nu12 * c.nu12 / c.e1_mpa)
-    };
     let c = effective.stiffness;
     let (k_m, g_m) = (3_000.0 / (2.0 * 1.35 * 0.30), 3_000.0 / 2.7);
     let k = 0.25 * (c[1][1] + c[2][2] + 2.0 * c[1][2]);
     // the bounds' own E₂ and ν₂₃ belong to different moduli: k from its formula instead
     let k_f = 70_000.0 / (2.0 * 1.22 * 0.56);
     let dilute = k_m + 0.03 / (1.0 / (k_f - k_m) + 0.97 / (k_m + g_m));
-    let _ = bulk;
     println!(
         "{} {}",
         (k - k_m) / (dilute - k_m),
@@ -94,8 +89,8 @@ fn a_few_thin_fibres_follow_the_dilute_limit() {
 
 #[test]
 fn errors_hold_against_a_far_finer_grid() {
-    let far = [192, 192];
-    let near = [32, 32];
+    let far = [160, 160];
+    let near = [40, 40];
     for cell in [
         UnitCell::square(epoxy(), glass(), 0.55, 0.01).unwrap(),
         scattered(epoxy(), glass()),
@@ -108,13 +103,6 @@ fn errors_hold_against_a_far_finer_grid() {
         for place in 0..9 {
             let found = coarse.constants.values()[place];
             let error = (found - fine[place]).abs();
-            println!(
-                "{} {:.2e} stated {:.2e} order {:?}",
-                Constants::NAMES[place],
-                error / fine[place],
-                stated[place] / fine[place],
-                errors.orders[place]
-            );
             assert!(error <= stated[place], "{}", Constants::NAMES[place]);
             // and is no empty promise
             assert!(stated[place] < 0.12 * fine[place].abs());
@@ -155,7 +143,7 @@ fn bounds_enclose_arrays_and_each_other() {
             assert!(inner > outer, "{inner} {outer}");
         }
         let found = bounds::beyond(&effective, None, &glass(), &epoxy()).unwrap();
-        println!("{found:?}");
+        assert!(found.is_empty(), "{found:?}");
         // Halpin-Tsai's G₁₂ with ξ = 1 is the lower bound, and E₂ lies between
         assert!((bounds.halpin_tsai.g12_mpa / lower.g12_mpa - 1.0).abs() < 1e-12);
         assert!((lower.e2_mpa..upper.e2_mpa).contains(&bounds.halpin_tsai.e2_mpa));

@@ -26,7 +26,7 @@ fn a_uniform_cell_fails_at_its_strength() {
     assert!((factor(along.matrix) / 80.0 - 1.0).abs() < 1e-9);
     let pushed = onset([-1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     assert!((factor(pushed.fibre) / 1_000.0 - 1.0).abs() < 1e-9);
-    assert!(pushed.matrix.is_none_or(|site| site.factor > 1e6));
+    assert!(pushed.matrix.is_none(), "compressed");
     // shear along the fibres: principal stress τ in the matrix, τ along faces across it
     let sheared = onset([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     assert!((factor(sheared.matrix) / 80.0 - 1.0).abs() < 1e-9);
@@ -57,10 +57,11 @@ fn a_thin_fibre_has_eshelbys_stress_on_its_face() {
     let strengths = Strengths {
         interface_normal_mpa: Some(60.0),
         fibre_tension_mpa: Some(2_000.0),
+        matrix_tension_mpa: Some(60.0),
         ..Strengths::default()
     };
     let mut misses = Vec::new();
-    for grid in [[48; 2], [96; 2]] {
+    for grid in [[60; 2], [96; 2]] {
         let onset = cell
             .effective(grid)
             .unwrap()
@@ -68,40 +69,50 @@ fn a_thin_fibre_has_eshelbys_stress_on_its_face() {
             .unwrap();
         let normal = 60.0 / onset.interface.unwrap().factor / face - 1.0;
         let fibre = 2_000.0 / onset.fibre.unwrap().factor / along - 1.0;
-        misses.push([normal, fibre]);
+        let matrix = 60.0 / onset.matrix.unwrap().factor / face - 1.0;
+        misses.push([normal, fibre, matrix]);
         // at the pole: beside the fibre along 2
         let [y, z] = onset.interface.unwrap().at_mm;
         let middle = cell.size_mm[0] / 2.0;
-        println!("{misses:?} {}", (y - middle).abs() - 0.005);
         assert!((z - middle).abs() < 0.002 && ((y - middle).abs() - 0.005).abs() < 0.002);
     }
-    assert!(misses[1][0].abs() < 0.05, "{misses:?}");
+    for [normal, fibre, matrix] in &misses {
+        assert!(normal.abs() < 0.03 && fibre.abs() < 0.06 && matrix.abs() < 0.04);
+    }
 }
 
 #[test]
 fn the_error_of_an_onset_covers_a_finer_grid() {
     let cell = scattered(epoxy(), glass());
-    let load = Load::Stress([0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
     let (effective, errors) = cell.refined([48; 2]).unwrap();
-    let onset = effective.onset(&load, &STRENGTHS).unwrap();
-    let stated = errors.onset(&onset, &load, &STRENGTHS).unwrap();
     let finer = cell.effective([144; 2]).unwrap();
-    let finer = finer.onset(&load, &STRENGTHS).unwrap();
-    for (stated, (here, finer)) in stated.into_iter().zip([
-        (onset.matrix, finer.matrix),
-        (onset.fibre, finer.fibre),
-        (onset.interface, finer.interface),
-    ]) {
-        let (stated, here, finer) = (stated.unwrap(), here.unwrap(), finer.unwrap());
-        let error = (here.factor / finer.factor - 1.0).abs();
-        println!("{error} {stated} {here:?} {finer:?}");
+    for place in [1, 2, 3, 5] {
+        let mut stress = [0.0; 6];
+        stress[place] = 1.0;
+        let load = Load::Stress(stress);
+        let onset = effective.onset(&load, &STRENGTHS).unwrap();
+        let stated = errors.onset(&onset, &load, &STRENGTHS).unwrap();
+        let finer = finer.onset(&load, &STRENGTHS).unwrap();
+        for (stated, pair) in stated.into_iter().zip([
+            (onset.matrix, finer.matrix),
+            (onset.fibre, finer.fibre),
+            (onset.interface, finer.interface),
+        ]) {
+            let (Some(here), Some(finer)) = pair else {
+                // shear along the fibres does not stretch them
+                assert!(place == 5 && stated.is_none());
+                continue;
+            };
+            let error = (here.factor / finer.factor - 1.0).abs();
+            assert!(error <= stated.unwrap(), "{place}: {error} {stated:?}");
+        }
     }
 }
 
 #[test]
 fn strengths_that_are_none_are_refused() {
     let cell = scattered(epoxy(), glass());
-    let effective = cell.effective([8; 2]).unwrap();
+    let effective = cell.effective([16; 2]).unwrap();
     let load = Load::Stress([0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
     let refused = effective.onset(
         &load,

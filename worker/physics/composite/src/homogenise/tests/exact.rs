@@ -99,15 +99,13 @@ fn phases_that_change_places_obey_kellers_theorem() {
     let (a, b) = (isotropic(2.5, 0.25), isotropic(25.0, 0.25));
     let mut misses = Vec::new();
     for grid in [[24; 2], [48; 2]] {
-        let first = scattered(a, b).effective(grid).unwrap().constants;
-        let second = scattered(b, a).effective(grid).unwrap().constants;
-        // G = E/(2 (1 + ν)): 1 and 10; the cell's axes are not its principal ones, so that the
-        // theorem is one of matrices: G* R G*ᵀ R⁻¹, whose determinant is taken
-        let _ = (&first, &second);
+        // the cell's axes are not its principal ones: the theorem is one of G* R G*ᵀ R⁻¹ for the
+        // quarter turn R, and its trace is the product of principal moduli, a determinant
         let full = |cell: UnitCell| {
             let c = cell.effective(grid).unwrap().stiffness;
             c[4][4] * c[5][5] - c[4][5] * c[4][5]
         };
+        // G = E/(2 (1 + ν)): 1 and 10
         let product = full(scattered(a, b)) * full(scattered(b, a));
         misses.push((product / 100.0 - 1.0).abs());
     }
@@ -132,16 +130,12 @@ fn stretch_along_the_fibres_follows_hills_relations() {
     let ratio = (nu_f - nu_m) / (1.0 / k_f - 1.0 / k_m);
     let e1 = 0.5 * (e_m + e_f) + 4.0 * ratio * ratio * pressure;
     let nu12 = 0.5 * (nu_m + nu_f) - ratio * pressure;
-    let found = effective.constants;
     // the relations hold on the grid as in the limit: cut pixels are laminates, which obey them
-    assert!(
-        (found.e1_mpa / e1 - 1.0).abs() < 1e-6,
-        "{} {e1}",
-        found.e1_mpa
-    );
-    for nu in [found.nu12, found.nu13] {
-        assert!((nu / nu12 - 1.0).abs() < 1e-4, "{nu} {nu12}");
-    }
+    let found = effective.constants.e1_mpa;
+    assert!((found / e1 - 1.0).abs() < 1e-6, "{found} {e1}");
+    // (C₁₂ + C₁₃)/2 = 2 k ν₁₂
+    let found = (c[0][1] + c[0][2]) / (4.0 * k);
+    assert!((found / nu12 - 1.0).abs() < 1e-6, "{found} {nu12}");
 }
 
 #[test]
