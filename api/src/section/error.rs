@@ -159,6 +159,32 @@ pub enum CompositeError {
         step: u64,
         load_fraction: f64,
     },
+    /// Two round fibres of a unit cell share a place; a fibre may also meet its own image.
+    #[error(
+        "fibres {first} and {second} of the unit cell overlap by {overlap_mm} mm, images across its \
+         edges included: move one, or make the cell larger"
+    )]
+    RoundFibresOverlap {
+        first: usize,
+        second: usize,
+        overlap_mm: f64,
+    },
+    /// Random fibres do not find room.
+    #[error(
+        "{count} fibres with their gaps fill {fraction} of the unit cell and found no places without \
+         overlap in {rounds} rounds: lower the fraction or the gap"
+    )]
+    NoRoom {
+        count: usize,
+        fraction: f64,
+        rounds: u64,
+    },
+    /// The equations of a unit cell were not solved.
+    #[error(
+        "the unit cell found no equilibrium in {iterations} iterations: the residual is {residual} \
+         of the load; use materials that differ less in stiffness"
+    )]
+    CellNotConverged { iterations: u64, residual: f64 },
     /// Equilibrium was not found.
     #[error(
         "no equilibrium was found at {load_fraction} of the load: after {iterations} iterations the \

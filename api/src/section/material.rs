@@ -121,6 +121,34 @@ impl Material {
         }
     }
 
+    /// Stiffness of all six strains [MPa] in the material's own axes, in the order 11, 22, 33, 23, 13,
+    /// 12 with shears twice the tensor's, and what had to be assumed.
+    ///
+    /// # Errors
+    /// As [`Material::stiffness_out_of_plane`], where all constants matter.
+    pub fn stiffness_of_space(&self) -> Result<(Matrix6<f64>, Vec<Note>), CompositeError> {
+        let (e, nu) = match *self {
+            Self::Isotropic {
+                youngs_modulus_mpa,
+                poisson_ratio,
+            } => (youngs_modulus_mpa, poisson_ratio),
+            Self::Orthotropic(constants) => return constants.stiffness_of_space(),
+        };
+        // refuses what is out of range
+        isotropic(e, nu, PlaneState::Strain)?;
+        let shear = e / (2.0 * (1.0 + nu));
+        let lame = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+        let mut stiffness = Matrix6::zeros();
+        for i in 0..3 {
+            for j in 0..3 {
+                stiffness[(i, j)] = lame;
+            }
+            stiffness[(i, i)] = lame + 2.0 * shear;
+            stiffness[(i + 3, i + 3)] = shear;
+        }
+        Ok((stiffness, Vec::new()))
+    }
+
     /// Young's modulus [MPa] and Poisson ratio for the paper's rule of bond stiffness, which knows
     /// one pair for each material: of an orthotropic one those along the fibre.
     pub fn along(&self) -> (f64, f64) {
@@ -183,9 +211,42 @@ impl Orthotropic {
         state: PlaneState,
         [c, s]: [f64; 2],
     ) -> Result<(Stiffness, Vec<Note>), CompositeError> {
-        // Which constants the plane stiffness depends on.
-        let (along, out) = (c != 0.0, s != 0.0);
         let strain = state == PlaneState::Strain;
+        let (own, notes) = self.own_compliance(strain, [c != 0.0, s != 0.0])?;
+        let turn = strains_turned([c, s]);
+        let all = turn * own * turn.transpose();
+        let part = |row: usize, column: usize| all.fixed_view::<3, 3>(row, column).into_owned();
+        let mut plane = part(0, 0);
+        if strain {
+            let coupling = part(0, 3);
+            plane -= coupling * compliance(&part(3, 3)) * coupling.transpose();
+        }
+        Ok((compliance(&plane), notes))
+    }
+
+    /// By the compliance of normal strains, whose inverse it is; shears stand alone.
+    fn stiffness_of_space(&self) -> Result<(Matrix6<f64>, Vec<Note>), CompositeError> {
+        let (own, notes) = self.own_compliance(true, [true, true])?;
+        // Where the normal strains 11, 22, 33 and the shears 23, 13, 12 stand in its order.
+        let normal = [0, 1, 3];
+        let normals = compliance(&Matrix3::from_fn(|i, j| own[(normal[i], normal[j])]));
+        let mut stiffness = Matrix6::zeros();
+        stiffness.fixed_view_mut::<3, 3>(0, 0).copy_from(&normals);
+        for (place, shear) in [(3, 4), (4, 5), (5, 2)] {
+            stiffness[(place, place)] = 1.0 / own[(shear, shear)];
+        }
+        Ok((stiffness, notes))
+    }
+
+    /// Compliance [1/MPa] of the strains 11, 22, 12, 33, 23, 13 in the material's axes, and what had
+    /// to be assumed. `strain`: whether what happens out of the plane matters; `along` and `out`:
+    /// whether axis 1 has a part in the section's plane, and out of it.
+    fn own_compliance(
+        &self,
+        strain: bool,
+        [along, out]: [bool; 2],
+    ) -> Result<(Matrix6<f64>, Vec<Note>), CompositeError> {
+        // Which constants the result depends on.
         let oblique = along && out;
         let matters_23 = strain || out;
         let matters_13 = strain || oblique;
@@ -270,15 +331,7 @@ impl Orthotropic {
             own[(i, j)] = value;
             own[(j, i)] = value;
         }
-        let turn = strains_turned([c, s]);
-        let all = turn * own * turn.transpose();
-        let part = |row: usize, column: usize| all.fixed_view::<3, 3>(row, column).into_owned();
-        let mut plane = part(0, 0);
-        if strain {
-            let coupling = part(0, 3);
-            plane -= coupling * compliance(&part(3, 3)) * coupling.transpose();
-        }
-        Ok((compliance(&plane), notes))
+        Ok((own, notes))
     }
 }
 
@@ -598,5 +651,39 @@ mod tests {
         assert!(isotropic.stiffness(PlaneState::Stress).is_ok());
         let refused = isotropic.stiffness(PlaneState::Strain).unwrap_err();
         assert!(refused.to_string().contains("plane strain"), "{refused}");
+    }
+
+    #[test]
+    fn the_stiffness_of_space_holds_that_of_plane_strain_and_undoes_the_compliance() {
+        let (space, notes) = Material::Orthotropic(PLY).stiffness_of_space().unwrap();
+        assert!(notes.is_empty());
+        let (plane, _) = Material::Orthotropic(PLY)
+            .stiffness(PlaneState::Strain)
+            .unwrap();
+        for (i, j, place) in [
+            (0, 0, (0, 0)),
+            (0, 1, (0, 1)),
+            (1, 1, (1, 1)),
+            (5, 5, (2, 2)),
+        ] {
+            assert!((space[(i, j)] - plane[place]).abs() < ROUND_OFF * 140_000.0);
+        }
+        // Pulled along 3 it stretches by 1/E₃ and thins by ν₂₃/E₂ along 2, ν₁₃/E₁ along 1.
+        let strain = [-0.25 / 140_000.0, -0.45 / 10_000.0, 1.0 / 9_000.0];
+        for row in 0..3 {
+            let stress: f64 = (0..3).map(|j| space[(row, j)] * strain[j]).sum();
+            let expected = if row == 2 { 1.0 } else { 0.0 };
+            assert!((stress - expected).abs() < 1e-12, "{row}: {stress}");
+        }
+        assert_eq!((space[(3, 3)], space[(4, 4)]), (3_300.0, 4_000.0));
+        let (isotropic, _) = Material::Isotropic {
+            youngs_modulus_mpa: 85.0,
+            poisson_ratio: 0.3,
+        }
+        .stiffness_of_space()
+        .unwrap();
+        // E (1 - ν)/((1 + ν)(1 - 2ν)) and E/(2 (1 + ν))
+        assert!((isotropic[(2, 2)] - 85.0 * 0.7 / (1.3 * 0.4)).abs() < 1e-12 * 85.0);
+        assert!((isotropic[(4, 4)] - 85.0 / 2.6).abs() < 1e-12 * 85.0);
     }
 }

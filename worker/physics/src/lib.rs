@@ -7,7 +7,7 @@
 mod calibrate;
 
 use loadframe_api::JobSpec;
-use loadframe_composite::bending;
+use loadframe_composite::{bending, cell};
 use loadframe_grains as grains;
 use loadframe_network::nonwoven;
 
@@ -33,6 +33,7 @@ pub fn simulate(
         JobSpec::BallastBox(spec) => grains::ballast::run(spec, context, recorder),
         JobSpec::BallastRailbed(spec) => grains::ballast::run(spec, context, recorder),
         JobSpec::CompositeBending(spec) => bending::run(spec, context, recorder),
+        JobSpec::CompositeCell(spec) => cell::run(spec, context, recorder),
         JobSpec::Calibrate(spec) => calibrate::run(spec, context, recorder),
     }
 }

@@ -68,7 +68,7 @@ pub struct Random {
     #[schemars(range(min = 0.001, max = 0.7), extend("x-unit" = "1"))]
     pub fibre_fraction: f64,
     /// Fibres in the cell. Fewer than some 30 make constants of a cell that differ along 2 and 3.
-    #[schemars(range(min = 1, max = 2_000), extend("x-unit" = "1"))]
+    #[schemars(range(min = 1, max = 1_000), extend("x-unit" = "1"))]
     pub fibres: u32,
     #[schemars(range(min = 1e-6, max = 1e6), extend("x-unit" = "mm"))]
     pub diameter_mm: f64,
@@ -96,7 +96,7 @@ pub struct Measured {
     /// Along axes 2 and 3.
     #[schemars(inner(range(min = 1e-6, max = 1e6)), extend("x-unit" = "mm"))]
     pub size_mm: [f64; 2],
-    #[schemars(length(min = 1, max = 2_000))]
+    #[schemars(length(min = 1, max = 1_000))]
     pub fibres: Vec<RoundFibre>,
 }
 

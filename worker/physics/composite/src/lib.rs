@@ -6,7 +6,9 @@
 //! one. [`bending`] is the job that calls them.
 pub mod bending;
 pub mod breaking;
+pub mod cell;
 pub mod flexure;
+pub mod homogenise;
 pub mod lattice;
 pub mod load;
 mod matrix;

@@ -22,6 +22,8 @@ pub enum Purpose {
     BatchPlaces,
     /// Strengths of what a cell of a section holds, one stream per cell.
     CellStrength,
+    /// Places of fibres in a unit cell, one stream per cell.
+    FibrePlaces,
 }
 
 /// The streams of one purpose.
@@ -38,6 +40,7 @@ impl Streams {
             Purpose::GrainPlaces => "grain places",
             Purpose::BatchPlaces => "batch places",
             Purpose::CellStrength => "cell strength",
+            Purpose::FibrePlaces => "fibre places",
         };
         // hashing keeps streams unrelated for seeds that differ in one bit, and the name makes a
         // new purpose harmless to the numbers of the old ones

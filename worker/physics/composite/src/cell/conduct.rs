@@ -5,34 +5,28 @@ use loadframe_harness::{
     Interrupt, Recorder, RunContext, SimulationError,
     checkpoint::{self, Fingerprint},
 };
-use serde::{Deserialize, Serialize};
 
-use super::results::{self, Values};
+use super::results::{self, Strength, Values};
 use crate::error::CompositeError;
-use crate::homogenise::{Effective, Randomness, RoundFibre, UnitCell, fibre_places};
+use crate::homogenise::{Effective, Errors, Randomness, RoundFibre, UnitCell, fibre_places};
 use crate::material::Material;
 
 /// A cell that was brought to equilibrium.
 pub(super) struct Tested {
     pub(super) cell: UnitCell,
-    /// On the grid asked for.
+    /// On the grid asked for, with errors by the coarser ones.
     pub(super) effective: Effective,
-    /// Values on the grids of a quarter and of half the cells along both sides, and on all of them;
-    /// of the coarser ones those that have enough.
+    pub(super) errors: Errors,
+    /// Constants on the grids of a quarter and of half the cells along both sides, and on all.
     pub(super) grids: Vec<Values>,
+    /// Stresses at which damage begins.
+    pub(super) strengths: Vec<Strength>,
 }
 
-/// What is known of the coarser grids.
-#[derive(Serialize, Deserialize)]
-struct Checkpoint {
-    spec: Fingerprint,
-    grids: Vec<Values>,
-}
-
-/// Work of grids over that of the finest, as far as progress tells.
-const PARTS: [f64; 3] = [1.0 / 21.0, 5.0 / 21.0, 1.0];
-/// Fewer cells along a side are no cell.
-const FEWEST: u32 = 4;
+/// Cells along a side over those of the coarser grids and of the finest.
+const DIVISORS: [u32; 3] = [4, 2, 1];
+/// How far a test is before each grid.
+const BEFORE: [f64; 3] = [0.0, 1.0 / 21.0, 5.0 / 21.0];
 
 pub(super) fn conduct(
     spec: &CompositeCell,
@@ -40,22 +34,12 @@ pub(super) fn conduct(
     recorder: &mut dyn Recorder,
 ) -> Result<Conclusion<Tested>, SimulationError> {
     let fingerprint = Fingerprint::of(spec)?;
-    let mut known = match context.checkpoint {
-        Some(bytes) => {
-            let checkpoint: Checkpoint = checkpoint::unpack(bytes)?;
-            fingerprint.check(checkpoint.spec)?;
-            checkpoint.grids
-        }
-        None => Vec::new(),
-    };
+    // a cell takes seconds, so that one that was interrupted is begun anew
+    if let Some(bytes) = context.checkpoint {
+        fingerprint.check(checkpoint::unpack(bytes)?)?;
+    }
     let cell = unit_cell(spec)?;
     let cells = spec.cells();
-    let divisors = [4, 2, 1]
-        .into_iter()
-        .filter(|divisor| *divisor == 1 || cells.iter().all(|count| count / divisor >= FEWEST));
-    let grids: Vec<[usize; 2]> = divisors
-        .map(|divisor| cells.map(|count| (count / divisor) as usize))
-        .collect();
     if context.checkpoint.is_none() {
         recorder.log(&format!(
             "{} fibres, {:.4} of the cell, on {} by {} cells of the grid",
@@ -65,52 +49,37 @@ pub(super) fn conduct(
             cells[1]
         ));
     }
-    recorder.columns(&results::columns())?;
-    for values in &known {
-        recorder.point(&results::point(spec, values))?;
-    }
-    let mut last = None;
-    for (place, grid) in grids.iter().enumerate() {
-        let is_last = place + 1 == grids.len();
-        if place < known.len() && !is_last {
-            continue;
-        }
-        match context.interrupt.interrupt() {
-            Some(Interrupt::Suspend) => {
-                known.truncate(grids.len() - 1);
-                let state = Checkpoint {
-                    spec: fingerprint,
-                    grids: known,
-                };
-                recorder.checkpoint(&checkpoint::pack(&state)?)?;
-                return Ok(Conclusion::Interrupted(Interrupt::Suspend));
+    let columns = results::columns();
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+    recorder.columns(&columns)?;
+    let mut found = Vec::with_capacity(DIVISORS.len());
+    let mut grids = Vec::with_capacity(DIVISORS.len());
+    for (divisor, fraction) in DIVISORS.into_iter().zip(BEFORE) {
+        recorder.progress(fraction, "grids");
+        if let Some(interrupt) = context.interrupt.interrupt() {
+            if interrupt == Interrupt::Suspend {
+                recorder.checkpoint(&checkpoint::pack(&fingerprint)?)?;
             }
-            Some(Interrupt::Cancel) => return Ok(Conclusion::Interrupted(Interrupt::Cancel)),
-            None => {}
+            return Ok(Conclusion::Interrupted(interrupt));
         }
-        let effective = cell.effective(*grid)?;
-        let values = results::values(spec, &effective)?;
+        let effective = cell.effective(cells.map(|count| (count / divisor) as usize))?;
+        let values = Values::of(&effective);
         recorder.point(&results::point(spec, &values))?;
-        known.push(values);
-        recorder.progress(PARTS[place + PARTS.len() - grids.len()], "grids");
-        if is_last {
-            last = Some(effective);
-        } else if recorder.checkpoint_due() {
-            let state = Checkpoint {
-                spec: fingerprint,
-                grids: known.clone(),
-            };
-            recorder.checkpoint(&checkpoint::pack(&state)?)?;
-        }
+        grids.push(values);
+        found.push(effective);
     }
-    let effective = last.ok_or(CompositeError::OtherSize)?;
+    let found: [Effective; 3] = found.try_into().map_err(|_| CompositeError::OtherSize)?;
+    let [quarter, half, effective] = found;
+    let errors = Errors::of(&effective, half, &quarter);
+    let strengths = results::strengths(spec, &effective, &errors)?;
     Ok(Conclusion::Finished(Tested {
         cell,
         effective,
-        grids: known,
+        errors,
+        grids,
+        strengths,
     }))
 }
-
 /// The cell that a spec describes.
 fn unit_cell(spec: &CompositeCell) -> Result<UnitCell, CompositeError> {
     let matrix = material(spec, &spec.matrix)?;

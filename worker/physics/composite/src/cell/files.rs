@@ -1,6 +1,6 @@
 //! Files of a cell: convergence, stiffness, what theory says, a picture, and the material it is.
-use loadframe_api::spec::composite_cell::CompositeCell;
 use loadframe_api::Report;
+use loadframe_api::spec::composite_cell::CompositeCell;
 use loadframe_harness::vtk::{Array, Polygons, Series};
 use loadframe_harness::{Recorder, SimulationError, csv};
 
@@ -27,7 +27,9 @@ pub(super) fn write(
         recorder.file(file, &mut |out| {
             csv::header(out, &names)?;
             let grids = tested.grids.iter();
-            grids.into_iter().try_for_each(|values| csv::row(out, &results::point(spec, values)))
+            grids
+                .into_iter()
+                .try_for_each(|values| csv::row(out, &results::point(spec, values)))
         })?;
     }
     recorder.file("stiffness.csv", &mut |out| {
@@ -52,6 +54,42 @@ fn write_fibres(tested: &Tested, recorder: &mut dyn Recorder) -> Result<(), Simu
             let [along_2, along_3] = fibre.centre_mm;
             csv::row(out, &[along_2, along_3, fibre.diameter_mm])
         })
+    })?;
+    Ok(())
+}
+
+/// The constants beside those of bounds and formulas.
+fn write_companions(tested: &Tested, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
+    let cell = &tested.cell;
+    let found = bounds::companions(&cell.fibre, &cell.matrix, tested.effective.fraction)?;
+    // in the order of the constants; a formula knows some of them
+    let estimate = |all: &bounds::Estimate| {
+        let none = f64::NAN;
+        let g23 = all.g23_mpa.unwrap_or(none);
+        let (e2, g12) = (all.e2_mpa, all.g12_mpa);
+        [all.e1_mpa, e2, e2, all.nu12, all.nu12, none, g12, g12, g23]
+    };
+    let mut columns = vec![
+        ("reuss", found.reuss.values()),
+        ("cell", tested.effective.constants.values()),
+        ("voigt", found.voigt.values()),
+        ("halpin_tsai", estimate(&found.halpin_tsai)),
+        ("chamis", estimate(&found.chamis)),
+    ];
+    let sides = [found.hashin_shtrikman_lower, found.hashin_shtrikman_upper];
+    if let [Some(lower), Some(upper)] = sides {
+        columns.insert(1, ("hashin_shtrikman_lower", lower.values()));
+        columns.insert(3, ("hashin_shtrikman_upper", upper.values()));
+    }
+    recorder.file("companions.csv", &mut |out| {
+        let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+        writeln!(out, "constant,unit,{}", names.join(","))?;
+        for (place, kind) in CONSTANTS.iter().enumerate() {
+            write!(out, "{},{},", kind.name, kind.unit)?;
+            let values: Vec<f64> = columns.iter().map(|(_, values)| values[place]).collect();
+            csv::row(out, &values)?;
+        }
+        Ok(())
     })?;
     Ok(())
 }
@@ -81,7 +119,8 @@ fn write_picture(tested: &Tested, recorder: &mut dyn Recorder) -> Result<(), Sim
     }
     let mut points = Vec::with_capacity(4 * drawn * lines);
     let pixel = effective.pixel_mm();
-    let line = |axis: usize, place: usize, count: usize| pixel[axis] * (place * every).min(count) as f64;
+    let line =
+        |axis: usize, place: usize, count: usize| pixel[axis] * (place * every).min(count) as f64;
     for j in 0..lines {
         let y = [line(1, j, rows), line(1, j + 1, rows)];
         for i in 0..drawn {
@@ -105,7 +144,12 @@ fn write_picture(tested: &Tested, recorder: &mut dyn Recorder) -> Result<(), Sim
     let names = ORDER.map(|name| format!("stress_{name}_mpa"));
     let mises: Vec<f64> = stress.iter().map(equivalent).collect();
     let mut data = vec![Array::scalars("fibre_share", &share)];
-    data.extend(names.iter().zip(&parts).map(|(name, part)| Array::scalars(name, part)));
+    data.extend(
+        names
+            .iter()
+            .zip(&parts)
+            .map(|(name, part)| Array::scalars(name, part)),
+    );
     data.push(Array::scalars("stress_mises_mpa", &mises));
     let polygons = Polygons {
         points: &points,

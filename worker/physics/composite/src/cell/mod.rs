@@ -13,9 +13,7 @@ use loadframe_api::spec::composite_cell::CompositeCell;
 use loadframe_harness::{
     Ending, Interrupt, Recorder, RunContext, SimulationError,
     checkpoint::Fingerprint,
-    plan::{
-        Conclusion, Plan, SavedReport, Share, Tests, join_repeats, write_repeats,
-    },
+    plan::{Conclusion, Plan, SavedReport, Share, Tests, join_repeats, write_repeats},
 };
 
 /// Runs the simulation of `spec`.
@@ -86,7 +84,11 @@ impl Tests for Repeats<'_> {
     type Result = SavedReport;
 
     fn share(&self, test: usize) -> Share {
-        if test == 0 { Share::All } else { Share::Nothing }
+        if test == 0 {
+            Share::All
+        } else {
+            Share::Nothing
+        }
     }
 
     fn run(

@@ -1,12 +1,13 @@
 //! Values read off a cell.
+use loadframe_api::spec::composite_bending::Limit;
 use loadframe_api::spec::composite_cell::CompositeCell;
 use loadframe_harness::csv;
-use serde::{Deserialize, Serialize};
 
 use crate::error::CompositeError;
-use crate::homogenise::Effective;
+use crate::homogenise::{Effective, Errors, Load, Part, Strengths};
 
 /// A result of a cell.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Kind {
     pub(super) name: &'static str,
     pub(super) unit: &'static str,
@@ -62,20 +63,22 @@ pub(super) const CONSTANTS: [Kind; 9] = [
     },
 ];
 
-/// The values of a cell on one grid.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// The constants of a cell on one grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Values {
     /// Cells of the grid along axis 2.
-    pub(super) columns: u32,
+    columns: usize,
     /// In the order of [`CONSTANTS`].
     pub(super) constants: [f64; 9],
 }
 
-pub(super) fn values(_spec: &CompositeCell, effective: &Effective) -> Result<Values, CompositeError> {
-    Ok(Values {
-        columns: effective.grid()[0] as u32,
-        constants: effective.constants.values(),
-    })
+impl Values {
+    pub(super) fn of(effective: &Effective) -> Self {
+        Self {
+            columns: effective.grid()[0],
+            constants: effective.constants.values(),
+        }
+    }
 }
 
 /// Names of the curve's columns.
@@ -91,8 +94,112 @@ pub(super) fn columns() -> Vec<String> {
 /// The curve's point of a grid.
 pub(super) fn point(spec: &CompositeCell, values: &Values) -> Vec<f64> {
     let [width, _] = spec.arrangement.size_mm();
-    let pixel = width / f64::from(values.columns);
-    let mut point = vec![spec.arrangement.least_diameter_mm() / pixel];
+    let cell = width / values.columns as f64;
+    let mut point = vec![spec.arrangement.least_diameter_mm() / cell];
     point.extend(values.constants);
     point
+}
+
+/// A stress on the composite at which damage begins.
+pub(super) struct Strength {
+    pub(super) kind: Kind,
+    pub(super) mpa: f64,
+    /// How far it may be off for the grid [MPa].
+    pub(super) error_mpa: f64,
+    /// What is damaged first.
+    pub(super) part: Part,
+}
+
+/// Stresses on the composite in the order 11, 22, 33, 23, 13, 12, and what the one that begins the
+/// damage is called.
+const LOADS: [([f64; 6], Kind); 5] = [
+    (
+        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        Kind {
+            name: "strength_along_tension",
+            unit: "MPa",
+            description: "Tension along the fibres at which damage begins",
+        },
+    ),
+    (
+        [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        Kind {
+            name: "strength_along_compression",
+            unit: "MPa",
+            description: "Compression along the fibres at which damage begins, buckling left out",
+        },
+    ),
+    (
+        [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        Kind {
+            name: "strength_across_tension",
+            unit: "MPa",
+            description: "Tension across the fibres, along axis 2, at which damage begins",
+        },
+    ),
+    (
+        [0.0, -1.0, 0.0, 0.0, 0.0, 0.0],
+        Kind {
+            name: "strength_across_compression",
+            unit: "MPa",
+            description: "Compression across the fibres, along axis 2, at which damage begins",
+        },
+    ),
+    (
+        [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        Kind {
+            name: "strength_shear",
+            unit: "MPa",
+            description: "Shear along the fibres at which damage begins",
+        },
+    ),
+];
+
+/// Stresses at which damage begins; none where nothing has a strength.
+pub(super) fn strengths(
+    spec: &CompositeCell,
+    effective: &Effective,
+    errors: &Errors,
+) -> Result<Vec<Strength>, CompositeError> {
+    let limits = limits(spec);
+    let mut all = Vec::new();
+    if limits == Strengths::default() {
+        return Ok(all);
+    }
+    for (stress, kind) in LOADS {
+        let load = Load::Stress(stress);
+        let onset = effective.onset(&load, &limits)?;
+        let Some((part, site)) = onset.first() else {
+            continue;
+        };
+        let relative = errors.onset(&onset, &load, &limits)?[part as usize];
+        all.push(Strength {
+            kind,
+            mpa: site.factor,
+            error_mpa: relative.map_or(f64::NAN, |relative| relative * site.factor),
+            part,
+        });
+    }
+    Ok(all)
+}
+
+/// What begins damage, as far as materials have it.
+fn limits(spec: &CompositeCell) -> Strengths {
+    let mpa = |limit: Option<Limit>| limit.map(|limit| limit.strength_mpa);
+    let strength = |name: &String| {
+        let material = spec.materials.get(name);
+        material
+            .and_then(|material| material.strength)
+            .unwrap_or_default()
+    };
+    let (matrix, fibre) = (strength(&spec.matrix), strength(&spec.fibre));
+    let interface = spec.materials.get(&spec.fibre);
+    let interface = interface.and_then(|material| material.interface);
+    Strengths {
+        matrix_tension_mpa: mpa(matrix.tension),
+        fibre_tension_mpa: mpa(fibre.tension),
+        fibre_compression_mpa: mpa(fibre.compression),
+        interface_normal_mpa: mpa(interface.map(|interface| interface.normal)),
+        interface_shear_mpa: mpa(interface.map(|interface| interface.shear)),
+    }
 }
