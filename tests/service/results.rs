@@ -1,6 +1,7 @@
 //! What a finished job holds, by every door: single files, ranges, the archive, the curve.
-use loadframe_api::{CurveView, FileEntry, JobStatus, Page, sha256_hex};
+use loadframe_api::{CurveView, FileEntry, JobStatus, Page, Problem, sha256_hex};
 use loadframe_tests::{SMALL, Server, Worker, until, with_seed};
+use serde_json::json;
 use std::io::{Cursor, Read};
 use uuid::Uuid;
 
@@ -167,4 +168,55 @@ fn a_key_submits_once() {
     assert_eq!(other_body.status, 422, "{other_body}");
     assert_ne!(send("again", 1).json::<loadframe_api::JobView>().id, id);
     assert_eq!(server.client.jobs("").len(), 2);
+}
+
+#[test]
+fn a_section_takes_its_constants_from_a_finished_cell_by_its_id() {
+    let server = Server::start();
+    let glass = json!({"isotropic": {"youngs_modulus_mpa": 74_000, "poisson_ratio": 0.2}});
+    let epoxy = json!({"isotropic": {"youngs_modulus_mpa": 3_350, "poisson_ratio": 0.35}});
+    let cell = json!({"kind": "composite_cell", "spec": {
+        "version": 1, "materials": {"epoxy": epoxy, "glass": glass}, "matrix": "epoxy", "fibre": "glass",
+        "arrangement": {"square": {"fibre_fraction": 0.5, "diameter_mm": 0.012}},
+        "accuracy": {"cells_per_fibre": 12},
+    }});
+    let section = |id: Uuid| {
+        json!({"kind": "composite_bending", "spec": {
+            "version": 1,
+            "section": {"length_mm": 10, "height_mm": 1, "thickness_mm": 1, "state": "plane_stress"},
+            "materials": {"ply": {"from_job": id}}, "matrix": "ply", "grid": {"cells": [10, 4]},
+            "test": {"tension": {"strain": 0.001}},
+        }})
+    };
+    let refused = |id: Uuid| {
+        let answer = server.client.post("/v1/jobs", &section(id));
+        let problem: Problem = answer.json();
+        assert_eq!(answer.status, 422, "{answer}");
+        problem.violations[0].detail.clone()
+    };
+    let detail = refused(Uuid::from_u128(7));
+    assert!(detail.contains("there is no job"), "{detail}");
+    let id = server.client.submit(&cell);
+    let detail = refused(id);
+    assert!(detail.contains("has no results"), "{detail}");
+
+    let worker = Worker::start(&server, "worker");
+    let done = |id| {
+        until("the job is done", || {
+            let job = server.client.job(id);
+            (job.status == JobStatus::Finished).then_some(job)
+        })
+    };
+    let cell = done(id);
+    let along = cell.summary.unwrap()["modulus_1"].value.unwrap();
+    let section_id = server.client.submit(&section(id));
+    let pulled = done(section_id);
+    worker.retire();
+    let constants = &pulled.spec.unwrap()["materials"]["ply"]["orthotropic"];
+    assert_eq!(constants["modulus_1_mpa"].as_f64(), Some(along));
+    let modulus = pulled.summary.unwrap()["effective_modulus"].value.unwrap();
+    assert!((modulus / along - 1.0).abs() < 1e-6, "{modulus} {along}");
+    // one of another kind has no such constants
+    let detail = refused(section_id);
+    assert!(detail.contains("composite_bending"), "{detail}");
 }
