@@ -152,6 +152,10 @@ job_kinds! {
         "Composite bending",
         "A section of fibres or plies in a matrix is held and loaded, bent on rollers, pulled or sheared: deflections, moduli, stresses.",
         ["composite_bending", "composite_bending_three_point", "composite_bending_paper"];
+    PaperTensile("paper_tensile"): spec::paper_tensile::PaperTensile,
+        "Paper tensile test",
+        "One fibre, a hollow tube of springs, is pulled, twisted, bent or pushed until it buckles: moduli, bending stiffness, buckling load.",
+        ["paper_tensile", "paper_tensile_buckling"];
     Calibrate("calibrate"): spec::calibrate::Calibrate,
         "Calibration",
         "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",

@@ -11,6 +11,7 @@ mod digest;
 mod envelope;
 mod event;
 mod examples;
+pub mod fibre;
 mod file_name;
 pub mod filling;
 mod job;

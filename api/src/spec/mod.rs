@@ -5,3 +5,4 @@ pub mod calibrate;
 pub mod composite_bending;
 pub mod granular_scene;
 pub mod nonwoven_tensile;
+pub mod paper_tensile;

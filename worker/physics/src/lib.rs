@@ -10,6 +10,7 @@ use loadframe_api::JobSpec;
 use loadframe_composite::bending;
 use loadframe_grains as grains;
 use loadframe_network::nonwoven;
+use loadframe_paper::tensile;
 
 pub use loadframe_harness::{
     CheckpointError, Ending, Interrupt, InterruptSource, Recorder, RunContext, Sample,
@@ -33,6 +34,7 @@ pub fn simulate(
         JobSpec::BallastBox(spec) => grains::ballast::run(spec, context, recorder),
         JobSpec::BallastRailbed(spec) => grains::ballast::run(spec, context, recorder),
         JobSpec::CompositeBending(spec) => bending::run(spec, context, recorder),
+        JobSpec::PaperTensile(spec) => tensile::run(spec, context, recorder),
         JobSpec::Calibrate(spec) => calibrate::run(spec, context, recorder),
     }
 }

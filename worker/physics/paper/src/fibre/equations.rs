@@ -12,7 +12,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
-use super::{FibreError, Spring, Tube};
+use super::{Spring, Tube, TubeError};
 
 /// Place of a displacement that is not free.
 const HELD: u32 = u32::MAX;
@@ -61,9 +61,9 @@ pub(super) struct Equations {
 
 impl Equations {
     /// Analyses the pattern for the displacements that are not held.
-    pub(super) fn new(tube: &Tube, held: &[bool]) -> Result<Self, FibreError> {
+    pub(super) fn new(tube: &Tube, held: &[bool]) -> Result<Self, TubeError> {
         let points = tube.places_um().len();
-        let too_large = FibreError::TooLarge { points };
+        let too_large = TubeError::TooLarge { points };
         let mut below: Vec<Vec<u32>> = (0..points as u32).map(|point| vec![point]).collect();
         for spring in tube.springs() {
             below[spring.points[1] as usize].push(spring.points[0]);
@@ -135,7 +135,7 @@ impl Equations {
     pub(super) fn factor(
         &mut self,
         stiffness: impl Iterator<Item = Stiffness>,
-    ) -> Result<(), FibreError> {
+    ) -> Result<(), TubeError> {
         self.blocks.fill([0.0; 9]);
         for (spring, [low, high, between]) in stiffness.zip(&self.of_spring) {
             let block = spring.block();
@@ -158,7 +158,7 @@ impl Equations {
         let scratch = self
             .symbolic
             .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let too_large = FibreError::TooLarge { points: size / 3 };
+        let too_large = TubeError::TooLarge { points: size / 3 };
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| too_large)?;
         let outcome = self.symbolic.factorize_numeric_llt(
             &mut self.values,
@@ -169,11 +169,11 @@ impl Equations {
             MemStack::new(&mut memory),
             Default::default(),
         );
-        outcome.map(|_| ()).map_err(
-            |LltError::NonPositivePivot { index }| FibreError::Unstable {
+        outcome
+            .map(|_| ())
+            .map_err(|LltError::NonPositivePivot { index }| TubeError::Unstable {
                 point: self.free[index.min(size - 1)] as usize / 3,
-            },
-        )
+            })
     }
 
     /// Solves for the free displacements, reading forces and writing displacements there; all others

@@ -2,7 +2,7 @@
 //!
 //! Displacements are three a point, in µm, forces in mN. Tension is positive.
 use super::equations::{Equations, Stiffness, direction};
-use super::{FibreError, Tube};
+use super::{Tube, TubeError};
 
 /// Unbalanced force over the largest force of a spring, at which a tube rests.
 pub const RESIDUAL: f64 = 1e-10;
@@ -34,6 +34,8 @@ pub struct Rest {
     pub tensions_mn: Vec<f64>,
     /// Largest unbalanced force over the largest force of a spring.
     pub residual: f64,
+    /// Factors it took.
+    pub factorings: u32,
 }
 
 /// The first buckling mode.
@@ -83,8 +85,8 @@ impl Supports {
 /// Rest for small displacements: one solution of the linear equations and one that corrects it.
 ///
 /// # Errors
-/// [`FibreError::Unstable`] when the supports leave a motion free.
-pub fn small(tube: &Tube, supports: &Supports) -> Result<Rest, FibreError> {
+/// [`TubeError::Unstable`] when the supports leave a motion free.
+pub fn small(tube: &Tube, supports: &Supports) -> Result<Rest, TubeError> {
     let mut equations = Equations::new(tube, &supports.held())?;
     equations.factor(unstressed(tube))?;
     let mut displacements: Vec<f64> = supports
@@ -111,8 +113,8 @@ pub fn small(tube: &Tube, supports: &Supports) -> Result<Rest, FibreError> {
 /// only their stiffness along themselves. Steps are halved until the energy falls.
 ///
 /// # Errors
-/// [`FibreError::NotConverged`] with the largest displacement asked for.
-pub fn large(tube: &Tube, supports: &Supports, start: &[f64]) -> Result<Rest, FibreError> {
+/// [`TubeError::NotConverged`] with the largest displacement asked for.
+pub fn large(tube: &Tube, supports: &Supports, start: &[f64]) -> Result<Rest, TubeError> {
     let held = supports.held();
     let mut equations = Equations::new(tube, &held)?;
     let mut displacements: Vec<f64> = start
@@ -123,10 +125,11 @@ pub fn large(tube: &Tube, supports: &Supports, start: &[f64]) -> Result<Rest, Fi
     let size = displacements.len();
     let (mut step, mut trial) = (vec![0.0; size], vec![0.0; size]);
     let mut residual = f64::INFINITY;
-    for _ in 0..MOST_STEPS {
+    for factorings in 0..MOST_STEPS {
         let places = moved(tube, &displacements);
         let (forces, tensions, energy) = large_forces(tube, &displacements);
-        let rest = at_rest(tube, supports, displacements.clone(), &forces, tensions);
+        let mut rest = at_rest(tube, supports, displacements.clone(), &forces, tensions);
+        rest.factorings = factorings;
         residual = rest.residual;
         if residual <= RESIDUAL {
             return Ok(rest);
@@ -155,7 +158,7 @@ pub fn large(tube: &Tube, supports: &Supports, start: &[f64]) -> Result<Rest, Fi
         displacements.copy_from_slice(&trial);
     }
     let asked = supports.moved_um.iter().flatten();
-    Err(FibreError::NotConverged {
+    Err(TubeError::NotConverged {
         displacement_um: asked.fold(0.0, |most, moved| most.max(moved.abs())),
         residual,
         limit: RESIDUAL,
@@ -167,13 +170,13 @@ pub fn large(tube: &Tube, supports: &Supports, start: &[f64]) -> Result<Rest, Fi
 /// rest add: inverse iteration with the factor of K.
 ///
 /// # Errors
-/// [`FibreError::NoBuckling`] when the iteration finds no positive factor.
+/// [`TubeError::NoBuckling`] when the iteration finds no positive factor.
 pub fn buckling(
     tube: &Tube,
     supports: &Supports,
     prestress: &Rest,
     start: &[f64],
-) -> Result<Buckling, FibreError> {
+) -> Result<Buckling, TubeError> {
     let mut equations = Equations::new(tube, &supports.held())?;
     equations.factor(unstressed(tube))?;
     let zero = |vector: &mut [f64]| {
@@ -211,7 +214,7 @@ pub fn buckling(
             });
         }
     }
-    Err(FibreError::NoBuckling {
+    Err(TubeError::NoBuckling {
         rounds: MOST_ROUNDS,
         change,
     })
@@ -259,6 +262,7 @@ fn at_rest(
         reactions_mn,
         tensions_mn,
         residual: if scale > 0.0 { unbalanced / scale } else { 0.0 },
+        factorings: 1,
     }
 }
 

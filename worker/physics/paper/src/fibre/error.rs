@@ -1,42 +1,14 @@
-//! What a fibre can be refused for.
+//! Why a tube has no rest.
+use loadframe_api::fibre::FibreError;
 use thiserror::Error;
 
-/// Why there is no fibre, or no rest of it.
+/// Why there is no tube, or no rest of it.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
-pub enum FibreError {
-    /// A value that no fibre has.
-    #[error("{quantity} is {given} {unit}; allowed: {allowed}")]
-    OutOfRange {
-        quantity: &'static str,
-        unit: &'static str,
-        given: f64,
-        allowed: String,
-    },
-    /// The closed form gives a spring below 0 at this length of a segment.
-    #[error(
-        "segments of {given_um:.4} µm need springs of negative stiffness; allowed: {from_um:.4} to \
-         {to_um:.4} µm"
-    )]
-    Inadmissible {
-        given_um: f64,
-        from_um: f64,
-        to_um: f64,
-    },
-    /// No whole number of segments makes up the length.
-    #[error(
-        "no whole number of segments of {from_um:.4} to {to_um:.4} µm makes up a fibre of {length_um} µm"
-    )]
-    NoWholeNumber {
-        length_um: f64,
-        from_um: f64,
-        to_um: f64,
-    },
-    /// Diagonal springs would shorten in tension: nothing makes the tube contract as asked.
-    #[error(
-        "segments of {given_um:.4} µm are too short for any springs; allowed: more than {above_um:.4} µm"
-    )]
-    TooShort { given_um: f64, above_um: f64 },
+pub enum TubeError {
+    /// There is no such fibre.
+    #[error(transparent)]
+    Fibre(#[from] FibreError),
     /// The tube has no stable equilibrium under its supports.
     #[error("point {point} of the tube is held by nothing, or gives way")]
     Unstable { point: usize },
@@ -57,20 +29,4 @@ pub enum FibreError {
     /// The tube does not buckle, or its mode was not found.
     #[error("no buckling load was found in {rounds} rounds; the last change was {change:e}")]
     NoBuckling { rounds: u32, change: f64 },
-}
-
-impl FibreError {
-    pub(crate) fn out_of_range(
-        quantity: &'static str,
-        unit: &'static str,
-        given: f64,
-        allowed: impl Into<String>,
-    ) -> Self {
-        Self::OutOfRange {
-            quantity,
-            unit,
-            given,
-            allowed: allowed.into(),
-        }
-    }
 }

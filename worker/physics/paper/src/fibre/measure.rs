@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use super::equilibrium::{self, Buckling, Rest, Supports, small};
-use super::{Divided, Elasticity, FibreError, Section, Tube};
+use super::{Divided, Elasticity, Section, Tube, TubeError};
 
 /// Segments of the tube whose constants are measured; more change the bending stiffness by less than
 /// 10⁻⁴, for what the ends do dies out within a few.
@@ -51,7 +51,7 @@ pub struct Pushed {
 ///
 /// # Errors
 /// Those of the equations.
-pub fn constants(divided: &Divided, section: &Section) -> Result<Constants, FibreError> {
+pub fn constants(divided: &Divided, section: &Section) -> Result<Constants, TubeError> {
     let tube = Tube::straight(MEASURED_SEGMENTS, &divided.segment, &divided.springs);
     constants_of(&tube, section)
 }
@@ -60,7 +60,7 @@ pub fn constants(divided: &Divided, section: &Section) -> Result<Constants, Fibr
 ///
 /// # Errors
 /// Those of the equations.
-pub fn constants_of(tube: &Tube, section: &Section) -> Result<Constants, FibreError> {
+pub fn constants_of(tube: &Tube, section: &Section) -> Result<Constants, TubeError> {
     let (pulled, pulled_rest) = pull(tube, SMALL, Ends::FreeToContract)?;
     let (torque, twisted) = twist(tube, SMALL / tube.segment().diameter_um())?;
     let (moment, bent) = bend(tube, SMALL / tube.segment().diameter_um())?;
@@ -79,7 +79,7 @@ pub fn constants_of(tube: &Tube, section: &Section) -> Result<Constants, FibreEr
 ///
 /// # Errors
 /// Those of the equations.
-pub fn pull(tube: &Tube, strain: f64, ends: Ends) -> Result<(f64, Rest), FibreError> {
+pub fn pull(tube: &Tube, strain: f64, ends: Ends) -> Result<(f64, Rest), TubeError> {
     let last = tube.segments();
     let mut supports = held_against_motion(tube);
     let across = match ends {
@@ -103,7 +103,7 @@ pub fn pull(tube: &Tube, strain: f64, ends: Ends) -> Result<(f64, Rest), FibreEr
 ///
 /// # Errors
 /// Those of the equations.
-pub fn twist(tube: &Tube, rate_per_um: f64) -> Result<(f64, Rest), FibreError> {
+pub fn twist(tube: &Tube, rate_per_um: f64) -> Result<(f64, Rest), TubeError> {
     let last = tube.segments();
     let angle = rate_per_um * tube.length_um();
     let mut supports = Supports::none(tube);
@@ -124,7 +124,7 @@ pub fn twist(tube: &Tube, rate_per_um: f64) -> Result<(f64, Rest), FibreError> {
 ///
 /// # Errors
 /// Those of the equations.
-pub fn bend(tube: &Tube, curvature_per_um: f64) -> Result<(f64, Rest), FibreError> {
+pub fn bend(tube: &Tube, curvature_per_um: f64) -> Result<(f64, Rest), TubeError> {
     let last = tube.segments();
     let half = 0.5 * curvature_per_um * tube.length_um();
     let mut supports = held_against_motion(tube);
@@ -143,7 +143,7 @@ pub fn bend(tube: &Tube, curvature_per_um: f64) -> Result<(f64, Rest), FibreErro
 ///
 /// # Errors
 /// Those of the equations.
-pub fn cantilever(tube: &Tube) -> Result<(f64, Rest), FibreError> {
+pub fn cantilever(tube: &Tube) -> Result<(f64, Rest), TubeError> {
     let last = tube.segments();
     let mut supports = Supports::none(tube);
     supports.move_ring(tube, 0, |_| [Some(0.0); 3]);
@@ -157,8 +157,8 @@ pub fn cantilever(tube: &Tube) -> Result<(f64, Rest), FibreError> {
 /// Pushes a straight tube, whose end rings are pinned at their centres, until it buckles.
 ///
 /// # Errors
-/// Those of the equations, and [`FibreError::NoBuckling`].
-pub fn push(tube: &Tube) -> Result<Pushed, FibreError> {
+/// Those of the equations, and [`TubeError::NoBuckling`].
+pub fn push(tube: &Tube) -> Result<Pushed, TubeError> {
     let (force, mut prestress) = pull(tube, -SMALL, Ends::FreeToContract)?;
     let per_mn = 1.0 / force.abs();
     let all = [

@@ -3,7 +3,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::{elasticity, near, section};
 use crate::fibre::equilibrium::{Supports, large, small};
 use crate::fibre::measure::{cantilever, column_load_mn, constants, push, shear_stiffness_mn};
-use crate::fibre::{Divided, Division, FibreError, OnInadmissible, Ring, Tube, divide, half_angle};
+use crate::fibre::{
+    Divided, Division, FibreError, OnInadmissible, Ring, Tube, TubeError, divide, half_angle,
+};
 
 fn fibre(length_um: f64, points: usize) -> Divided {
     let division = Division {
@@ -240,7 +242,7 @@ fn a_tube_that_nothing_holds_has_no_rest() {
     let mut supports = Supports::none(&tube);
     supports.move_point(0, 0, 1.0);
     match small(&tube, &supports) {
-        Err(FibreError::Unstable { .. }) => {}
+        Err(TubeError::Unstable { .. }) => {}
         other => panic!("{other:?}"),
     }
 }

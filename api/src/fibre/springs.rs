@@ -40,7 +40,7 @@ pub const SECOND_PART: f64 = 0.05;
 const AROUND_PART: f64 = 0.5;
 
 /// h = 1 leaves nothing for the springs along the fibre; the robust form stops at this.
-pub(super) const MOST_ROBUST: f64 = 0.9;
+const MOST_ROBUST: f64 = 0.9;
 
 /// The geometry of a ring and of the segment to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,7 +130,7 @@ impl Segment {
     }
 
     /// A_T = J/(Φ/2)² [µm²].
-    pub(super) fn torsion_area_um2(&self, section: &Section) -> f64 {
+    fn torsion_area_um2(&self, section: &Section) -> f64 {
         4.0 * section.polar_um4() / self.diameter_um.powi(2)
     }
 
