@@ -1,6 +1,6 @@
 //! Spec of a paper tensile test: pulps whose fibres are hollow tubes, alone.
 //!
-//! The fibre is the mass-spring tube of [LiuShen2020]: springs along, around, across and along the
+//! The fibre is the mass-spring tube of [LiuShen2025]: springs along, around, across and along the
 //! diagonals of a ring of points, their stiffness from E, ν and G in closed form. Lengths are in mm and
 //! µm, moduli in GPa, strengths in MPa; x is the pulling direction.
 //!

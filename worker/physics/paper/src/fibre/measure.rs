@@ -191,7 +191,7 @@ pub fn push(tube: &Tube) -> Result<Pushed, TubeError> {
 }
 
 /// Load [mN] at which a pinned column of stiffness E I [mN µm²] and length [µm] buckles, by Euler, and
-/// with the shear stiffness κ G A [mN] by Engesser (1891): P = P_E/(1 + P_E/(κ G A)).
+/// with the shear stiffness κ G A [mN] by [Engesser1891]: P = P_E/(1 + P_E/(κ G A)).
 pub fn column_load_mn(
     bending_stiffness_mn_um2: f64,
     length_um: f64,
@@ -201,7 +201,7 @@ pub fn column_load_mn(
     shear_stiffness_mn.map_or(euler, |shear| euler / (1.0 + euler / shear))
 }
 
-/// κ G A [mN] of a thin round tube, κ = 2 (1 + ν)/(4 + 3 ν) (Cowper 1966).
+/// κ G A [mN] of a thin round tube, κ = 2 (1 + ν)/(4 + 3 ν) [Cowper1966].
 pub fn shear_stiffness_mn(
     section: &Section,
     elasticity: &Elasticity,
