@@ -25,7 +25,7 @@ pub(super) fn check(spec: &PaperTensile, violations: &mut Vec<Violation>) {
 
 fn check_pulps(spec: &PaperTensile, violations: &mut Vec<Violation>) {
     let sum: f64 = spec.pulp.iter().map(|pulp| pulp.mass_fraction).sum();
-    if !((sum - 1.0).abs() <= FRACTIONS_SUM) {
+    if (sum - 1.0).abs() > FRACTIONS_SUM {
         let detail = format!("the mass fractions of all pulps sum to {sum}");
         violations.push(
             Violation::new("/pulp", "fractions_do_not_sum", detail)
