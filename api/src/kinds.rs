@@ -157,6 +157,10 @@ job_kinds! {
         "Composite cell",
         "Fibres in a matrix, seen along them: the elastic constants of the composite, beside the bounds that theory sets.",
         ["composite_cell", "composite_cell_hexagonal"];
+    PaperTensile("paper_tensile"): spec::paper_tensile::PaperTensile,
+        "Paper tensile test",
+        "One fibre, a hollow tube of springs, is pulled, twisted, bent or pushed until it buckles: moduli, bending stiffness, buckling load.",
+        ["paper_tensile", "paper_tensile_buckling"];
     Calibrate("calibrate"): spec::calibrate::Calibrate,
         "Calibration",
         "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",

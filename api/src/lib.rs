@@ -12,6 +12,7 @@ mod earlier;
 mod envelope;
 mod event;
 mod examples;
+pub mod fibre;
 mod file_name;
 pub mod filling;
 mod job;

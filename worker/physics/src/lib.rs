@@ -10,6 +10,7 @@ use loadframe_api::JobSpec;
 use loadframe_composite::{bending, cell};
 use loadframe_grains as grains;
 use loadframe_network::nonwoven;
+use loadframe_paper::tensile;
 
 pub use loadframe_harness::{
     CheckpointError, Ending, Interrupt, InterruptSource, Recorder, RunContext, Sample,
@@ -34,6 +35,7 @@ pub fn simulate(
         JobSpec::BallastRailbed(spec) => grains::ballast::run(spec, context, recorder),
         JobSpec::CompositeBending(spec) => bending::run(spec, context, recorder),
         JobSpec::CompositeCell(spec) => cell::run(spec, context, recorder),
+        JobSpec::PaperTensile(spec) => tensile::run(spec, context, recorder),
         JobSpec::Calibrate(spec) => calibrate::run(spec, context, recorder),
     }
 }

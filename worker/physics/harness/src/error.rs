@@ -69,6 +69,9 @@ pub enum SimulationError {
     /// A section of a composite has no result.
     #[error(transparent)]
     Section(#[from] CompositeError),
+    /// A specimen of paper has no result.
+    #[error("the specimen of paper has no result: {0}")]
+    Paper(String),
     /// A calibration has nothing to go by.
     #[error("the calibration cannot be carried out: {0}")]
     Calibration(String),

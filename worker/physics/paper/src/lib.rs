@@ -9,3 +9,4 @@
 pub mod fibre;
 pub mod frame;
 pub mod sheet;
+pub mod tensile;

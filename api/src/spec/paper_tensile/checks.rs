@@ -1,0 +1,151 @@
+//! What the JSON Schema cannot say: names that must exist, fractions that must sum up, walls that must
+//! fit, segments that must need no negative spring.
+use super::{PaperTensile, SingleFibre, Specimen};
+use crate::Violation;
+use crate::fibre::{FibreError, divide};
+
+/// Fractions sum up to one within this.
+const FRACTIONS_SUM: f64 = 1e-6;
+/// Shear moduli over Young's moduli for which springs are known to be right.
+const SHEAR_RATIOS: [f64; 2] = [0.001, 2.0];
+/// More points than this are refused.
+const MOST_POINTS: usize = 2_000_000;
+
+pub(super) fn check(spec: &PaperTensile, violations: &mut Vec<Violation>) {
+    let before = violations.len();
+    check_pulps(spec, violations);
+    match &spec.specimen {
+        // springs of a pulp that is wrong itself say nothing more
+        Specimen::SingleFibre(fibre) if violations.len() == before => {
+            check_fibre(spec, fibre, violations);
+        }
+        Specimen::SingleFibre(_) => {}
+    }
+}
+
+fn check_pulps(spec: &PaperTensile, violations: &mut Vec<Violation>) {
+    let sum: f64 = spec.pulp.iter().map(|pulp| pulp.mass_fraction).sum();
+    if (sum - 1.0).abs() > FRACTIONS_SUM {
+        let detail = format!("the mass fractions of all pulps sum to {sum}");
+        violations.push(
+            Violation::new("/pulp", "fractions_do_not_sum", detail)
+                .value(sum)
+                .allowed("a sum of 1"),
+        );
+    }
+    for (index, pulp) in spec.pulp.iter().enumerate() {
+        let at = |field: &str| format!("/pulp/{index}/{field}");
+        if spec.pulp[..index]
+            .iter()
+            .any(|other| other.name == pulp.name)
+        {
+            let detail = "two pulps have this name";
+            violations
+                .push(Violation::new(at("name"), "not_unique", detail).value(pulp.name.as_str()));
+        }
+        if let Err(error) = pulp.section() {
+            violations.push(
+                Violation::new(
+                    at("wall_um"),
+                    "wall_above_half_the_width",
+                    error.to_string(),
+                )
+                .value(pulp.wall_um)
+                .allowed(format!("at most {} (half the width)", pulp.width_um / 2.0))
+                .unit("µm"),
+            );
+        }
+        let [least, most] = SHEAR_RATIOS.map(|ratio| ratio * pulp.youngs_modulus_gpa);
+        if !(least..=most).contains(&pulp.shear_modulus_gpa) {
+            let detail = format!(
+                "a shear modulus of {} GPa does not fit a Young's modulus of {} GPa",
+                pulp.shear_modulus_gpa, pulp.youngs_modulus_gpa
+            );
+            violations.push(
+                Violation::new(at("shear_modulus_gpa"), "moduli_do_not_fit", detail)
+                    .value(pulp.shear_modulus_gpa)
+                    .allowed(format!("{least} … {most}, 0.001 to 2 of Young's modulus"))
+                    .unit("GPa"),
+            );
+        }
+    }
+}
+
+/// A fibre that can be divided without negative springs.
+fn check_fibre(spec: &PaperTensile, fibre: &SingleFibre, violations: &mut Vec<Violation>) {
+    let Some(pulp) = spec.pulp_of(fibre) else {
+        let known: Vec<&str> = spec.pulp.iter().map(|pulp| pulp.name.as_str()).collect();
+        violations.push(
+            Violation::new(
+                "/specimen/single_fibre/pulp",
+                "unknown_pulp",
+                "there is no such pulp",
+            )
+            .value(fibre.pulp.as_deref().unwrap_or_default())
+            .allowed(format!("one of: {}", known.join(", "))),
+        );
+        return;
+    };
+    let (Ok(section), Ok(elasticity)) = (pulp.section(), pulp.elasticity()) else {
+        return;
+    };
+    let division = spec.model.division();
+    match divide(1e3 * pulp.length_mm, &section, &elasticity, &division) {
+        Ok(divided) => {
+            let points = (divided.segments + 1) * division.points_on_ring;
+            if points > MOST_POINTS {
+                let detail = format!(
+                    "a fibre of {} segments has {points} points",
+                    divided.segments
+                );
+                violations.push(
+                    Violation::new("/model/segment_um", "too_many_points", detail)
+                        .value(points)
+                        .allowed(format!("at most {MOST_POINTS} points")),
+                );
+            }
+        }
+        Err(error) => violations.push(indivisible(spec, &error)),
+    }
+}
+
+fn indivisible(spec: &PaperTensile, error: &FibreError) -> Violation {
+    let detail = error.to_string();
+    let window = |from_um: f64, to_um: f64| format!("{from_um:.4} … {to_um:.4}");
+    match error {
+        FibreError::Inadmissible {
+            given_um,
+            from_um,
+            to_um,
+        } => Violation::new("/model/segment_um", "inadmissible_segment", detail)
+            .value(*given_um)
+            .allowed(window(*from_um, *to_um))
+            .unit("µm"),
+        FibreError::NoWholeNumber {
+            length_um,
+            from_um,
+            to_um,
+        } => Violation::new("/model/segment_um", "no_whole_number_of_segments", detail)
+            .value(*length_um)
+            .allowed(format!(
+                "a whole number of segments of {}; \"robust\" takes any",
+                window(*from_um, *to_um)
+            ))
+            .unit("µm"),
+        FibreError::TooShort { given_um, above_um } => {
+            Violation::new("/model/segment_um", "segment_too_short", detail)
+                .value(*given_um)
+                .allowed(format!("above {above_um:.4}"))
+                .unit("µm")
+        }
+        FibreError::OutOfRange { given, allowed, .. } => {
+            let field = match spec.model.ring {
+                super::Ring::Patent => "/model/ring",
+                super::Ring::Gyration => "/model/points_on_ring",
+            };
+            Violation::new(field, "out_of_range", detail)
+                .value(*given)
+                .allowed(allowed.as_str())
+        }
+    }
+}

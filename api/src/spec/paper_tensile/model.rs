@@ -1,0 +1,87 @@
+//! How a fibre is modelled.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::fibre::{self, Division};
+
+/// The model of a fibre.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Model {
+    pub level: Level,
+    /// Wanted length of a segment; a whole number of them makes up the fibre. Left out: the shortest
+    /// without negative springs, which bends most like the wall.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.01, max = 1e5), extend("x-unit" = "µm"))]
+    pub segment_um: Option<f64>,
+    /// Points of a ring: even, for springs across join opposite ones.
+    #[schemars(range(min = 4, max = 16), extend("multipleOf" = 2, "x-unit" = "1"))]
+    pub points_on_ring: u32,
+    pub ring: Ring,
+    pub on_inadmissible: OnInadmissible,
+}
+
+/// How much of a fibre the model knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Level {
+    /// Rings of points with springs between.
+    #[default]
+    Tube,
+}
+
+/// Where in the wall the ring of points lies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Ring {
+    /// On the radius of gyration of torsion: area and torsion agree.
+    #[default]
+    Gyration,
+    /// On the face of the lumen, as the patent has it.
+    Patent,
+}
+
+/// What is done where a segment of the wanted length needs springs of negative stiffness.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OnInadmissible {
+    /// Segments are made as short as the window of admissible lengths allows.
+    #[default]
+    Refine,
+    /// The job is refused, with the window.
+    Reject,
+    /// The length is kept; springs around and along get independent of one another, and G is lowered
+    /// as far as it must be.
+    Robust,
+}
+
+impl Default for Model {
+    fn default() -> Self {
+        Self {
+            level: Level::default(),
+            segment_um: None,
+            points_on_ring: 6,
+            ring: Ring::default(),
+            on_inadmissible: OnInadmissible::default(),
+        }
+    }
+}
+
+impl Model {
+    /// The same as the engine takes it.
+    pub fn division(&self) -> Division {
+        Division {
+            points_on_ring: self.points_on_ring as usize,
+            ring: match self.ring {
+                Ring::Gyration => fibre::Ring::Gyration,
+                Ring::Patent => fibre::Ring::Patent,
+            },
+            segment_um: self.segment_um,
+            on_inadmissible: match self.on_inadmissible {
+                OnInadmissible::Refine => fibre::OnInadmissible::Refine,
+                OnInadmissible::Reject => fibre::OnInadmissible::Reject,
+                OnInadmissible::Robust => fibre::OnInadmissible::Robust,
+            },
+        }
+    }
+}

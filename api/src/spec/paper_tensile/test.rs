@@ -1,0 +1,60 @@
+//! What is done to the specimen.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The course of a test. What a single fibre does not use may be given, and a warning says so.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Test {
+    /// Strain at which the test ends.
+    #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
+    pub max_strain: f64,
+    /// Direction of the pull. A single fibre is pulled along itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub direction: Option<Direction>,
+    /// Part of the maximum force at which a test ends. A single fibre does not break.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "1"))]
+    pub stop_force_fraction: Option<f64>,
+    /// Specimens. There is one single fibre.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1000), extend("x-unit" = "1"))]
+    pub repeats: Option<u32>,
+}
+
+/// Direction of the machine that made the sheet, or across it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Direction {
+    Md,
+    Cd,
+}
+
+impl Default for Test {
+    fn default() -> Self {
+        Self {
+            max_strain: 0.05,
+            direction: None,
+            stop_force_fraction: None,
+            repeats: None,
+        }
+    }
+}
+
+impl Test {
+    /// Names of the fields that were given and that a single fibre does not use.
+    pub fn unused_by_a_fibre(&self) -> Vec<&'static str> {
+        let given = [
+            (self.direction.is_some(), "test.direction"),
+            (
+                self.stop_force_fraction.is_some(),
+                "test.stop_force_fraction",
+            ),
+            (self.repeats.is_some(), "test.repeats"),
+        ];
+        given
+            .into_iter()
+            .filter_map(|(is_given, name)| is_given.then_some(name))
+            .collect()
+    }
+}
