@@ -21,10 +21,10 @@
 //! Measured on 100 by 30 cells with three fibres, their faces and scatter, one thread, by
 //! `tests::speed` (events per second of processor time, for columns that a factor may carry):
 //!
-//! | columns | 0: factored for every event | 64 | 96 | 128 | 192 |
-//! |---|---|---|---|---|---|
-//! | brittle | 165 | 195 | 188 | 188 | 192 |
-//! | ten teeth | 165 | 284 | 265 | 271 | 252 |
+//! | columns | 0: factored for every event | 64 | 128 |
+//! |---|---|---|---|
+//! | brittle | 198 | 276 | 266 |
+//! | ten teeth | 203 | 382 | 373 |
 mod composition;
 mod criterion;
 mod curve;

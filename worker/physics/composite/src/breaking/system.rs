@@ -15,8 +15,7 @@ use crate::solve::direct::{Direct, NoFactor};
 use crate::stiffness::Stiffness;
 use crate::supports::Supports;
 
-/// Columns that a factor carries before it is made anew. On 100 by 30 cells anything from 64 to 200 is
-/// as fast within 10 %, see the table in [`breaking`](crate::breaking).
+/// Columns that a factor carries before it is made anew. On 100 by 30 cells twice as many are as fast, see the table in [`breaking`](crate::breaking).
 pub(super) const MOST_COLUMNS: usize = 64;
 
 /// Largest unbalanced force over the largest force, below which displacements are not refined.
