@@ -103,7 +103,7 @@ impl Cut {
     ///
     /// A = ⟨a⁻¹⟩⁻¹, B = ⟨b a⁻¹⟩ A, D = ⟨d - b a⁻¹ bᵀ⟩ + ⟨b a⁻¹⟩ A ⟨a⁻¹ bᵀ⟩.
     ///
-    /// Exact for a plane face. As the stiffness of a pixel: [GelebartOuali2015].
+    /// Exact for a plane face. As the stiffness of a pixel: [GelebartOuaki2015].
     pub(super) fn stiffness(&self, matrix: &Space, fibre: &Space) -> Space {
         let [c, s] = self.normal;
         let mut compliant = Matrix3::zeros();
