@@ -82,12 +82,12 @@ impl Ensemble {
     /// `None` without cells.
     #[must_use]
     pub fn constants(&self) -> Option<[Sample; 9]> {
-        let mut samples = [Sample::of(&[0.0])?; 9];
-        for (place, sample) in samples.iter_mut().enumerate() {
+        let sample = |place: usize| {
             let values: Vec<f64> = self.cells.iter().map(|cell| cell.values()[place]).collect();
-            *sample = Sample::of(&values)?;
-        }
-        Some(samples)
+            Sample::of(&values)
+        };
+        let samples: Option<Vec<Sample>> = (0..9).map(sample).collect();
+        samples?.try_into().ok()
     }
 
     /// The same of the onset of a load, by its number; `None` where a cell has no onset.
