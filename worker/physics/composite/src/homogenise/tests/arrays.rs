@@ -180,3 +180,30 @@ fn bounds_meet_where_phases_are_alike_and_obey_hills_relation() {
     let none = bounds::companions(&ply(), &epoxy(), 0.5).unwrap();
     assert!(none.hashin_shtrikman_lower.is_none());
 }
+
+#[test]
+fn moduli_beyond_their_bounds_are_told() {
+    let cell = UnitCell::hexagonal(epoxy(), glass(), 0.4, 0.01).unwrap();
+    let effective = cell.effective([24, 40]).unwrap();
+    // held against fibres too soft for it, and against a matrix too stiff
+    let above = bounds::beyond(&effective, None, &isotropic(6_000.0, 0.3), &epoxy()).unwrap();
+    assert_eq!(above.len(), 3);
+    assert!(above.iter().all(|beyond| beyond.is_upper));
+    let below = bounds::beyond(&effective, None, &glass(), &isotropic(12_000.0, 0.3)).unwrap();
+    assert_eq!(below.len(), 3);
+    let text = below[2].to_string();
+    assert!(
+        text.contains("G₁₂") && text.contains("below the lower"),
+        "{text}"
+    );
+    // an error as large as the way to the bound excuses it
+    let errors = effective.constants;
+    let excused = bounds::beyond(
+        &effective,
+        Some(&errors),
+        &glass(),
+        &isotropic(6_000.0, 0.3),
+    )
+    .unwrap();
+    assert!(excused.is_empty(), "{excused:?}");
+}
