@@ -399,3 +399,23 @@ fn no_damage_makes_a_cell_indefinite_or_stiffer() {
     }
     assert!(seen > 5, "{seen}");
 }
+
+#[test]
+fn a_crack_along_a_fibre_takes_its_energy_from_the_matrix_beside_it_alone() {
+    for (angle, normals) in [
+        (0.0, [[0.0, 1.0], [1.0, 0.0]]),
+        (90.0, [[1.0, 0.0], [0.0, 1.0]]),
+    ] {
+        // cells of 1.5 mm by 1.5 mm, two of which the fibre of 1 mm shares with matrix
+        let case = Case::pulled(&with_fibre(angle), [8, 4], 1.0, &[UNBREAKABLE; 2]);
+        let breaking = case.breaking();
+        let is_shared = |part: &&part::Part| part.kind == BrokenPart::Matrix && part.share < 1.0;
+        let shared: Vec<_> = breaking.parts.all.iter().filter(is_shared).collect();
+        assert_eq!(shared.len(), if angle == 0.0 { 16 } else { 8 });
+        for part in shared {
+            assert!((part.share - 2.0 / 3.0).abs() < 1e-12);
+            let [along, across] = normals.map(|normal| part.width_mm([1.5, 1.5], normal));
+            assert!((along - 1.0).abs() < 1e-12 && (across - 1.5).abs() < 1e-12);
+        }
+    }
+}
