@@ -356,7 +356,8 @@ impl System {
 
 /// The one thing that drives a section.
 fn drive(lattice: &Lattice, supports: &Supports, load_n: &[f64]) -> Result<Drive, CompositeError> {
-    if load_n.len() != lattice.displacements() {
+    let size = lattice.displacements();
+    if load_n.len() != size || supports.displacements().len() != size {
         return Err(CompositeError::OtherSize);
     }
     let (mut sum, mut sizes, mut largest) = ([0.0_f64; 2], 0.0_f64, 0.0_f64);
