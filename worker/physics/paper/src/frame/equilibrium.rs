@@ -26,6 +26,9 @@ const UNBALANCED: f64 = 1e-6;
 /// Round-off of a force as a share of stiffness times displacement, for what carries nearly nothing.
 const ROUND_OFF: f64 = 1e-11;
 
+/// Forces below this share of the largest since the factor was made are none: the jaws are parted.
+const NOTHING: f64 = 1e-9;
+
 /// Refinements before giving up.
 const REFINEMENTS: usize = 4;
 
@@ -84,6 +87,8 @@ pub(crate) struct Equilibrium<'n> {
     factored: Vec<u32>,
     taken: Vec<u32>,
     spent: f64,
+    /// Largest force of an element since the factor was made [mN per unit].
+    largest: f64,
     pub(crate) motion: Motion,
     pub(crate) forces: Forces,
     pub(crate) critical: Option<Critical>,
@@ -118,6 +123,7 @@ impl<'n> Equilibrium<'n> {
             factored: factored.to_vec(),
             taken: Vec::new(),
             spent: 0.0,
+            largest: 0.0,
             motion: Motion::rest(nodes),
             forces: Forces::new(nodes),
             critical: None,
@@ -210,6 +216,7 @@ impl<'n> Equilibrium<'n> {
         self.softening = Softening::new(self.factor.size());
         self.factors += 1;
         self.spent = 0.0;
+        self.largest = 0.0;
 
         for (node, motion) in self.motion.nodes.iter_mut().enumerate() {
             let goes_along = match network.jaw(node) {
@@ -314,8 +321,9 @@ impl<'n> Equilibrium<'n> {
             self.look();
             let mut right = self.unbalanced();
             let worst = self.worst_force(&right);
-            let scale = self.forces.scale.max(f64::MIN_POSITIVE);
-            self.residual = worst / scale;
+            self.largest = self.largest.max(self.forces.scale);
+            let scale = self.forces.scale.max(NOTHING * self.largest);
+            self.residual = worst / scale.max(f64::MIN_POSITIVE);
             let is_round_off = worst <= ROUND_OFF * self.forces.round_off;
             if self.residual <= BALANCED || (is_round_off && refinement > 0) {
                 return Ok(());

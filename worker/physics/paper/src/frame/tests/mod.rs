@@ -55,3 +55,7 @@ pub(crate) fn close(found: f64, expected: f64, share: f64) {
 }
 
 mod beams;
+mod breaking;
+mod joints;
+mod large;
+mod sheets;
