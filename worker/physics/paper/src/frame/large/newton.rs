@@ -17,7 +17,7 @@ use super::response::{Response, response};
 use super::shape::Shape;
 
 /// Forces balance to this share of the largest force of an element.
-const BALANCED: f64 = 1e-9;
+const BALANCED: f64 = 1e-11;
 
 /// Round-off of a force as a share of a stiffness times the position of its nodes.
 const ROUND_OFF: f64 = 1e-13;

@@ -5,8 +5,7 @@
 //! | measure | of a beam |
 //! |---|---|
 //! | stretch | l - l₀ |
-//! | rotation of a node against the chord about e₂ | asin(n·t₃) |
-//! | the same about e₃ | asin(-n·t₂) |
+//! | rotation of a node against the chord, about e₂ and e₃ | (n·t₃, -n·t₂) asin(s)/s, s the norm of the pair |
 //! | twist | asin ½(t₃ᵃ·t₂ᵇ - t₂ᵃ·t₃ᵇ) |
 //!
 //! [Crisfield1990]'s with the chord for the mean frame ([Besseling1977]'s strains, with angles for
@@ -141,6 +140,52 @@ impl Chord {
     }
 }
 
+/// The rotation vector across the chord whose sine has these components: φᵢ = gᵢ f(σ), σ = g₁² + g₂²,
+/// f = asin(√σ)/√σ. It does not know how the axes lie about the fibre. None beyond a right angle.
+fn angles(sines: [Measure; 2]) -> Option<[Measure; 2]> {
+    let g = [sines[0].value, sines[1].value];
+    let sigma = g[0] * g[0] + g[1] * g[1];
+    if sigma.is_nan() || sigma >= 1.0 {
+        return None;
+    }
+    let (f, first, second) = arcsine_factor(sigma);
+    let same = |a: usize, b: usize| f64::from(u8::from(a == b));
+    Some([0, 1].map(|i| {
+        let mut angle = Measure::zero();
+        angle.value = g[i] * f;
+        for j in 0..2 {
+            let slope = same(i, j) * f + 2.0 * g[i] * g[j] * first;
+            angle.gradient += slope * sines[j].gradient;
+            angle.hessian += slope * sines[j].hessian;
+            for k in 0..2 {
+                let bend =
+                    2.0 * first * (same(i, j) * g[k] + same(i, k) * g[j] + same(j, k) * g[i])
+                        + 4.0 * second * g[i] * g[j] * g[k];
+                angle.hessian += bend * sines[j].gradient * sines[k].gradient.transpose();
+            }
+        }
+        angle
+    }))
+}
+
+/// asin(√σ)/√σ with its first and second derivative by σ.
+fn arcsine_factor(sigma: f64) -> (f64, f64, f64) {
+    // below, differences of nearly equal numbers would cost more digits than the series lacks
+    if sigma < 1e-3 {
+        let f = 1.0 + sigma * (1.0 / 6.0 + sigma * (3.0 / 40.0 + sigma * 5.0 / 112.0));
+        let first =
+            1.0 / 6.0 + sigma * (3.0 / 20.0 + sigma * (15.0 / 112.0 + sigma * 35.0 / 288.0));
+        let second = 3.0 / 20.0 + sigma * (15.0 / 56.0 + sigma * 35.0 / 96.0);
+        return (f, first, second);
+    }
+    let sine = sigma.sqrt();
+    let secant = 1.0 / (1.0 - sigma).sqrt();
+    let f = sine.asin() / sine;
+    let first = (secant - f) / (2.0 * sigma);
+    let second = (0.5 * secant.powi(3) - 3.0 * first) / (2.0 * sigma);
+    (f, first, second)
+}
+
 /// ½(t₃ᵃ·t₂ᵇ - t₂ᵃ·t₃ᵇ).
 fn twist(first: &Matrix3<f64>, second: &Matrix3<f64>) -> Measure {
     let mut measure = Measure::zero();
@@ -187,11 +232,10 @@ fn beam(network: &Network, element: &Element, shape: &Shape) -> Option<Response>
     let triads = [a, b].map(|node| shape.turns[node].to_rotation_matrix().into_inner() * axes);
     let stretch = chord.stretch(rest_length(network, element));
     let about = |end: usize| {
-        let second = chord
-            .lean(end, triads[end].column(2).into_owned())
-            .angle()?;
-        let third = chord.lean(end, -triads[end].column(1)).angle()?;
-        Some([second, third])
+        angles([
+            chord.lean(end, triads[end].column(2).into_owned()),
+            chord.lean(end, -triads[end].column(1)),
+        ])
     };
     let [first, second] = [about(0)?, about(1)?];
     let twist = twist(&triads[0], &triads[1]).angle()?;
@@ -330,5 +374,86 @@ fn add_difference_block(hessian: &mut Hessian, value: &Matrix3<f64>) {
         for (column, column_sign) in SHIFT.into_iter().zip([-1.0, 1.0]) {
             add_block(hessian, row, column, &(value * (row_sign * column_sign)));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::tests::{bond as a_bond, fibre, model};
+
+    /// Derivatives against differences of the energy and the forces.
+    #[test]
+    fn forces_and_stiffness_are_derivatives_of_the_energy() {
+        let fibres = [
+            fibre(&[[1.0, 2.0, 3.0], [21.0, 12.0, -4.0]]),
+            fibre(&[[5.0, 9.0, 0.0], [9.0, 0.0, 6.0]]),
+        ];
+        let bonds = [a_bond([0, 1], [0.0, 0.0])];
+        for level in [Level::Beam, Level::Truss] {
+            let network = Network::new(&fibres, &bonds, model(level, 1e4)).unwrap();
+            let mut shape = Shape::of(&network);
+            for node in 0..network.nodes() {
+                let i = node as f64;
+                let shift = Vector3::new(0.5 - i, 0.3 * i, 1.5 - 0.7 * i);
+                let turn = Vector3::new(0.2 - 0.1 * i, 0.3 + 0.15 * i, -0.2 + 0.1 * i * i);
+                shape.step(node, shift, turn);
+            }
+            for index in 0..network.elements().len() {
+                compare(&network, index, &shape);
+            }
+        }
+    }
+
+    fn compare(network: &Network, index: usize, shape: &Shape) {
+        let here = response(network, index, shape).unwrap();
+        let nodes = network.elements()[index].nodes;
+        let along = |row: usize, by: f64| {
+            let mut shape = shape.clone();
+            let mut step = [Vector3::zeros(), Vector3::zeros()];
+            step[row % 6 / 3][row % 3] = by;
+            shape.step(nodes[row / 6] as usize, step[0], step[1]);
+            response(network, index, &shape).unwrap().energy
+        };
+        let second = |row: usize, column: usize, by: f64| {
+            let corner = |a: f64, b: f64| {
+                let mut moved = shape.clone();
+                let mut steps = [[Vector3::zeros(); 2]; 2];
+                steps[row / 6][row % 6 / 3][row % 3] += a;
+                steps[column / 6][column % 6 / 3][column % 3] += b;
+                for (node, step) in nodes.iter().zip(steps) {
+                    moved.step(*node as usize, step[0], step[1]);
+                }
+                response(network, index, &moved).unwrap().energy
+            };
+            (corner(by, by) - corner(by, -by) - corner(-by, by) + corner(-by, -by))
+                / (4.0 * by * by)
+        };
+        let (largest, stiffest) = (here.forces.amax(), here.stiffness.amax());
+        for row in 0..12 {
+            let slope = (along(row, 1e-5) - along(row, -1e-5)) / 2e-5;
+            // central differences: 1e-10 of the third derivative, and round-off of the energy
+            assert!(
+                (slope - here.forces[row]).abs() < 1e-6 * largest,
+                "{row}: {slope} {}",
+                here.forces[row]
+            );
+            for column in 0..12 {
+                let bend = second(row, column, 1e-3);
+                let exact = here.stiffness[(row, column)];
+                assert!(
+                    (bend - exact).abs() < 2e-5 * stiffest,
+                    "{index} {row} {column}: {bend} {exact}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_arcsine_has_no_step_where_its_series_ends() {
+        let (below, above) = (arcsine_factor(1e-3 * (1.0 - 1e-12)), arcsine_factor(1e-3));
+        assert!((below.0 - above.0).abs() < 1e-12);
+        assert!((below.1 - above.1).abs() < 1e-11);
+        assert!((below.2 - above.2).abs() < 1e-8);
     }
 }
