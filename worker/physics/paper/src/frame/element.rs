@@ -29,8 +29,8 @@ pub(crate) const PARTS: usize = 6;
 pub(crate) type Ends = [Vector3<f64>; 4];
 
 /// Transverse stiffness of a bar over its axial one: that of a string which is taut by this strain.
-/// It keeps what a truss leaves loose in place; its share of the energy is measured. Ten times more
-/// or less changes forces of a stiff truss by less than 1e-8.
+/// It keeps what a truss leaves loose in place; its share of the energy is measured. Forces of a truss
+/// that is stiff by itself change by this share of a bar's stiffness over the truss's: a few 1e-8.
 pub(crate) const TAUT: f64 = 1e-9;
 
 /// Two nodes and the springs between them.

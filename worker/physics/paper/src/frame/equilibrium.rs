@@ -11,6 +11,7 @@ use super::clusters::Standing;
 use super::element::{PARTS, stress_gpa};
 use super::error::FrameError;
 use super::factor::Factor;
+use super::input::Level;
 use super::load::NodeLoad;
 use super::network::Network;
 use super::places::Jaw;
@@ -359,7 +360,7 @@ impl<'n> Equilibrium<'n> {
             let loads = self.forces.add(element, &self.motion, self.gyration);
             let factor = if index < segments {
                 let section = network.section_of(index);
-                if level == super::input::Level::Truss {
+                if level == Level::Truss {
                     self.forces.taut_energy += 0.5
                         * (1..3)
                             .map(|part| loads[part] * loads[part] / element.stiffness[part])

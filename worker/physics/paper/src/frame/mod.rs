@@ -2,11 +2,12 @@
 //!
 //! Knows centre lines, sections and bonds; knows no pulp and no generator. A description
 //! ([`FrameFibre`], [`FrameBond`], [`FrameModel`]) becomes a [`Network`] once; a [`Pull`] holds it in the jaws
-//! and goes from break to break; [`Network::rest`] is its equilibrium under loads.
+//! and goes from break to break; [`Network::rest`] is its equilibrium under loads. All this is for small
+//! displacements; [`LargePull`] and [`Network::rest_at_large`] are for large ones, and slower by far.
 //!
 //! From the bottom up: `places` puts nodes on centre lines, `element` is what joins two of them,
 //! `clusters` says what hangs together, `order` and `factor` solve, `equilibrium` rests and loses parts,
-//! `pull` drives.
+//! `pull` drives; `large` does both for large motions.
 //!
 //! A bond resists the relative displacement of its two centre-line points equally in all directions,
 //! and their relative rotation. When the points are apart (by the radii of the fibres) this resists a
@@ -17,6 +18,8 @@
 //! A truss is loose across its fibres and at their ends. Its bars are taut by a strain of 1e-9, which
 //! holds what is loose and carries nothing else; [`PullMeasures::largest_taut_share`] is the share of
 //! the energy in it: where that is not small, the truss is a mechanism and its force means nothing.
+//! That is so for every sheet of fibres shorter than the distance of the jaws: n crossings of a fibre
+//! make n - 1 bars, one less than holds them all. Such a truss carries only once its fibres have turned.
 mod balance;
 mod clusters;
 mod element;

@@ -171,7 +171,7 @@ fn below_percolation_the_force_is_nought_with_a_sentence() {
         assert!(events.is_empty());
         assert_eq!(end, PullEnd::NoPath);
         assert!(end.sentence().ends_with("the force is 0"));
-        assert_eq!(pull.jaw_force_mn(), [0.0, 0.0]);
+        assert!(pull.jaw_force_mn().iter().all(|force| force.abs() <= 0.0));
     }
     let nothing = Network::new(&[], &[], model(Level::Beam, 100.0)).unwrap();
     let (_, end) = Pull::new(&nothing, TO_THE_END).unwrap().run().unwrap();

@@ -58,4 +58,5 @@ mod beams;
 mod breaking;
 mod joints;
 mod large;
+mod refusals;
 mod sheets;

@@ -43,7 +43,7 @@ impl Scatter {
                 let (sin, cos) = (std::f64::consts::PI * angle).sin_cos();
                 let half = 0.5 * self.fibre_length_um;
                 let z = self.layer_um * index as f64;
-                let ends = [-half, half].map(|at| {
+                [-half, half].map(|at| {
                     let x = x * length;
                     // cut where it meets a jaw
                     let at = if cos.abs() > 1e-12 {
@@ -53,8 +53,7 @@ impl Scatter {
                         at
                     };
                     [x + at * cos, y * width + at * sin, z]
-                });
-                ends
+                })
             })
             .collect();
         let mut bonds = Vec::new();
@@ -219,7 +218,8 @@ fn a_pull_goes_on_to_the_same_bits() {
         }
         let state = first.state().clone();
         let mut second = Pull::resume(&network, TO_THE_END, state, Refactoring::ByCost).unwrap();
-        assert_eq!(second.jaw_force_mn(), first.jaw_force_mn());
+        let bits = |pull: &Pull| pull.jaw_force_mn().map(f64::to_bits);
+        assert_eq!(bits(&second), bits(&first));
         events.extend(second.run().unwrap().0);
         assert_eq!(events, whole);
     }
@@ -245,4 +245,77 @@ fn a_sheet_is_softer_than_coxs() {
     let (beam, truss) = (stiffness(Level::Beam), stiffness(Level::Truss));
     let bound = affine / SMALL.size_um[0];
     assert!(truss < beam && beam < bound, "{truss} {beam} {bound}");
+}
+
+#[test]
+fn at_small_strain_large_motions_are_small_ones() {
+    let network = SMALL.network(Level::Beam, None);
+    let strain = 1e-7;
+    let elongation = strain * SMALL.size_um[0];
+    let large = network.rest_at_large(elongation, &[], 1).unwrap();
+    let small = network.rest(elongation, &[]).unwrap();
+    // the difference is of the order of strain over slenderness
+    close(large.jaw_force_mn[1], small.jaw_force_mn[1], 1e-3);
+    close(large.energy_nj, small.energy_nj, 1e-3);
+}
+
+/// Time and memory of a large sheet; `cargo test --release -p loadframe-paper --lib large_sheet -- --ignored
+/// --nocapture`.
+#[test]
+#[ignore = "measures: minutes"]
+#[expect(clippy::print_stderr)]
+fn large_sheet_by_time() {
+    let number = |name: &str, other: usize| {
+        let given = std::env::var(name)
+            .ok()
+            .and_then(|value| value.parse().ok());
+        given.unwrap_or(other)
+    };
+    let scatter = Scatter {
+        size_um: [5000.0, 5000.0],
+        fibres: number("FIBRES", 2000),
+        fibre_length_um: 1000.0,
+        layer_um: 0.3,
+        strength_gpa: Some(0.6),
+    };
+    let level = if number("TRUSS", 0) == 1 {
+        Level::Truss
+    } else {
+        Level::Beam
+    };
+    let clock = std::time::Instant::now();
+    let network = scatter.network(level, None);
+    eprintln!(
+        "{} nodes, {} bonds, {:.2?}",
+        network.nodes(),
+        network.bonds(),
+        clock.elapsed()
+    );
+    let clock = std::time::Instant::now();
+    let mut pull = Pull::new(&network, TO_THE_END).unwrap();
+    eprintln!("{:?} {:.2?}", pull.cost(), clock.elapsed());
+    for _ in 0..number("EVENTS", 200) {
+        let clock = std::time::Instant::now();
+        match pull.advance().unwrap() {
+            Step::Broke(event) => eprintln!(
+                "{:.3e} {:.4} {:?} {:.1e} {:.2?} {:?}",
+                event.strain,
+                event.force_after_mn,
+                event.broken,
+                event.residual,
+                clock.elapsed(),
+                pull.cost()
+            ),
+            Step::Ended(end) => {
+                eprintln!("{end:?}");
+                break;
+            }
+        }
+    }
+    eprintln!("{:?}", pull.state().measures);
+    let memory = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    eprintln!(
+        "{:?}",
+        memory.lines().find(|line| line.starts_with("VmHWM"))
+    );
 }
