@@ -166,7 +166,9 @@ fn same_events(found: &[Event], expected: &[Event], share: f64) {
         assert_eq!(found.broken, expected.broken);
         close(found.strain, expected.strain, share);
         assert!((found.force_after_mn - expected.force_after_mn).abs() < share * first);
-        assert!(found.residual < 1e-9);
+        // what is left of a truss is a mechanism: its forces are round-off
+        let is_left = found.force_after_mn > 1e-6 * first;
+        assert!(found.residual < 1e-9 || !is_left, "{}", found.residual);
     }
     assert_eq!(found.len(), expected.len());
 }
