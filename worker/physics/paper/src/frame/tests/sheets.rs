@@ -28,7 +28,7 @@ const LONG: Scatter = Scatter {
     ..SMALL
 };
 
-/// Numbers in [0, 1)³, evenly spread: multiples of the powers of 1/1.2207... [Roberts2018].
+/// Numbers in [0, 1)³, evenly spread: multiples of the powers of 1/1.2207..., the root of x⁴ = x + 1.
 fn spread(index: usize) -> [f64; 3] {
     [1, 2, 3].map(|power| (0.5 + index as f64 * 1.220_744_084_605_759_5_f64.powi(-power)).fract())
 }
