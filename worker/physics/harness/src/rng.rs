@@ -20,6 +20,10 @@ pub enum Purpose {
     GrainPlaces,
     /// Places of grains that are put in during a test, one stream per batch.
     BatchPlaces,
+    /// Sizes of fibres, one stream per fibre.
+    FibreSizes,
+    /// Places and directions of fibres in a sheet, one stream per fibre.
+    FibrePlaces,
 }
 
 /// The streams of one purpose.
@@ -35,6 +39,8 @@ impl Streams {
             Purpose::GrainRotations => "grain rotations",
             Purpose::GrainPlaces => "grain places",
             Purpose::BatchPlaces => "batch places",
+            Purpose::FibreSizes => "fibre sizes",
+            Purpose::FibrePlaces => "fibre places",
         };
         // hashing keeps streams unrelated for seeds that differ in one bit, and the name makes a
         // new purpose harmless to the numbers of the old ones
