@@ -33,12 +33,13 @@ impl Raster {
         self.size[0] * self.size[1]
     }
 
-    /// Pixels under a fibre, some of them several times.
+    /// Pixels under a fibre, some of them several times; those under its axis when the width is 0.
     ///
     /// The fibre is looked at no more than 0.71 of a pixel apart across it, and half a segment along
     /// it: with segments no longer than a pixel none well under it is left out in any direction.
     pub(super) fn under(&self, points: &[[f64; 3]], width_um: f64, mut visit: impl FnMut(Under)) {
-        let rows = (width_um / self.pixel_um * std::f64::consts::SQRT_2).ceil() as usize;
+        let rows = (width_um / self.pixel_um * std::f64::consts::SQRT_2).ceil();
+        let rows = (rows as usize).max(1);
         for (segment, ends) in points.windows(2).enumerate() {
             let [first, second] = [ends[0], ends[1]];
             let [x, y] = [second[0] - first[0], second[1] - first[1]];

@@ -6,8 +6,8 @@ use super::raster::Raster;
 
 /// Most pixels of a measurement: a sheet of 10 mm by 15 mm has pixels of 6 µm, a larger one coarser.
 const MOST_PIXELS: f64 = 4e6;
-/// Share of the surface that stands above (and below) the planes between which the thickness is
-/// measured: a platen presses single peaks down.
+/// Share of the surface that stands above (and below) the planes between which the peaks' thickness is
+/// measured: the very highest peak says more about the sheet's size than about the sheet.
 const PEAKS: f64 = 0.01;
 /// 1 µg/µm³ in kg/m³.
 const KG_PER_M3: f64 = 1e9;
@@ -29,9 +29,10 @@ pub struct Statistics {
     /// the whole area, nothing where there is no fibre.
     pub mean_thickness_um: f64,
     /// Distance [µm] of two planes, one above and one below the sheet, that one per cent of its
-    /// surfaces each reach beyond: the idea of a thickness gauge.
-    pub thickness_um: f64,
-    /// Grammage over thickness [kg/m³].
+    /// surfaces each reach beyond. What a gauge with hard platens reads lies between the mean and
+    /// this, since it presses peaks down.
+    pub peak_thickness_um: f64,
+    /// Grammage over mean thickness [kg/m³].
     pub apparent_density_kg_per_m3: f64,
     /// Contacts on a fibre, on average; every contact is on two.
     pub contacts_per_fibre: f64,
@@ -121,15 +122,15 @@ impl Statistics {
             .map(|(x, y, length, _)| (x * x - y * y) / length)
             .sum();
         let surfaces = Surfaces::of(sheet);
-        let thickness = surfaces.thickness_um();
+        let thickness = surfaces.mean_thickness_um();
         let grammage = mass / area;
         Some(Self {
             fibre_length_um: total,
             grammage_ug_per_um2: grammage,
             coverage: seen / area,
             covered_share: surfaces.covered_share(),
-            mean_thickness_um: surfaces.mean_thickness_um(),
-            thickness_um: thickness,
+            mean_thickness_um: thickness,
+            peak_thickness_um: surfaces.peak_thickness_um(),
             apparent_density_kg_per_m3: grammage / thickness * KG_PER_M3,
             contacts_per_fibre: 2.0 * sheet.contacts.len() as f64 / lengths.len() as f64,
             relative_bonded_area: sheet
@@ -208,7 +209,7 @@ impl Surfaces {
         (sum(&self.tops_um) - sum(&self.bottoms_um)) / self.pixels as f64
     }
 
-    fn thickness_um(&self) -> f64 {
+    fn peak_thickness_um(&self) -> f64 {
         let quantile = |heights: &[f64], share: f64| {
             let mut heights = heights.to_vec();
             let index = (share * (heights.len() - 1) as f64).round() as usize;
