@@ -65,8 +65,14 @@ fn contacts_are_the_crossings_with_a_small_gap() {
     let contacts = sheet.contacts.len() as f64;
     // where one of them slopes, fibres are nearer beside the crossing, by up to F times a width
     let [fewest, most] = [within(plan.gap()), within(plan.gap() + 0.3 * 28.0)];
-    assert!(contacts > 0.95 * fewest && contacts < most, "{fewest} {contacts} {most}");
-    assert!(most < 0.7 * gaps.len() as f64, "many crossings are far apart");
+    assert!(
+        contacts > 0.95 * fewest && contacts < most,
+        "{fewest} {contacts} {most}"
+    );
+    assert!(
+        most < 0.7 * gaps.len() as f64,
+        "many crossings are far apart"
+    );
 }
 
 #[test]

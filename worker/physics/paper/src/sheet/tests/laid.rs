@@ -131,12 +131,10 @@ fn whole_fibres_have_their_length_and_their_shape_factor() {
                 continue;
             }
             whole += 1;
-            // joining short ends across a bend takes less than a hundredth of a segment
-            assert!(
-                (fibre.length_um() / 600.0 - 1.0).abs() < 1e-4,
-                "{}",
-                fibre.length_um()
-            );
+            // both ends may be joined across a bend, a tenth of a segment of 28 or 7 µm that is not
+            // climbed at a slope of 0.3: 2 · 0.7 · (√1.09 − 1) = 0.06 µm
+            let off = fibre.length_um() - 600.0;
+            assert!(off.abs() < 0.07, "{off}");
             if matches!(plan.placement, Placement::Random3d { .. }) {
                 let chord = polyline::distance(first, last);
                 // ψ²/(6 N²) of 22 segments is 1.7e-4
