@@ -23,6 +23,9 @@ pub enum Purpose {
     /// Strengths of what a cell of a section holds, one stream per cell.
     CellStrength,
     /// Places of fibres in a unit cell, one stream per cell.
+    /// Sizes of fibres, one stream per fibre.
+    FibreSizes,
+    /// Places and directions of fibres in a sheet, one stream per fibre.
     FibrePlaces,
 }
 
@@ -40,6 +43,7 @@ impl Streams {
             Purpose::GrainPlaces => "grain places",
             Purpose::BatchPlaces => "batch places",
             Purpose::CellStrength => "cell strength",
+            Purpose::FibreSizes => "fibre sizes",
             Purpose::FibrePlaces => "fibre places",
         };
         // hashing keeps streams unrelated for seeds that differ in one bit, and the name makes a
