@@ -61,7 +61,7 @@ fn grammage_and_mass_fractions_are_exact() {
 
 #[test]
 fn pulps_are_mixed_through_the_order_of_laying() {
-    let sheet = lay(&deposited([1500.0, 1500.0], 40.0, mixture()), 3);
+    let sheet = lay(&deposited([900.0, 900.0], 40.0, mixture()), 3);
     let total: f64 = sheet.fibres.iter().map(SheetFibre::mass_ug).sum();
     let half = sheet.fibres[..sheet.fibres.len() / 2].iter();
     let mass = |pulp: Option<usize>| {
@@ -104,7 +104,7 @@ fn every_point_is_in_the_sheet_and_cut_ends_are_on_its_edges() {
 
 #[test]
 fn a_seed_gives_the_same_sheet_on_any_number_of_threads() {
-    let plan = deposited([1200.0, 900.0], 30.0, mixture());
+    let plan = deposited([600.0, 450.0], 30.0, mixture());
     let sheet = lay(&plan, 8);
     for threads in [2, 3] {
         let team = Team::new(threads).expect("there are threads");
