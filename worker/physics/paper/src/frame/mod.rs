@@ -1,1 +1,49 @@
-//! Beams and bars, held together by bonds.
+//! Networks of fibres with bonds between them: pulled, and broken.
+//!
+//! Knows centre lines, sections and bonds; knows no pulp and no generator. A description
+//! ([`FrameFibre`], [`FrameBond`], [`FrameModel`]) becomes a [`Network`] once; a [`Pull`] holds it in the jaws
+//! and goes from break to break; [`Network::rest`] is its equilibrium under loads. All this is for small
+//! displacements; [`LargePull`] and [`Network::rest_at_large`] are for large ones, and slower by far.
+//!
+//! From the bottom up: `places` puts nodes on centre lines, `element` is what joins two of them,
+//! `clusters` says what hangs together, `order` and `factor` solve, `equilibrium` rests and loses parts,
+//! `pull` drives; `large` does both for large motions.
+//!
+//! A bond resists the relative displacement of its two centre-line points equally in all directions,
+//! and their relative rotation. When the points are apart (by the radii of the fibres) this resists a
+//! rigid rotation of the pair, too, and a shear force on it leaves a moment: the bond is a law between
+//! two points, not a body. For the flat sheets of tensile tests rotations are about z, across which
+//! the points are apart, and neither matters.
+//!
+//! A truss is loose across its fibres and at their ends. Its bars are taut by a strain of 1e-9, which
+//! holds what is loose and carries nothing else; [`PullMeasures::largest_taut_share`] is the share of
+//! the energy in it: where that is not small, the truss is a mechanism and its force means nothing.
+//! That is so for every sheet of fibres shorter than the distance of the jaws: n crossings of a fibre
+//! make n - 1 bars, one less than holds them all. Such a truss carries only once its fibres have turned.
+mod balance;
+mod clusters;
+mod element;
+mod equilibrium;
+mod error;
+mod factor;
+mod input;
+mod large;
+mod load;
+mod network;
+mod order;
+mod places;
+mod pull;
+mod state;
+#[cfg(test)]
+mod tests;
+
+pub use clusters::Standing;
+pub use equilibrium::Refactoring;
+pub use error::FrameError;
+pub use input::{BeamSection, FrameBond, FrameFibre, FrameModel, Level};
+pub use large::{LargePull, LargePullTest, LargeStep};
+pub use load::{NodeLoad, Rest};
+pub use network::Network;
+pub use places::Jaw;
+pub use pull::{Bore, Broken, Event, Pull, PullCost, PullEnd, PullTest, Step};
+pub use state::{PullMeasures, PullState};

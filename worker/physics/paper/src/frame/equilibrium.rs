@@ -1,0 +1,430 @@
+//! Small displacements: rest of a network that is pulled by its jaws or loaded at its nodes.
+//!
+//! One Cholesky factor serves while parts break: what breaks is six rank-one terms, and the motion
+//! changes by what the broken element had carried, Δu = K'⁻¹ B q (its loads q before the break). One
+//! pass with six right sides gives K⁻¹ B for both the [`Softening`] and Δu. The factor is made anew,
+//! without what is no longer stretched, when corrections have cost as much as a factor does.
+use loadframe_numerics::Softening;
+
+use super::balance::{Forces, Motion};
+use super::clusters::Standing;
+use super::element::{PARTS, stress_gpa};
+use super::error::FrameError;
+use super::factor::Factor;
+use super::input::Level;
+use super::load::NodeLoad;
+use super::network::Network;
+use super::places::Jaw;
+use super::pull::PullCost;
+
+/// Forces that balance to this share of the largest are not refined further. Backward stability of a
+/// Cholesky solution gives about 1e-13 for sheets of 1000 segments from jaw to jaw.
+const BALANCED: f64 = 1e-10;
+
+/// Forces that balance worse than this, refined, are refused; [`ROUND_OFF`] excuses.
+const UNBALANCED: f64 = 1e-6;
+
+/// Round-off of a force as a share of stiffness times displacement, for what carries nearly nothing.
+const ROUND_OFF: f64 = 1e-11;
+
+/// Forces below this share of the largest since the factor was made are none: the jaws are parted.
+const NOTHING: f64 = 1e-9;
+
+/// Refinements before giving up.
+const REFINEMENTS: usize = 4;
+
+/// What a machine does in a second: multiplications while factoring, entries read while solving or
+/// correcting. Measured on one core of 2026, and only used to choose the cheaper road.
+const FACTOR_RATE: f64 = 8e9;
+const READ_RATE: f64 = 1e9;
+
+/// Columns that may be kept, in entries, however small the factor is.
+const FREE_COLUMNS: usize = 10_000_000;
+
+/// When a factor is made anew.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Refactoring {
+    /// When corrections have cost as much as a factor.
+    #[default]
+    ByCost,
+    /// After every break. For checks.
+    Always,
+    /// Only when a correction is impossible. For checks.
+    Never,
+}
+
+/// Which clusters are solved for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Clusters {
+    /// Those between both jaws: a pull stretches no others.
+    Spanning,
+    /// All that a jaw holds: loads bend these, too.
+    Held,
+}
+
+/// An element over its limit at unit elongation, by the factor that brings it there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Critical {
+    pub(crate) element: usize,
+    /// Elongation at which it breaks [µm per unit of the jaw's].
+    pub(crate) factor: f64,
+}
+
+/// A network at rest.
+#[derive(Debug)]
+pub(crate) struct Equilibrium<'n> {
+    pub(crate) network: &'n Network,
+    clusters: Clusters,
+    refactoring: Refactoring,
+    loads: &'n [NodeLoad],
+    elongation: f64,
+    gyration: f64,
+    is_whole: Vec<bool>,
+    /// Whole, and of a cluster that is solved for.
+    is_active: Vec<bool>,
+    factor: Factor,
+    softening: Softening,
+    /// Elements that broke before the factor was made, and after.
+    factored: Vec<u32>,
+    taken: Vec<u32>,
+    spent: f64,
+    /// Largest force of an element since the factor was made [mN per unit].
+    largest: f64,
+    pub(crate) motion: Motion,
+    pub(crate) forces: Forces,
+    pub(crate) critical: Option<Critical>,
+    pub(crate) residual: f64,
+    columns: Vec<f64>,
+    pub(crate) factors: usize,
+    pub(crate) solutions: usize,
+}
+
+impl<'n> Equilibrium<'n> {
+    /// Finds the rest without the elements `factored`; those of `taken` leave one by one, as they did
+    /// before, so that a state that goes on has the same bits.
+    pub(crate) fn new(
+        network: &'n Network,
+        clusters: Clusters,
+        (elongation, loads): (f64, &'n [NodeLoad]),
+        refactoring: Refactoring,
+        (factored, taken): (&[u32], &[u32]),
+    ) -> Result<Self, FrameError> {
+        let nodes = network.nodes();
+        let mut equilibrium = Self {
+            network,
+            clusters,
+            refactoring,
+            loads,
+            elongation,
+            gyration: network.gyration_um(),
+            is_whole: network.unbroken(),
+            is_active: Vec::new(),
+            factor: Factor::new(network, |_| false, [].iter())?,
+            softening: Softening::new(0),
+            factored: factored.to_vec(),
+            taken: Vec::new(),
+            spent: 0.0,
+            largest: 0.0,
+            motion: Motion::rest(nodes),
+            forces: Forces::new(nodes),
+            critical: None,
+            residual: 0.0,
+            columns: Vec::new(),
+            factors: 0,
+            solutions: 0,
+        };
+        for &element in factored {
+            equilibrium.is_whole[element as usize] = false;
+        }
+        equilibrium.rebuild()?;
+        for &element in taken {
+            equilibrium.remove(element as usize)?;
+        }
+        Ok(equilibrium)
+    }
+
+    /// Whether anything is stretched or bent at all.
+    pub(crate) fn is_active(&self) -> bool {
+        self.is_active.contains(&true)
+    }
+
+    /// Elements that broke before and after the factor was made, each in order.
+    pub(crate) fn broken(&self) -> (&[u32], &[u32]) {
+        (&self.factored, &self.taken)
+    }
+
+    /// Whether an element is not broken.
+    pub(crate) fn is_whole(&self, element: usize) -> bool {
+        self.is_whole[element]
+    }
+
+    /// Loads q of an element; none when it is broken or hangs loose.
+    pub(crate) fn loads_of(&self, element: usize) -> Option<[f64; PARTS]> {
+        self.is_active[element].then(|| {
+            let element = &self.network.elements()[element];
+            element.loads(&element.deformation(&self.motion.ends(element)))
+        })
+    }
+
+    pub(crate) fn cost(&self) -> PullCost {
+        PullCost {
+            unknowns: self.factor.size(),
+            stored: self.factor.stored(),
+            factors: self.factors,
+            solutions: self.solutions,
+        }
+    }
+
+    /// Whether both jaws still hold one cluster.
+    pub(crate) fn is_spanning(&self) -> bool {
+        let standing = self.network.standing_without(&self.is_whole);
+        standing.contains(&Standing::Spanning)
+    }
+
+    /// Factors without what broke, and solves afresh.
+    fn rebuild(&mut self) -> Result<(), FrameError> {
+        self.factored.append(&mut self.taken);
+        let network = self.network;
+        let standing = network.standing_without(&self.is_whole);
+        let is_solved: Vec<bool> = standing
+            .iter()
+            .map(|standing| match self.clusters {
+                Clusters::Spanning => *standing == Standing::Spanning,
+                Clusters::Held => *standing != Standing::Loose,
+            })
+            .collect();
+        self.is_active.clear();
+        let elements = network.elements();
+        let active = elements.iter().zip(&self.is_whole);
+        self.is_active.extend(
+            active.map(|(element, is_whole)| *is_whole && is_solved[element.nodes[0] as usize]),
+        );
+
+        let active = || {
+            elements
+                .iter()
+                .zip(&self.is_active)
+                .filter(|(_, is_active)| **is_active)
+        };
+        let is_free = |node: usize| is_solved[node] && network.jaw(node).is_none();
+        // the old one's memory first
+        self.factor = Factor::new(network, |_| false, [].iter())?;
+        self.factor = Factor::new(network, is_free, active().map(|(element, _)| element))?;
+        self.factor.factor(
+            network,
+            active().map(|(element, _)| (element.nodes, element.matrix())),
+        )?;
+        self.softening = Softening::new(self.factor.size());
+        self.factors += 1;
+        self.spent = 0.0;
+        self.largest = 0.0;
+
+        for (node, motion) in self.motion.nodes.iter_mut().enumerate() {
+            let goes_along = match network.jaw(node) {
+                Some(jaw) => jaw == Jaw::Right,
+                None => !is_solved[node] && standing[node] == Standing::Hanging(Jaw::Right),
+            };
+            *motion = Default::default();
+            motion[0].x = if goes_along { self.elongation } else { 0.0 };
+        }
+        self.settle()
+    }
+
+    /// Takes an element out; what it carried goes to the others.
+    pub(crate) fn remove(&mut self, element: usize) -> Result<(), FrameError> {
+        self.is_whole[element] = false;
+        let was_active = std::mem::replace(&mut self.is_active[element], false);
+        self.taken.push(element as u32);
+        if !was_active {
+            return Ok(());
+        }
+        let is_cheap = match self.refactoring {
+            Refactoring::Always => false,
+            Refactoring::Never => true,
+            Refactoring::ByCost => self.is_correction_cheap(),
+        };
+        if !is_cheap || !self.take(element) {
+            return self.rebuild();
+        }
+        self.settle()
+    }
+
+    fn is_correction_cheap(&self) -> bool {
+        let entries = (self.softening.len() + PARTS) * self.factor.size();
+        let factor_cost =
+            self.factor.multiplications() / FACTOR_RATE + self.factor.stored() as f64 / READ_RATE;
+        entries <= self.factor.stored().max(FREE_COLUMNS) && self.spent <= factor_cost
+    }
+
+    /// Softens the factor by an element, and moves the nodes; false when the rest would be loose.
+    fn take(&mut self, element: usize) -> bool {
+        let element = &self.network.elements()[element];
+        let loads = element.loads(&element.deformation(&self.motion.ends(element)));
+        let size = self.factor.size();
+        let mut parts: [Vec<(u32, f64)>; PARTS] = Default::default();
+        self.columns.clear();
+        self.columns.resize(PARTS * size, 0.0);
+        let mut count = 0;
+        for (part, entries) in parts.iter_mut().enumerate() {
+            if element.stiffness[part] > 0.0 {
+                *entries = self.factor.column(element.nodes, &element.part(part));
+                for &(unknown, value) in entries.iter() {
+                    self.columns[count * size + unknown as usize] = value;
+                }
+                count += 1;
+            }
+        }
+        self.factor.solve(&mut self.columns[..count * size], count);
+        self.solutions += 1;
+        let mut change = vec![0.0; size];
+        let mut solved = self.columns.chunks(size.max(1));
+        for (part, entries) in parts.iter().enumerate() {
+            if entries.is_empty() {
+                continue;
+            }
+            let Some(column) = solved.next() else {
+                return false;
+            };
+            let taken = self
+                .softening
+                .take(entries, element.stiffness[part], |_, solution| {
+                    solution.copy_from_slice(column);
+                });
+            if taken.is_err() {
+                return false;
+            }
+            for (change, value) in change.iter_mut().zip(column) {
+                *change += loads[part] * value;
+            }
+        }
+        self.softening.correct(&mut change);
+        self.spent += (self.softening.len() * size) as f64 / READ_RATE;
+        self.move_by(&change);
+        true
+    }
+
+    fn move_by(&mut self, change: &[f64]) {
+        let motions = self.network.motions();
+        for (place, &node) in self.factor.free().iter().enumerate() {
+            let motion = &mut self.motion.nodes[node as usize];
+            for (index, value) in change[place * motions..(place + 1) * motions]
+                .iter()
+                .enumerate()
+            {
+                motion[index / 3][index % 3] += value;
+            }
+        }
+    }
+
+    /// Looks at all elements, and refines until forces balance.
+    fn settle(&mut self) -> Result<(), FrameError> {
+        for refinement in 0..=REFINEMENTS {
+            self.look();
+            let mut right = self.unbalanced();
+            let worst = self.worst_force(&right);
+            self.largest = self.largest.max(self.forces.scale);
+            let scale = self.forces.scale.max(NOTHING * self.largest);
+            self.residual = worst / scale.max(f64::MIN_POSITIVE);
+            let is_round_off = worst <= ROUND_OFF * self.forces.round_off;
+            if self.residual <= BALANCED || (is_round_off && refinement > 0) {
+                return Ok(());
+            }
+            if refinement < REFINEMENTS {
+                self.factor.solve(&mut right, 1);
+                self.softening.correct(&mut right);
+                self.solutions += 1;
+                self.move_by(&right);
+            }
+        }
+        if self.residual <= UNBALANCED {
+            return Ok(());
+        }
+        Err(FrameError::Unbalanced {
+            residual: self.residual,
+            allowed: UNBALANCED,
+            iterations: REFINEMENTS,
+        })
+    }
+
+    /// One pass over what is active: forces, energy, and what breaks first.
+    fn look(&mut self) {
+        self.forces.clear();
+        let network = self.network;
+        let level = network.model().level;
+        let segments = network.segments();
+        let mut worst: Option<Critical> = None;
+        for (index, element) in network.elements().iter().enumerate() {
+            if !self.is_active[index] {
+                continue;
+            }
+            let loads = self.forces.add(element, &self.motion, self.gyration);
+            let factor = if index < segments {
+                let section = network.section_of(index);
+                if level == Level::Truss {
+                    self.forces.taut_energy += 0.5
+                        * (1..3)
+                            .map(|part| loads[part] * loads[part] / element.stiffness[part])
+                            .sum::<f64>();
+                }
+                match section.strength_gpa {
+                    Some(strength) => strength / stress_gpa(section, level, &loads).max(0.0),
+                    None => f64::INFINITY,
+                }
+            } else {
+                1.0 / bond_index(&loads, network.strengths(index - segments))
+            };
+            // the first of equals stays
+            if factor < worst.map_or(f64::INFINITY, |worst| worst.factor) {
+                worst = Some(Critical {
+                    element: index,
+                    factor,
+                });
+            }
+        }
+        self.critical = worst;
+    }
+
+    /// Largest of the forces that nothing balances [mN]; moments over the radius of gyration.
+    fn worst_force(&self, unbalanced: &[f64]) -> f64 {
+        let motions = self.network.motions();
+        let mut worst: f64 = 0.0;
+        for (unknown, value) in unbalanced.iter().enumerate() {
+            let lever = if unknown % motions > 2 {
+                self.gyration
+            } else {
+                1.0
+            };
+            let force = value.abs() / lever;
+            if force.is_nan() {
+                return f64::INFINITY;
+            }
+            worst = worst.max(force);
+        }
+        worst
+    }
+
+    /// Loads less the forces of the elements, by unknown.
+    fn unbalanced(&self) -> Vec<f64> {
+        let motions = self.network.motions();
+        let mut right = Vec::with_capacity(self.factor.size());
+        for &node in self.factor.free() {
+            let node = &self.forces.nodes[node as usize];
+            right.extend((0..motions).map(|motion| -node[motion / 3][motion % 3]));
+        }
+        for load in self.loads {
+            if let Some(first) = self.factor.unknown(load.node as u32) {
+                for motion in 0..motions {
+                    right[first + motion] +=
+                        [load.force_mn, load.moment_mn_um][motion / 3][motion % 3];
+                }
+            }
+        }
+        right
+    }
+}
+
+/// √((fₙ/Fₙ)² + (fₛ/Fₛ)²) of a bond with the loads q: 1 where it breaks. Only opening counts for fₙ.
+pub(crate) fn bond_index(loads: &[f64; PARTS], [normal, shear]: [f64; 2]) -> f64 {
+    let share = |force: f64, strength: f64| if force > 0.0 { force / strength } else { 0.0 };
+    share(loads[0], normal).hypot(share(loads[1].hypot(loads[2]), shear))
+}

@@ -1,0 +1,338 @@
+//! The stiffness of the nodes that are free, and its Cholesky factor.
+//!
+//! A node is free in all its motions or held in all. The pattern is that of nodes, so that every entry
+//! is a dense block; `faer` factors supernodes, the order is ours. It works on one thread: the same
+//! network gives the same bytes.
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltError;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+
+use super::element::{Element, Ends, Matrix12};
+use super::error::FrameError;
+use super::network::Network;
+use super::order::{Graph, nested_dissection};
+
+/// Place of a node that is not free.
+const HELD: u32 = u32::MAX;
+
+/// The free nodes' matrix: its pattern, made once, its values and their factor.
+pub(crate) struct Factor {
+    motions: usize,
+    /// Place of each node in the order of elimination.
+    place: Vec<u32>,
+    /// Free nodes in that order.
+    free: Vec<u32>,
+    /// Places before a node's own that it has a block with, ascending: `blocks[first[p]..first[p + 1]]`.
+    first: Vec<u32>,
+    blocks: Vec<u32>,
+    /// The same by motions: the upper half by columns.
+    starts: Vec<u32>,
+    rows: Vec<u32>,
+    entries: Vec<f64>,
+    symbolic: SymbolicCholesky<u32>,
+    values: Vec<f64>,
+    memory: MemBuffer,
+}
+
+impl std::fmt::Debug for Factor {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        formatter
+            .debug_struct("Factor")
+            .field("size", &self.size())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Factor {
+    /// Analyses the pattern of these elements between the nodes that are free.
+    pub(crate) fn new<'e>(
+        network: &Network,
+        is_free: impl Fn(usize) -> bool,
+        elements: impl Iterator<Item = &'e Element> + Clone,
+    ) -> Result<Self, FrameError> {
+        let motions = network.motions();
+        let (place, free) = ordered(network, is_free, elements.clone());
+        let mut pairs: Vec<[u32; 2]> = joined(&place, elements)
+            .map(|[a, b]| [a.max(b), a.min(b)])
+            .collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mut first = vec![0; free.len() + 1];
+        for pair in &pairs {
+            first[pair[0] as usize + 1] += 1;
+        }
+        for at in 0..free.len() {
+            first[at + 1] += first[at];
+        }
+        let blocks: Vec<u32> = pairs.iter().map(|pair| pair[1]).collect();
+
+        let size = free.len() * motions;
+        let mut starts = Vec::with_capacity(size + 1);
+        let mut rows: Vec<u32> = Vec::new();
+        for at in 0..free.len() {
+            for motion in 0..motions {
+                starts.push(rows.len() as u32);
+                for &block in &blocks[first[at] as usize..first[at + 1] as usize] {
+                    rows.extend((0..motions).map(|row| (block as usize * motions + row) as u32));
+                }
+                rows.extend((0..=motion).map(|row| (at * motions + row) as u32));
+            }
+        }
+        starts.push(rows.len() as u32);
+        let too_large = || FrameError::TooLarge { unknowns: size };
+        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &starts, None, &rows);
+        let symbolic = factorize_symbolic_cholesky(
+            pattern,
+            Side::Upper,
+            SymmetricOrdering::Identity,
+            CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                ..Default::default()
+            },
+        )
+        .map_err(|_| too_large())?;
+        let mut values: Vec<f64> = Vec::new();
+        values
+            .try_reserve_exact(symbolic.len_val())
+            .map_err(|_| too_large())?;
+        values.resize(symbolic.len_val(), 0.0);
+        let scratch = symbolic
+            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
+            .or(symbolic.solve_in_place_scratch::<f64>(super::element::PARTS, Par::Seq));
+        let memory = MemBuffer::try_new(scratch).map_err(|_| too_large())?;
+        Ok(Self {
+            motions,
+            place,
+            free,
+            first,
+            blocks,
+            starts,
+            entries: vec![0.0; rows.len()],
+            rows,
+            symbolic,
+            values,
+            memory,
+        })
+    }
+
+    /// Number of unknowns.
+    pub(crate) fn size(&self) -> usize {
+        self.free.len() * self.motions
+    }
+
+    /// Stored entries of the factor.
+    pub(crate) fn stored(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Multiplications that a factor takes, by its supernodes: n columns above m rows take
+    /// n³/6 + n² m/2 + n m²/2.
+    pub(crate) fn multiplications(&self) -> f64 {
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
+            return 0.0;
+        };
+        let mut sum = 0.0;
+        for node in 0..symbolic.n_supernodes() {
+            let columns =
+                (symbolic.supernode_end()[node] - symbolic.supernode_begin()[node]) as f64;
+            let entries = symbolic.col_ptr_for_val()[node + 1] - symbolic.col_ptr_for_val()[node];
+            let below = entries as f64 / columns - columns;
+            sum += columns * (columns * columns / 3.0 + columns * below + below * below) / 2.0;
+        }
+        sum
+    }
+
+    /// Sums the matrices of elements and factors.
+    ///
+    /// # Errors
+    /// [`FrameError::GivesWay`] when it is not positive definite.
+    pub(crate) fn factor(
+        &mut self,
+        network: &Network,
+        elements: impl Iterator<Item = ([u32; 2], Matrix12)>,
+    ) -> Result<(), FrameError> {
+        self.entries.fill(0.0);
+        for (nodes, matrix) in elements {
+            self.add(nodes, &matrix);
+        }
+        self.factor_entries(network)
+    }
+
+    /// Adds to the diagonal: `share` of itself.
+    pub(crate) fn factor_shifted(
+        &mut self,
+        network: &Network,
+        share: f64,
+    ) -> Result<(), FrameError> {
+        for column in 0..self.size() {
+            let own = self.starts[column + 1] as usize - 1;
+            self.entries[own] += share * self.entries[own].abs();
+        }
+        self.factor_entries(network)
+    }
+
+    fn factor_entries(&mut self, network: &Network) -> Result<(), FrameError> {
+        let size = self.size();
+        if size == 0 {
+            return Ok(());
+        }
+        let pattern =
+            SymbolicSparseColMatRef::new_checked(size, size, &self.starts, None, &self.rows);
+        let outcome = self.symbolic.factorize_numeric_llt(
+            &mut self.values,
+            SparseColMatRef::new(pattern, &self.entries),
+            Side::Upper,
+            Default::default(),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+            Default::default(),
+        );
+        match outcome {
+            Ok(_) => Ok(()),
+            Err(LltError::NonPositivePivot { index }) => {
+                let node = self.free[index.min(size - 1) / self.motions] as usize;
+                let [x, y, z] = network.position_um(node);
+                Err(FrameError::GivesWay { node, x, y, z })
+            }
+        }
+    }
+
+    fn add(&mut self, nodes: [u32; 2], matrix: &Matrix12) {
+        let places = nodes.map(|node| self.place[node as usize]);
+        for (end, &place) in places.iter().enumerate() {
+            if place != HELD {
+                let place = place as usize;
+                let before = self.motions * (self.first[place + 1] - self.first[place]) as usize;
+                for column in 0..self.motions {
+                    let start = self.starts[place * self.motions + column] as usize + before;
+                    for row in 0..=column {
+                        self.entries[start + row] += matrix[6 * end + row][6 * end + column];
+                    }
+                }
+            }
+        }
+        if places.contains(&HELD) {
+            return;
+        }
+        // columns of the later node, rows of the earlier one
+        let (later, earlier) = if places[0] > places[1] {
+            (0, 1)
+        } else {
+            (1, 0)
+        };
+        let place = places[later] as usize;
+        let range = self.first[place] as usize..self.first[place + 1] as usize;
+        let rank = self.blocks[range].partition_point(|&block| block < places[earlier]);
+        for column in 0..self.motions {
+            let start = self.starts[place * self.motions + column] as usize + rank * self.motions;
+            for row in 0..self.motions {
+                self.entries[start + row] += matrix[6 * earlier + row][6 * later + column];
+            }
+        }
+    }
+
+    /// Unknown of a node's first motion; none when the node is held.
+    pub(crate) fn unknown(&self, node: u32) -> Option<usize> {
+        let place = self.place[node as usize];
+        (place != HELD).then(|| place as usize * self.motions)
+    }
+
+    /// Entries of a vector that acts on two nodes.
+    pub(crate) fn column(&self, nodes: [u32; 2], ends: &Ends) -> Vec<(u32, f64)> {
+        let mut column = Vec::with_capacity(2 * self.motions);
+        for (end, node) in nodes.into_iter().enumerate() {
+            if let Some(first) = self.unknown(node) {
+                for motion in 0..self.motions {
+                    let value = ends[2 * end + motion / 3][motion % 3];
+                    if value != 0.0 {
+                        column.push(((first + motion) as u32, value));
+                    }
+                }
+            }
+        }
+        column
+    }
+
+    /// Free nodes in order of elimination.
+    pub(crate) fn free(&self) -> &[u32] {
+        &self.free
+    }
+
+    /// Solves for `count` right sides, one after the other in `columns`, in place.
+    pub(crate) fn solve(&mut self, columns: &mut [f64], count: usize) {
+        let size = self.size();
+        if size == 0 {
+            return;
+        }
+        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(columns, size, count),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+        );
+    }
+}
+
+/// Pairs of free nodes that an element joins, as places.
+fn joined<'e>(
+    place: &[u32],
+    elements: impl Iterator<Item = &'e Element>,
+) -> impl Iterator<Item = [u32; 2]> {
+    elements
+        .map(|element| element.nodes.map(|node| place[node as usize]))
+        .filter(|[a, b]| *a != HELD && *b != HELD && a != b)
+}
+
+/// Place of each node, and the free nodes in order of elimination.
+fn ordered<'e>(
+    network: &Network,
+    is_free: impl Fn(usize) -> bool,
+    elements: impl Iterator<Item = &'e Element> + Clone,
+) -> (Vec<u32>, Vec<u32>) {
+    let numbered: Vec<u32> = (0..network.nodes() as u32)
+        .filter(|&node| is_free(node as usize))
+        .collect();
+    let mut place = vec![HELD; network.nodes()];
+    for (at, &node) in numbered.iter().enumerate() {
+        place[node as usize] = at as u32;
+    }
+    let mut starts = vec![0_u32; numbered.len() + 1];
+    for [a, b] in joined(&place, elements.clone()) {
+        starts[a as usize + 1] += 1;
+        starts[b as usize + 1] += 1;
+    }
+    for at in 0..numbered.len() {
+        starts[at + 1] += starts[at];
+    }
+    let mut next = starts.clone();
+    let mut neighbours = vec![0; starts[numbered.len()] as usize];
+    for [a, b] in joined(&place, elements) {
+        for (own, other) in [(a, b), (b, a)] {
+            neighbours[next[own as usize] as usize] = other;
+            next[own as usize] += 1;
+        }
+    }
+    let places: Vec<[f64; 2]> = numbered
+        .iter()
+        .map(|&node| {
+            let at = &network.positions()[node as usize];
+            [at.x, at.y]
+        })
+        .collect();
+    let order = nested_dissection(&Graph {
+        places: &places,
+        starts: &starts,
+        neighbours: &neighbours,
+    });
+    let free: Vec<u32> = order.iter().map(|&at| numbered[at as usize]).collect();
+    for (at, &node) in free.iter().enumerate() {
+        place[node as usize] = at as u32;
+    }
+    (place, free)
+}

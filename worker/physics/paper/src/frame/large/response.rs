@@ -1,0 +1,459 @@
+//! Deformations of an element from the shape of its nodes, with their first and second derivatives.
+//!
+//! With n the chord from node a to node b, l its length, and tᵢ = R eᵢ the triad of a node:
+//!
+//! | measure | of a beam |
+//! |---|---|
+//! | stretch | l - l₀ |
+//! | rotation of a node against the chord, about e₂ and e₃ | (n·t₃, -n·t₂) asin(s)/s, s the norm of the pair |
+//! | twist | asin ½(t₃ᵃ·t₂ᵇ - t₂ᵃ·t₃ᵇ) |
+//!
+//! [Crisfield1990]'s with the chord for the mean frame ([Besseling1977]'s strains, with angles for
+//! sines): a beam bent to a circle is exact, rigid motions strain nothing however large, and for small
+//! motions they are those of [`Element::deformation`]. Derivatives are with respect to displacements and
+//! rotation vectors *on top of* the shape, so that the second one is symmetric; both are in closed form.
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+
+use super::super::element::{Element, Ends, Matrix12, PARTS};
+use super::super::input::Level;
+use super::super::network::Network;
+use super::shape::Shape;
+
+type Gradient = SVector<f64, 12>;
+type Hessian = SMatrix<f64, 12, 12>;
+
+/// Rows of the displacement and the rotation of either node.
+const SHIFT: [usize; 2] = [0, 6];
+const TURN: [usize; 2] = [3, 9];
+
+/// An element in a shape.
+#[derive(Debug, Clone)]
+pub(crate) struct Response {
+    /// Loads q of its springs [mN, mN µm].
+    pub(crate) loads: [f64; PARTS],
+    /// Elastic energy [nJ].
+    pub(crate) energy: f64,
+    /// First derivative of the energy: forces on the nodes that keep it so.
+    pub(crate) forces: Gradient,
+    /// Second derivative.
+    pub(crate) stiffness: Hessian,
+}
+
+impl Response {
+    pub(crate) fn ends(&self) -> Ends {
+        std::array::from_fn(|end| self.forces.fixed_rows::<3>(3 * end).into_owned())
+    }
+
+    pub(crate) fn matrix(&self) -> Matrix12 {
+        std::array::from_fn(|row| std::array::from_fn(|column| self.stiffness[(row, column)]))
+    }
+}
+
+/// A measure of deformation with its derivatives.
+struct Measure {
+    value: f64,
+    gradient: Gradient,
+    hessian: Hessian,
+}
+
+impl Measure {
+    fn zero() -> Self {
+        Self {
+            value: 0.0,
+            gradient: Gradient::zeros(),
+            hessian: Hessian::zeros(),
+        }
+    }
+
+    /// asin of the measure; none beyond a right angle.
+    fn angle(mut self) -> Option<Self> {
+        let rest = 1.0 - self.value * self.value;
+        if rest.is_nan() || rest <= 0.0 {
+            return None;
+        }
+        let first = 1.0 / rest.sqrt();
+        let second = self.value * first / rest;
+        self.hessian *= first;
+        self.hessian += second * self.gradient * self.gradient.transpose();
+        self.gradient *= first;
+        self.value = self.value.asin();
+        Some(self)
+    }
+}
+
+/// The chord of an element.
+struct Chord {
+    length: f64,
+    direction: Vector3<f64>,
+    /// 1 - n nᵀ.
+    across: Matrix3<f64>,
+}
+
+impl Chord {
+    fn new(from: Vector3<f64>, to: Vector3<f64>) -> Option<Self> {
+        let along = to - from;
+        let length = along.norm();
+        // not a number is no length, either
+        (length > 0.0).then(|| {
+            let direction = along / length;
+            Self {
+                length,
+                direction,
+                across: Matrix3::identity() - direction * direction.transpose(),
+            }
+        })
+    }
+
+    /// l - l₀.
+    fn stretch(&self, rest: f64) -> Measure {
+        let mut measure = Measure::zero();
+        measure.value = self.length - rest;
+        add_difference(&mut measure.gradient, &self.direction);
+        add_difference_block(&mut measure.hessian, &(self.across / self.length));
+        measure
+    }
+
+    /// n·t, t an axis of node `end`.
+    fn lean(&self, end: usize, axis: Vector3<f64>) -> Measure {
+        let (n, length) = (self.direction, self.length);
+        let along = n.dot(&axis);
+        let part = self.across * axis;
+        let mut measure = Measure::zero();
+        measure.value = along;
+        add_difference(&mut measure.gradient, &(part / length));
+        add_rows(&mut measure.gradient, TURN[end], &axis.cross(&n));
+        let bent = n * part.transpose() + part * n.transpose() + self.across * along;
+        add_difference_block(&mut measure.hessian, &(bent / (-length * length)));
+        let turned = half_sum(n, axis) - Matrix3::identity() * along;
+        add_block(&mut measure.hessian, TURN[end], TURN[end], &turned);
+        let cross = axis.cross_matrix() * self.across / length;
+        for (shift, sign) in SHIFT.into_iter().zip([-1.0, 1.0]) {
+            add_block(&mut measure.hessian, TURN[end], shift, &(cross * sign));
+            add_block(
+                &mut measure.hessian,
+                shift,
+                TURN[end],
+                &(cross.transpose() * sign),
+            );
+        }
+        measure
+    }
+}
+
+/// The rotation vector across the chord whose sine has these components: φᵢ = gᵢ f(σ), σ = g₁² + g₂²,
+/// f = asin(√σ)/√σ. It does not know how the axes lie about the fibre. None beyond a right angle.
+fn angles(sines: [Measure; 2]) -> Option<[Measure; 2]> {
+    let g = [sines[0].value, sines[1].value];
+    let sigma = g[0] * g[0] + g[1] * g[1];
+    if sigma.is_nan() || sigma >= 1.0 {
+        return None;
+    }
+    let (f, first, second) = arcsine_factor(sigma);
+    let same = |a: usize, b: usize| f64::from(u8::from(a == b));
+    Some([0, 1].map(|i| {
+        let mut angle = Measure::zero();
+        angle.value = g[i] * f;
+        for j in 0..2 {
+            let slope = same(i, j) * f + 2.0 * g[i] * g[j] * first;
+            angle.gradient += slope * sines[j].gradient;
+            angle.hessian += slope * sines[j].hessian;
+            for k in 0..2 {
+                let bend =
+                    2.0 * first * (same(i, j) * g[k] + same(i, k) * g[j] + same(j, k) * g[i])
+                        + 4.0 * second * g[i] * g[j] * g[k];
+                angle.hessian += bend * sines[j].gradient * sines[k].gradient.transpose();
+            }
+        }
+        angle
+    }))
+}
+
+/// asin(√σ)/√σ with its first and second derivative by σ.
+fn arcsine_factor(sigma: f64) -> (f64, f64, f64) {
+    // below, differences of nearly equal numbers would cost more digits than the series lacks
+    if sigma < 1e-3 {
+        let f = 1.0 + sigma * (1.0 / 6.0 + sigma * (3.0 / 40.0 + sigma * 5.0 / 112.0));
+        let first =
+            1.0 / 6.0 + sigma * (3.0 / 20.0 + sigma * (15.0 / 112.0 + sigma * 35.0 / 288.0));
+        let second = 3.0 / 20.0 + sigma * (15.0 / 56.0 + sigma * 35.0 / 96.0);
+        return (f, first, second);
+    }
+    let sine = sigma.sqrt();
+    let secant = 1.0 / (1.0 - sigma).sqrt();
+    let f = sine.asin() / sine;
+    let first = (secant - f) / (2.0 * sigma);
+    let second = (0.5 * secant.powi(3) - 3.0 * first) / (2.0 * sigma);
+    (f, first, second)
+}
+
+/// ½(t₃ᵃ·t₂ᵇ - t₂ᵃ·t₃ᵇ).
+fn twist(first: &Matrix3<f64>, second: &Matrix3<f64>) -> Measure {
+    let mut measure = Measure::zero();
+    for (of_first, of_second, half) in [(2, 1, 0.5), (1, 2, -0.5)] {
+        let (a, b) = (
+            first.column(of_first).into_owned(),
+            second.column(of_second).into_owned(),
+        );
+        let product = a.dot(&b);
+        measure.value += half * product;
+        let gradient = a.cross(&b) * half;
+        add_rows(&mut measure.gradient, TURN[0], &gradient);
+        add_rows(&mut measure.gradient, TURN[1], &-gradient);
+        let own = (half_sum(a, b) - Matrix3::identity() * product) * half;
+        let cross = (Matrix3::identity() * product - b * a.transpose()) * half;
+        add_block(&mut measure.hessian, TURN[0], TURN[0], &own);
+        add_block(&mut measure.hessian, TURN[1], TURN[1], &own);
+        add_block(&mut measure.hessian, TURN[0], TURN[1], &cross);
+        add_block(&mut measure.hessian, TURN[1], TURN[0], &cross.transpose());
+    }
+    measure
+}
+
+/// An element of the network in a shape; none when it is bent or twisted beyond a right angle.
+pub(crate) fn response(network: &Network, index: usize, shape: &Shape) -> Option<Response> {
+    let element = &network.elements()[index];
+    let is_segment = index < network.segments();
+    match (is_segment, network.model().level) {
+        (true, Level::Beam) => beam(network, element, shape),
+        (true, Level::Truss) => bar(network, element, shape),
+        (false, level) => Some(bond(network, element, shape, level)),
+    }
+}
+
+fn rest_length(network: &Network, element: &Element) -> f64 {
+    let [a, b] = element.nodes.map(|node| network.positions()[node as usize]);
+    (b - a).norm()
+}
+
+fn beam(network: &Network, element: &Element, shape: &Shape) -> Option<Response> {
+    let [a, b] = element.nodes.map(|node| node as usize);
+    let chord = Chord::new(shape.positions[a], shape.positions[b])?;
+    let axes = element.axes.transpose();
+    let triads = [a, b].map(|node| shape.turns[node].to_rotation_matrix().into_inner() * axes);
+    let stretch = chord.stretch(rest_length(network, element));
+    let about = |end: usize| {
+        angles([
+            chord.lean(end, triads[end].column(2).into_owned()),
+            chord.lean(end, -triads[end].column(1)),
+        ])
+    };
+    let [first, second] = [about(0)?, about(1)?];
+    let twist = twist(&triads[0], &triads[1]).angle()?;
+
+    // deformations in the order of the element's springs: sums and differences of the angles
+    let pair = |axis: usize, sign: f64| {
+        let value = second[axis].value + sign * first[axis].value;
+        (value, second[axis].gradient + sign * first[axis].gradient)
+    };
+    let springs = [
+        (stretch.value, stretch.gradient),
+        pair(0, 1.0),
+        pair(1, 1.0),
+        (twist.value, twist.gradient),
+        pair(0, -1.0),
+        pair(1, -1.0),
+    ];
+    let deformation = springs.map(|(value, _)| value);
+    let loads = element.loads(&deformation);
+    let mut forces = Gradient::zeros();
+    let mut stiffness = Hessian::zeros();
+    for (part, (_, gradient)) in springs.iter().enumerate() {
+        forces += gradient * loads[part];
+        stiffness += element.stiffness[part] * gradient * gradient.transpose();
+    }
+    stiffness += stretch.hessian * loads[0] + twist.hessian * loads[3];
+    for axis in 0..2 {
+        let (changing, uniform) = (loads[1 + axis], loads[4 + axis]);
+        stiffness += first[axis].hessian * (changing - uniform);
+        stiffness += second[axis].hessian * (changing + uniform);
+    }
+    Some(Response {
+        loads,
+        energy: element.energy(&deformation),
+        forces,
+        stiffness,
+    })
+}
+
+fn bar(network: &Network, element: &Element, shape: &Shape) -> Option<Response> {
+    let [a, b] = element.nodes.map(|node| node as usize);
+    let chord = Chord::new(shape.positions[a], shape.positions[b])?;
+    let stretch = chord.stretch(rest_length(network, element));
+    let axial = element.stiffness[0];
+    let force = axial * stretch.value;
+    // what keeps a loose bar in place acts in all directions, whatever the bar's
+    let taut = element.stiffness[1];
+    let moved = moved(network, element, shape);
+    let mut forces = stretch.gradient * force;
+    add_difference(&mut forces, &(moved * taut));
+    let mut stiffness =
+        axial * stretch.gradient * stretch.gradient.transpose() + stretch.hessian * force;
+    add_difference_block(&mut stiffness, &(Matrix3::identity() * taut));
+    Some(Response {
+        loads: [force, 0.0, 0.0, 0.0, 0.0, 0.0],
+        energy: 0.5 * (force * stretch.value + taut * moved.norm_squared()),
+        forces,
+        stiffness,
+    })
+}
+
+/// A bond's displacement is that of its two points, in the frame of the lab; its rotation is the vector of
+/// the rotation from one to the other. Across and along are as the first fibre has turned.
+fn bond(network: &Network, element: &Element, shape: &Shape, level: Level) -> Response {
+    let [a, b] = element.nodes.map(|node| node as usize);
+    let (spring, turning) = (element.stiffness[0], element.stiffness[3]);
+    let moved = moved(network, element, shape);
+    let mut forces = Gradient::zeros();
+    let mut stiffness = Hessian::zeros();
+    add_difference(&mut forces, &(moved * spring));
+    add_difference_block(&mut stiffness, &(Matrix3::identity() * spring));
+    let mut energy = 0.5 * spring * moved.norm_squared();
+    let axes = element.axes;
+    let local = axes * shape.turns[a].inverse_transform_vector(&(moved * spring));
+    let mut loads = [local.x, local.y, local.z, 0.0, 0.0, 0.0];
+    if level == Level::Beam {
+        let turn = (shape.turns[b] * shape.turns[a].inverse()).scaled_axis();
+        let moment = turn * turning;
+        energy += 0.5 * turning * turn.norm_squared();
+        add_rows(&mut forces, TURN[0], &-moment);
+        add_rows(&mut forces, TURN[1], &moment);
+        // derivative of the vector of a rotation by one that follows it: 1 - ½ θ× + κ θ×²
+        let angle = turn.norm();
+        let kappa = if angle > 1e-4 {
+            (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
+        } else {
+            1.0 / 12.0
+        };
+        let skew = turn.cross_matrix();
+        let symmetric = (Matrix3::identity() + skew * skew * kappa) * turning;
+        let cross = symmetric + skew * (0.5 * turning);
+        add_block(&mut stiffness, TURN[0], TURN[0], &symmetric);
+        add_block(&mut stiffness, TURN[1], TURN[1], &symmetric);
+        add_block(&mut stiffness, TURN[1], TURN[0], &-cross);
+        add_block(&mut stiffness, TURN[0], TURN[1], &-cross.transpose());
+        let local = axes * shape.turns[a].inverse_transform_vector(&moment);
+        loads[3..].copy_from_slice(local.as_slice());
+    }
+    Response {
+        loads,
+        energy,
+        forces,
+        stiffness,
+    }
+}
+
+/// Displacement of the second node less that of the first.
+fn moved(network: &Network, element: &Element, shape: &Shape) -> Vector3<f64> {
+    let [a, b] = element.nodes.map(|node| node as usize);
+    let rest = network.positions();
+    (shape.positions[b] - rest[b]) - (shape.positions[a] - rest[a])
+}
+
+fn half_sum(a: Vector3<f64>, b: Vector3<f64>) -> Matrix3<f64> {
+    (a * b.transpose() + b * a.transpose()) * 0.5
+}
+
+fn add_rows(gradient: &mut Gradient, row: usize, value: &Vector3<f64>) {
+    let mut rows = gradient.fixed_rows_mut::<3>(row);
+    rows += value;
+}
+
+/// Adds what acts on the difference of the displacements.
+fn add_difference(gradient: &mut Gradient, value: &Vector3<f64>) {
+    add_rows(gradient, SHIFT[0], &-value);
+    add_rows(gradient, SHIFT[1], value);
+}
+
+fn add_block(hessian: &mut Hessian, row: usize, column: usize, value: &Matrix3<f64>) {
+    let mut block = hessian.fixed_view_mut::<3, 3>(row, column);
+    block += value;
+}
+
+fn add_difference_block(hessian: &mut Hessian, value: &Matrix3<f64>) {
+    for (row, row_sign) in SHIFT.into_iter().zip([-1.0, 1.0]) {
+        for (column, column_sign) in SHIFT.into_iter().zip([-1.0, 1.0]) {
+            add_block(hessian, row, column, &(value * (row_sign * column_sign)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::tests::{bond as a_bond, fibre, model};
+
+    /// Derivatives against differences of the energy and the forces.
+    #[test]
+    fn forces_and_stiffness_are_derivatives_of_the_energy() {
+        let fibres = [
+            fibre(&[[1.0, 2.0, 3.0], [21.0, 12.0, -4.0]]),
+            fibre(&[[5.0, 9.0, 0.0], [9.0, 0.0, 6.0]]),
+        ];
+        let bonds = [a_bond([0, 1], [0.0, 0.0])];
+        for level in [Level::Beam, Level::Truss] {
+            let network = Network::new(&fibres, &bonds, model(level, 1e4)).unwrap();
+            let mut shape = Shape::of(&network);
+            for node in 0..network.nodes() {
+                let i = node as f64;
+                let shift = Vector3::new(0.5 - i, 0.3 * i, 1.5 - 0.7 * i);
+                let turn = Vector3::new(0.2 - 0.1 * i, 0.3 + 0.15 * i, -0.2 + 0.1 * i * i);
+                shape.step(node, shift, turn);
+            }
+            for index in 0..network.elements().len() {
+                compare(&network, index, &shape);
+            }
+        }
+    }
+
+    fn compare(network: &Network, index: usize, shape: &Shape) {
+        let here = response(network, index, shape).unwrap();
+        let nodes = network.elements()[index].nodes;
+        let along = |row: usize, by: f64| {
+            let mut shape = shape.clone();
+            let mut step = [Vector3::zeros(), Vector3::zeros()];
+            step[row % 6 / 3][row % 3] = by;
+            shape.step(nodes[row / 6] as usize, step[0], step[1]);
+            response(network, index, &shape).unwrap().energy
+        };
+        let second = |row: usize, column: usize, by: f64| {
+            let corner = |a: f64, b: f64| {
+                let mut moved = shape.clone();
+                let mut steps = [[Vector3::zeros(); 2]; 2];
+                steps[row / 6][row % 6 / 3][row % 3] += a;
+                steps[column / 6][column % 6 / 3][column % 3] += b;
+                for (node, step) in nodes.iter().zip(steps) {
+                    moved.step(*node as usize, step[0], step[1]);
+                }
+                response(network, index, &moved).unwrap().energy
+            };
+            (corner(by, by) - corner(by, -by) - corner(-by, by) + corner(-by, -by))
+                / (4.0 * by * by)
+        };
+        let (largest, stiffest) = (here.forces.amax(), here.stiffness.amax());
+        for row in 0..12 {
+            let slope = (along(row, 1e-5) - along(row, -1e-5)) / 2e-5;
+            // central differences: 1e-10 of the third derivative, and round-off of the energy
+            assert!(
+                (slope - here.forces[row]).abs() < 1e-6 * largest,
+                "{row}: {slope} {}",
+                here.forces[row]
+            );
+            for column in 0..12 {
+                let bend = second(row, column, 1e-3);
+                let exact = here.stiffness[(row, column)];
+                assert!(
+                    (bend - exact).abs() < 2e-5 * stiffest,
+                    "{index} {row} {column}: {bend} {exact}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_arcsine_has_no_step_where_its_series_ends() {
+        let (below, above) = (arcsine_factor(1e-3 * (1.0 - 1e-12)), arcsine_factor(1e-3));
+        assert!((below.0 - above.0).abs() < 1e-12);
+        assert!((below.1 - above.1).abs() < 1e-11);
+        assert!((below.2 - above.2).abs() < 1e-8);
+    }
+}

@@ -1,0 +1,77 @@
+//! Forces and moments at nodes, and the rest of a network under them.
+use super::equilibrium::{Clusters, Equilibrium, Refactoring};
+use super::error::{FrameError, check};
+use super::network::Network;
+
+/// A force [mN] and a moment [mN µm] on a node; their directions stay as given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeLoad {
+    pub node: usize,
+    pub force_mn: [f64; 3],
+    pub moment_mn_um: [f64; 3],
+}
+
+/// A network at rest under an elongation and loads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rest {
+    /// Displacement of each node [µm].
+    pub displacement_um: Vec<[f64; 3]>,
+    /// Rotation vector of each node [rad].
+    pub rotation: Vec<[f64; 3]>,
+    /// Force along x of the left and the right jaw, positive when it pulls [mN].
+    pub jaw_force_mn: [f64; 2],
+    /// Elastic energy [nJ].
+    pub energy_nj: f64,
+    /// Largest unbalanced force over the largest force.
+    pub residual: f64,
+    /// Solutions that it took.
+    pub iterations: usize,
+}
+
+impl Network {
+    /// Rest for small displacements: the right jaw goes by `elongation_um` along x, loads act.
+    ///
+    /// # Errors
+    /// [`FrameError`] when a load is not on a held cluster or the network gives way.
+    pub fn rest(&self, elongation_um: f64, loads: &[NodeLoad]) -> Result<Rest, FrameError> {
+        self.check_loads(elongation_um, loads)?;
+        let pull = (elongation_um, loads);
+        let found = Equilibrium::new(self, Clusters::Held, pull, Refactoring::ByCost, (&[], &[]))?;
+        let nodes = &found.motion.nodes;
+        Ok(Rest {
+            displacement_um: nodes.iter().map(|motion| motion[0].into()).collect(),
+            rotation: nodes.iter().map(|motion| motion[1].into()).collect(),
+            jaw_force_mn: found.forces.at_jaws(self),
+            energy_nj: found.forces.energy,
+            residual: found.residual,
+            iterations: found.solutions,
+        })
+    }
+
+    pub(crate) fn check_loads(
+        &self,
+        elongation_um: f64,
+        loads: &[NodeLoad],
+    ) -> Result<(), FrameError> {
+        check(|| "elongation [um]".into(), elongation_um, true, "finite")?;
+        for load in loads {
+            let is_held = load.node < self.nodes()
+                && self.standing(load.node) != super::clusters::Standing::Loose;
+            check(
+                || "node of a load".into(),
+                load.node as f64,
+                is_held,
+                "a node of a cluster that a jaw holds",
+            )?;
+            for value in load.force_mn.into_iter().chain(load.moment_mn_um) {
+                check(
+                    || format!("load on node {}", load.node),
+                    value,
+                    true,
+                    "finite",
+                )?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,333 @@
+//! The network: nodes, the segments of fibres between them, and bonds.
+//!
+//! A description ([`FrameFibre`], [`FrameBond`]) becomes a network once; it has no state. Nodes of a
+//! fibre follow one another, and segment i of a fibre joins its nodes i and i + 1. Every bond has a
+//! node of its own on either fibre, so that beams bent by bonds are exact between them.
+use nalgebra::Vector3;
+
+use super::clusters::{Standing, standings};
+use super::element::Element;
+use super::error::{FrameError, check};
+use super::input::{BeamSection, FrameBond, FrameFibre, FrameModel, Level};
+use super::places::{CentreLine, Jaw, Place};
+
+/// A bond whose two points are closer than this share of its fibres' mean width has its face in the
+/// plane of the sheet: rounded coordinates of two crossing lines say nothing about a direction.
+const COINCIDENT: f64 = 0.01;
+
+/// A bond this share of its fibre's length beyond the end is at the end: round-off of a sum.
+const AT_END: f64 = 1e-9;
+
+/// Fibres and bonds, ready to be pulled.
+#[derive(Debug, Clone)]
+pub struct Network {
+    model: FrameModel,
+    sections: Vec<BeamSection>,
+    /// Of every bond: normal and shear strength [mN], infinite where it cannot break.
+    strengths: Vec<[f64; 2]>,
+    positions: Vec<Vector3<f64>>,
+    arcs: Vec<f64>,
+    jaws: Vec<Option<Jaw>>,
+    /// First node of each fibre, and the number of nodes.
+    starts: Vec<u32>,
+    /// Segments by fibre, then bonds.
+    elements: Vec<Element>,
+    /// Fibre of each segment.
+    owners: Vec<u32>,
+    /// Bonds without any strength.
+    void: Vec<u32>,
+    standing: Vec<Standing>,
+}
+
+impl Network {
+    /// Places the nodes and makes the elements.
+    ///
+    /// # Errors
+    /// [`FrameError`] when a quantity is outside its range or a bond is not on its fibres.
+    pub fn new(
+        fibres: &[FrameFibre],
+        bonds: &[FrameBond],
+        model: FrameModel,
+    ) -> Result<Self, FrameError> {
+        model.check()?;
+        let mut lines = Vec::with_capacity(fibres.len());
+        for (number, fibre) in fibres.iter().enumerate() {
+            fibre.section.check(number)?;
+            lines.push(CentreLine::new(number, fibre)?);
+        }
+        let ends = bond_ends(&lines, bonds)?;
+
+        let mut starts = vec![0];
+        let mut nodes: Vec<Place> = Vec::new();
+        let mut bond_nodes = vec![[0; 2]; bonds.len()];
+        let mut rest = ends.as_slice();
+        for (number, line) in lines.iter().enumerate() {
+            let count = rest.partition_point(|end| end.fibre as usize == number);
+            let (own, others) = rest.split_at(count);
+            rest = others;
+            let arcs: Vec<f64> = own.iter().map(|end| end.arc_um).collect();
+            let (places, of_bonds) = line.places(fibres[number].section.width_um, &arcs, &model);
+            for (end, place) in own.iter().zip(of_bonds) {
+                bond_nodes[end.bond as usize][end.side] = (nodes.len() + place) as u32;
+            }
+            nodes.extend(places);
+            if nodes.len() > (u32::MAX / 16) as usize {
+                return Err(FrameError::TooManyNodes { nodes: nodes.len() });
+            }
+            starts.push(nodes.len() as u32);
+        }
+
+        let mut elements = Vec::with_capacity(nodes.len() + bonds.len());
+        let mut owners = Vec::with_capacity(nodes.len());
+        for (number, fibre) in fibres.iter().enumerate() {
+            for node in starts[number]..starts[number + 1] - 1 {
+                let along = nodes[node as usize + 1].at - nodes[node as usize].at;
+                elements.push(Element::segment(
+                    [node, node + 1],
+                    along,
+                    &fibre.section,
+                    model.level,
+                ));
+                owners.push(number as u32);
+            }
+        }
+        for (number, (bond, joined)) in bonds.iter().zip(&bond_nodes).enumerate() {
+            if joined[0] == joined[1] {
+                return Err(FrameError::SamePoint {
+                    bond: number,
+                    fibre: bond.fibres[0],
+                });
+            }
+            let apart = nodes[joined[1] as usize].at - nodes[joined[0] as usize].at;
+            let width = bond
+                .fibres
+                .map(|fibre| fibres[fibre as usize].section.width_um);
+            let is_apart = apart.norm() > COINCIDENT * 0.5 * (width[0] + width[1]);
+            let normal = if is_apart { apart } else { Vector3::z() };
+            elements.push(Element::bond(*joined, normal, bond, model.level));
+        }
+
+        let void: Vec<u32> = (0..bonds.len() as u32)
+            .filter(|&bond| bonds[bond as usize].is_void())
+            .collect();
+        let mut network = Self {
+            model,
+            sections: fibres.iter().map(|fibre| fibre.section).collect(),
+            strengths: bonds.iter().map(strengths).collect(),
+            positions: nodes.iter().map(|node| node.at).collect(),
+            arcs: nodes.iter().map(|node| node.arc_um).collect(),
+            jaws: nodes.iter().map(|node| node.jaw).collect(),
+            starts,
+            elements,
+            owners,
+            void,
+            standing: Vec::new(),
+        };
+        network.standing = network.standing_without(&network.unbroken());
+        Ok(network)
+    }
+
+    /// How it was built.
+    #[must_use]
+    pub fn model(&self) -> &FrameModel {
+        &self.model
+    }
+
+    /// Number of fibres.
+    #[must_use]
+    pub fn fibres(&self) -> usize {
+        self.sections.len()
+    }
+
+    /// Number of nodes.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Number of segments of all fibres.
+    #[must_use]
+    pub fn segments(&self) -> usize {
+        self.owners.len()
+    }
+
+    /// Number of bonds.
+    #[must_use]
+    pub fn bonds(&self) -> usize {
+        self.strengths.len()
+    }
+
+    /// Nodes of a fibre, in order of arc length.
+    #[must_use]
+    pub fn nodes_of(&self, fibre: usize) -> std::ops::Range<usize> {
+        self.starts[fibre] as usize..self.starts[fibre + 1] as usize
+    }
+
+    /// Where a node is before any pull [µm].
+    #[must_use]
+    pub fn position_um(&self, node: usize) -> [f64; 3] {
+        self.positions[node].into()
+    }
+
+    /// Arc length of a node from its fibre's start [µm].
+    #[must_use]
+    pub fn arc_um(&self, node: usize) -> f64 {
+        self.arcs[node]
+    }
+
+    /// The jaw that holds a node.
+    #[must_use]
+    pub fn jaw(&self, node: usize) -> Option<Jaw> {
+        self.jaws[node]
+    }
+
+    /// What a node's cluster is held by before anything breaks.
+    #[must_use]
+    pub fn standing(&self, node: usize) -> Standing {
+        self.standing[node]
+    }
+
+    /// The two nodes of a segment.
+    #[must_use]
+    pub fn segment_nodes(&self, segment: usize) -> [usize; 2] {
+        self.elements[segment].nodes.map(|node| node as usize)
+    }
+
+    /// The fibre of a segment.
+    #[must_use]
+    pub fn segment_fibre(&self, segment: usize) -> usize {
+        self.owners[segment] as usize
+    }
+
+    /// The two nodes of a bond.
+    #[must_use]
+    pub fn bond_nodes(&self, bond: usize) -> [usize; 2] {
+        self.elements[self.segments() + bond]
+            .nodes
+            .map(|node| node as usize)
+    }
+
+    /// Whether a bond has no strength at all: it counts as broken before the pull.
+    #[must_use]
+    pub fn is_void(&self, bond: usize) -> bool {
+        self.void.binary_search(&(bond as u32)).is_ok()
+    }
+
+    /// The node of a fibre nearest to an arc length.
+    #[must_use]
+    pub fn nearest_node(&self, fibre: usize, arc_um: f64) -> usize {
+        let nodes = self.nodes_of(fibre);
+        let next = nodes.start + self.arcs[nodes.clone()].partition_point(|&arc| arc < arc_um);
+        let after = next.min(nodes.end - 1);
+        let before = after.saturating_sub(1).max(nodes.start);
+        let is_before_nearer =
+            (self.arcs[before] - arc_um).abs() < (self.arcs[after] - arc_um).abs();
+        if is_before_nearer { before } else { after }
+    }
+
+    pub(crate) fn elements(&self) -> &[Element] {
+        &self.elements
+    }
+
+    pub(crate) fn positions(&self) -> &[Vector3<f64>] {
+        &self.positions
+    }
+
+    pub(crate) fn section_of(&self, segment: usize) -> &BeamSection {
+        &self.sections[self.owners[segment] as usize]
+    }
+
+    /// Normal and shear strength of a bond [mN].
+    pub(crate) fn strengths(&self, bond: usize) -> [f64; 2] {
+        self.strengths[bond]
+    }
+
+    /// Motions of a node that count.
+    pub(crate) fn motions(&self) -> usize {
+        match self.model.level {
+            Level::Beam => 6,
+            Level::Truss => 3,
+        }
+    }
+
+    /// Mean radius of gyration √(I/A) of the sections [µm]: makes moments comparable with forces.
+    pub(crate) fn gyration_um(&self) -> f64 {
+        let of = |section: &BeamSection| (section.inertia_um4 / section.area_um2).sqrt();
+        self.sections.iter().map(of).sum::<f64>() / self.sections.len().max(1) as f64
+    }
+
+    /// Which elements are there before the pull: all but void bonds.
+    pub(crate) fn unbroken(&self) -> Vec<bool> {
+        let mut is_whole = vec![true; self.elements.len()];
+        for &bond in &self.void {
+            is_whole[self.segments() + bond as usize] = false;
+        }
+        is_whole
+    }
+
+    /// The standing of every node when only these elements are whole.
+    pub(crate) fn standing_without(&self, is_whole: &[bool]) -> Vec<Standing> {
+        let whole = self
+            .elements
+            .iter()
+            .zip(is_whole)
+            .filter(|(_, is_whole)| **is_whole);
+        standings(&self.jaws, whole.map(|(element, _)| element.nodes))
+    }
+}
+
+fn strengths(bond: &FrameBond) -> [f64; 2] {
+    [bond.normal_strength_mn, bond.shear_strength_mn]
+        .map(|strength| strength.unwrap_or(f64::INFINITY))
+}
+
+/// One end of a bond on its fibre.
+#[derive(Debug)]
+struct BondEnd {
+    fibre: u32,
+    arc_um: f64,
+    bond: u32,
+    side: usize,
+}
+
+/// Both ends of all bonds, by fibre and arc length.
+fn bond_ends(lines: &[CentreLine], bonds: &[FrameBond]) -> Result<Vec<BondEnd>, FrameError> {
+    let mut ends = Vec::with_capacity(2 * bonds.len());
+    for (number, bond) in bonds.iter().enumerate() {
+        bond.check(number)?;
+        for side in 0..2 {
+            let (fibre, at_um) = (bond.fibres[side], bond.at_um[side]);
+            let Some(line) = lines.get(fibre as usize) else {
+                return Err(FrameError::NoSuchFibre {
+                    bond: number,
+                    fibre,
+                    fibres: lines.len(),
+                });
+            };
+            check(
+                || format!("place [um] of bond {number} on fibre {fibre}"),
+                at_um,
+                true,
+                "finite",
+            )?;
+            let length_um = line.length_um();
+            let slack = AT_END * length_um;
+            if at_um < -slack || at_um > length_um + slack {
+                return Err(FrameError::BeyondFibre {
+                    bond: number,
+                    fibre,
+                    at_um,
+                    length_um,
+                });
+            }
+            ends.push(BondEnd {
+                fibre,
+                arc_um: at_um.clamp(0.0, length_um),
+                bond: number as u32,
+                side,
+            });
+        }
+    }
+    ends.sort_by(|a, b| a.fibre.cmp(&b.fibre).then(a.arc_um.total_cmp(&b.arc_um)));
+    Ok(ends)
+}

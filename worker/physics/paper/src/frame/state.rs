@@ -1,0 +1,84 @@
+//! What a pull must remember to go on elsewhere, and what it has measured.
+use serde::{Deserialize, Serialize};
+
+use super::error::FrameError;
+use super::network::Network;
+use super::pull::PullEnd;
+
+/// Where a pull is. With the same network and test it goes on to the same bits.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct PullState {
+    /// Elements (segments, then bonds) that broke before the last factor was made, and after; in order.
+    pub(crate) factored: Vec<u32>,
+    pub(crate) taken: Vec<u32>,
+    pub(crate) elongation_um: f64,
+    pub(crate) avalanche: u32,
+    pub(crate) ended: Option<PullEnd>,
+    pub measures: PullMeasures,
+}
+
+/// What a pull has measured so far.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct PullMeasures {
+    /// Force per strain before anything breaks [mN].
+    pub initial_stiffness_mn: f64,
+    /// Largest force [mN], its strain, and the work up to it [nJ].
+    pub peak_force_mn: f64,
+    pub strain_at_peak: f64,
+    pub work_to_peak_nj: f64,
+    /// Work of the moving jaw [nJ]: the area under the curve.
+    pub work_nj: f64,
+    /// Elastic energy that is left, and what breaks set free [nJ].
+    pub stored_nj: f64,
+    pub released_nj: f64,
+    pub broken_bonds: usize,
+    pub broken_segments: usize,
+    /// Largest unbalanced force over the largest force of an element.
+    pub largest_residual: f64,
+    /// Largest difference of the jaws' forces over the peak.
+    pub largest_jaw_imbalance: f64,
+    /// Largest share of the energy in what only keeps a truss in place: near 1 it is a mechanism.
+    pub largest_taut_share: f64,
+}
+
+impl PullMeasures {
+    /// What the energies lack, over the work: work = stored + released.
+    #[must_use]
+    pub fn energy_error(&self) -> f64 {
+        let missing = self.work_nj - self.stored_nj - self.released_nj;
+        if self.work_nj > 0.0 {
+            missing.abs() / self.work_nj
+        } else {
+            missing.abs()
+        }
+    }
+
+    pub(crate) fn broken(&self) -> usize {
+        self.broken_bonds + self.broken_segments
+    }
+}
+
+impl PullState {
+    pub(crate) fn is_new(&self) -> bool {
+        self.measures.broken() == 0 && self.elongation_um == 0.0 && self.ended.is_none()
+    }
+
+    /// # Errors
+    /// [`FrameError::ForeignState`] when it names what the network does not have.
+    pub(crate) fn check(&self, network: &Network) -> Result<(), FrameError> {
+        let count = network.elements().len();
+        match self
+            .factored
+            .iter()
+            .chain(&self.taken)
+            .find(|&&element| element as usize >= count)
+        {
+            Some(&element) => Err(FrameError::ForeignState {
+                what: "element",
+                index: element as usize,
+                count,
+            }),
+            None => Ok(()),
+        }
+    }
+}
