@@ -22,7 +22,9 @@ pub enum Purpose {
     BatchPlaces,
     /// Strengths of what a cell of a section holds, one stream per cell.
     CellStrength,
-    /// Places of fibres in a unit cell, one stream per cell.
+    /// Sizes of fibres, one stream per fibre.
+    FibreSizes,
+    /// Places of fibres: in a unit cell, one stream per cell; and directions in a sheet, one per fibre.
     FibrePlaces,
 }
 
@@ -40,6 +42,7 @@ impl Streams {
             Purpose::GrainPlaces => "grain places",
             Purpose::BatchPlaces => "batch places",
             Purpose::CellStrength => "cell strength",
+            Purpose::FibreSizes => "fibre sizes",
             Purpose::FibrePlaces => "fibre places",
         };
         // hashing keeps streams unrelated for seeds that differ in one bit, and the name makes a

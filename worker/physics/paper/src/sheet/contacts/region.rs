@@ -1,0 +1,141 @@
+//! Neighbouring pairs of segments that touch make one contact.
+use super::overlap::{Ribbon, common_area_um2};
+use super::segments::Touch;
+use crate::sheet::{Contact, SheetFibre, polyline};
+
+/// Nearnesses that differ by less are equal but for rounding.
+const SAME_NEARNESS: f64 = 1e-9;
+
+/// Splits touches into regions; keeps its memory.
+#[derive(Debug, Default)]
+pub(super) struct Regions {
+    parents: Vec<u32>,
+    region: Vec<Touch>,
+}
+
+impl Regions {
+    /// Gives the touches of each region, in the order of their segments; pairs belong together when
+    /// they are the same or next to one another on both fibres.
+    pub(super) fn join(&mut self, touches: &mut [Touch], mut visit: impl FnMut(&[Touch])) {
+        touches.sort_unstable_by_key(|touch| touch.segments);
+        self.parents.clear();
+        self.parents.extend(0..touches.len() as u32);
+        for index in 1..touches.len() {
+            let [first, second] = touches[index].segments;
+            for before in (0..index).rev() {
+                let [one, other] = touches[before].segments;
+                if one + 1 < first {
+                    break;
+                }
+                if other.abs_diff(second) <= 1 {
+                    let [a, b] = [before, index].map(|touch| self.root(touch as u32));
+                    // towards the earlier: a root is the first of its region
+                    self.parents[a.max(b) as usize] = a.min(b);
+                }
+            }
+        }
+        for root in 0..touches.len() as u32 {
+            if self.root(root) != root {
+                continue;
+            }
+            let mut region = std::mem::take(&mut self.region);
+            region.clear();
+            for (index, touch) in touches.iter().enumerate() {
+                if self.root(index as u32) == root {
+                    region.push(*touch);
+                }
+            }
+            visit(&region);
+            self.region = region;
+        }
+    }
+
+    fn root(&mut self, touch: u32) -> u32 {
+        let mut root = touch;
+        while self.parents[root as usize] != root {
+            root = self.parents[root as usize];
+        }
+        self.parents[touch as usize] = root;
+        root
+    }
+}
+
+/// A fibre and the arc length [µm] of each of its points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line<'fibre, 'arcs> {
+    pub(super) fibre: &'fibre SheetFibre,
+    pub(super) arcs_um: &'arcs [f64],
+}
+
+/// The contact of a region: where the fibres are nearest, in the middle of such places if there are
+/// several. Nothing when they cover no area together, as fibres that touch side by side.
+pub(super) fn contact(
+    numbers: [u32; 2],
+    lines: [Line<'_, '_>; 2],
+    region: &[Touch],
+) -> Option<Contact> {
+    let nearnesses = region.iter().map(|touch| touch.nearness);
+    let nearest = nearnesses.fold(f64::INFINITY, f64::min);
+    let is_nearest = |touch: &&Touch| touch.nearness <= nearest + SAME_NEARNESS;
+    let count = region.iter().filter(is_nearest).count();
+    let touch = region.iter().filter(is_nearest).nth(count / 2)?;
+    let widths = lines.map(|line| line.fibre.section.width_um);
+    let at_um = [0, 1].map(|side| lines[side].at_um(touch, side));
+    let ribbons = [0, 1].map(|side| {
+        // a region of crossing fibres may be smaller than what they cover together
+        let reach = widths[0] + widths[1];
+        let [from, to] = lines[side].span_um(region, side);
+        let [back, forth] = [at_um[side] - from, to - at_um[side]].map(|far| far.max(reach));
+        lines[side].ribbon(touch, side, [back, forth])
+    });
+    let area_um2 = common_area_um2(ribbons);
+    (area_um2 > 0.0).then_some(Contact {
+        fibres: numbers,
+        at_um,
+        area_um2,
+    })
+}
+
+impl Line<'_, '_> {
+    /// Arc length of a touch.
+    fn at_um(&self, touch: &Touch, side: usize) -> f64 {
+        let segment = touch.segments[side] as usize;
+        let [from, to] = [self.arcs_um[segment], self.arcs_um[segment + 1]];
+        from + touch.shares[side] * (to - from)
+    }
+
+    /// Arc lengths between which a region lies.
+    fn span_um(&self, region: &[Touch], side: usize) -> [f64; 2] {
+        let segments = region.iter().map(|touch| touch.segments[side] as usize);
+        let (first, last) = segments.fold((usize::MAX, 0), |(first, last), segment| {
+            (first.min(segment), last.max(segment))
+        });
+        [self.arcs_um[first], self.arcs_um[last + 1]]
+    }
+
+    /// The straight ribbon about a touch that reaches so far back and forth, and no further than the
+    /// fibre.
+    fn ribbon(&self, touch: &Touch, side: usize, [back, forth]: [f64; 2]) -> Ribbon {
+        let points = &self.fibre.centre_line_um;
+        let segment = touch.segments[side] as usize;
+        let [from, to] = [points[segment], points[segment + 1]];
+        let centre = polyline::between(from, to, touch.shares[side]);
+        let [x, y] = [to[0] - from[0], to[1] - from[1]];
+        let length = x.hypot(y);
+        // only a fibre that stands upright has none, and none that was laid does
+        let along = if length > 0.0 {
+            [x / length, y / length]
+        } else {
+            [1.0, 0.0]
+        };
+        let at = self.at_um(touch, side);
+        let whole = self.arcs_um[self.arcs_um.len() - 1];
+        Ribbon {
+            at_um: [centre[0], centre[1]],
+            along,
+            back_um: back.min(at),
+            forth_um: forth.min(whole - at),
+            width_um: self.fibre.section.width_um,
+        }
+    }
+}
