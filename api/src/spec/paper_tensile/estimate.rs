@@ -1,5 +1,7 @@
-//! What a test of one fibre takes: factors of a narrow band.
-use super::{PaperTensile, SingleFibreLoad, Specimen};
+//! What a test takes: of one fibre factors of a narrow band, of a sheet a factor and a solution for
+//! every break.
+use super::sheet_checks::memory_of_given_mb;
+use super::{Level, PaperTensile, SingleFibre, SingleFibreLoad, Specimen};
 use crate::fibre::divide;
 use crate::{Calibration, Estimate};
 
@@ -14,11 +16,68 @@ const PROCESS_MB: f64 = 20.0;
 const ENTRY_MB: f64 = 24e-6;
 /// A point with its springs in a picture [MB].
 const POINT_MB: f64 = 300e-6;
+/// Of a sheet: bonds that break until the force has fallen; a solution's work for an entry of the
+/// factor, a factor's, and breaks until the next, all in evaluations of one bond; laying a point.
+const BROKEN_SHARE: f64 = 0.15;
+const SOLUTION: f64 = 0.3;
+const FACTOR_OF_ENTRY: f64 = 0.02;
+const EVENTS_PER_FACTOR: f64 = 30.0;
+const POINT_LAID: f64 = 300.0;
+/// An element in a picture, a break with its two points of the curve [MB].
+const CELL_MB: f64 = 120e-6;
+const EVENT_MB: f64 = 300e-6;
 /// Reading the spec and writing the files [s].
 const START_S: f64 = 0.02;
 
 pub(super) fn estimate(spec: &PaperTensile, calibration: &Calibration) -> Estimate {
-    let Specimen::SingleFibre(fibre) = &spec.specimen;
+    match &spec.specimen {
+        Specimen::SingleFibre(fibre) => of_fibre(spec, fibre, calibration),
+        Specimen::Explicit(sheet) => {
+            let points: usize = sheet.fibres.iter().map(|f| f.centre_line_um.len()).sum();
+            let (points, bonds) = (points as f64, sheet.bonds.len() as f64);
+            let memory_mb = memory_of_given_mb(points, bonds);
+            of_sheet(spec, calibration, [0.0, bonds, points + 2.0 * bonds], memory_mb)
+        }
+        Specimen::Sheet(sheet) => {
+            let expected = sheet.expected(spec);
+            let counts = [expected.points, expected.bonds, expected.nodes];
+            of_sheet(spec, calibration, counts, expected.memory_mb)
+        }
+    }
+}
+
+/// A sheet by what it has of points to be laid, bonds, and nodes.
+fn of_sheet(
+    spec: &PaperTensile,
+    calibration: &Calibration,
+    [points, bonds, nodes]: [f64; 3],
+    memory_mb: f64,
+) -> Estimate {
+    let motions = match spec.level() {
+        Level::Truss => 3.0,
+        Level::Tube | Level::Beam => 6.0,
+    };
+    let unknowns = motions * nodes;
+    let entries = 8.0 * unknowns * (unknowns + 2.0).log2();
+    let events = BROKEN_SHARE * bonds;
+    // the factor is made anew when corrections have cost as much
+    let solutions = entries * SOLUTION * events;
+    let factors = FACTOR_OF_ENTRY * entries * unknowns.sqrt() * (1.0 + events / EVENTS_PER_FACTOR);
+    let work = POINT_LAID * points + solutions + factors;
+    let repeats = f64::from(spec.specimens());
+    Estimate {
+        wall_s: START_S + repeats * work / calibration.bond_evaluations_per_s,
+        memory_mb,
+        disk_mb: if spec.output.snapshot_every_steps > 0 {
+            3.0 * CELL_MB * (nodes + bonds) + events * EVENT_MB
+        } else {
+            events * EVENT_MB
+        },
+        calibrated: false,
+    }
+}
+
+fn of_fibre(spec: &PaperTensile, fibre: &SingleFibre, calibration: &Calibration) -> Estimate {
     let points_on_ring = f64::from(spec.model.points_on_ring);
     let rings = spec
         .pulp_of(fibre)

@@ -10,6 +10,7 @@ impl Spec for PaperTensile {
 
     fn normalise(&mut self) {
         self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+        self.model.level = Some(self.level());
     }
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
@@ -31,6 +32,9 @@ impl Spec for PaperTensile {
     fn single(&mut self, seed: u64) {
         self.seed = seed;
         self.output.snapshot_every_steps = 0;
+        if self.test.repeats.is_some() {
+            self.test.repeats = Some(1);
+        }
     }
 
     fn compares(result: &str) -> bool {
