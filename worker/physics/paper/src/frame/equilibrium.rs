@@ -27,6 +27,10 @@ const UNBALANCED: f64 = 1e-6;
 /// Round-off of a force as a share of stiffness times displacement, for what carries nearly nothing.
 const ROUND_OFF: f64 = 1e-11;
 
+/// A residual this many times the one at which refinement ended last is not refined: where the shortest
+/// segments are stiff beside the sheet, that is round-off, and a refinement costs as much as a break.
+const NEAR_FLOOR: f64 = 4.0;
+
 /// Forces below this share of the largest since the factor was made are none: the jaws are parted.
 const NOTHING: f64 = 1e-9;
 
@@ -90,6 +94,8 @@ pub(crate) struct Equilibrium<'n> {
     spent: f64,
     /// Largest force of an element since the factor was made [mN per unit].
     largest: f64,
+    /// Residual at which refinement ended last.
+    floor: f64,
     pub(crate) motion: Motion,
     pub(crate) forces: Forces,
     pub(crate) critical: Option<Critical>,
@@ -125,6 +131,7 @@ impl<'n> Equilibrium<'n> {
             taken: Vec::new(),
             spent: 0.0,
             largest: 0.0,
+            floor: 0.0,
             motion: Motion::rest(nodes),
             forces: Forces::new(nodes),
             critical: None,
@@ -218,6 +225,7 @@ impl<'n> Equilibrium<'n> {
         self.factors += 1;
         self.spent = 0.0;
         self.largest = 0.0;
+        self.floor = 0.0;
 
         for (node, motion) in self.motion.nodes.iter_mut().enumerate() {
             let goes_along = match network.jaw(node) {
@@ -318,6 +326,7 @@ impl<'n> Equilibrium<'n> {
 
     /// Looks at all elements, and refines until forces balance.
     fn settle(&mut self) -> Result<(), FrameError> {
+        let mut before = f64::INFINITY;
         for refinement in 0..=REFINEMENTS {
             self.look();
             let mut right = self.unbalanced();
@@ -325,10 +334,17 @@ impl<'n> Equilibrium<'n> {
             self.largest = self.largest.max(self.forces.scale);
             let scale = self.forces.scale.max(NOTHING * self.largest);
             self.residual = worst / scale.max(f64::MIN_POSITIVE);
-            let is_round_off = worst <= ROUND_OFF * self.forces.round_off;
-            if self.residual <= BALANCED || (is_round_off && refinement > 0) {
+            let is_round_off = refinement > 0 && worst <= ROUND_OFF * self.forces.round_off;
+            let is_at_floor = refinement == 0 && self.residual <= NEAR_FLOOR * self.floor;
+            let is_stuck =
+                refinement > 0 && self.residual <= UNBALANCED && self.residual > 0.3 * before;
+            if self.residual <= BALANCED || is_round_off || is_at_floor || is_stuck {
+                if refinement > 0 {
+                    self.floor = self.residual;
+                }
                 return Ok(());
             }
+            before = self.residual;
             if refinement < REFINEMENTS {
                 self.factor.solve(&mut right, 1);
                 self.softening.correct(&mut right);
