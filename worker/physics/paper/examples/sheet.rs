@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use loadframe_numerics::Team;
 use loadframe_paper::sheet::{
-    LengthDistribution, Lumen, Orientation, Placement, Pulp, Sheet, SheetError, SheetPlan, Statistics,
-    contacts,
+    LengthDistribution, Lumen, Orientation, Placement, Pulp, Sheet, SheetError, SheetPlan,
+    Statistics, contacts,
 };
 
 fn plan(size_um: [f64; 2], grammage: f64, coarseness: f64, flexibility: f64) -> SheetPlan {
@@ -31,7 +31,8 @@ fn plan(size_um: [f64; 2], grammage: f64, coarseness: f64, flexibility: f64) -> 
     }
 }
 
-const HEAD: &str = "fibres  contacts  per_fibre  free_um   rba  layers  covered  mean_um  peaks_um  kg/m3";
+const HEAD: &str =
+    "fibres  contacts  per_fibre  free_um   rba  layers  covered  mean_um  peaks_um  kg/m3";
 
 fn row(sheet: &Sheet) -> String {
     let Some(measured) = Statistics::of(sheet, 20) else {
@@ -78,7 +79,9 @@ fn main() -> Result<(), SheetError> {
         let plan = plan([side; 2], grammage, 2.45e-4, 0.2);
         println!("{grammage:8.1}  {}", row(&plan.lay(1, &alone)?));
     }
-    println!("\ncost, 60 g/m2, 0.15 mg/m, 5 mm wide; seconds\n   mm  threads     lay  contacts  us/fibre  expected  {HEAD}");
+    println!(
+        "\ncost, 60 g/m2, 0.15 mg/m, 5 mm wide; seconds\n   mm  threads     lay  contacts  us/fibre  expected  {HEAD}"
+    );
     for length_mm in [1.0, 3.0, 10.0, 30.0] {
         for threads in [1, 2] {
             let Ok(team) = Team::new(threads) else {

@@ -126,14 +126,20 @@ mod tests {
     #[test]
     fn the_second_climbs_over_the_first_at_the_allowed_slope() {
         let mut bed = Bed::new([400.0, 400.0], 5.0, 0.2);
-        bed.cover(&settled(&mut bed.clone(), line([0.0, 200.0], [400.0, 200.0])), SECTION);
+        bed.cover(
+            &settled(&mut bed.clone(), line([0.0, 200.0], [400.0, 200.0])),
+            SECTION,
+        );
         let second = settled(&mut bed, line([200.0, 0.0], [200.0, 400.0]));
         for point in &second {
             let beyond = ((point[1] - 200.0).abs() - 10.0).max(0.0);
             // pixels and half a segment on both sides carry as well
             let [lowest, highest] = [beyond, (beyond - 10.0).max(0.0)]
                 .map(|distance| 3.0 + (6.0 - 0.2 * distance).max(0.0));
-            assert!(point[2] >= lowest - 1e-9 && point[2] <= highest + 1e-9, "{point:?}");
+            assert!(
+                point[2] >= lowest - 1e-9 && point[2] <= highest + 1e-9,
+                "{point:?}"
+            );
         }
     }
 
@@ -141,9 +147,14 @@ mod tests {
     fn a_rigid_fibre_stays_level_and_a_limp_one_touches_the_wire_beside_the_first() {
         for (flexibility, beside) in [(0.0, 9.0), (100.0, 3.0)] {
             let mut bed = Bed::new([400.0, 400.0], 5.0, flexibility);
-            bed.cover(&settled(&mut bed.clone(), line([0.0, 200.0], [400.0, 200.0])), SECTION);
+            bed.cover(
+                &settled(&mut bed.clone(), line([0.0, 200.0], [400.0, 200.0])),
+                SECTION,
+            );
             let second = settled(&mut bed, line([200.0, 0.0], [200.0, 400.0]));
-            let outside = second.iter().filter(|point| (point[1] - 200.0).abs() > 20.0);
+            let outside = second
+                .iter()
+                .filter(|point| (point[1] - 200.0).abs() > 20.0);
             for point in outside {
                 assert!((point[2] - beside).abs() < 1e-9, "{point:?}");
             }

@@ -159,9 +159,8 @@ impl<'a> Draws<'a> {
         let side = if random.random::<bool>() { 1.0 } else { -1.0 };
         // no point of a fibre is further from its middle than half its length
         let reach = 0.5 * size.length_um;
-        let is_near = |axis: usize| {
-            middle[axis] > -reach && middle[axis] < self.plan.size_um[axis] + reach
-        };
+        let is_near =
+            |axis: usize| middle[axis] > -reach && middle[axis] < self.plan.size_um[axis] + reach;
         if !(is_near(0) && is_near(1)) {
             return Vec::new();
         }
@@ -219,7 +218,12 @@ fn settled(
     let length = polyline::length(&points);
     // either with room for another piece, or all that is missing
     let is_last = length >= missing;
-    let kept = if is_last { missing } else { length.min(missing - source.widest_um) };
-    let is_room = kept >= shortest;
+    let kept = if is_last {
+        missing
+    } else {
+        length.min(missing - source.widest_um)
+    };
+    // what the piece before left for this one is as long as a width but for rounding
+    let is_room = kept >= shortest * (1.0 - 1e-9);
     is_room.then(|| (polyline::shortened(points, kept), is_last))
 }

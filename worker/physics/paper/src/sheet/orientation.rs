@@ -38,7 +38,13 @@ impl Orientation {
                 }
                 let sum: f64 = weights.iter().sum();
                 let has_sum = sum > 0.0 && sum.is_finite();
-                check(has_sum, "orientation: sum of the weights", sum, "", "above 0")
+                check(
+                    has_sum,
+                    "orientation: sum of the weights",
+                    sum,
+                    "",
+                    "above 0",
+                )
             }
         }
     }

@@ -21,7 +21,10 @@ pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 /// Length [µm].
 pub(super) fn length(points: &[[f64; 3]]) -> f64 {
-    points.windows(2).map(|ends| distance(ends[0], ends[1])).sum()
+    points
+        .windows(2)
+        .map(|ends| distance(ends[0], ends[1]))
+        .sum()
 }
 
 /// Arc length [µm] of every point from the first.
@@ -51,7 +54,11 @@ pub(super) fn part(points: &[[f64; 3]], from_um: f64, to_um: f64) -> Vec<[f64; 3
         if segment > 0.0 && end > from_um && start < to_um {
             let at = |arc: f64| between(ends[0], ends[1], (arc - start) / segment);
             if kept.is_empty() {
-                kept.push(if from_um > start { at(from_um) } else { ends[0] });
+                kept.push(if from_um > start {
+                    at(from_um)
+                } else {
+                    ends[0]
+                });
             }
             kept.push(if to_um < end { at(to_um) } else { ends[1] });
         }
@@ -139,7 +146,10 @@ fn inside(a: [f64; 3], b: [f64; 3], size: [f64; 2]) -> Option<[Crossing; 2]> {
             }
         }
     }
-    let [from, to] = [entry.map_or(0.0, |(t, ..)| t), exit.map_or(1.0, |(t, ..)| t)];
+    let [from, to] = [
+        entry.map_or(0.0, |(t, ..)| t),
+        exit.map_or(1.0, |(t, ..)| t),
+    ];
     if from >= to {
         return None;
     }
@@ -196,7 +206,10 @@ mod tests {
         let line = flat(&[[1.0, 1.0], [5.0, 9.0], [9.0, 1.0]]);
         let pieces = cut(&line, [10.0, 5.0]);
         assert_eq!(pieces.len(), 2);
-        assert_eq!([pieces[0].is_cut, pieces[1].is_cut], [[false, true], [true, false]]);
+        assert_eq!(
+            [pieces[0].is_cut, pieces[1].is_cut],
+            [[false, true], [true, false]]
+        );
         assert_eq!(pieces[0].points, flat(&[[1.0, 1.0], [3.0, 5.0]]));
         assert_eq!(pieces[1].points, flat(&[[7.0, 5.0], [9.0, 1.0]]));
     }
@@ -215,7 +228,10 @@ mod tests {
     fn a_point_just_inside_makes_no_short_segment() {
         let line = flat(&[[-1.0, 1.0], [1e-9, 1.0], [1.0, 1.0], [2.0, 1.0]]);
         let pieces = cut(&line, [10.0, 5.0]);
-        assert_eq!(pieces[0].points, flat(&[[0.0, 1.0], [1.0, 1.0], [2.0, 1.0]]));
+        assert_eq!(
+            pieces[0].points,
+            flat(&[[0.0, 1.0], [1.0, 1.0], [2.0, 1.0]])
+        );
     }
 
     #[test]
@@ -236,7 +252,11 @@ mod tests {
         for (from, to) in [(0.0, 11.0), (1.0, 4.0), (4.9, 5.3), (6.0, 10.5)] {
             let kept = part(&line, from, to);
             // short ends are joined across the bend
-            let joined = if from > 4.0 && from < 5.0 { 0.05 } else { 1e-12 };
+            let joined = if from > 4.0 && from < 5.0 {
+                0.05
+            } else {
+                1e-12
+            };
             assert!((length(&kept) - (to - from)).abs() < joined, "{from} {to}");
         }
         assert_eq!(arc_lengths(&line), [0.0, 5.0, 11.0]);

@@ -108,8 +108,7 @@ impl Pulp {
     }
 
     fn section_of(&self, width_um: f64, wall_um: f64) -> FibreSection {
-        let walls =
-            wall_area_um2(width_um, wall_um) / wall_area_um2(self.width_um, self.wall_um);
+        let walls = wall_area_um2(width_um, wall_um) / wall_area_um2(self.width_um, self.wall_um);
         FibreSection {
             width_um,
             wall_um,
@@ -136,7 +135,13 @@ impl Pulp {
             }
             LengthDistribution::LogNormal { mean_um, variation } => {
                 let is_allowed = (0.0..=2.0).contains(variation);
-                check(is_allowed, name("length variation"), *variation, "", "[0, 2]")?;
+                check(
+                    is_allowed,
+                    name("length variation"),
+                    *variation,
+                    "",
+                    "[0, 2]",
+                )?;
                 length_is_allowed(name("mean length"), *mean_um, self.width_um)?;
                 let law = LogNormal::new(*mean_um, *variation);
                 let [shortest, longest] = law.range_um();
@@ -283,7 +288,9 @@ fn shape_is_allowed(name: &impl Fn(&str) -> String, shape: f64) -> Result<(), Sh
 fn length_is_allowed(name: String, length_um: f64, width_um: f64) -> Result<(), SheetError> {
     // a fibre has to have room for two pieces that are as long as they are wide
     let is_length = length_um >= 2.0 * width_um && length_um <= LONGEST_UM;
-    let allowed = format!("from twice the width, {} um, to {LONGEST_UM} um", 2.0 * width_um);
+    let allowed = format!(
+        "from twice the width, {} um, to {LONGEST_UM} um",
+        2.0 * width_um
+    );
     check(is_length, name, length_um, "um", allowed)
 }
-

@@ -108,7 +108,10 @@ impl Statistics {
         let segments = || {
             let windows = sheet.fibres.iter().flat_map(|fibre| {
                 let width = fibre.section.width_um;
-                fibre.centre_line_um.windows(2).map(move |ends| (ends, width))
+                fibre
+                    .centre_line_um
+                    .windows(2)
+                    .map(move |ends| (ends, width))
             });
             windows.map(|(ends, width)| {
                 let [x, y] = [0, 1].map(|axis| ends[1][axis] - ends[0][axis]);
@@ -142,7 +145,11 @@ impl Statistics {
             free_length_um: free_length(sheet),
             mean_length_um: total / lengths.len() as f64,
             length_weighted_um: lengths.iter().map(|length| length * length).sum::<f64>() / total,
-            lengths_um: Histogram::new(longest, bins, lengths.iter().map(|length| (*length, *length))),
+            lengths_um: Histogram::new(
+                longest,
+                bins,
+                lengths.iter().map(|length| (*length, *length)),
+            ),
             angles_rad: Histogram::new(
                 PI,
                 bins,

@@ -15,12 +15,24 @@ impl Sheet {
             let (corner, size, whole) = (corner_um[axis], size_um[axis], self.size_um[axis]);
             let is_inside = (0.0..whole).contains(&corner);
             let allowed = format!("from 0 to the sheet's {whole} um");
-            check(is_inside, format!("{name} of the strip"), corner, "um", allowed)?;
+            check(
+                is_inside,
+                format!("{name} of the strip"),
+                corner,
+                "um",
+                allowed,
+            )?;
             // a strip as long as the sheet may be written in another unit
             let most = whole - corner;
             let is_size = size > 0.0 && size <= most * (1.0 + 1e-12);
             let allowed = format!("above 0, up to the {most} um that are left of the sheet");
-            check(is_size, format!("size of the strip along {name}"), size, "um", allowed)?;
+            check(
+                is_size,
+                format!("size of the strip along {name}"),
+                size,
+                "um",
+                allowed,
+            )?;
         }
         let mut fibres = Vec::new();
         // for every fibre its pieces in the strip, and the number of the first of them

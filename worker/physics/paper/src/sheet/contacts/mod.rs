@@ -13,6 +13,8 @@ mod candidates;
 mod overlap;
 mod region;
 mod segments;
+#[cfg(test)]
+mod tests;
 mod tree;
 
 use loadframe_numerics::Team;
@@ -100,23 +102,19 @@ struct Work {
 }
 
 impl Work {
-    fn pair<B: Bound>(
-        &mut self,
-        numbers: [u32; 2],
-        pair: [&Indexed<'_, B>; 2],
-        gap_um: f64,
-    ) {
+    fn pair<B: Bound>(&mut self, numbers: [u32; 2], pair: [&Indexed<'_, B>; 2], gap_um: f64) {
         let metric = Metric::new(pair.map(|one| one.fibre.section), gap_um);
         let lines = pair.map(|one| &one.fibre.centre_line_um[..]);
         let touches = &mut self.touches;
         touches.clear();
-        self.walk.leaves(pair.map(|one| &one.tree), |[ones, others]| {
-            for one in ones {
-                for other in others.clone() {
-                    touches.extend(metric.touch(lines, [one, other]));
+        self.walk
+            .leaves(pair.map(|one| &one.tree), |[ones, others]| {
+                for one in ones {
+                    for other in others.clone() {
+                        touches.extend(metric.touch(lines, [one, other]));
+                    }
                 }
-            }
-        });
+            });
         if touches.is_empty() {
             return;
         }

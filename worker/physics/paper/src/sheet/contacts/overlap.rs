@@ -18,7 +18,12 @@ impl Ribbon {
     fn corners_in(&self, frame: &Ribbon) -> [[f64; 2]; 4] {
         let half = 0.5 * self.width_um;
         let back = -self.back_um;
-        let corners = [[back, -half], [self.forth_um, -half], [self.forth_um, half], [back, half]];
+        let corners = [
+            [back, -half],
+            [self.forth_um, -half],
+            [self.forth_um, half],
+            [back, half],
+        ];
         corners.map(|[along, across]| {
             let x = self.at_um[0] + along * self.along[0] - across * self.along[1] - frame.at_um[0];
             let y = self.at_um[1] + along * self.along[1] + across * self.along[0] - frame.at_um[1];

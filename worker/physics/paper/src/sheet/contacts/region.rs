@@ -6,6 +6,12 @@ use crate::sheet::{Contact, SheetFibre, polyline};
 /// Nearnesses that differ by less are equal but for rounding.
 const SAME_NEARNESS: f64 = 1e-9;
 
+/// A fibre is taken for straight so far from a touch, in widths of both fibres together, even where
+/// the region is smaller: what fibres cover together where they cross at more than 12° (sin = 0.2)
+/// reaches no further, and on 140 µm a fibre with a shape factor of 0.92 and 2 mm bends aside by a
+/// quarter of its width of 28 µm.
+const STRAIGHT_WIDTHS: f64 = 2.5;
+
 /// Splits touches into regions; keeps its memory.
 #[derive(Debug, Default)]
 pub(super) struct Regions {
@@ -83,7 +89,7 @@ pub(super) fn contact(
     let at_um = [0, 1].map(|side| lines[side].at_um(touch, side));
     let ribbons = [0, 1].map(|side| {
         // a region of crossing fibres may be smaller than what they cover together
-        let reach = widths[0] + widths[1];
+        let reach = STRAIGHT_WIDTHS * (widths[0] + widths[1]);
         let [from, to] = lines[side].span_um(region, side);
         let [back, forth] = [at_um[side] - from, to - at_um[side]].map(|far| far.max(reach));
         lines[side].ribbon(touch, side, [back, forth])
