@@ -36,7 +36,12 @@ pub(super) fn estimate(spec: &PaperTensile, calibration: &Calibration) -> Estima
             let points: usize = sheet.fibres.iter().map(|f| f.centre_line_um.len()).sum();
             let (points, bonds) = (points as f64, sheet.bonds.len() as f64);
             let memory_mb = memory_of_given_mb(points, bonds);
-            of_sheet(spec, calibration, [0.0, bonds, points + 2.0 * bonds], memory_mb)
+            of_sheet(
+                spec,
+                calibration,
+                [0.0, bonds, points + 2.0 * bonds],
+                memory_mb,
+            )
         }
         Specimen::Sheet(sheet) => {
             let expected = sheet.expected(spec);

@@ -110,11 +110,13 @@ impl PaperTensile {
 
     /// How fibres are modelled: as asked, else a single fibre as a tube and those of sheets as beams.
     pub fn level(&self) -> Level {
-        self.model.level.unwrap_or(if self.specimen.is_single_fibre() {
-            Level::Tube
-        } else {
-            Level::Beam
-        })
+        self.model
+            .level
+            .unwrap_or(if self.specimen.is_single_fibre() {
+                Level::Tube
+            } else {
+                Level::Beam
+            })
     }
 
     /// Specimens that are tested.

@@ -2,8 +2,8 @@
 //! must fit into a sheet, memory that there must be.
 use std::f64::consts::PI;
 
-use super::{ExplicitBond, ExplicitSheet, Level, MadeSheet, PaperTensile, Placement, Pulp};
 use super::{Direction, checks::unknown_pulp};
+use super::{ExplicitBond, ExplicitSheet, Level, MadeSheet, PaperTensile, Placement, Pulp};
 use crate::Violation;
 
 /// At most this many violations of a list are told.
@@ -202,7 +202,12 @@ pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mu
                       object for bonds that do not break";
         violations.push(Violation::new("/bond", "missing_field", detail).allowed("an object"));
     }
-    let used = || spec.pulp.iter().enumerate().filter(|(_, pulp)| pulp.mass_fraction > 0.0);
+    let used = || {
+        spec.pulp
+            .iter()
+            .enumerate()
+            .filter(|(_, pulp)| pulp.mass_fraction > 0.0)
+    };
     let before = violations.len();
     for (index, pulp) in used() {
         violations.extend(pulp_violation(index, pulp));
@@ -218,7 +223,9 @@ pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mu
             violations.push(
                 Violation::new(format!("/specimen/sheet/{name}"), "sheet_too_small", detail)
                     .value(size_mm)
-                    .allowed(format!("from {least_mm}, twice the width of the widest fibre"))
+                    .allowed(format!(
+                        "from {least_mm}, twice the width of the widest fibre"
+                    ))
                     .unit("mm"),
             );
         }
@@ -227,12 +234,13 @@ pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mu
         let thickest = used().filter_map(|(_, pulp)| pulp.thickness_um());
         let thickest = thickest.fold(0.0, f64::max);
         if random.thickness_um < thickest {
-            let detail = "the sheet is thinner than a fibre, which is as thick as its flattened wall";
+            let detail =
+                "the sheet is thinner than a fibre, which is as thick as its flattened wall";
             let place = "/specimen/sheet/placement/random/thickness_um";
             violations.push(
                 Violation::new(place, "sheet_too_thin", detail)
                     .value(random.thickness_um)
-                    .allowed(format!("from {thickest}"))
+                    .allowed(format!("from {thickest:.4}"))
                     .unit("µm"),
             );
         }
@@ -267,7 +275,9 @@ pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mu
         violations.push(
             Violation::new("/specimen/sheet/grammage_g_per_m2", "too_large", detail)
                 .value(sheet.grammage_g_per_m2)
-                .allowed(format!("what takes at most {MOST_MB} MB: a smaller or thinner sheet"))
+                .allowed(format!(
+                    "what takes at most {MOST_MB} MB: a smaller or thinner sheet"
+                ))
                 .unit("g/m2"),
         );
     }
@@ -294,9 +304,13 @@ fn pulp_violation(index: usize, pulp: &Pulp) -> Option<Violation> {
             pulp.length_mm
         };
         return Some(
-            Violation::new(format!("/pulp/{index}/{field}"), "length_not_of_a_sheet", detail)
-                .value(value)
-                .allowed(format!("fibres of {least} … {LONGEST_UM} µm")),
+            Violation::new(
+                format!("/pulp/{index}/{field}"),
+                "length_not_of_a_sheet",
+                detail,
+            )
+            .value(value)
+            .allowed(format!("fibres of {least} … {LONGEST_UM} µm")),
         );
     }
     (pulp.shape_factor < LEAST_SHAPE).then(|| {

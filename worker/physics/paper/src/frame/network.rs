@@ -202,7 +202,8 @@ impl Network {
     /// The first segment of a fibre; those of a fibre follow one another along it.
     #[must_use]
     pub fn first_segment(&self, fibre: usize) -> usize {
-        self.owners.partition_point(|&owner| (owner as usize) < fibre)
+        self.owners
+            .partition_point(|&owner| (owner as usize) < fibre)
     }
 
     /// E A of a segment: force over strain [mN].

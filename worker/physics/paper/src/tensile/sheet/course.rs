@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::specimen::Specimen;
 use crate::frame::{
-    Bore, Broken, Event, FrameError, Pull, PullEnd, PullState, PullTest, Refactoring, Step, UNBALANCED,
+    Bore, Broken, Event, FrameError, Pull, PullEnd, PullState, PullTest, Refactoring, Step,
+    UNBALANCED,
 };
 
 /// mN in N, and nJ in N mm.
@@ -113,7 +114,11 @@ impl<'n> Course<'n> {
         }
         if at_um > was_at_um && was_at_um > 0.0 {
             // the avalanche before is over: where its last break left the force
-            let residual = self.kept.records.last().map_or(0.0, |last| last.event.residual);
+            let residual = self
+                .kept
+                .records
+                .last()
+                .map_or(0.0, |last| last.event.residual);
             let stored = before.stored_nj;
             self.point_at(was_at_um, left_after, stored, residual, &before);
         }
@@ -133,10 +138,11 @@ impl<'n> Course<'n> {
                 Ok(None)
             }
             Step::Ended(end) => {
-                let residual = self.kept.records.last().map_or(
-                    now.largest_residual,
-                    |last| last.event.residual,
-                );
+                let residual = self
+                    .kept
+                    .records
+                    .last()
+                    .map_or(now.largest_residual, |last| last.event.residual);
                 if end != PullEnd::NoPath {
                     let forces = self.pull.jaw_force_mn();
                     self.point_at(at_um, forces, now.stored_nj, residual, &now);
@@ -186,7 +192,11 @@ impl<'n> Course<'n> {
         let by_force = (1.0 - force / peak) / (1.0 - self.test.stop_force_fraction);
         let is_number = by_force.is_finite();
         // forces fall late, and rise again within the first breaks
-        let by_force = if is_number { by_force.clamp(0.0, 1.0).powi(2) } else { 0.0 };
+        let by_force = if is_number {
+            by_force.clamp(0.0, 1.0).powi(2)
+        } else {
+            0.0
+        };
         self.kept.progress = self.kept.progress.max(by_strain.max(by_force)).min(1.0);
     }
 
@@ -221,13 +231,21 @@ impl<'n> Course<'n> {
 impl Specimen {
     /// How a bond gave way that bore this; void bonds bear nothing.
     pub(super) fn mode(&self, bond: usize, bore: Bore) -> Option<Mode> {
-        let Bore::Bond { normal_mn, shear_mn } = bore else {
+        let Bore::Bond {
+            normal_mn,
+            shear_mn,
+        } = bore
+        else {
             return None;
         };
         let [normal, shear] = self.network.strengths(bond);
         let share = |force: f64, strength: f64| if force > 0.0 { force / strength } else { 0.0 };
         let is_opened = share(normal_mn, normal) >= share(shear_mn, shear);
-        Some(if is_opened { Mode::Opened } else { Mode::Sheared })
+        Some(if is_opened {
+            Mode::Opened
+        } else {
+            Mode::Sheared
+        })
     }
 }
 

@@ -54,12 +54,17 @@ pub(super) fn measure(
 impl Laid {
     /// Thickness by which Young's modulus is told [µm].
     pub(super) fn thickness_um(&self) -> Option<f64> {
-        let mean = self.statistics.as_ref().map(|measured| measured.mean_thickness_um);
+        let mean = self
+            .statistics
+            .as_ref()
+            .map(|measured| measured.mean_thickness_um);
         self.given_thickness_um.or(mean)
     }
 
     pub(super) fn lengths(&self) -> Option<&Histogram> {
-        self.statistics.as_ref().map(|measured| &measured.lengths_um)
+        self.statistics
+            .as_ref()
+            .map(|measured| &measured.lengths_um)
     }
 }
 

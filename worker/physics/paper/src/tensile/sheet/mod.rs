@@ -126,8 +126,8 @@ fn run_one(
     recorder.columns(&COLUMNS)?;
     let mut told = 0;
     let mut tell = |course: &Course<'_>, recorder: &mut dyn Recorder| {
-        let points = course.kept.points.iter().skip(told);
-        points.map(|point| recorder.point(point)).collect::<Result<(), _>>()?;
+        let mut points = course.kept.points.iter().skip(told);
+        points.try_for_each(|point| recorder.point(point))?;
         told = course.kept.points.len();
         Ok::<(), SimulationError>(())
     };
@@ -176,7 +176,9 @@ fn run_one(
         pictures::rest(&course, peak.as_ref(), &specimen, recorder)?;
     }
     recorder.progress(1.0, "finished");
-    Ok(Ending::Finished(report::report(spec, &specimen, &course, end)))
+    Ok(Ending::Finished(report::report(
+        spec, &specimen, &course, end,
+    )))
 }
 
 /// The sheets of a spec, one for each seed.

@@ -21,7 +21,11 @@ const PEAK: &str = "snapshots/sheet_00001.vtp";
 const END: &str = "snapshots/sheet_00002.vtp";
 
 /// The sheet before the pull.
-pub(super) fn start(course: &Course<'_>, specimen: &Specimen, recorder: &mut dyn Recorder) -> io::Result<()> {
+pub(super) fn start(
+    course: &Course<'_>,
+    specimen: &Specimen,
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
     take(START, &course.pull, specimen, &[], recorder)
 }
 
@@ -99,7 +103,9 @@ fn take(
     let broken: Vec<u8> = parts.map(|part| u8::from(pull.is_broken(part))).collect();
     let mut modes = vec![0_u8; segments + bonds];
     for record in gone {
-        let mode = record.bond().and_then(|bond| specimen.mode(bond, record.event.bore));
+        let mode = record
+            .bond()
+            .and_then(|bond| specimen.mode(bond, record.event.bore));
         let element = match record.event.broken {
             Broken::Segment(segment) => segment,
             Broken::Bond(bond) => segments + bond,

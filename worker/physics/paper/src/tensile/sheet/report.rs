@@ -65,7 +65,8 @@ struct Rows(IndexMap<String, Quantity>);
 
 impl Rows {
     fn add(&mut self, name: &str, value: f64, unit: &str, about: &str) {
-        self.0.insert(name.to_owned(), Quantity::new(value, unit, about));
+        self.0
+            .insert(name.to_owned(), Quantity::new(value, unit, about));
     }
 
     fn value(&self, name: &str) -> Option<f64> {
@@ -87,7 +88,12 @@ fn strength(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures) {
     let stiffness = N * measures.initial_stiffness_mn / width;
     let absorbed = J * measures.work_to_peak_nj / (M * width * M * length);
     let has_mass = grammage > 0.0;
-    rows.add("max_force", max_force, "N", "Largest force on the moving jaw.");
+    rows.add(
+        "max_force",
+        max_force,
+        "N",
+        "Largest force on the moving jaw.",
+    );
     rows.add(
         "tensile_strength",
         per_width,
@@ -125,9 +131,18 @@ fn strength(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures) {
     );
     if has_mass {
         let about = "Tensile stiffness over grammage.";
-        rows.add("tensile_stiffness_index", stiffness / grammage, "kN m/g", about);
+        rows.add(
+            "tensile_stiffness_index",
+            stiffness / grammage,
+            "kN m/g",
+            about,
+        );
     }
-    if let Some(thickness) = specimen.laid.as_ref().and_then(super::laid::Laid::thickness_um) {
+    if let Some(thickness) = specimen
+        .laid
+        .as_ref()
+        .and_then(super::laid::Laid::thickness_um)
+    {
         // kN/m over µm is GPa
         let about = "Tensile stiffness over the thickness that was given, else over the mean one.";
         rows.add("youngs_modulus", stiffness / thickness, "GPa", about);
@@ -146,14 +161,18 @@ fn counts(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures, records
             Mode::Sheared => sheared += 1,
         }
     }
-    let broken_segments = records.iter().filter_map(|record| match record.event.broken {
-        Broken::Segment(segment) => Some(network.segment_fibre(segment)),
-        Broken::Bond(_) => None,
-    });
+    let broken_segments = records
+        .iter()
+        .filter_map(|record| match record.event.broken {
+            Broken::Segment(segment) => Some(network.segment_fibre(segment)),
+            Broken::Bond(_) => None,
+        });
     let mut torn: Vec<usize> = broken_segments.collect();
     torn.sort_unstable();
     torn.dedup();
-    let void = (0..network.bonds()).filter(|&bond| network.is_void(bond)).count();
+    let void = (0..network.bonds())
+        .filter(|&bond| network.is_void(bond))
+        .count();
     for (name, count, about) in [
         ("broken_bonds", measures.broken_bonds, "Bonds that broke."),
         (
@@ -166,10 +185,22 @@ fn counts(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures, records
             sheared as usize,
             "Of them those that shear took more of than opening, by the strengths.",
         ),
-        ("broken_fibres", torn.len(), "Fibres that broke at one place or more."),
-        ("fibres", network.fibres(), "Fibres, or pieces of fibres that the edges cut."),
+        (
+            "broken_fibres",
+            torn.len(),
+            "Fibres that broke at one place or more.",
+        ),
+        (
+            "fibres",
+            network.fibres(),
+            "Fibres, or pieces of fibres that the edges cut.",
+        ),
         ("bonds", network.bonds(), "Bonds before the test."),
-        ("void_bonds", void, "Of them those without any strength, which never held."),
+        (
+            "void_bonds",
+            void,
+            "Of them those without any strength, which never held.",
+        ),
     ] {
         rows.add(name, count as f64, "1", about);
     }
@@ -198,7 +229,12 @@ fn structure(rows: &mut Rows, specimen: &Specimen) {
         return;
     };
     for (name, value, unit, about) in [
-        ("contacts_per_fibre", measured.contacts_per_fibre, "1", "Contacts on a fibre, on average."),
+        (
+            "contacts_per_fibre",
+            measured.contacts_per_fibre,
+            "1",
+            "Contacts on a fibre, on average.",
+        ),
         (
             "relative_bonded_area",
             measured.relative_bonded_area,
@@ -206,7 +242,12 @@ fn structure(rows: &mut Rows, specimen: &Specimen) {
             "Area of all contacts over that of one side of all fibres: the share of both their sides \
              that is bonded.",
         ),
-        ("coverage", measured.coverage, "1", "Layers of fibres over a point, on average."),
+        (
+            "coverage",
+            measured.coverage,
+            "1",
+            "Layers of fibres over a point, on average.",
+        ),
         (
             "thickness",
             measured.mean_thickness_um,

@@ -13,7 +13,7 @@ use super::laid::{self, Laid};
 use crate::frame::{self, BeamSection, FrameBond, FrameFibre, FrameModel, Network};
 use crate::sheet;
 
-/// Transverse over axial Young's modulus of a fibre [KallmesPerez1966].
+/// Transverse over axial Young's modulus of a fibre [KallmesPerez1965].
 const TRANSVERSE: f64 = 0.1;
 /// 1 MPa in mN/µm².
 const MPA: f64 = 1e-3;
@@ -59,7 +59,8 @@ impl Specimen {
         let mut mass_ug = 0.0;
         for (index, fibre) in sheet.fibres.iter().enumerate() {
             let pulp = spec.pulp_named(&fibre.pulp);
-            let pulp = pulp.ok_or_else(|| failed(format!("fibre {index} is of an unknown pulp")))?;
+            let pulp =
+                pulp.ok_or_else(|| failed(format!("fibre {index} is of an unknown pulp")))?;
             let section = pulp.section().map_err(failed)?;
             let coarseness = 1e-3 * pulp.coarseness_mg_per_m(&section);
             mass_ug += coarseness * between_jaws_um(&fibre.centre_line_um, length_um);
@@ -74,7 +75,9 @@ impl Specimen {
         for (index, bond) in sheet.bonds.iter().enumerate() {
             let [one, other] = bond.fibres.map(|fibre| pulps.get(fibre as usize));
             let (Some(one), Some(other)) = (one, other) else {
-                return Err(failed(format!("bond {index} joins a fibre that is not there")));
+                return Err(failed(format!(
+                    "bond {index} joins a fibre that is not there"
+                )));
             };
             let [normal, shear] = strengths.of(index, bond.area_um2);
             bonds.push(FrameBond {
@@ -99,12 +102,12 @@ impl Specimen {
         })
     }
 
-    fn made(
-        spec: &PaperTensile,
-        made: &MadeSheet,
-        team: &Team,
-    ) -> Result<Self, SimulationError> {
-        let pulps: Vec<&Pulp> = spec.pulp.iter().filter(|pulp| pulp.mass_fraction > 0.0).collect();
+    fn made(spec: &PaperTensile, made: &MadeSheet, team: &Team) -> Result<Self, SimulationError> {
+        let pulps: Vec<&Pulp> = spec
+            .pulp
+            .iter()
+            .filter(|pulp| pulp.mass_fraction > 0.0)
+            .collect();
         let plan = plan(spec, made, &pulps)?;
         let whole = plan.lay(spec.seed, team).map_err(failed)?;
         let whole = match spec.test.direction {
@@ -125,7 +128,9 @@ impl Specimen {
         let strengths = Strengths::new(spec);
         let mut bonds = Vec::with_capacity(coarse.contacts.len());
         for (index, contact) in coarse.contacts.iter().enumerate() {
-            let [one, other] = contact.fibres.map(|f| pulps[coarse.fibres[f as usize].pulp]);
+            let [one, other] = contact
+                .fibres
+                .map(|f| pulps[coarse.fibres[f as usize].pulp]);
             let [normal, shear] = strengths.of(index, contact.area_um2);
             bonds.push(FrameBond {
                 fibres: contact.fibres,
@@ -254,12 +259,22 @@ fn stiffness(bond: Option<&Bond>, one: &Pulp, other: &Pulp) -> Result<f64, Simul
 
 /// Least and largest stiffness over the area [N/m/µm²] where none is given.
 fn assumed(spec: &PaperTensile, bonds: &[FrameBond]) -> Option<[f64; 2]> {
-    let given = spec.bond.as_ref().and_then(|bond| bond.stiffness_n_per_m_per_um2);
+    let given = spec
+        .bond
+        .as_ref()
+        .and_then(|bond| bond.stiffness_n_per_m_per_um2);
     if given.is_some() || bonds.is_empty() {
         return None;
     }
-    let all = || bonds.iter().map(|bond| bond.stiffness_mn_per_um3 / N_PER_M_PER_UM2);
-    Some([all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)])
+    let all = || {
+        bonds
+            .iter()
+            .map(|bond| bond.stiffness_mn_per_um3 / N_PER_M_PER_UM2)
+    };
+    Some([
+        all().fold(f64::INFINITY, f64::min),
+        all().fold(0.0, f64::max),
+    ])
 }
 
 /// Strengths of bonds by their area, with a scatter that each draws by its number.
@@ -327,7 +342,12 @@ mod tests {
     #[test]
     fn only_what_lies_between_the_jaws_has_mass() {
         // 3-4-5: half of the first part lies before the jaw, the second wholly between, the third beyond
-        let line = [[-30.0, 0.0, 0.0], [30.0, 80.0, 0.0], [30.0, 90.0, 0.0], [130.0, 90.0, 0.0]];
+        let line = [
+            [-30.0, 0.0, 0.0],
+            [30.0, 80.0, 0.0],
+            [30.0, 90.0, 0.0],
+            [130.0, 90.0, 0.0],
+        ];
         assert!((between_jaws_um(&line, 100.0) - (50.0 + 10.0 + 70.0)).abs() < 1e-12);
     }
 }

@@ -39,7 +39,9 @@ pub(super) fn write(
 ) -> io::Result<()> {
     recorder.file("curve.csv", &mut |out| {
         csv::header(out, &COLUMNS)?;
-        kept.points.iter().try_for_each(|point| csv::row(out, point))
+        kept.points
+            .iter()
+            .try_for_each(|point| csv::row(out, point))
     })?;
     recorder.file("events.csv", &mut |out| {
         csv::header(out, &EVENTS)?;
@@ -49,7 +51,12 @@ pub(super) fn write(
         return Ok(());
     };
     recorder.file("fibre_lengths.csv", &mut |out| {
-        let columns = ["length_from_mm", "length_to_mm", "share_by_number", "share_by_length"];
+        let columns = [
+            "length_from_mm",
+            "length_to_mm",
+            "share_by_number",
+            "share_by_length",
+        ];
         csv::header(out, &columns)?;
         let bins = lengths.by_number.len();
         let edge = |bin: usize| MM * lengths.upper * bin as f64 / bins as f64;
@@ -81,10 +88,17 @@ fn events<'a>(
             Bore::Bond {
                 normal_mn,
                 shear_mn,
-            } => (N * normal_mn.hypot(shear_mn), N * normal_mn, N * shear_mn, NONE),
+            } => (
+                N * normal_mn.hypot(shear_mn),
+                N * normal_mn,
+                N * shear_mn,
+                NONE,
+            ),
             Bore::Segment { stress_gpa } => (NONE, NONE, NONE, MPA * stress_gpa),
         };
-        let mode = record.bond().and_then(|bond| specimen.mode(bond, event.bore));
+        let mode = record
+            .bond()
+            .and_then(|bond| specimen.mode(bond, event.bore));
         [
             f64::from(event.avalanche),
             f64::from(record.round),
