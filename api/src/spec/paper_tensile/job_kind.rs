@@ -1,5 +1,5 @@
 //! The tensile test of paper as a kind of job.
-use super::{Accuracy, PaperTensile, checks, estimate, study};
+use super::{Accuracy, Direction, PaperTensile, checks, estimate, study};
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violation, study::Knob};
 
@@ -35,6 +35,15 @@ impl Spec for PaperTensile {
         if self.test.repeats.is_some() {
             self.test.repeats = Some(1);
         }
+        if self.test.direction == Some(Direction::Both) {
+            self.test.direction = Some(Direction::Md);
+        }
+    }
+
+    fn realise(&mut self, seed: u64) {
+        let direction = self.test.direction;
+        self.single(seed);
+        self.test.direction = direction;
     }
 
     fn compares(result: &str) -> bool {

@@ -119,7 +119,7 @@ impl PaperTensile {
             })
     }
 
-    /// Specimens that are tested.
+    /// Specimens that are tested, each in every direction.
     pub fn specimens(&self) -> u32 {
         self.test.repeats.unwrap_or(1)
     }

@@ -62,11 +62,11 @@ pub(super) fn check_explicit(
     sheet: &ExplicitSheet,
     violations: &mut Vec<Violation>,
 ) {
-    if spec.test.direction == Some(Direction::Cd) {
+    if spec.test.pulled() != Direction::Md {
         let detail = "a sheet that is given is pulled along x; give it turned to pull it across";
         violations.push(
             Violation::new("/test/direction", "not_of_a_given_sheet", detail)
-                .value("cd")
+                .value(spec.test.pulled().name())
                 .allowed("md, or left out"),
         );
     }

@@ -28,12 +28,37 @@ pub struct Test {
     pub repeats: Option<u32>,
 }
 
-/// Direction of the machine that made the sheet, or across it.
+/// Direction of the pull in a sheet that a machine made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Direction {
+    /// Along the machine direction.
     Md,
+    /// Across it.
     Cd,
+    /// Sheets of each seed along and across, and the ratios of their results; those across end in
+    /// `_along_cd`.
+    Both,
+}
+
+impl Direction {
+    /// Name on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Md => "md",
+            Self::Cd => "cd",
+            Self::Both => "both",
+        }
+    }
+
+    /// Those in which a specimen is pulled, one after the other.
+    pub fn each(self) -> &'static [Self] {
+        match self {
+            Self::Md => &[Self::Md],
+            Self::Cd => &[Self::Cd],
+            Self::Both => &[Self::Md, Self::Cd],
+        }
+    }
 }
 
 impl Default for Test {
@@ -48,6 +73,11 @@ impl Default for Test {
 }
 
 impl Test {
+    /// Direction in which a sheet is pulled.
+    pub fn pulled(&self) -> Direction {
+        self.direction.unwrap_or(Direction::Md)
+    }
+
     /// Part of the maximum force at which the test of a sheet ends.
     pub fn stop_fraction(&self) -> f64 {
         self.stop_force_fraction.unwrap_or(STOP_FORCE_FRACTION)

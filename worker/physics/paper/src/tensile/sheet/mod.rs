@@ -3,11 +3,12 @@
 //! In the order in which a run calls them: [`specimen`] makes a network of beams or bars of a sheet that
 //! is given or laid, and [`laid`] measures the latter; [`course`] pulls it from break to break and keeps
 //! all that counts; [`tables`], [`pictures`] and [`report`] turn that into files and results. This file
-//! holds the loop, which alone talks to the recorder. A job of repeats is several such tests side by side
-//! ([`loadframe_harness::plan`]), their results joined.
+//! holds the loop, which alone talks to the recorder. A job of repeats or of both
+//! [`directions`] is several such tests side by side ([`loadframe_harness::plan`]), their results joined.
 //!
 //! An interrupt is seen between breaks.
 mod course;
+mod directions;
 mod laid;
 mod pictures;
 mod report;
@@ -18,7 +19,7 @@ mod tables;
 mod tests;
 
 use loadframe_api::Report;
-use loadframe_api::spec::paper_tensile::PaperTensile;
+use loadframe_api::spec::paper_tensile::{Direction, PaperTensile};
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::plan::{
     Conclusion, Curve, CurveKeeper, Plan, SavedReport, Share, Tests, join_repeats, write_repeats,
@@ -63,17 +64,20 @@ pub(super) fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    if spec.specimens() <= 1 {
+    let directions = spec.test.pulled().each();
+    let count = spec.specimens() as usize * directions.len();
+    if count <= 1 {
         return run_one(spec, context, recorder);
     }
     let fingerprint = Fingerprint::of(spec)?;
-    let count = spec.specimens();
     let plan = match context.checkpoint {
         Some(bytes) => Plan::resume(fingerprint, bytes, recorder)?,
         None => {
-            let last = spec.seed + u64::from(count - 1);
-            recorder.log(&format!("{count} sheets, seeds {} to {last}", spec.seed));
-            Plan::new(fingerprint, count as usize)
+            let last = spec.seed + u64::from(spec.specimens() - 1);
+            let along: Vec<&str> = directions.iter().map(|direction| direction.name()).collect();
+            let along = along.join(" and ");
+            recorder.log(&format!("{count} sheets, seeds {} to {last}, along {along}", spec.seed));
+            Plan::new(fingerprint, count)
         }
     };
     let finished = match plan.carry_out(&Repeats(spec), context, recorder)? {
@@ -83,13 +87,37 @@ pub(super) fn run(
     };
     let reports = finished.iter().map(|test| test.report.read());
     let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
-    write_repeats(spec.seed, &reports, recorder)?;
-    tables::write_curves(finished.iter().map(|test| &test.curve), recorder)?;
+    let per_seed = reports.chunks(directions.len());
+    let joint: Vec<Report> = per_seed.map(|both| directions::join(directions, both)).collect();
     recorder.progress(1.0, "finished");
-    Ok(Ending::Finished(join_repeats(spec.seed, &reports)))
+    let [report] = joint.as_slice() else {
+        write_repeats(spec.seed, &joint, recorder)?;
+        for first in 0..directions.len() {
+            let name = share(spec, first).name("repeats_curves.csv");
+            let tests = finished.iter().skip(first).step_by(directions.len());
+            tables::write_curves(&name, tests.map(|test| &test.curve), recorder)?;
+        }
+        return Ok(Ending::Finished(join_repeats(spec.seed, &joint)));
+    };
+    Ok(Ending::Finished(report.clone()))
 }
 
-/// Runs a single test of `spec`, whatever repeats it asks for.
+/// Number of the repeat and direction of test number `index`: directions of a seed follow one another.
+fn place(spec: &PaperTensile, index: usize) -> (usize, Direction) {
+    let directions = spec.test.pulled().each();
+    (index / directions.len(), directions[index % directions.len()])
+}
+
+/// What the job shows of test number `index`: the first seed, its first direction as its own.
+fn share(spec: &PaperTensile, index: usize) -> Share {
+    match place(spec, index) {
+        _ if index == 0 => Share::All,
+        (0, direction) => Share::Folder(directions::suffix(direction)),
+        _ => Share::Nothing,
+    }
+}
+
+/// Runs a single test of `spec`, whatever repeats it asks for; of both directions the first.
 fn run_one(
     spec: &PaperTensile,
     context: RunContext<'_>,
@@ -181,18 +209,14 @@ fn run_one(
     )))
 }
 
-/// The sheets of a spec, one for each seed.
+/// The sheets of a spec, one for each seed and direction.
 struct Repeats<'a>(&'a PaperTensile);
 
 impl Tests for Repeats<'_> {
     type Result = Finished;
 
     fn share(&self, test: usize) -> Share {
-        if test == 0 {
-            Share::All
-        } else {
-            Share::Nothing
-        }
+        share(self.0, test)
     }
 
     fn run(
@@ -202,9 +226,11 @@ impl Tests for Repeats<'_> {
         recorder: &mut dyn Recorder,
     ) -> Result<Conclusion<Finished>, SimulationError> {
         let mut own = self.0.clone();
+        let (repeat, direction) = place(self.0, test);
         own.test.repeats = Some(1);
-        own.seed += test as u64;
-        if test > 0 {
+        own.test.direction = Some(direction);
+        own.seed += repeat as u64;
+        if repeat > 0 {
             // nobody would see them
             own.output.snapshot_every_steps = 0;
         }

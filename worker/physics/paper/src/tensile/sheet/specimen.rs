@@ -110,9 +110,10 @@ impl Specimen {
             .collect();
         let plan = plan(spec, made, &pulps)?;
         let whole = plan.lay(spec.seed, team).map_err(failed)?;
-        let whole = match spec.test.direction {
-            Some(Direction::Cd) => whole.turned(),
-            Some(Direction::Md) | None => whole,
+        let whole = if spec.test.pulled() == Direction::Cd {
+            whole.turned()
+        } else {
+            whole
         };
         let laid = laid::measure(&whole, |fibre| pulps[fibre].youngs_modulus_gpa, spec);
         let coarse = whole.coarsened(spec.sheet_segment_um()).map_err(failed)?;
@@ -181,9 +182,10 @@ fn plan(
         });
     }
     Ok(sheet::SheetPlan {
-        size_um: match spec.test.direction {
-            Some(Direction::Cd) => [width_um, length_um],
-            Some(Direction::Md) | None => [length_um, width_um],
+        size_um: if spec.test.pulled() == Direction::Cd {
+            [width_um, length_um]
+        } else {
+            [length_um, width_um]
         },
         // 1 g/m² is 10⁻⁶ µg/µm²
         grammage_ug_per_um2: 1e-6 * made.grammage_g_per_m2,

@@ -126,12 +126,13 @@ pub(super) fn number(mode: Option<Mode>) -> f64 {
     }
 }
 
-/// The curves of all repeats.
+/// The curves of all repeats in one direction.
 pub(super) fn write_curves<'a>(
+    name: &str,
     curves: impl Iterator<Item = &'a Curve> + Clone,
     recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
-    recorder.file("repeats_curves.csv", &mut |out| {
+    recorder.file(name, &mut |out| {
         csv::header(out, &["repeat", "nominal_strain", "force_n"])?;
         for (index, curve) in curves.clone().enumerate() {
             for point in curve.rows() {

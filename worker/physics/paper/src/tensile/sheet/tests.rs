@@ -276,6 +276,45 @@ fn nothing_that_ties_the_jaws_is_a_force_of_zero_and_a_sentence() {
     assert_eq!(value(&report, "void_bonds"), 1.0);
 }
 
+/// Both fibres are held at both ends and do not turn there. Where they cross they move alike, and turn
+/// against one another, which the bond resists.
+#[test]
+fn two_crossed_fibres_are_two_built_in_beams_and_break_by_tension_and_bending() {
+    let mut body = lap();
+    body["pulp"][0]["strength_mpa"] = json!(600);
+    body["specimen"]["explicit"]["fibres"] = json!([
+        {"pulp": "softwood", "centre_line_um": [[0, 0, 0], [400, 300, 0]]},
+        {"pulp": "softwood", "centre_line_um": [[0, 300, 0], [400, 0, 0]]},
+    ]);
+    body["specimen"]["explicit"]["length_mm"] = json!(0.4);
+    body["specimen"]["explicit"]["bonds"] = json!([{"fibres": [0, 1], "at_um": [250, 250], "area_um2": 400}]);
+    body["bond"] = json!({"stiffness_n_per_m_per_um2": 250});
+    let (report, record) = go(&body, 1);
+    let (length_um, cos, sin) = (500.0, 0.8, 0.6);
+    let area = std::f64::consts::PI * 2.0 * 26.0;
+    let inertia = std::f64::consts::PI / 64.0 * (28_f64.powi(4) - 24_f64.powi(4));
+    // halves of a length h, of 12 E I/(κ G A h²) = Φ; the bond has s a²/12 against turning
+    let half_um = 0.5 * length_um;
+    let shear_mn = 2.6 / 4.9 * 2.5 * area;
+    let phi = 12.0 * 30.0 * inertia / (shear_mn * half_um * half_um);
+    let bending = 30.0 * inertia / (1.0 + phi);
+    let bond_mn_um = 0.25 * 400.0 * 400.0 / 12.0;
+    // per elongation of the jaws: half a beam moves by w across at its middle and turns there by t
+    let w = 0.5 * sin;
+    let turn = 6.0 * bending / half_um.powi(2) * w / ((4.0 + phi) * bending / half_um + bond_mn_um);
+    let across = 12.0 * bending / half_um.powi(3) * w - 6.0 * bending / half_um.powi(2) * turn;
+    let moment = 6.0 * bending / half_um.powi(2) * w - (2.0 - phi) * bending / half_um * turn;
+    let tension = 30.0 * area / length_um * cos;
+    let stiffness_mn_per_um = 2.0 * (tension * cos + across * sin);
+    let expected = stiffness_mn_per_um * 400.0 * 1e-3 / 0.1;
+    let found = value(&report, "tensile_stiffness");
+    assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    let elongation = 0.6 / (tension / area + moment * 14.0 / inertia);
+    let found = value(&report, "stretch") * 400.0;
+    assert!((found / elongation - 1.0).abs() < 1e-9, "{found} {elongation}");
+    assert!((record.table("events.csv")[0][11] / 600.0 - 1.0).abs() < 1e-9);
+}
+
 #[test]
 fn bonds_that_do_not_break_leave_a_straight_line() {
     let mut body = lap();
@@ -370,7 +409,7 @@ fn a_sheet_across_the_machine_is_the_sheet_along_it_turned() {
     along["specimen"]["sheet"]["length_mm"] = json!(0.3);
     along["specimen"]["sheet"]["width_mm"] = json!(0.3);
     along["specimen"]["sheet"]["orientation"] = json!({"von_mises": {"concentration": 2}});
-    let mut across = along.clone();
+    let [mut across, mut both] = [along.clone(), along.clone()];
     across["test"] = json!({"direction": "cd"});
     let [along, across] = [along, across].map(|body| go(&body, 1).0);
     let [md, cd] = [&along, &across].map(|report| value(report, "anisotropy"));
@@ -378,6 +417,17 @@ fn a_sheet_across_the_machine_is_the_sheet_along_it_turned() {
     let ratio = value(&along, "tensile_stiffness") / value(&across, "tensile_stiffness");
     assert!(ratio > 1.5, "{ratio}");
     assert_eq!(value(&along, "bonds"), value(&across, "bonds"));
+
+    // both in one job
+    both["test"] = json!({"direction": "both"});
+    let (both, record) = go(&both, 2);
+    for (name, quantity) in &along.summary {
+        assert_eq!(&both.summary[name], quantity);
+        assert_eq!(value(&both, &format!("{name}_along_cd")), value(&across, name));
+    }
+    let told = value(&both, "anisotropy_of_tensile_stiffness_index");
+    assert!((told / ratio - 1.0).abs() < 1e-12, "{told} {ratio}");
+    assert!(record.files.contains_key("along_cd/curve.csv"));
 }
 
 /// Suspends after so many questions.
