@@ -16,7 +16,7 @@
 //! | 5 | e₃·Δθ | e₃·Δθ, the same |
 //!
 //! with Φ = 12 E I/(κ G A l²). The beam's are the modes of Timoshenko's element whose bending is uniform
-//! (4, 5) and changes sign (1, 2): its matrix is the exact one of [Przemieniecki1968], equation 5.116,
+//! (4, 5) and changes sign (1, 2): its matrix is the exact one of [Przemieniecki1968], chapter 5,
 //! and a straight beam under forces at its nodes has no discretisation error.
 use nalgebra::{Matrix3, Vector3};
 

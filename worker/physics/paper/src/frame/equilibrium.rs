@@ -38,7 +38,7 @@ const NOTHING: f64 = 1e-9;
 const REFINEMENTS: usize = 4;
 
 /// What a machine does in a second: multiplications while factoring, entries read while solving or
-/// correcting. Measured on one core of 2026, and only used to choose the cheaper road.
+/// correcting. Of the order of one core's, and only used to choose the cheaper road.
 const FACTOR_RATE: f64 = 8e9;
 const READ_RATE: f64 = 1e9;
 

@@ -164,15 +164,21 @@ impl Factor {
         self.factor_entries(network)
     }
 
-    /// Adds to the diagonal: `share` of itself.
+    /// Raises the diagonal by a share of its mean, displacements and rotations each of theirs.
     pub(crate) fn factor_shifted(
         &mut self,
         network: &Network,
         share: f64,
     ) -> Result<(), FrameError> {
+        let mut sums = [0.0; 2];
         for column in 0..self.size() {
             let own = self.starts[column + 1] as usize - 1;
-            self.entries[own] += share * self.entries[own].abs();
+            sums[usize::from(column % self.motions > 2)] += self.entries[own].abs();
+        }
+        let each = 3.0 * self.free.len() as f64;
+        for column in 0..self.size() {
+            let own = self.starts[column + 1] as usize - 1;
+            self.entries[own] += share * sums[usize::from(column % self.motions > 2)] / each;
         }
         self.factor_entries(network)
     }

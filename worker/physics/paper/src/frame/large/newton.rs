@@ -20,7 +20,7 @@ use super::shape::Shape;
 const BALANCED: f64 = 1e-11;
 
 /// Round-off of a force as a share of a stiffness times the position of its nodes.
-const ROUND_OFF: f64 = 1e-13;
+const ROUND_OFF: f64 = 2e-14;
 
 /// Iterations before giving up; 5 to 10 are usual.
 const ITERATIONS: usize = 100;

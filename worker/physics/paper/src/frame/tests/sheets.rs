@@ -14,8 +14,8 @@ struct Scatter {
 }
 
 const SMALL: Scatter = Scatter {
-    size_um: [1000.0, 600.0],
-    fibres: 45,
+    size_um: [800.0, 400.0],
+    fibres: 28,
     fibre_length_um: 500.0,
     layer_um: 3.0,
     strength_gpa: Some(0.25),
@@ -23,12 +23,12 @@ const SMALL: Scatter = Scatter {
 
 /// Most fibres reach from jaw to jaw: as a truss it is no mechanism.
 const LONG: Scatter = Scatter {
-    fibres: 16,
-    fibre_length_um: 2500.0,
+    fibres: 14,
+    fibre_length_um: 2000.0,
     ..SMALL
 };
 
-/// Numbers in [0, 1)³, evenly spread: multiples of the powers of 1/1.2207... [Roberts2018].
+/// Numbers in [0, 1)³, evenly spread: multiples of the powers of 1/1.2207..., the root of x⁴ = x + 1.
 fn spread(index: usize) -> [f64; 3] {
     [1, 2, 3].map(|power| (0.5 + index as f64 * 1.220_744_084_605_759_5_f64.powi(-power)).fract())
 }
@@ -186,7 +186,7 @@ fn events_are_the_same_with_and_without_a_new_factor() {
         let (always, anew, measures) = pull(Refactoring::Always);
         let (never, kept, _) = pull(Refactoring::Never);
         let (by_cost, _, _) = pull(Refactoring::ByCost);
-        assert!(always.len() > 8, "{}", always.len());
+        assert!(always.len() > 5, "{}", always.len());
         assert!(anew.factors > always.len() && kept.factors < 5);
         same_events(&never, &always, 1e-9);
         same_events(&by_cost, &always, 1e-9);
@@ -259,6 +259,32 @@ fn at_small_strain_large_motions_are_small_ones() {
     // the difference is of the order of strain over slenderness
     close(large.jaw_force_mn[1], small.jaw_force_mn[1], 1e-3);
     close(large.energy_nj, small.energy_nj, 1e-3);
+}
+
+#[test]
+fn a_sheet_begins_to_break_alike_at_large_motions() {
+    let network = SMALL.network(Level::Beam, None);
+    let test = LargePullTest {
+        until: TO_THE_END,
+        strain_step: 0.001,
+    };
+    let mut large = LargePull::new(&network, test).unwrap();
+    let mut small = Pull::new(&network, TO_THE_END).unwrap();
+    for _ in 0..2 {
+        let Step::Broke(expected) = small.advance().unwrap() else {
+            panic!("a sheet breaks");
+        };
+        let found = loop {
+            if let LargeStep::Broke(event) = large.advance().unwrap() {
+                break event;
+            }
+        };
+        // strains are 0.001: what turns is of second order
+        assert_eq!(found.broken, expected.broken);
+        close(found.strain, expected.strain, 5e-3);
+        close(found.force_before_mn, expected.force_before_mn, 5e-3);
+        assert!(found.residual < 1e-7, "{}", found.residual);
+    }
 }
 
 /// Time and memory of a large sheet; `cargo test --release -p loadframe-paper --lib large_sheet -- --ignored
