@@ -338,7 +338,7 @@ pub(super) struct Expected {
 impl MadeSheet {
     /// A pulp of fibre length ℓ and total length Λ on an area A of perimeter P makes Λ (1/ℓ + P/(π A))
     /// pieces; straight fibres cross Λ²/(π A) times, and each has room for a contact per width on each
-    /// of its two faces. Measured sheets have about half of that room taken.
+    /// of its two faces. Sheets of 90 to 1800 bonds have about a third of that room taken.
     pub(super) fn expected(&self, spec: &PaperTensile) -> Expected {
         let [length, width] = [self.length_mm, self.width_mm].map(|size| 1e3 * size);
         let area = length * width;
@@ -358,7 +358,7 @@ impl MadeSheet {
         let (points, bonds, pixels) = match self.placement {
             Placement::Deposition(_) => {
                 let segment = 0.25 * narrowest;
-                let bonds = crossings.min(0.5 * total / narrowest);
+                let bonds = crossings.min(0.36 * total / narrowest);
                 (total / segment, bonds, area / (segment * segment))
             }
             // of all crossings those whose heights are within a fibre's thickness of one another
@@ -374,21 +374,30 @@ impl MadeSheet {
             points,
             bonds,
             nodes,
-            memory_mb: memory_mb(points, bonds, pixels, nodes),
+            memory_mb: memory_mb([points, bonds, pixels], nodes * motions(spec)),
         }
     }
 }
 
-/// Bytes of a point and a contact while contacts are searched, as the sheets count them, of a node of
-/// beams with its elements, and of the factor, which grows as n log n in a plane.
-fn memory_mb(points: f64, bonds: f64, pixels: f64, nodes: f64) -> f64 {
-    let factor = 36.0 * 8.0 * nodes * (nodes + 2.0).log2();
-    20.0 + 1e-6 * (100.0 * points + 80.0 * bonds + 8.0 * pixels + 1500.0 * nodes + factor)
+/// Motions of a node that are solved for.
+pub(super) fn motions(spec: &PaperTensile) -> f64 {
+    match spec.level() {
+        Level::Truss => 3.0,
+        Level::Tube | Level::Beam => 6.0,
+    }
 }
 
-/// The same of a sheet that is given, of so many points and bonds.
-pub(super) fn memory_of_given_mb(points: f64, bonds: f64) -> f64 {
-    memory_mb(0.0, bonds, 0.0, points + 2.0 * bonds)
+/// Entries of the factor of a flat network, as counted in four sheets of 1300 to 38 000 unknowns: 24 to
+/// 69 for each.
+pub(super) fn factor_entries(unknowns: f64) -> f64 {
+    4.5 * unknowns * (unknowns + 2.0).log2()
+}
+
+/// Memory [MB] of the process, of points and contacts while they are searched, as the sheets count them,
+/// of pixels, of nodes with their elements, and of the factor.
+pub(super) fn memory_mb([points, bonds, pixels]: [f64; 3], unknowns: f64) -> f64 {
+    let laid = 100.0 * points + 80.0 * bonds + 8.0 * pixels;
+    20.0 + 1e-6 * (laid + 250.0 * unknowns + 8.0 * factor_entries(unknowns))
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
