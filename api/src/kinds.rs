@@ -159,8 +159,9 @@ job_kinds! {
         ["composite_cell", "composite_cell_hexagonal"];
     PaperTensile("paper_tensile"): spec::paper_tensile::PaperTensile,
         "Paper tensile test",
-        "One fibre, a hollow tube of springs, is pulled, twisted, bent or pushed until it buckles: moduli, bending stiffness, buckling load.",
-        ["paper_tensile", "paper_tensile_buckling"];
+        "A sheet of pulp fibres that are bonded where they touch is pulled until it breaks; or one fibre, a hollow tube of springs, is pulled, twisted, bent or pushed until it buckles.",
+        ["paper_tensile", "paper_tensile_buckling", "paper_tensile_sheet",
+            "paper_tensile_directions", "paper_tensile_lap"];
     Calibrate("calibrate"): spec::calibrate::Calibrate,
         "Calibration",
         "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",

@@ -1,6 +1,7 @@
 //! What the JSON Schema cannot say: names that must exist, fractions that must sum up, walls that must
 //! fit, segments that must need no negative spring.
-use super::{PaperTensile, SingleFibre, Specimen};
+use super::sheet_checks::{check_explicit, check_made, check_test};
+use super::{Level, PaperTensile, SingleFibre, Specimen};
 use crate::Violation;
 use crate::fibre::{FibreError, divide};
 
@@ -14,13 +15,25 @@ const MOST_POINTS: usize = 2_000_000;
 pub(super) fn check(spec: &PaperTensile, violations: &mut Vec<Violation>) {
     let before = violations.len();
     check_pulps(spec, violations);
-    match &spec.specimen {
-        // springs of a pulp that is wrong itself say nothing more
-        Specimen::SingleFibre(fibre) if violations.len() == before => {
-            check_fibre(spec, fibre, violations);
-        }
-        Specimen::SingleFibre(_) => {}
+    let has_pulps = violations.len() == before;
+    if !spec.specimen.is_single_fibre() {
+        check_test(spec, violations);
     }
+    // a specimen of pulps that are wrong themselves says nothing more
+    match &spec.specimen {
+        _ if !has_pulps => {}
+        Specimen::SingleFibre(fibre) => check_fibre(spec, fibre, violations),
+        Specimen::Explicit(sheet) => check_explicit(spec, sheet, violations),
+        Specimen::Sheet(sheet) => check_made(spec, sheet, violations),
+    }
+}
+
+/// A specimen names a pulp that is not there.
+pub(super) fn unknown_pulp(spec: &PaperTensile, place: String, name: &str) -> Violation {
+    let known: Vec<&str> = spec.pulp.iter().map(|pulp| pulp.name.as_str()).collect();
+    Violation::new(place, "unknown_pulp", "there is no such pulp")
+        .value(name)
+        .allowed(format!("one of: {}", known.join(", ")))
 }
 
 fn check_pulps(spec: &PaperTensile, violations: &mut Vec<Violation>) {
@@ -74,18 +87,19 @@ fn check_pulps(spec: &PaperTensile, violations: &mut Vec<Violation>) {
 /// A fibre that can be divided without negative springs.
 fn check_fibre(spec: &PaperTensile, fibre: &SingleFibre, violations: &mut Vec<Violation>) {
     let Some(pulp) = spec.pulp_of(fibre) else {
-        let known: Vec<&str> = spec.pulp.iter().map(|pulp| pulp.name.as_str()).collect();
-        violations.push(
-            Violation::new(
-                "/specimen/single_fibre/pulp",
-                "unknown_pulp",
-                "there is no such pulp",
-            )
-            .value(fibre.pulp.as_deref().unwrap_or_default())
-            .allowed(format!("one of: {}", known.join(", "))),
-        );
+        let name = fibre.pulp.as_deref().unwrap_or_default();
+        let place = "/specimen/single_fibre/pulp".to_owned();
+        violations.push(unknown_pulp(spec, place, name));
         return;
     };
+    if spec.level() != Level::Tube {
+        let detail = "a single fibre is a tube; beams and bars are for sheets";
+        violations.push(
+            Violation::new("/model/level", "not_of_a_fibre", detail)
+                .value(spec.level().name())
+                .allowed("tube, or left out"),
+        );
+    }
     let (Ok(section), Ok(elasticity)) = (pulp.section(), pulp.elasticity()) else {
         return;
     };

@@ -1,5 +1,7 @@
-//! What a test of one fibre takes: factors of a narrow band.
-use super::{PaperTensile, SingleFibreLoad, Specimen};
+//! What a test takes: of one fibre factors of a narrow band, of a sheet a factor and a solution for
+//! every break.
+use super::sheet_checks::{factor_entries, memory_mb, motions};
+use super::{PaperTensile, SingleFibre, SingleFibreLoad, Specimen};
 use crate::fibre::divide;
 use crate::{Calibration, Estimate};
 
@@ -14,11 +16,80 @@ const PROCESS_MB: f64 = 20.0;
 const ENTRY_MB: f64 = 24e-6;
 /// A point with its springs in a picture [MB].
 const POINT_MB: f64 = 300e-6;
+/// Of a sheet, as counted in four from 1300 to 38 000 unknowns: bonds that break until the force has
+/// fallen to 0.3, and breaks until the factor is made anew.
+const BROKEN_SHARE: f64 = 0.45;
+const EVENTS_PER_FACTOR: f64 = 20.0;
+/// What these cost, in evaluations of one bond: an entry of the factor in a solution of a break's six
+/// terms, an element that is looked at, a multiplication of a factor (the rates by which the engine
+/// chooses its road), and a point that is laid.
+const SOLUTION: f64 = 0.6;
+const LOOK: f64 = 25.0;
+const MULTIPLICATION: f64 = 0.0125;
+const POINT_LAID: f64 = 300.0;
+/// An element in a picture, a break with its two points of the curve [MB].
+const CELL_MB: f64 = 120e-6;
+const EVENT_MB: f64 = 300e-6;
 /// Reading the spec and writing the files [s].
 const START_S: f64 = 0.02;
 
 pub(super) fn estimate(spec: &PaperTensile, calibration: &Calibration) -> Estimate {
-    let Specimen::SingleFibre(fibre) = &spec.specimen;
+    match &spec.specimen {
+        Specimen::SingleFibre(fibre) => of_fibre(spec, fibre, calibration),
+        Specimen::Explicit(sheet) => {
+            let points: usize = sheet.fibres.iter().map(|f| f.centre_line_um.len()).sum();
+            let (points, bonds) = (points as f64, sheet.bonds.len() as f64);
+            let nodes = points + 2.0 * bonds;
+            let memory_mb = memory_mb([0.0, bonds, 0.0], nodes * motions(spec));
+            of_sheet(spec, calibration, [0.0, bonds, nodes], memory_mb)
+        }
+        Specimen::Sheet(sheet) => {
+            let expected = sheet.expected(spec);
+            let counts = [expected.points, expected.bonds, expected.nodes];
+            of_sheet(spec, calibration, counts, expected.memory_mb)
+        }
+    }
+}
+
+/// A sheet by what it has of points to be laid, bonds, and nodes.
+fn of_sheet(
+    spec: &PaperTensile,
+    calibration: &Calibration,
+    [points, bonds, nodes]: [f64; 3],
+    memory_mb: f64,
+) -> Estimate {
+    let unknowns = nodes * motions(spec);
+    let entries = factor_entries(unknowns);
+    let has_strength = matches!(spec.specimen, Specimen::Explicit(_))
+        || spec.pulp.iter().any(|pulp| pulp.strength_mpa.is_some())
+        || spec.bond.is_none_or(|bond| {
+            bond.normal_strength_mpa.is_some() || bond.shear_strength_mpa.is_some()
+        });
+    let events = if has_strength {
+        BROKEN_SHARE * bonds
+    } else {
+        0.0
+    };
+    let event = SOLUTION * entries + LOOK * (nodes + bonds);
+    // columns of a factor are entries/unknowns long, and each meets all that are as long
+    let factor = MULTIPLICATION * 2.0 * entries * entries / unknowns.max(1.0);
+    let factors = 1.0 + events / EVENTS_PER_FACTOR;
+    let work = POINT_LAID * points + events * event + factors * factor;
+    let directions = spec.test.pulled().each().len();
+    let repeats = f64::from(spec.specimens()) * directions as f64;
+    Estimate {
+        wall_s: START_S + repeats * work / calibration.bond_evaluations_per_s,
+        memory_mb,
+        disk_mb: if spec.output.snapshot_every_steps > 0 {
+            3.0 * CELL_MB * (nodes + bonds) + events * EVENT_MB
+        } else {
+            events * EVENT_MB
+        },
+        calibrated: false,
+    }
+}
+
+fn of_fibre(spec: &PaperTensile, fibre: &SingleFibre, calibration: &Calibration) -> Estimate {
     let points_on_ring = f64::from(spec.model.points_on_ring);
     let rings = spec
         .pulp_of(fibre)

@@ -1,5 +1,5 @@
 //! The tensile test of paper as a kind of job.
-use super::{Accuracy, PaperTensile, checks, estimate, study};
+use super::{Accuracy, Direction, PaperTensile, checks, estimate, study};
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violation, study::Knob};
 
@@ -10,6 +10,7 @@ impl Spec for PaperTensile {
 
     fn normalise(&mut self) {
         self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+        self.model.level = Some(self.level());
     }
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
@@ -31,6 +32,18 @@ impl Spec for PaperTensile {
     fn single(&mut self, seed: u64) {
         self.seed = seed;
         self.output.snapshot_every_steps = 0;
+        if self.test.repeats.is_some() {
+            self.test.repeats = Some(1);
+        }
+        if self.test.direction == Some(Direction::Both) {
+            self.test.direction = Some(Direction::Md);
+        }
+    }
+
+    fn realise(&mut self, seed: u64) {
+        let direction = self.test.direction;
+        self.single(seed);
+        self.test.direction = direction;
     }
 
     fn compares(result: &str) -> bool {

@@ -1,11 +1,12 @@
-//! Spec of a paper tensile test: pulps whose fibres are hollow tubes, alone.
+//! Spec of a paper tensile test: pulps whose fibres are hollow tubes, alone or in a sheet.
 //!
-//! The fibre is the mass-spring tube of [LiuShen2025]: springs along, around, across and along the
-//! diagonals of a ring of points, their stiffness from E, ν and G in closed form. Lengths are in mm and
+//! A single fibre is the mass-spring tube of [LiuShen2025]: springs along, around, across and along the
+//! diagonals of a ring of points, their stiffness from E, ν and G in closed form. In a sheet fibres are
+//! beams or bars that are bonded where they touch. Lengths are in mm and
 //! µm, moduli in GPa, strengths in MPa; x is the pulling direction.
 //!
-//! The parts, each in its own file: what the fibres are ([`Pulp`]), what is tested ([`Specimen`]), how
-//! fibres hold one another ([`Bond`]), how they are modelled ([`Model`]), what is done ([`Test`]), and
+//! The parts, each in its own file: what the fibres are ([`Pulp`]), what is tested ([`Specimen`], of it
+//! the [`ExplicitSheet`] and the [`MadeSheet`]), how fibres hold one another ([`Bond`]), how they are modelled ([`Model`]), what is done ([`Test`]), and
 //! how exactly ([`Accuracy`]).
 mod accuracy;
 mod bond;
@@ -14,6 +15,8 @@ mod estimate;
 mod job_kind;
 mod model;
 mod pulp;
+mod sheet;
+mod sheet_checks;
 mod specimen;
 mod study;
 mod test;
@@ -25,6 +28,10 @@ pub use accuracy::{Accuracy, Knobs, Preset};
 pub use bond::Bond;
 pub use model::{Level, Model, OnInadmissible, Ring};
 pub use pulp::Pulp;
+pub use sheet::{
+    Deposition, ExplicitBond, ExplicitFibre, ExplicitSheet, MadeSheet, Orientation, Placement,
+    RandomPlacement, VonMises,
+};
 pub use specimen::{SingleFibre, SingleFibreLoad, Specimen};
 pub use test::{Direction, Test};
 
@@ -35,7 +42,7 @@ pub struct PaperTensile {
     /// Version of this spec's format.
     #[schemars(range(min = 1, max = 1))]
     pub version: u32,
-    /// Seed of every random stream of the test. A single fibre has none.
+    /// Seed of every random stream of the test; repeats count on from it. A single fibre has none.
     #[serde(default = "one")]
     #[schemars(range(max = 9_007_199_254_740_991_u64))]
     pub seed: u64,
@@ -60,7 +67,8 @@ pub struct PaperTensile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// Steps of the curve from one picture to the next; 0 for no pictures.
+    /// Steps of the curve of a single fibre from one picture to the next; 0 for no pictures. Of a sheet
+    /// there are pictures at the start, at the largest force and at the end.
     #[schemars(range(max = 1_000_000), extend("x-unit" = "1"))]
     pub snapshot_every_steps: u32,
 }
@@ -77,9 +85,43 @@ impl PaperTensile {
     /// The pulp of a single fibre: the one named, or else the first.
     pub fn pulp_of(&self, fibre: &SingleFibre) -> Option<&Pulp> {
         match &fibre.pulp {
-            Some(name) => self.pulp.iter().find(|pulp| pulp.name == *name),
+            Some(name) => self.pulp_named(name),
             None => self.pulp.first(),
         }
+    }
+
+    /// The pulp of a name.
+    pub fn pulp_named(&self, name: &str) -> Option<&Pulp> {
+        self.pulp.iter().find(|pulp| pulp.name == name)
+    }
+
+    /// Width of the narrowest fibre [µm].
+    pub fn narrowest_um(&self) -> f64 {
+        let widths = self.pulp.iter().map(|pulp| pulp.width_um);
+        widths.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Length of the straight parts of fibres of a sheet that is made [µm]: as asked, else twice the
+    /// width of the narrowest.
+    pub fn sheet_segment_um(&self) -> f64 {
+        let by_default = 2.0 * self.narrowest_um();
+        self.model.segment_um.unwrap_or(by_default)
+    }
+
+    /// How fibres are modelled: as asked, else a single fibre as a tube and those of sheets as beams.
+    pub fn level(&self) -> Level {
+        self.model
+            .level
+            .unwrap_or(if self.specimen.is_single_fibre() {
+                Level::Tube
+            } else {
+                Level::Beam
+            })
+    }
+
+    /// Specimens that are tested, each in every direction.
+    pub fn specimens(&self) -> u32 {
+        self.test.repeats.unwrap_or(1)
     }
 }
 

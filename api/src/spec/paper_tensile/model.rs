@@ -8,9 +8,13 @@ use crate::fibre::{self, Division};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Model {
-    pub level: Level,
+    /// Left out: a single fibre is a tube, and fibres of sheets are beams.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level: Option<Level>,
     /// Wanted length of a segment; a whole number of them makes up the fibre. Left out: the shortest
-    /// without negative springs, which bends most like the wall.
+    /// without negative springs, which bends most like the wall. In a sheet that is given: the longest
+    /// segment, none if left out. In one that is made: the length of the straight parts of a fibre,
+    /// twice the width of the narrowest if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.01, max = 1e5), extend("x-unit" = "µm"))]
     pub segment_um: Option<f64>,
@@ -19,15 +23,24 @@ pub struct Model {
     pub points_on_ring: u32,
     pub ring: Ring,
     pub on_inadmissible: OnInadmissible,
+    /// Timoshenko's shear coefficient of beams. Left out: that of a thin round tube,
+    /// 2 (1 + ν)/(4 + 3 ν).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.01, max = 10.0), extend("x-unit" = "1"))]
+    pub shear_coefficient: Option<f64>,
 }
 
 /// How much of a fibre the model knows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// Rings of points with springs between.
-    #[default]
+    /// Rings of points with springs between. Of a single fibre.
     Tube,
+    /// Beams with extension, bending, shear and torsion, bonded also against turning. Of sheets.
+    Beam,
+    /// Bars that are only stretched and hinged at their ends. Of sheets, for comparison: one of fibres
+    /// shorter than the distance of the jaws is a mechanism.
+    Truss,
 }
 
 /// Where in the wall the ring of points lies.
@@ -55,14 +68,26 @@ pub enum OnInadmissible {
     Robust,
 }
 
+impl Level {
+    /// Name on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tube => "tube",
+            Self::Beam => "beam",
+            Self::Truss => "truss",
+        }
+    }
+}
+
 impl Default for Model {
     fn default() -> Self {
         Self {
-            level: Level::default(),
+            level: None,
             segment_um: None,
             points_on_ring: 6,
             ring: Ring::default(),
             on_inadmissible: OnInadmissible::default(),
+            shear_coefficient: None,
         }
     }
 }

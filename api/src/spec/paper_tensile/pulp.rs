@@ -83,4 +83,18 @@ impl Pulp {
         self.coarseness_mg_per_m
             .unwrap_or_else(|| section.coarseness_mg_per_m(WALL_DENSITY_KG_PER_M3))
     }
+
+    /// The same of this pulp's wall [µg/µm]; none when there is no such wall.
+    pub fn coarseness_ug_per_um(&self) -> Option<f64> {
+        let section = self.section().ok()?;
+        // 1 mg/m is 10⁻³ µg/µm
+        Some(1e-3 * self.coarseness_mg_per_m(&section))
+    }
+
+    /// Thickness of a fibre in the sheet, flattened to a ribbon of its width, A/W [µm]; none when there
+    /// is no such wall.
+    pub fn thickness_um(&self) -> Option<f64> {
+        let section = self.section().ok()?;
+        Some(section.area_um2() / self.width_um)
+    }
 }

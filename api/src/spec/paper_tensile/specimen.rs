@@ -2,12 +2,25 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::{ExplicitSheet, MadeSheet};
+
 /// The body that is tested.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Specimen {
     /// One fibre, of the mean length and the curl of its pulp.
     SingleFibre(SingleFibre),
+    /// A sheet given fibre by fibre.
+    Explicit(ExplicitSheet),
+    /// A sheet made of the pulps.
+    Sheet(MadeSheet),
+}
+
+impl Specimen {
+    /// Whether it is one fibre alone.
+    pub fn is_single_fibre(&self) -> bool {
+        matches!(self, Self::SingleFibre(_))
+    }
 }
 
 /// A fibre alone. Its E, ν, G and E I are measured whatever the load is.

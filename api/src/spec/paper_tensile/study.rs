@@ -1,19 +1,50 @@
-//! What an accuracy study varies in a test of a fibre.
-use super::{PaperTensile, Ring};
+//! What an accuracy study varies: in a test of a fibre how its tube is made, in one of a sheet what its
+//! fibres are and how straight.
+use super::{Level, PaperTensile, Ring, Specimen};
 use crate::study::Knob;
 
 /// Results that are compared: all that do not describe the division itself.
-const COMPARED: [&str; 6] = [
+const COMPARED: [&str; 13] = [
     "axial_modulus",
     "poisson_ratio",
     "shear_modulus",
     "bending_stiffness",
     "buckling_load",
     "max_force",
+    "tensile_strength",
+    "tensile_index",
+    "stretch",
+    "energy_absorption",
+    "tensile_stiffness",
+    "tensile_stiffness_index",
+    "youngs_modulus",
 ];
 
 pub(super) fn knobs(spec: &PaperTensile) -> Vec<Knob> {
     let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect();
+    let level = Knob {
+        name: "level",
+        description: "what fibres are made of: beam or truss",
+        present: spec.level().name().to_owned(),
+        grid: words(&["truss"]),
+        reference: vec![("level", "beam".to_owned())],
+        keeps_specimen: true,
+    };
+    match &spec.specimen {
+        Specimen::SingleFibre(_) => {}
+        Specimen::Explicit(_) => return vec![level],
+        Specimen::Sheet(_) => {
+            let segment = Knob {
+                name: "segment_um",
+                description: "length of the straight parts of fibres",
+                present: spec.sheet_segment_um().to_string(),
+                grid: words(&["200", "100", "50", "25"]),
+                reference: vec![("segment_um", "15".to_owned())],
+                keeps_specimen: true,
+            };
+            return vec![segment, level];
+        }
+    }
     vec![
         Knob {
             name: "points_on_ring",
@@ -41,6 +72,14 @@ pub(super) fn knobs(spec: &PaperTensile) -> Vec<Knob> {
 /// Sets a knob; `None` when the value is not one it takes. Ranges are left to the schema.
 pub(super) fn turn(spec: &mut PaperTensile, knob: &str, value: &str) -> Option<()> {
     match knob {
+        "segment_um" => spec.model.segment_um = Some(value.parse().ok()?),
+        "level" => {
+            spec.model.level = match value {
+                "beam" => Some(Level::Beam),
+                "truss" => Some(Level::Truss),
+                _ => return None,
+            };
+        }
         "points_on_ring" => spec.model.points_on_ring = value.parse().ok()?,
         "ring" => {
             spec.model.ring = match value {

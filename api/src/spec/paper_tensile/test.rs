@@ -2,6 +2,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Where the force of a sheet has fallen this far, the rest of the curve tells of its tatters.
+const STOP_FORCE_FRACTION: f64 = 0.3;
+
 /// The course of a test. What a single fibre does not use may be given, and a warning says so.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -9,25 +12,53 @@ pub struct Test {
     /// Strain at which the test ends.
     #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
     pub max_strain: f64,
-    /// Direction of the pull. A single fibre is pulled along itself.
+    /// Direction of the pull, that of the machine if left out. A single fibre is pulled along itself, a
+    /// sheet that is given along x.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub direction: Option<Direction>,
-    /// Part of the maximum force at which a test ends. A single fibre does not break.
+    /// Part of the maximum force at which a test ends, 0.3 if left out. A single fibre does not break.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "1"))]
     pub stop_force_fraction: Option<f64>,
-    /// Specimens. There is one single fibre.
+    /// Specimens, 1 if left out: sheets made with the seeds `seed`, `seed` + 1, ...; results become means
+    /// with standard deviation and 95 % interval, curve and pictures are those of the first. There is one
+    /// single fibre.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1000), extend("x-unit" = "1"))]
     pub repeats: Option<u32>,
 }
 
-/// Direction of the machine that made the sheet, or across it.
+/// Direction of the pull in a sheet that a machine made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Direction {
+    /// Along the machine direction.
     Md,
+    /// Across it.
     Cd,
+    /// Sheets of each seed along and across, and the ratios of their results; those across end in
+    /// `_along_cd`.
+    Both,
+}
+
+impl Direction {
+    /// Name on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Md => "md",
+            Self::Cd => "cd",
+            Self::Both => "both",
+        }
+    }
+
+    /// Those in which a specimen is pulled, one after the other.
+    pub fn each(self) -> &'static [Self] {
+        match self {
+            Self::Md => &[Self::Md],
+            Self::Cd => &[Self::Cd],
+            Self::Both => &[Self::Md, Self::Cd],
+        }
+    }
 }
 
 impl Default for Test {
@@ -42,6 +73,16 @@ impl Default for Test {
 }
 
 impl Test {
+    /// Direction in which a sheet is pulled.
+    pub fn pulled(&self) -> Direction {
+        self.direction.unwrap_or(Direction::Md)
+    }
+
+    /// Part of the maximum force at which the test of a sheet ends.
+    pub fn stop_fraction(&self) -> f64 {
+        self.stop_force_fraction.unwrap_or(STOP_FORCE_FRACTION)
+    }
+
     /// Names of the fields that were given and that a single fibre does not use.
     pub fn unused_by_a_fibre(&self) -> Vec<&'static str> {
         let given = [

@@ -22,10 +22,9 @@ pub enum Purpose {
     BatchPlaces,
     /// Strengths of what a cell of a section holds, one stream per cell.
     CellStrength,
-    /// Places of fibres in a unit cell, one stream per cell.
     /// Sizes of fibres, one stream per fibre.
     FibreSizes,
-    /// Places and directions of fibres in a sheet, one stream per fibre.
+    /// Places of fibres: in a unit cell, one stream per cell; and directions in a sheet, one per fibre.
     FibrePlaces,
 }
 

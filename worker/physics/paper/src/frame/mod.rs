@@ -38,7 +38,7 @@ mod state;
 mod tests;
 
 pub use clusters::Standing;
-pub use equilibrium::Refactoring;
+pub use equilibrium::{Refactoring, UNBALANCED};
 pub use error::FrameError;
 pub use input::{BeamSection, FrameBond, FrameFibre, FrameModel, Level};
 pub use large::{LargePull, LargePullTest, LargeStep};

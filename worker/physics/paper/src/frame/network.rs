@@ -199,6 +199,20 @@ impl Network {
         self.owners[segment] as usize
     }
 
+    /// The first segment of a fibre; those of a fibre follow one another along it.
+    #[must_use]
+    pub fn first_segment(&self, fibre: usize) -> usize {
+        self.owners
+            .partition_point(|&owner| (owner as usize) < fibre)
+    }
+
+    /// E A of a segment: force over strain [mN].
+    #[must_use]
+    pub fn segment_stiffness_mn(&self, segment: usize) -> f64 {
+        let section = self.section_of(segment);
+        section.youngs_modulus_gpa * section.area_um2
+    }
+
     /// The two nodes of a bond.
     #[must_use]
     pub fn bond_nodes(&self, bond: usize) -> [usize; 2] {

@@ -225,6 +225,27 @@ impl<'n> Pull<'n> {
         }
     }
 
+    /// Force along a segment as it is [mN], tension positive; 0 when it is broken.
+    #[must_use]
+    pub fn segment_force_mn(&self, segment: usize) -> f64 {
+        let loads = self.rest.loads_of(segment);
+        loads.map_or(0.0, |loads| loads[0] * self.state.elongation_um)
+    }
+
+    /// Largest turn of a node over the elongation [rad/µm], until something breaks: small displacements
+    /// are small where turns are.
+    #[must_use]
+    pub fn largest_turn_per_um(&self) -> f64 {
+        let turns = self.rest.motion.nodes.iter().map(|motion| motion[1].norm());
+        turns.fold(0.0, f64::max)
+    }
+
+    /// Forces of the left and the right jaw over the elongation [mN/µm], until something breaks.
+    #[must_use]
+    pub fn jaw_stiffness_mn_per_um(&self) -> [f64; 2] {
+        self.rest.forces.at_jaws(self.rest.network)
+    }
+
     /// Force of a bond across its face and along it as it is [mN]; 0 when it is broken.
     #[must_use]
     pub fn bond_force_mn(&self, bond: usize) -> [f64; 2] {

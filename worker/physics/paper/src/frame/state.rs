@@ -53,12 +53,28 @@ impl PullMeasures {
         }
     }
 
-    pub(crate) fn broken(&self) -> usize {
+    /// Parts that broke.
+    #[must_use]
+    pub fn broken(&self) -> usize {
         self.broken_bonds + self.broken_segments
     }
 }
 
 impl PullState {
+    /// Where this pull was when its first `broken` parts were broken, at that elongation [µm]: to look at,
+    /// not to go on from.
+    #[must_use]
+    pub fn earlier(&self, broken: usize, elongation_um: f64) -> Self {
+        let gone = self.factored.iter().chain(&self.taken);
+        Self {
+            factored: gone.take(broken).copied().collect(),
+            taken: Vec::new(),
+            elongation_um,
+            ended: Some(PullEnd::MaxStrain),
+            ..self.clone()
+        }
+    }
+
     pub(crate) fn is_new(&self) -> bool {
         self.measures.broken() == 0 && self.elongation_um == 0.0 && self.ended.is_none()
     }

@@ -1,17 +1,20 @@
-//! A tensile test of paper as a job; its specimen is one fibre.
+//! A tensile test of paper as a job.
 //!
-//! In the order in which a run calls them: [`fibre`] divides the fibre and measures its constants, and
+//! Sheets have a folder of their own, [`sheet`]; the rest is about one fibre. In the order in which a run
+//! calls them: [`fibre`] divides the fibre and measures its constants, and
 //! does to it what the spec says; [`files`] and [`report`] write. This file holds the course of it,
 //! which alone talks to the recorder. A run is over within seconds: it keeps no checkpoint, and one
 //! that was suspended begins again.
 mod fibre;
 mod files;
 mod report;
+mod sheet;
 
 #[cfg(test)]
 mod tests;
 
-use loadframe_api::spec::paper_tensile::{PaperTensile, Specimen};
+use loadframe_api::Warning;
+use loadframe_api::spec::paper_tensile::{PaperTensile, SingleFibre, Specimen};
 use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
 
 use crate::fibre::TubeError;
@@ -44,7 +47,10 @@ pub fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    match test(spec, context, recorder) {
+    let Specimen::SingleFibre(single) = &spec.specimen else {
+        return sheet::run(spec, context, recorder);
+    };
+    match test(spec, single, context, recorder) {
         Ok(ending) => Ok(ending),
         Err(Halt::Failed(error)) => Err(error),
         Err(Halt::Interrupted(Interrupt::Cancel)) => Ok(Ending::Cancelled),
@@ -56,12 +62,25 @@ pub fn run(
     }
 }
 
+/// Warns of pulps whose coarseness and wall contradict one another.
+fn contradictions(spec: &PaperTensile) -> Vec<Warning> {
+    let contradicted = spec.pulp.iter().filter_map(|pulp| {
+        let (section, coarseness) = pulp.section().ok().zip(pulp.coarseness_mg_per_m)?;
+        let contradiction = section.contradiction(coarseness)?;
+        Some(Warning {
+            code: "contradicting_coarseness".to_owned(),
+            detail: format!("pulp {:?}: {contradiction}", pulp.name),
+        })
+    });
+    contradicted.collect()
+}
+
 fn test(
     spec: &PaperTensile,
+    single: &SingleFibre,
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, Halt> {
-    let Specimen::SingleFibre(single) = &spec.specimen;
     let specimen = fibre::Specimen::new(spec, single)?;
     recorder.log(&specimen.described());
     recorder.progress(0.0, "constants");

@@ -3,6 +3,7 @@ use indexmap::IndexMap;
 use loadframe_api::spec::paper_tensile::SingleFibreLoad;
 use loadframe_api::{QualityCheck, Quantity, Report, Warning};
 
+use super::contradictions;
 use super::fibre::{Loaded, Specimen};
 use crate::fibre::measure::{Constants, column_load_mn, shear_stiffness_mn};
 
@@ -198,7 +199,7 @@ fn summary(
 }
 
 fn warnings(specimen: &Specimen<'_>, constants: &Constants, loaded: &Loaded) -> Vec<Warning> {
-    let mut warnings = Vec::new();
+    let mut warnings = contradictions(specimen.spec);
     let mut warn = |code: &str, detail: String| {
         warnings.push(Warning {
             code: code.to_owned(),
@@ -206,20 +207,6 @@ fn warnings(specimen: &Specimen<'_>, constants: &Constants, loaded: &Loaded) -> 
         });
     };
     let (spec, divided) = (specimen.spec, &specimen.divided);
-    for pulp in &spec.pulp {
-        let contradiction = pulp
-            .section()
-            .ok()
-            .zip(pulp.coarseness_mg_per_m)
-            .and_then(|(section, coarseness)| section.contradiction(coarseness));
-        if let Some(contradiction) = contradiction {
-            let name = &pulp.name;
-            warn(
-                "contradicting_coarseness",
-                format!("pulp {name:?}: {contradiction}"),
-            );
-        }
-    }
     if divided.is_refined {
         warn(
             "refined_segment",

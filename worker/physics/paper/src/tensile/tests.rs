@@ -61,8 +61,9 @@ fn every_load_gives_the_same_constants() {
     use loadframe_api::spec::paper_tensile::{SingleFibreLoad, Specimen};
     let of = |load| {
         report(&spec(|spec| {
-            let Specimen::SingleFibre(fibre) = &mut spec.specimen;
-            fibre.load = load;
+            if let Specimen::SingleFibre(fibre) = &mut spec.specimen {
+                fibre.load = load;
+            }
         }))
     };
     let pulled = of(SingleFibreLoad::Pull);

@@ -1,0 +1,406 @@
+//! What the JSON Schema cannot say of sheets: bonds that must join fibres where they touch, fibres that
+//! must fit into a sheet, memory that there must be.
+use std::f64::consts::PI;
+
+use super::{Direction, checks::unknown_pulp};
+use super::{ExplicitBond, ExplicitSheet, Level, MadeSheet, PaperTensile, Placement, Pulp};
+use crate::Violation;
+
+/// At most this many violations of a list are told.
+const LISTED: usize = 20;
+/// Points of a fibre nearer than this share of its width are one.
+const ONE_PLACE: f64 = 1e-6;
+/// An arc length may be beyond its fibre by this share of the fibre's length: round-off.
+const AT_END: f64 = 1e-6;
+/// Bonded points may be apart by this much more than the fibres' radii: arc lengths are written with
+/// few digits.
+const TOUCH: f64 = 1.01;
+/// Seeds beyond 2⁵³ − 1 are not exact in every language's JSON.
+const LARGEST_SEED: u64 = (1 << 53) - 1;
+/// Most memory [MB] a sheet is given.
+pub(super) const MOST_MB: f64 = 64e3;
+/// Log-normal lengths are drawn within so many standard deviations of their logarithm.
+const LENGTH_CUT: f64 = 3.0;
+/// Longest fibre of a sheet [µm].
+const LONGEST_UM: f64 = 1e5;
+/// Below this the ends of an arc come so near to one another that a fibre would be a ring.
+const LEAST_SHAPE: f64 = 0.1;
+
+/// What holds for sheets of both sorts.
+pub(super) fn check_test(spec: &PaperTensile, violations: &mut Vec<Violation>) {
+    if spec.level() == Level::Tube {
+        let detail = "a tube is a model of a single fibre; those of a sheet are beams or bars";
+        violations.push(
+            Violation::new("/model/level", "not_of_a_sheet", detail)
+                .value("tube")
+                .allowed("one of: beam, truss"),
+        );
+    }
+    let fraction = spec.test.stop_fraction();
+    if fraction >= 1.0 {
+        let detail = "the test of a sheet would end at its first fall of force";
+        violations.push(
+            Violation::new("/test/stop_force_fraction", "out_of_range", detail)
+                .value(fraction)
+                .allowed("0 to below 1")
+                .unit("1"),
+        );
+    }
+    if spec.seed > LARGEST_SEED - u64::from(spec.specimens() - 1) {
+        let detail = "the seeds of the repeats, which count on from this one, become too large";
+        violations.push(
+            Violation::new("/seed", "out_of_range", detail)
+                .value(spec.seed)
+                .allowed(format!("seed + repeats - 1 ≤ {LARGEST_SEED}")),
+        );
+    }
+}
+
+/// A sheet that is given. Every fibre and bond has one violation at most.
+pub(super) fn check_explicit(
+    spec: &PaperTensile,
+    sheet: &ExplicitSheet,
+    violations: &mut Vec<Violation>,
+) {
+    if spec.test.pulled() != Direction::Md {
+        let detail = "a sheet that is given is pulled along x; give it turned to pull it across";
+        violations.push(
+            Violation::new("/test/direction", "not_of_a_given_sheet", detail)
+                .value(spec.test.pulled().name())
+                .allowed("md, or left out"),
+        );
+    }
+    let before = violations.len();
+    let fibres = sheet.fibres.iter().enumerate();
+    let wrong = fibres.filter_map(|(index, _)| fibre_violation(spec, sheet, index));
+    violations.extend(wrong.take(LISTED));
+    if violations.len() > before {
+        // bonds of fibres that are wrong say nothing more
+        return;
+    }
+    let lines: Vec<Line<'_>> = sheet
+        .fibres
+        .iter()
+        .filter_map(|fibre| Line::new(spec.pulp_named(&fibre.pulp)?, &fibre.centre_line_um))
+        .collect();
+    let bonds = sheet.bonds.iter().enumerate();
+    let wrong = bonds.filter_map(|(index, bond)| bond_violation(&lines, index, bond));
+    violations.extend(wrong.take(LISTED));
+}
+
+fn fibre_violation(spec: &PaperTensile, sheet: &ExplicitSheet, index: usize) -> Option<Violation> {
+    let fibre = &sheet.fibres[index];
+    let place = format!("/specimen/explicit/fibres/{index}");
+    let Some(pulp) = spec.pulp_named(&fibre.pulp) else {
+        return Some(unknown_pulp(spec, format!("{place}/pulp"), &fibre.pulp));
+    };
+    let near = ONE_PLACE * pulp.width_um;
+    let pairs = fibre.centre_line_um.windows(2);
+    let equal = pairs
+        .map(|ends| distance(ends[0], ends[1]))
+        .position(|step| step.is_nan() || step <= near)?;
+    let place = format!("{place}/centre_line_um/{}", equal + 1);
+    let detail = format!("points {equal} and {} are in one place", equal + 1);
+    let violation = Violation::new(place, "points_in_one_place", detail)
+        .value(fibre.centre_line_um[equal + 1].to_vec())
+        .allowed(format!("more than {near:e} from the point before"))
+        .unit("µm");
+    Some(violation)
+}
+
+/// A fibre by its arc length.
+struct Line<'a> {
+    points: &'a [[f64; 3]],
+    arcs: Vec<f64>,
+    width_um: f64,
+}
+
+impl<'a> Line<'a> {
+    fn new(pulp: &Pulp, points: &'a [[f64; 3]]) -> Option<Self> {
+        let mut arcs = vec![0.0];
+        let mut arc = 0.0;
+        for ends in points.windows(2) {
+            arc += distance(ends[0], ends[1]);
+            arcs.push(arc);
+        }
+        (points.len() > 1).then_some(Self {
+            points,
+            arcs,
+            width_um: pulp.width_um,
+        })
+    }
+
+    fn length_um(&self) -> f64 {
+        self.arcs[self.arcs.len() - 1]
+    }
+
+    fn at(&self, arc: f64) -> [f64; 3] {
+        let last = self.points.len() - 1;
+        let after = self.arcs.partition_point(|&point| point <= arc);
+        let next = after.clamp(1, last);
+        let share = (arc - self.arcs[next - 1]) / (self.arcs[next] - self.arcs[next - 1]);
+        let [from, to] = [self.points[next - 1], self.points[next]];
+        std::array::from_fn(|axis| from[axis] + share.clamp(0.0, 1.0) * (to[axis] - from[axis]))
+    }
+}
+
+fn bond_violation(lines: &[Line<'_>], index: usize, bond: &ExplicitBond) -> Option<Violation> {
+    let place = format!("/specimen/explicit/bonds/{index}");
+    let [one, other] = bond.fibres.map(|fibre| lines.get(fibre as usize));
+    let (Some(one), Some(other)) = (one, other) else {
+        let detail = "the bond names a fibre that does not exist";
+        let violation = Violation::new(format!("{place}/fibres"), "no_such_fibre", detail)
+            .value(bond.fibres.to_vec())
+            .allowed(format!("0 … {}", lines.len().saturating_sub(1)));
+        return Some(violation);
+    };
+    for (side, line) in [one, other].into_iter().enumerate() {
+        let (at_um, length_um) = (bond.at_um[side], line.length_um());
+        if at_um > length_um * (1.0 + AT_END) {
+            let detail = format!(
+                "fibre {} is {length_um:.6} µm long, and the bond lies beyond",
+                bond.fibres[side]
+            );
+            let violation = Violation::new(format!("{place}/at_um/{side}"), "beyond_fibre", detail)
+                .value(at_um)
+                .allowed(format!("0 … {length_um:.6}"))
+                .unit("µm");
+            return Some(violation);
+        }
+    }
+    let [near, far] = [one.width_um, other.width_um].map(|width| 0.5 * width);
+    let [a, b] = [one.at(bond.at_um[0]), other.at(bond.at_um[1])];
+    let apart = distance(a, b);
+    let [first, second] = bond.at_um;
+    let is_itself = bond.fibres[0] == bond.fibres[1];
+    if is_itself && (first - second).abs() <= ONE_PLACE * one.width_um {
+        let detail = "the bond joins a point of a fibre with itself";
+        let violation = Violation::new(format!("{place}/at_um"), "bond_to_itself", detail)
+            .value(bond.at_um.to_vec())
+            .allowed("two different points")
+            .unit("µm");
+        return Some(violation);
+    }
+    let most = near + far;
+    (apart > TOUCH * most).then(|| {
+        let detail = format!(
+            "fibres {} and {} do not touch here: their centre lines are {apart:.4} µm apart, and half \
+             their widths sum to {most:.4} µm",
+            bond.fibres[0], bond.fibres[1]
+        );
+        Violation::new(format!("{place}/at_um"), "do_not_touch", detail)
+            .value(apart)
+            .allowed(format!("up to {:.4}", TOUCH * most))
+            .unit("µm")
+    })
+}
+
+/// A sheet that is made.
+pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mut Vec<Violation>) {
+    if spec.bond.is_none() {
+        let detail = "fibres of a sheet need to hold one another: give the bonds' strength, or an empty \
+                      object for bonds that do not break";
+        violations.push(Violation::new("/bond", "missing_field", detail).allowed("an object"));
+    }
+    let used = || {
+        spec.pulp
+            .iter()
+            .enumerate()
+            .filter(|(_, pulp)| pulp.mass_fraction > 0.0)
+    };
+    let before = violations.len();
+    for (index, pulp) in used() {
+        violations.extend(pulp_violation(index, pulp));
+    }
+    if violations.len() > before {
+        return;
+    }
+    let widest = used().fold(0.0, |most: f64, (_, pulp)| most.max(pulp.width_um));
+    for (name, size_mm) in [("length_mm", sheet.length_mm), ("width_mm", sheet.width_mm)] {
+        let least_mm = 2e-3 * widest;
+        if size_mm < least_mm {
+            let detail = "the sheet has no room for its fibres";
+            violations.push(
+                Violation::new(format!("/specimen/sheet/{name}"), "sheet_too_small", detail)
+                    .value(size_mm)
+                    .allowed(format!(
+                        "from {least_mm}, twice the width of the widest fibre"
+                    ))
+                    .unit("mm"),
+            );
+        }
+    }
+    if let Placement::Random(random) = sheet.placement {
+        let thickest = used().filter_map(|(_, pulp)| pulp.thickness_um());
+        let thickest = thickest.fold(0.0, f64::max);
+        if random.thickness_um < thickest {
+            let detail =
+                "the sheet is thinner than a fibre, which is as thick as its flattened wall";
+            let place = "/specimen/sheet/placement/random/thickness_um";
+            violations.push(
+                Violation::new(place, "sheet_too_thin", detail)
+                    .value(random.thickness_um)
+                    .allowed(format!("from {thickest:.4}"))
+                    .unit("µm"),
+            );
+        }
+    }
+    let area_um2 = 1e6 * sheet.length_mm * sheet.width_mm;
+    for (_, pulp) in used() {
+        let Some(coarseness) = pulp.coarseness_ug_per_um() else {
+            continue;
+        };
+        let mass_ug = pulp.mass_fraction * sheet.grammage_g_per_m2 * 1e-6 * area_um2;
+        let least = sheet.grammage_g_per_m2 * coarseness * pulp.width_um / mass_ug;
+        if mass_ug < coarseness * pulp.width_um {
+            let detail = format!(
+                "the sheet would have less of pulp {:?} than a piece of fibre as long as it is wide",
+                pulp.name
+            );
+            let place = "/specimen/sheet/grammage_g_per_m2";
+            violations.push(
+                Violation::new(place, "too_little_fibre", detail)
+                    .value(sheet.grammage_g_per_m2)
+                    .allowed(format!("from {least}, or a larger sheet"))
+                    .unit("g/m2"),
+            );
+        }
+    }
+    let expected = sheet.expected(spec);
+    if expected.memory_mb > MOST_MB {
+        let detail = format!(
+            "the sheet would have about {:.0} fibres and {:.0} bonds and need {:.0} MB of memory",
+            expected.fibres, expected.bonds, expected.memory_mb
+        );
+        violations.push(
+            Violation::new("/specimen/sheet/grammage_g_per_m2", "too_large", detail)
+                .value(sheet.grammage_g_per_m2)
+                .allowed(format!(
+                    "what takes at most {MOST_MB} MB: a smaller or thinner sheet"
+                ))
+                .unit("g/m2"),
+        );
+    }
+}
+
+fn pulp_violation(index: usize, pulp: &Pulp) -> Option<Violation> {
+    let sigma = (pulp.length_variation.powi(2) + 1.0).ln().sqrt();
+    let median = 1e3 * pulp.length_mm * (-0.5 * sigma * sigma).exp();
+    let [shortest, longest] = [-LENGTH_CUT, LENGTH_CUT].map(|cut| median * (cut * sigma).exp());
+    let least = 2.0 * pulp.width_um;
+    if shortest < least || longest > LONGEST_UM {
+        let detail = format!(
+            "fibres of the pulp would be {shortest:.1} to {longest:.1} µm long; fibres of a sheet have \
+             {least} to {LONGEST_UM} µm"
+        );
+        let field = if pulp.length_variation > 0.0 {
+            "length_variation"
+        } else {
+            "length_mm"
+        };
+        let value = if pulp.length_variation > 0.0 {
+            pulp.length_variation
+        } else {
+            pulp.length_mm
+        };
+        return Some(
+            Violation::new(
+                format!("/pulp/{index}/{field}"),
+                "length_not_of_a_sheet",
+                detail,
+            )
+            .value(value)
+            .allowed(format!("fibres of {least} … {LONGEST_UM} µm")),
+        );
+    }
+    (pulp.shape_factor < LEAST_SHAPE).then(|| {
+        let detail = "a fibre so curled is nearly a ring";
+        let place = format!("/pulp/{index}/shape_factor");
+        Violation::new(place, "out_of_range", detail)
+            .value(pulp.shape_factor)
+            .allowed(format!("{LEAST_SHAPE} … 1"))
+            .unit("1")
+    })
+}
+
+/// About how much a sheet will be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Expected {
+    pub(super) fibres: f64,
+    /// Points of the centre lines, as finely as they are laid.
+    pub(super) points: f64,
+    pub(super) bonds: f64,
+    /// Nodes of the beams.
+    pub(super) nodes: f64,
+    pub(super) memory_mb: f64,
+}
+
+impl MadeSheet {
+    /// A pulp of fibre length ℓ and total length Λ on an area A of perimeter P makes Λ (1/ℓ + P/(π A))
+    /// pieces; straight fibres cross Λ²/(π A) times, and each has room for a contact per width on each
+    /// of its two faces. Sheets of 90 to 1800 bonds have about a third of that room taken.
+    pub(super) fn expected(&self, spec: &PaperTensile) -> Expected {
+        let [length, width] = [self.length_mm, self.width_mm].map(|size| 1e3 * size);
+        let area = length * width;
+        let (mut total, mut fibres) = (0.0, 0.0);
+        for pulp in &spec.pulp {
+            let Some(coarseness) = pulp.coarseness_ug_per_um() else {
+                continue;
+            };
+            let mass = pulp.mass_fraction * self.grammage_g_per_m2 * 1e-6 * area;
+            let laid = mass / coarseness;
+            let edges = 2.0 * (length + width) / (PI * area);
+            fibres += laid * (1e-3 / pulp.length_mm + edges);
+            total += laid;
+        }
+        let narrowest = spec.narrowest_um();
+        let crossings = total * total / (PI * area);
+        let (points, bonds, pixels) = match self.placement {
+            Placement::Deposition(_) => {
+                let segment = 0.25 * narrowest;
+                let bonds = crossings.min(0.36 * total / narrowest);
+                (total / segment, bonds, area / (segment * segment))
+            }
+            // of all crossings those whose heights are within a fibre's thickness of one another
+            Placement::Random(random) => {
+                let thickness = spec.pulp.iter().filter_map(Pulp::thickness_um);
+                let share = 2.0 * thickness.fold(0.0, f64::max) / random.thickness_um;
+                (total / narrowest, crossings * share.min(1.0), 0.0)
+            }
+        };
+        let nodes = total / spec.sheet_segment_um() + fibres + 2.0 * bonds;
+        Expected {
+            fibres,
+            points,
+            bonds,
+            nodes,
+            memory_mb: memory_mb([points, bonds, pixels], nodes * motions(spec)),
+        }
+    }
+}
+
+/// Motions of a node that are solved for.
+pub(super) fn motions(spec: &PaperTensile) -> f64 {
+    match spec.level() {
+        Level::Truss => 3.0,
+        Level::Tube | Level::Beam => 6.0,
+    }
+}
+
+/// Entries of the factor of a flat network, as counted in four sheets of 1300 to 38 000 unknowns: 24 to
+/// 69 for each.
+pub(super) fn factor_entries(unknowns: f64) -> f64 {
+    4.5 * unknowns * (unknowns + 2.0).log2()
+}
+
+/// Memory [MB] of the process, of points and contacts while they are searched, as the sheets count them,
+/// of pixels, of nodes with their elements, and of the factor.
+pub(super) fn memory_mb([points, bonds, pixels]: [f64; 3], unknowns: f64) -> f64 {
+    let laid = 100.0 * points + 80.0 * bonds + 8.0 * pixels;
+    20.0 + 1e-6 * (laid + 250.0 * unknowns + 8.0 * factor_entries(unknowns))
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let parts = (0..3).map(|axis| (b[axis] - a[axis]).powi(2));
+    parts.sum::<f64>().sqrt()
+}

@@ -1,0 +1,260 @@
+//! The course of a pull: from break to break, what is kept of it, and how far it is.
+//!
+//! A machine drives the displacement: within an avalanche the force falls at one strain, between
+//! avalanches the curve is a straight line towards zero, for the rest of a network of small displacements
+//! is in proportion. So two points for each avalanche, before and after, are the whole curve.
+use serde::{Deserialize, Serialize};
+
+use super::specimen::Specimen;
+use crate::frame::{
+    Bore, Broken, Event, FrameError, Pull, PullEnd, PullState, PullTest, Refactoring, Step,
+    UNBALANCED,
+};
+
+/// mN in N, and nJ in N mm.
+const N: f64 = 1e-3;
+const N_MM: f64 = 1e-6;
+
+/// Columns of the curve.
+pub(super) const COLUMNS: [&str; 7] = [
+    "nominal_strain",
+    "force_n",
+    "force_bottom_jaw_n",
+    "broken_bonds",
+    "residual_ratio",
+    "broken_segments",
+    "stored_energy_n_mm",
+];
+
+/// A point of the curve, in the order of [`COLUMNS`].
+pub(super) type Point = [f64; COLUMNS.len()];
+
+/// A break, and its place in its avalanche.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Record {
+    pub(super) event: Event,
+    pub(super) round: u32,
+}
+
+/// How a bond gave way: by what took the larger part of its strength.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mode {
+    Opened,
+    Sheared,
+}
+
+/// What is kept of a pull under way; with the spec it is all that is needed to go on.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Kept {
+    pub(super) pull: PullState,
+    pub(super) points: Vec<Point>,
+    pub(super) records: Vec<Record>,
+    /// Parts that were broken when the force was largest.
+    pub(super) broken_at_peak: usize,
+    /// Largest turn of a node up to the largest force [rad].
+    pub(super) turn_to_peak: f64,
+    /// How far the test was, of 1.
+    progress: f64,
+}
+
+/// A pull under way.
+pub(super) struct Course<'n> {
+    specimen: &'n Specimen,
+    pub(super) pull: Pull<'n>,
+    test: PullTest,
+    pub(super) kept: Kept,
+}
+
+impl<'n> Course<'n> {
+    /// Holds the specimen in its jaws, or goes on from what was kept.
+    ///
+    /// # Errors
+    /// [`FrameError`].
+    pub(super) fn new(
+        specimen: &'n Specimen,
+        test: PullTest,
+        kept: Option<Kept>,
+    ) -> Result<Self, FrameError> {
+        let is_new = kept.is_none();
+        let kept = kept.unwrap_or_default();
+        let by_cost = Refactoring::ByCost;
+        let pull = Pull::resume(&specimen.network, test, kept.pull.clone(), by_cost)?;
+        let mut course = Self {
+            specimen,
+            pull,
+            test,
+            kept,
+        };
+        if is_new {
+            let residual = course.pull.state().measures.largest_residual;
+            course.point(0.0, [0.0; 2], 0.0, residual);
+        }
+        Ok(course)
+    }
+
+    /// Goes to the next break or to the end.
+    ///
+    /// # Errors
+    /// [`FrameError`].
+    pub(super) fn advance(&mut self) -> Result<Option<PullEnd>, FrameError> {
+        let before = self.pull.state().measures;
+        let stiffness = self.pull.jaw_stiffness_mn_per_um();
+        let turn_per_um = self.pull.largest_turn_per_um();
+        let was_at_um = self.pull.elongation_um();
+        let left_after = self.pull.jaw_force_mn();
+        let step = self.pull.advance()?;
+        let now = self.pull.state().measures;
+        let at_um = match step {
+            Step::Broke(event) => event.elongation_um,
+            Step::Ended(_) => self.pull.elongation_um(),
+        };
+        if now.strain_at_peak > before.strain_at_peak || now.peak_force_mn > before.peak_force_mn {
+            self.kept.broken_at_peak = before.broken();
+            self.kept.turn_to_peak = self.kept.turn_to_peak.max(turn_per_um * at_um);
+        }
+        if at_um > was_at_um && was_at_um > 0.0 {
+            // the avalanche before is over: where its last break left the force
+            let residual = self
+                .kept
+                .records
+                .last()
+                .map_or(0.0, |last| last.event.residual);
+            let stored = before.stored_nj;
+            self.point_at(was_at_um, left_after, stored, residual, &before);
+        }
+        match step {
+            Step::Broke(event) => {
+                let last = self.kept.records.last();
+                let same = last.filter(|last| last.event.avalanche == event.avalanche);
+                let round = same.map_or(1, |last| last.round + 1);
+                if round == 1 {
+                    let forces = stiffness.map(|stiffness| stiffness * event.elongation_um);
+                    let stored = 0.5 * forces[1] * event.elongation_um;
+                    let residual = last.map_or(before.largest_residual, |last| last.event.residual);
+                    self.point_at(event.elongation_um, forces, stored, residual, &before);
+                }
+                self.kept.records.push(Record { event, round });
+                self.measure_progress(event.strain);
+                Ok(None)
+            }
+            Step::Ended(end) => {
+                let residual = self
+                    .kept
+                    .records
+                    .last()
+                    .map_or(now.largest_residual, |last| last.event.residual);
+                if end != PullEnd::NoPath {
+                    let forces = self.pull.jaw_force_mn();
+                    self.point_at(at_um, forces, now.stored_nj, residual, &now);
+                }
+                Ok(Some(end))
+            }
+        }
+    }
+
+    /// What is kept, with the pull as it is.
+    pub(super) fn keep(&self) -> Kept {
+        Kept {
+            pull: self.pull.state().clone(),
+            ..self.kept.clone()
+        }
+    }
+
+    /// How far the test is, of 1: by its strain, or by how far the force has fallen.
+    pub(super) fn progress(&self) -> f64 {
+        self.kept.progress
+    }
+
+    /// The pull where the force was largest; none when there never was a force.
+    ///
+    /// # Errors
+    /// [`FrameError`].
+    pub(super) fn at_peak(&self) -> Result<Option<Pull<'n>>, FrameError> {
+        let state = self.pull.state();
+        let measures = state.measures;
+        if measures.peak_force_mn <= 0.0 {
+            return Ok(None);
+        }
+        let elongation_um = measures.strain_at_peak * self.length_um();
+        let earlier = state.earlier(self.kept.broken_at_peak, elongation_um);
+        let network = &self.specimen.network;
+        Pull::resume(network, self.test, earlier, Refactoring::ByCost).map(Some)
+    }
+
+    fn length_um(&self) -> f64 {
+        self.specimen.network.model().length_um
+    }
+
+    fn measure_progress(&mut self, strain: f64) {
+        let peak = self.pull.state().measures.peak_force_mn;
+        let force = self.pull.jaw_force_mn()[1];
+        let by_strain = strain / self.test.max_strain;
+        let by_force = (1.0 - force / peak) / (1.0 - self.test.stop_force_fraction);
+        let is_number = by_force.is_finite();
+        // forces fall late, and rise again within the first breaks
+        let by_force = if is_number {
+            by_force.clamp(0.0, 1.0).powi(2)
+        } else {
+            0.0
+        };
+        self.kept.progress = self.kept.progress.max(by_strain.max(by_force)).min(1.0);
+    }
+
+    fn point(&mut self, at_um: f64, forces_mn: [f64; 2], stored_nj: f64, residual: f64) {
+        let measures = self.pull.state().measures;
+        self.point_at(at_um, forces_mn, stored_nj, residual, &measures);
+    }
+
+    fn point_at(
+        &mut self,
+        at_um: f64,
+        [left_mn, right_mn]: [f64; 2],
+        stored_nj: f64,
+        residual: f64,
+        counts: &crate::frame::PullMeasures,
+    ) {
+        let point = [
+            at_um / self.length_um(),
+            N * right_mn,
+            N * left_mn,
+            counts.broken_bonds as f64,
+            residual / UNBALANCED,
+            counts.broken_segments as f64,
+            N_MM * stored_nj,
+        ];
+        if self.kept.points.last() != Some(&point) {
+            self.kept.points.push(point);
+        }
+    }
+}
+
+impl Specimen {
+    /// How a bond gave way that bore this; void bonds bear nothing.
+    pub(super) fn mode(&self, bond: usize, bore: Bore) -> Option<Mode> {
+        let Bore::Bond {
+            normal_mn,
+            shear_mn,
+        } = bore
+        else {
+            return None;
+        };
+        let [normal, shear] = self.network.strengths(bond);
+        let share = |force: f64, strength: f64| if force > 0.0 { force / strength } else { 0.0 };
+        let is_opened = share(normal_mn, normal) >= share(shear_mn, shear);
+        Some(if is_opened {
+            Mode::Opened
+        } else {
+            Mode::Sheared
+        })
+    }
+}
+
+impl Record {
+    /// The number of the bond or the segment, and which.
+    pub(super) fn bond(&self) -> Option<usize> {
+        match self.event.broken {
+            Broken::Bond(bond) => Some(bond),
+            Broken::Segment(_) => None,
+        }
+    }
+}

@@ -1,0 +1,355 @@
+//! The specimen of a test: a network of beams or bars, made of a sheet that is given or laid.
+use loadframe_api::fibre::Section;
+use loadframe_api::spec::paper_tensile::{
+    Bond, Direction, ExplicitSheet, Level, MadeSheet, Orientation, PaperTensile, Placement, Pulp,
+    Specimen as Kind,
+};
+use loadframe_harness::SimulationError;
+use loadframe_harness::rng::{Purpose, Streams};
+use loadframe_numerics::Team;
+use rand_distr::{Distribution as _, StandardNormal};
+
+use super::laid::{self, Laid};
+use crate::frame::{self, BeamSection, FrameBond, FrameFibre, FrameModel, Network};
+use crate::sheet;
+
+/// Transverse over axial Young's modulus of a fibre [KallmesPerez1965].
+const TRANSVERSE: f64 = 0.1;
+/// 1 MPa in mN/µm².
+const MPA: f64 = 1e-3;
+/// 1 N in mN.
+const N: f64 = 1e3;
+/// 1 N/m per µm² in mN/µm³.
+const N_PER_M_PER_UM2: f64 = 1e-3;
+
+/// What is pulled.
+pub(super) struct Specimen {
+    pub(super) network: Network,
+    pub(super) length_mm: f64,
+    pub(super) width_mm: f64,
+    /// Mass between the jaws over their distance and the width [g/m²].
+    pub(super) grammage_g_per_m2: f64,
+    /// Least and largest stiffness per area that bonds were given without being asked [N/m/µm²].
+    pub(super) assumed_stiffness: Option<[f64; 2]>,
+    /// What is known of a sheet that was laid.
+    pub(super) laid: Option<Laid>,
+}
+
+fn failed(error: impl std::fmt::Display) -> SimulationError {
+    SimulationError::Paper(error.to_string())
+}
+
+impl Specimen {
+    /// Builds the specimen of a spec and its seed; the same on any number of threads.
+    ///
+    /// # Errors
+    /// [`SimulationError::Paper`] when there is no such sheet.
+    pub(super) fn new(spec: &PaperTensile, team: &Team) -> Result<Self, SimulationError> {
+        match &spec.specimen {
+            Kind::Explicit(sheet) => Self::given(spec, sheet),
+            Kind::Sheet(sheet) => Self::made(spec, sheet, team),
+            Kind::SingleFibre(_) => Err(failed("a single fibre is no sheet")),
+        }
+    }
+
+    fn given(spec: &PaperTensile, sheet: &ExplicitSheet) -> Result<Self, SimulationError> {
+        let length_um = 1e3 * sheet.length_mm;
+        let mut fibres = Vec::with_capacity(sheet.fibres.len());
+        let mut pulps = Vec::with_capacity(sheet.fibres.len());
+        let mut mass_ug = 0.0;
+        for (index, fibre) in sheet.fibres.iter().enumerate() {
+            let pulp = spec.pulp_named(&fibre.pulp);
+            let pulp =
+                pulp.ok_or_else(|| failed(format!("fibre {index} is of an unknown pulp")))?;
+            let section = pulp.section().map_err(failed)?;
+            let coarseness = 1e-3 * pulp.coarseness_mg_per_m(&section);
+            mass_ug += coarseness * between_jaws_um(&fibre.centre_line_um, length_um);
+            fibres.push(FrameFibre {
+                centre_line_um: fibre.centre_line_um.clone(),
+                section: beam(spec, pulp, &section),
+            });
+            pulps.push(pulp);
+        }
+        let strengths = Strengths::new(spec);
+        let mut bonds = Vec::with_capacity(sheet.bonds.len());
+        for (index, bond) in sheet.bonds.iter().enumerate() {
+            let [one, other] = bond.fibres.map(|fibre| pulps.get(fibre as usize));
+            let (Some(one), Some(other)) = (one, other) else {
+                return Err(failed(format!(
+                    "bond {index} joins a fibre that is not there"
+                )));
+            };
+            let [normal, shear] = strengths.of(index, bond.area_um2);
+            bonds.push(FrameBond {
+                fibres: bond.fibres,
+                at_um: bond.at_um,
+                area_um2: bond.area_um2,
+                stiffness_mn_per_um3: stiffness(spec.bond.as_ref(), one, other)?,
+                normal_strength_mn: bond.normal_strength_n.map(|given| N * given).or(normal),
+                shear_strength_mn: bond.shear_strength_n.map(|given| N * given).or(shear),
+            });
+        }
+        // 1 µg/µm² is 10⁶ g/m²
+        let grammage = 1e6 * mass_ug / (length_um * 1e3 * sheet.width_mm);
+        let segment_um = spec.model.segment_um;
+        Ok(Self {
+            network: network(spec, &fibres, &bonds, length_um, segment_um)?,
+            length_mm: sheet.length_mm,
+            width_mm: sheet.width_mm,
+            grammage_g_per_m2: grammage,
+            assumed_stiffness: assumed(spec, &bonds),
+            laid: None,
+        })
+    }
+
+    fn made(spec: &PaperTensile, made: &MadeSheet, team: &Team) -> Result<Self, SimulationError> {
+        let pulps: Vec<&Pulp> = spec
+            .pulp
+            .iter()
+            .filter(|pulp| pulp.mass_fraction > 0.0)
+            .collect();
+        let plan = plan(spec, made, &pulps)?;
+        let whole = plan.lay(spec.seed, team).map_err(failed)?;
+        let whole = if spec.test.pulled() == Direction::Cd {
+            whole.turned()
+        } else {
+            whole
+        };
+        let laid = laid::measure(&whole, |fibre| pulps[fibre].youngs_modulus_gpa, spec);
+        let coarse = whole.coarsened(spec.sheet_segment_um()).map_err(failed)?;
+        let mut fibres = Vec::with_capacity(coarse.fibres.len());
+        for fibre in &coarse.fibres {
+            let pulp = pulps[fibre.pulp];
+            let section = Section::new(fibre.section.width_um, fibre.section.wall_um);
+            fibres.push(FrameFibre {
+                centre_line_um: fibre.centre_line_um.clone(),
+                section: beam(spec, pulp, &section.map_err(failed)?),
+            });
+        }
+        let strengths = Strengths::new(spec);
+        let mut bonds = Vec::with_capacity(coarse.contacts.len());
+        for (index, contact) in coarse.contacts.iter().enumerate() {
+            let [one, other] = contact
+                .fibres
+                .map(|f| pulps[coarse.fibres[f as usize].pulp]);
+            let [normal, shear] = strengths.of(index, contact.area_um2);
+            bonds.push(FrameBond {
+                fibres: contact.fibres,
+                at_um: contact.at_um,
+                area_um2: contact.area_um2,
+                stiffness_mn_per_um3: stiffness(spec.bond.as_ref(), one, other)?,
+                normal_strength_mn: normal,
+                shear_strength_mn: shear,
+            });
+        }
+        Ok(Self {
+            network: network(spec, &fibres, &bonds, 1e3 * made.length_mm, None)?,
+            length_mm: made.length_mm,
+            width_mm: made.width_mm,
+            grammage_g_per_m2: laid.grammage_g_per_m2,
+            assumed_stiffness: assumed(spec, &bonds),
+            laid: Some(laid),
+        })
+    }
+}
+
+/// A plan as the generator takes it; along the machine the sheet is as long as the test asks.
+fn plan(
+    spec: &PaperTensile,
+    made: &MadeSheet,
+    pulps: &[&Pulp],
+) -> Result<sheet::SheetPlan, SimulationError> {
+    let [length_um, width_um] = [made.length_mm, made.width_mm].map(|size| 1e3 * size);
+    let mut of_plan = Vec::with_capacity(pulps.len());
+    for pulp in pulps {
+        let section = pulp.section().map_err(failed)?;
+        let mean_um = 1e3 * pulp.length_mm;
+        of_plan.push(sheet::Pulp {
+            mass_fraction: pulp.mass_fraction,
+            length: if pulp.length_variation > 0.0 {
+                sheet::LengthDistribution::LogNormal {
+                    mean_um,
+                    variation: pulp.length_variation,
+                }
+            } else {
+                sheet::LengthDistribution::Fixed { length_um: mean_um }
+            },
+            width_um: pulp.width_um,
+            wall_um: pulp.wall_um,
+            coarseness_ug_per_um: 1e-3 * pulp.coarseness_mg_per_m(&section),
+            shape_factor: pulp.shape_factor,
+            lumen: sheet::Lumen::Collapsed,
+        });
+    }
+    Ok(sheet::SheetPlan {
+        size_um: if spec.test.pulled() == Direction::Cd {
+            [width_um, length_um]
+        } else {
+            [length_um, width_um]
+        },
+        // 1 g/m² is 10⁻⁶ µg/µm²
+        grammage_ug_per_um2: 1e-6 * made.grammage_g_per_m2,
+        pulps: of_plan,
+        orientation: match made.orientation {
+            Orientation::Uniform => sheet::Orientation::Uniform,
+            Orientation::VonMises(von_mises) => sheet::Orientation::VonMises {
+                kappa: von_mises.concentration,
+            },
+        },
+        placement: match made.placement {
+            Placement::Deposition(deposition) => sheet::Placement::Deposition {
+                flexibility: deposition.flexibility,
+            },
+            Placement::Random(random) => sheet::Placement::Random3d {
+                thickness_um: random.thickness_um,
+            },
+        },
+        segment_um: None,
+        gap_um: None,
+    })
+}
+
+/// The section of a beam: a round tube, whatever its fibre looks like in the sheet.
+fn beam(spec: &PaperTensile, pulp: &Pulp, section: &Section) -> BeamSection {
+    let ratio = pulp.poisson_ratio;
+    // a thin round tube [Cowper1966]
+    let thin_tube = 2.0 * (1.0 + ratio) / (4.0 + 3.0 * ratio);
+    BeamSection {
+        area_um2: section.area_um2(),
+        inertia_um4: section.inertia_um4(),
+        polar_um4: section.polar_um4(),
+        youngs_modulus_gpa: pulp.youngs_modulus_gpa,
+        shear_modulus_gpa: pulp.shear_modulus_gpa,
+        shear_coefficient: spec.model.shear_coefficient.unwrap_or(thin_tube),
+        strength_gpa: pulp.strength_mpa.map(|strength| MPA * strength),
+        width_um: section.width_um(),
+    }
+}
+
+fn network(
+    spec: &PaperTensile,
+    fibres: &[FrameFibre],
+    bonds: &[FrameBond],
+    length_um: f64,
+    segment_um: Option<f64>,
+) -> Result<Network, SimulationError> {
+    let model = FrameModel {
+        level: match spec.level() {
+            Level::Truss => frame::Level::Truss,
+            Level::Beam | Level::Tube => frame::Level::Beam,
+        },
+        segment_um,
+        length_um,
+    };
+    Network::new(fibres, bonds, model).map_err(failed)
+}
+
+/// Stiffness of a bond over its area [mN/µm³]: as given, else that of what lies between the two centre
+/// lines, 1/(t₁/(2 E₁) + t₂/(2 E₂)) with the thickness t of flattened walls and the transverse moduli.
+fn stiffness(bond: Option<&Bond>, one: &Pulp, other: &Pulp) -> Result<f64, SimulationError> {
+    if let Some(given) = bond.and_then(|bond| bond.stiffness_n_per_m_per_um2) {
+        return Ok(N_PER_M_PER_UM2 * given);
+    }
+    let softness = |pulp: &Pulp| {
+        let thickness = pulp.thickness_um()?;
+        Some(0.5 * thickness / (TRANSVERSE * pulp.youngs_modulus_gpa))
+    };
+    let both = softness(one).zip(softness(other));
+    let (one, other) = both.ok_or_else(|| failed("a bonded fibre has no wall"))?;
+    Ok(1.0 / (one + other))
+}
+
+/// Least and largest stiffness over the area [N/m/µm²] where none is given.
+fn assumed(spec: &PaperTensile, bonds: &[FrameBond]) -> Option<[f64; 2]> {
+    let given = spec
+        .bond
+        .as_ref()
+        .and_then(|bond| bond.stiffness_n_per_m_per_um2);
+    if given.is_some() || bonds.is_empty() {
+        return None;
+    }
+    let all = || {
+        bonds
+            .iter()
+            .map(|bond| bond.stiffness_mn_per_um3 / N_PER_M_PER_UM2)
+    };
+    Some([
+        all().fold(f64::INFINITY, f64::min),
+        all().fold(0.0, f64::max),
+    ])
+}
+
+/// Strengths of bonds by their area, with a scatter that each draws by its number.
+struct Strengths<'a> {
+    bond: Option<&'a Bond>,
+    /// σ and μ of the logarithm of a factor of mean 1.
+    sigma: f64,
+    mu: f64,
+    streams: Streams,
+}
+
+impl<'a> Strengths<'a> {
+    fn new(spec: &'a PaperTensile) -> Self {
+        let bond = spec.bond.as_ref();
+        let variation = bond.map_or(0.0, |bond| bond.strength_variation);
+        // of a log-normal factor: σ² = ln(1 + v²), μ = -σ²/2
+        let variance = variation.powi(2).ln_1p();
+        Self {
+            bond,
+            sigma: variance.sqrt(),
+            mu: -0.5 * variance,
+            streams: Streams::new(spec.seed, Purpose::Strength),
+        }
+    }
+
+    /// Normal and shear strength [mN] of a bond of this area.
+    fn of(&self, bond: usize, area_um2: f64) -> [Option<f64>; 2] {
+        let Some(given) = self.bond else {
+            return [None; 2];
+        };
+        let factor = if self.sigma > 0.0 {
+            let normal: f64 = StandardNormal.sample(&mut self.streams.of(bond));
+            (self.mu + self.sigma * normal).exp()
+        } else {
+            1.0
+        };
+        [given.normal_strength_mpa, given.shear_strength_mpa]
+            .map(|strength| strength.map(|strength| MPA * strength * area_um2 * factor))
+    }
+}
+
+/// Length of a line within 0 ≤ x ≤ `length_um` [µm].
+fn between_jaws_um(line: &[[f64; 3]], length_um: f64) -> f64 {
+    line.windows(2)
+        .map(|ends| {
+            let parts = (0..3).map(|axis| (ends[1][axis] - ends[0][axis]).powi(2));
+            let whole = parts.sum::<f64>().sqrt();
+            let [low, high] = [ends[0][0].min(ends[1][0]), ends[0][0].max(ends[1][0])];
+            if high > low {
+                let inside = (high.min(length_um) - low.max(0.0)).max(0.0);
+                whole * inside / (high - low)
+            } else if (0.0..=length_um).contains(&low) {
+                whole
+            } else {
+                0.0
+            }
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_lies_between_the_jaws_has_mass() {
+        // 3-4-5: half of the first part lies before the jaw, the second wholly between, the third beyond
+        let line = [
+            [-30.0, 0.0, 0.0],
+            [30.0, 80.0, 0.0],
+            [30.0, 90.0, 0.0],
+            [130.0, 90.0, 0.0],
+        ];
+        assert!((between_jaws_um(&line, 100.0) - (50.0 + 10.0 + 70.0)).abs() < 1e-12);
+    }
+}
