@@ -274,6 +274,27 @@ def check_tube(folder: Path) -> str:
     return f"{mesh.n_points} points, {mesh.n_lines} springs"
 
 
+def check_sheet(folder: Path) -> str:
+    """A sheet of paper from start to end: the same lines in every picture, as many broken as its results say."""
+    summary = json.loads((folder / "outcome.json").read_text())["summary"]
+    series = pyvista.get_reader(folder / "snapshots.pvd")
+    check(len(series.time_values) >= 2, f"a series of {len(series.time_values)}")
+    lines = set()
+    for time in series.time_values:
+        series.set_active_time_value(time)
+        mesh = series.read()[0]
+        lines.add(mesh.n_lines)
+        check(np.isfinite(mesh.points), "points of the sheet")
+        check(np.isfinite(mesh.cell_data["force_n"]), "forces")
+    check(len(lines) == 1, f"pictures of {lines} lines")
+    is_bond, broken = (mesh.cell_data[name].astype(bool) for name in ("is_bond", "broken"))
+    told = summary["broken_bonds"]
+    if "n" not in told:
+        count = (is_bond & broken).sum()
+        check(count == told["value"], f"{count} broken bonds drawn, {told['value']} told")
+    return f"{(~is_bond).sum()} parts of fibres, {is_bond.sum()} bonds, {broken.sum()} broken"
+
+
 def check_example(binary: str, example: Path) -> str:
     job = json.loads(example.read_text())
     spec = job["spec"]
@@ -293,7 +314,7 @@ def check_example(binary: str, example: Path) -> str:
         if job["kind"] == "composite_cell":
             return check_cell(folder)
         if job["kind"] == "paper_tensile":
-            return check_tube(folder)
+            return check_tube(folder) if "single_fibre" in spec["specimen"] else check_sheet(folder)
         if job["kind"] == "granular_scene":
             return check_scene(folder, spec, table(folder / "curve.csv"))
         if job["kind"].startswith("ballast_"):

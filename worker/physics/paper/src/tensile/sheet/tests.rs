@@ -287,7 +287,8 @@ fn two_crossed_fibres_are_two_built_in_beams_and_break_by_tension_and_bending() 
         {"pulp": "softwood", "centre_line_um": [[0, 300, 0], [400, 0, 0]]},
     ]);
     body["specimen"]["explicit"]["length_mm"] = json!(0.4);
-    body["specimen"]["explicit"]["bonds"] = json!([{"fibres": [0, 1], "at_um": [250, 250], "area_um2": 400}]);
+    body["specimen"]["explicit"]["bonds"] =
+        json!([{"fibres": [0, 1], "at_um": [250, 250], "area_um2": 400}]);
     body["bond"] = json!({"stiffness_n_per_m_per_um2": 250});
     let (report, record) = go(&body, 1);
     let (length_um, cos, sin) = (500.0, 0.8, 0.6);
@@ -311,7 +312,10 @@ fn two_crossed_fibres_are_two_built_in_beams_and_break_by_tension_and_bending() 
     assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
     let elongation = 0.6 / (tension / area + moment * 14.0 / inertia);
     let found = value(&report, "stretch") * 400.0;
-    assert!((found / elongation - 1.0).abs() < 1e-9, "{found} {elongation}");
+    assert!(
+        (found / elongation - 1.0).abs() < 1e-9,
+        "{found} {elongation}"
+    );
     assert!((record.table("events.csv")[0][11] / 600.0 - 1.0).abs() < 1e-9);
 }
 
@@ -423,7 +427,10 @@ fn a_sheet_across_the_machine_is_the_sheet_along_it_turned() {
     let (both, record) = go(&both, 2);
     for (name, quantity) in &along.summary {
         assert_eq!(&both.summary[name], quantity);
-        assert_eq!(value(&both, &format!("{name}_along_cd")), value(&across, name));
+        assert_eq!(
+            value(&both, &format!("{name}_along_cd")),
+            value(&across, name)
+        );
     }
     let told = value(&both, "anisotropy_of_tensile_stiffness_index");
     assert!((told / ratio - 1.0).abs() < 1e-12, "{told} {ratio}");
