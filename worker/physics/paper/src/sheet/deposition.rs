@@ -44,9 +44,9 @@ impl Bed {
 
     /// Sets the heights of a centre line so that the fibre lies on the bed.
     ///
-    /// The support of a point is the highest pixel under the fibre from half a segment before it to
-    /// half a segment behind: a centre line of straight segments then stays above the bed between its
-    /// points as well.
+    /// The support of a point is the highest pixel under the axis within the segments on both sides, but
+    /// for their far ends: a centre line of straight segments then stays above the bed between its points
+    /// as well.
     pub(super) fn settle(&mut self, points: &mut [[f64; 3]], section: FibreSection) {
         let mut supports = std::mem::take(&mut self.supports_um);
         supports.clear();
@@ -54,10 +54,10 @@ impl Bed {
         self.raster.under(points, 0.0, |under| {
             let height = self.heights_um[under.pixel];
             let mut raise = |point: usize| supports[point] = height.max(supports[point]);
-            if under.share <= 0.5 {
+            if under.share < 1.0 {
                 raise(under.segment);
             }
-            if under.share >= 0.5 {
+            if under.share > 0.0 {
                 raise(under.segment + 1);
             }
         });

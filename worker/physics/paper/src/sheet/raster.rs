@@ -1,9 +1,6 @@
 //! The sheet's plane in square pixels, and which of them lie under a fibre.
 use super::polyline::between;
 
-/// Places along a segment, shares of it.
-const SHARES: [f64; 3] = [0.0, 0.5, 1.0];
-
 /// Square pixels over a sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Raster {
@@ -35,8 +32,8 @@ impl Raster {
 
     /// Pixels under a fibre, some of them several times; those under its axis when the width is 0.
     ///
-    /// The fibre is looked at no more than 0.71 of a pixel apart across it, and half a segment along
-    /// it: with segments no longer than a pixel none well under it is left out in any direction.
+    /// The fibre is looked at no more than 0.71 of a pixel apart across it and half a pixel along it, so
+    /// that no pixel well under it is left out in any direction.
     pub(super) fn under(&self, points: &[[f64; 3]], width_um: f64, mut visit: impl FnMut(Under)) {
         let rows = (width_um / self.pixel_um * std::f64::consts::SQRT_2).ceil();
         let rows = (rows as usize).max(1);
@@ -48,7 +45,10 @@ impl Raster {
                 continue;
             }
             let normal = [-y / length, x / length];
-            for share in SHARES {
+            // a segment of a pixel has a place in its middle, whatever its last digit
+            let steps = (2.0 * length / self.pixel_um - 1e-6).ceil().max(2.0);
+            for step in 0..=steps as usize {
+                let share = step as f64 / steps;
                 let centre = between(first, second, share);
                 for row in 0..rows {
                     let offset = width_um * ((row as f64 + 0.5) / rows as f64 - 0.5);

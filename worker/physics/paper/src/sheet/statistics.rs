@@ -225,3 +225,70 @@ impl Surfaces {
         quantile(&self.tops_um, 1.0 - PEAKS) - quantile(&self.bottoms_um, PEAKS)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sheet::{Contact, FibreSection, SheetFibre};
+
+    /// Two fibres of 20 µm by 6 µm cross on 200 µm by 100 µm: one along x of 200 µm, one along y of
+    /// 100 µm that lies on it.
+    #[test]
+    fn two_crossing_fibres_by_hand() {
+        let fibre = |ends: [[f64; 3]; 2]| SheetFibre {
+            pulp: 0,
+            section: FibreSection {
+                width_um: 20.0,
+                wall_um: 2.0,
+                thickness_um: 6.0,
+                coarseness_ug_per_um: 2e-4,
+            },
+            centre_line_um: ends.to_vec(),
+        };
+        let sheet = Sheet {
+            size_um: [200.0, 100.0],
+            fibres: vec![
+                fibre([[0.0, 50.0, 3.0], [200.0, 50.0, 3.0]]),
+                fibre([[90.0, 0.0, 9.0], [90.0, 100.0, 9.0]]),
+            ],
+            contacts: [40.0, 70.0]
+                .map(|at| Contact {
+                    fibres: [0, 1],
+                    at_um: [at, 0.5 * at],
+                    area_um2: 400.0,
+                })
+                .into(),
+        };
+        let row = Statistics::of(&sheet, 4).expect("there are fibres");
+        let assert_close = |one: f64, other: f64| {
+            assert!(
+                (one - other).abs() < 1e-12 * other.abs().max(1.0),
+                "{one} {other}"
+            );
+        };
+        assert_close(row.fibre_length_um, 300.0);
+        assert_close(row.grammage_ug_per_um2 / (300.0 * 2e-4 / 2e4), 1.0);
+        assert_close(row.coverage, 300.0 * 20.0 / 2e4);
+        // 20 · 200 + 20 · 100 less the 20 · 20 that both cover
+        assert_close(row.covered_share, 5600.0 / 2e4);
+        // 3600 and 1600 of one fibre, 400 of both
+        assert_close(row.mean_thickness_um, (5200.0 * 6.0 + 400.0 * 12.0) / 2e4);
+        assert_close(row.peak_thickness_um, 12.0);
+        assert_close(row.contacts_per_fibre, 2.0);
+        assert_close(row.relative_bonded_area, 800.0 / (300.0 * 20.0));
+        assert_close(
+            row.free_length_um.expect("two contacts"),
+            0.5 * (30.0 + 15.0),
+        );
+        assert_close(row.mean_length_um, 150.0);
+        assert_close(
+            row.length_weighted_um,
+            (200.0 * 200.0 + 100.0 * 100.0) / 300.0,
+        );
+        assert_close(row.anisotropy, (200.0 - 100.0) / 300.0);
+        assert_eq!(row.lengths_um.by_number, [0.0, 0.0, 0.5, 0.5]);
+        assert_close(row.lengths_um.by_length[2], 1.0 / 3.0);
+        assert_close(row.angles_rad.by_length[0], 2.0 / 3.0);
+        assert_close(row.angles_rad.by_length[2], 1.0 / 3.0);
+    }
+}

@@ -120,7 +120,7 @@ impl Work {
         }
         let lines = pair.map(|one| one.line());
         let start = self.contacts.len();
-        self.regions.join(touches, |touches| {
+        self.regions.join(touches, lines, |touches| {
             let contact = region::contact(numbers, lines, touches);
             self.contacts.extend(contact);
         });

@@ -20,20 +20,30 @@ pub(super) struct Regions {
 }
 
 impl Regions {
-    /// Gives the touches of each region, in the order of their segments; pairs belong together when
-    /// they are the same or next to one another on both fibres.
-    pub(super) fn join(&mut self, touches: &mut [Touch], mut visit: impl FnMut(&[Touch])) {
+    /// Gives the touches of each region, in the order of their segments. Touches belong together when
+    /// their segments are the same or next to one another on both fibres, or no further apart on both
+    /// than the fibres are wide together: a fibre that rests on both edges of another touches it in two
+    /// places of one crossing, which have one area.
+    pub(super) fn join(
+        &mut self,
+        touches: &mut [Touch],
+        lines: [Line<'_, '_>; 2],
+        mut visit: impl FnMut(&[Touch]),
+    ) {
+        let reach = lines[0].fibre.section.width_um + lines[1].fibre.section.width_um;
         touches.sort_unstable_by_key(|touch| touch.segments);
         self.parents.clear();
         self.parents.extend(0..touches.len() as u32);
         for index in 1..touches.len() {
-            let [first, second] = touches[index].segments;
             for before in (0..index).rev() {
-                let [one, other] = touches[before].segments;
-                if one + 1 < first {
+                let pair = [&touches[before], &touches[index]];
+                let is_near = lines[0].are_near(pair, 0, reach);
+                // every earlier segment ends before this one
+                let end = lines[0].arcs_um[pair[0].segments[0] as usize + 1];
+                if !is_near && lines[0].at_um(pair[1], 0) - end > reach {
                     break;
                 }
-                if other.abs_diff(second) <= 1 {
+                if is_near && lines[1].are_near(pair, 1, reach) {
                     let [a, b] = [before, index].map(|touch| self.root(touch as u32));
                     // towards the earlier: a root is the first of its region
                     self.parents[a.max(b) as usize] = a.min(b);
@@ -108,6 +118,13 @@ impl Line<'_, '_> {
         let segment = touch.segments[side] as usize;
         let [from, to] = [self.arcs_um[segment], self.arcs_um[segment + 1]];
         from + touch.shares[side] * (to - from)
+    }
+
+    /// Whether two touches are next to one another or within a reach on this fibre.
+    fn are_near(&self, touches: [&Touch; 2], side: usize, reach_um: f64) -> bool {
+        let [one, other] = touches.map(|touch| touch.segments[side]);
+        let [from, to] = touches.map(|touch| self.at_um(touch, side));
+        one.abs_diff(other) <= 1 || (to - from).abs() <= reach_um
     }
 
     /// Arc lengths between which a region lies.

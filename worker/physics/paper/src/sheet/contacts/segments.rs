@@ -89,6 +89,7 @@ fn nearest([a, b]: [[f64; 3]; 2], [c, d]: [[f64; 3]; 2]) -> ([f64; 2], f64) {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::float_cmp, reason = "these numbers are exact")]
     use super::*;
     use proptest::prelude::*;
 

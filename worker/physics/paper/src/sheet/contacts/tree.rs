@@ -7,8 +7,8 @@ use std::ops::Range;
 use super::bounds::Bound;
 use crate::sheet::SheetFibre;
 
-/// Segments in a leaf. Going down to one makes four times the boxes for no time gained: a segment
-/// is mostly shorter than the fibre is wide.
+/// Segments in a leaf: in a deposited sheet they are together as long as the fibre is wide, and smaller
+/// boxes would hardly be smaller, since all are wider than a fibre.
 const LEAF: usize = 4;
 
 /// Boxes around a fibre and its parts.

@@ -44,7 +44,7 @@ fn gaps(sheet: &Sheet) -> Vec<f64> {
 #[test]
 fn no_fibre_goes_through_another() {
     for flexibility in [0.0, 0.1, 0.3, 1.0] {
-        let sheet = lay(&softwood_sheet(500.0, 60.0, flexibility), 2);
+        let sheet = lay(&softwood_sheet(350.0, 60.0, flexibility), 2);
         let gaps = gaps(&sheet);
         assert!(gaps.len() > 200, "{}", gaps.len());
         // within a pixel of 7 µm a fibre climbs by its slope, and the pixel knows one height
@@ -65,8 +65,14 @@ fn contacts_are_the_crossings_with_a_small_gap() {
     let contacts = sheet.contacts.len() as f64;
     // where one of them slopes, fibres are nearer beside the crossing, by up to F times a width
     let [fewest, most] = [within(plan.gap()), within(plan.gap() + 0.3 * 28.0)];
-    assert!(contacts > 0.95 * fewest && contacts < most, "{fewest} {contacts} {most}");
-    assert!(most < 0.7 * gaps.len() as f64, "many crossings are far apart");
+    assert!(
+        contacts > 0.95 * fewest && contacts < most,
+        "{fewest} {contacts} {most}"
+    );
+    assert!(
+        most < 0.7 * gaps.len() as f64,
+        "many crossings are far apart"
+    );
 }
 
 #[test]
@@ -90,9 +96,9 @@ fn no_slope_is_steeper_than_the_flexibility() {
 #[test]
 fn thickness_rises_linearly_with_grammage_beyond_a_few_layers() {
     let thickness = |grammage: f64| {
-        let each = (0..3)
-            .map(|seed| measured(&softwood_sheet(1000.0, grammage, 0.3), seed).mean_thickness_um);
-        each.sum::<f64>() / 3.0
+        let each = (0..2)
+            .map(|seed| measured(&softwood_sheet(700.0, grammage, 0.3), seed).mean_thickness_um);
+        each.sum::<f64>() / 2.0
     };
     // 4.6, 9.1, 13.7 and 18.3 layers
     let heights = [40.0, 80.0, 120.0, 160.0].map(thickness);

@@ -61,7 +61,7 @@ fn grammage_and_mass_fractions_are_exact() {
 
 #[test]
 fn pulps_are_mixed_through_the_order_of_laying() {
-    let sheet = lay(&deposited([1500.0, 1500.0], 40.0, mixture()), 3);
+    let sheet = lay(&deposited([900.0, 900.0], 40.0, mixture()), 3);
     let total: f64 = sheet.fibres.iter().map(SheetFibre::mass_ug).sum();
     let half = sheet.fibres[..sheet.fibres.len() / 2].iter();
     let mass = |pulp: Option<usize>| {
@@ -104,7 +104,7 @@ fn every_point_is_in_the_sheet_and_cut_ends_are_on_its_edges() {
 
 #[test]
 fn a_seed_gives_the_same_sheet_on_any_number_of_threads() {
-    let plan = deposited([1200.0, 900.0], 30.0, mixture());
+    let plan = deposited([600.0, 450.0], 30.0, mixture());
     let sheet = lay(&plan, 8);
     for threads in [2, 3] {
         let team = Team::new(threads).expect("there are threads");
@@ -131,12 +131,10 @@ fn whole_fibres_have_their_length_and_their_shape_factor() {
                 continue;
             }
             whole += 1;
-            // joining short ends across a bend takes less than a hundredth of a segment
-            assert!(
-                (fibre.length_um() / 600.0 - 1.0).abs() < 1e-4,
-                "{}",
-                fibre.length_um()
-            );
+            // both ends may be joined across a bend, a tenth of a segment of 28 or 7 µm that is not
+            // climbed at a slope of 0.3: 2 · 0.7 · (√1.09 − 1) = 0.06 µm
+            let off = fibre.length_um() - 600.0;
+            assert!(off.abs() < 0.07, "{off}");
             if matches!(plan.placement, Placement::Random3d { .. }) {
                 let chord = polyline::distance(first, last);
                 // ψ²/(6 N²) of 22 segments is 1.7e-4
@@ -159,7 +157,7 @@ fn fibres_are_as_dense_at_the_edges_as_in_the_middle() {
         ..random([1000.0, 1000.0], 10.0, vec![softwood(fixed(800.0))])
     };
     let (mut edge, mut corner) = (Vec::new(), Vec::new());
-    for seed in 0..40 {
+    for seed in 0..24 {
         let sheet = lay(&plan, seed);
         let whole: f64 = sheet.fibres.iter().map(SheetFibre::length_um).sum();
         let share = |from: [f64; 2], size: [f64; 2]| {
@@ -195,7 +193,7 @@ fn directions_have_the_moments_of_their_distribution_however_edges_cut() {
             segment_um: Some(100.0),
             ..random([1500.0, 800.0], 20.0, vec![straight.clone()])
         };
-        let anisotropies: Vec<f64> = (0..20)
+        let anisotropies: Vec<f64> = (0..10)
             .map(|seed| {
                 Statistics::of(&lay(&plan, seed), 10)
                     .expect("fibres")

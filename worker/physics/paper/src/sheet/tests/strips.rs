@@ -1,4 +1,5 @@
 //! Sheets cut out, turned and coarsened.
+#![allow(clippy::float_cmp, reason = "points are carried over unchanged")]
 use super::*;
 
 fn sheet() -> Sheet {
