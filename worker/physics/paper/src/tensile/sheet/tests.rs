@@ -386,19 +386,19 @@ fn two_threads_write_the_same_bytes_as_one() {
 #[test]
 fn repeats_are_sheets_of_the_seeds_that_follow() {
     let mut body = made();
-    body["test"] = json!({"repeats": 3});
+    body["test"] = json!({"repeats": 2});
     let (joint, record) = go(&body, 1);
-    let strengths: Vec<f64> = (3..6)
+    let strengths: Vec<f64> = (3..5)
         .map(|seed| {
             let mut body = made();
             body["seed"] = json!(seed);
             value(&go(&body, 1).0, "tensile_index")
         })
         .collect();
-    let mean = strengths.iter().sum::<f64>() / 3.0;
+    let mean = strengths.iter().sum::<f64>() / 2.0;
     assert!((value(&joint, "tensile_index") / mean - 1.0).abs() < 1e-12);
     assert!(joint.summary["tensile_index"].interval.is_some());
-    assert_eq!(record.table("repeats.csv").len(), 3);
+    assert_eq!(record.table("repeats.csv").len(), 2);
     assert!(record.files.contains_key("repeats_curves.csv"));
     assert!(
         (strengths[0] / strengths[1] - 1.0).abs() > 1e-6,
@@ -410,8 +410,7 @@ fn repeats_are_sheets_of_the_seeds_that_follow() {
 fn a_sheet_across_the_machine_is_the_sheet_along_it_turned() {
     let mut along = made();
     along["pulp"][0]["shape_factor"] = json!(1.0);
-    along["specimen"]["sheet"]["length_mm"] = json!(0.3);
-    along["specimen"]["sheet"]["width_mm"] = json!(0.3);
+    along["specimen"]["sheet"]["length_mm"] = json!(0.2);
     along["specimen"]["sheet"]["orientation"] = json!({"von_mises": {"concentration": 2}});
     let [mut across, mut both] = [along.clone(), along.clone()];
     across["test"] = json!({"direction": "cd"});
@@ -451,7 +450,7 @@ impl InterruptSource for After {
 fn a_test_that_was_suspended_goes_on_to_the_same_bytes() {
     let body = made();
     let (report, whole) = go(&body, 1);
-    for breaks in [0, 1, 7] {
+    for breaks in [0, 7] {
         let mut record = Record::default();
         let interrupt = After(breaks.into());
         let context = RunContext {
