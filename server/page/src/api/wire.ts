@@ -1531,7 +1531,7 @@ export interface components {
         CompositeCell: Record<string, never>;
         /**
          * Paper tensile test
-         * @description One fibre, a hollow tube of springs, is pulled, twisted, bent or pushed until it buckles: moduli, bending stiffness, buckling load.
+         * @description A sheet of pulp fibres that are bonded where they touch is pulled until it breaks; or one fibre, a hollow tube of springs, is pulled, twisted, bent or pushed until it buckles.
          */
         PaperTensileSubmission: {
             /**
