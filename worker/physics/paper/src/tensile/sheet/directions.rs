@@ -56,9 +56,15 @@ fn ratios([first, second]: [Direction; 2], reports: [&Report; 2]) -> IndexMap<St
             let value = report.summary.get(name).and_then(|quantity| quantity.value);
             value.unwrap_or(f64::NAN)
         });
-        let about = format!("`{name}` along {} over that along {}.", first.name(), second.name());
+        let about = format!(
+            "`{name}` along {} over that along {}.",
+            first.name(),
+            second.name()
+        );
         Quantity::new(over / under, "1", &about)
     };
-    let named = COMPARED.iter().map(|name| (format!("anisotropy_of_{name}"), ratio(name)));
+    let named = COMPARED
+        .iter()
+        .map(|name| (format!("anisotropy_of_{name}"), ratio(name)));
     named.collect()
 }

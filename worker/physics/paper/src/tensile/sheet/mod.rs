@@ -74,9 +74,15 @@ pub(super) fn run(
         Some(bytes) => Plan::resume(fingerprint, bytes, recorder)?,
         None => {
             let last = spec.seed + u64::from(spec.specimens() - 1);
-            let along: Vec<&str> = directions.iter().map(|direction| direction.name()).collect();
+            let along: Vec<&str> = directions
+                .iter()
+                .map(|direction| direction.name())
+                .collect();
             let along = along.join(" and ");
-            recorder.log(&format!("{count} sheets, seeds {} to {last}, along {along}", spec.seed));
+            recorder.log(&format!(
+                "{count} sheets, seeds {} to {last}, along {along}",
+                spec.seed
+            ));
             Plan::new(fingerprint, count)
         }
     };
@@ -88,7 +94,9 @@ pub(super) fn run(
     let reports = finished.iter().map(|test| test.report.read());
     let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
     let per_seed = reports.chunks(directions.len());
-    let joint: Vec<Report> = per_seed.map(|both| directions::join(directions, both)).collect();
+    let joint: Vec<Report> = per_seed
+        .map(|both| directions::join(directions, both))
+        .collect();
     recorder.progress(1.0, "finished");
     let [report] = joint.as_slice() else {
         write_repeats(spec.seed, &joint, recorder)?;
@@ -105,7 +113,10 @@ pub(super) fn run(
 /// Number of the repeat and direction of test number `index`: directions of a seed follow one another.
 fn place(spec: &PaperTensile, index: usize) -> (usize, Direction) {
     let directions = spec.test.pulled().each();
-    (index / directions.len(), directions[index % directions.len()])
+    (
+        index / directions.len(),
+        directions[index % directions.len()],
+    )
 }
 
 /// What the job shows of test number `index`: the first seed, its first direction as its own.

@@ -1,114 +1,10 @@
-//! Sheets through the whole job, against closed forms where there are any.
-#![allow(
-    clippy::float_cmp,
-    reason = "counts, zeros and what is copied are exact"
-)]
-use std::io::Write;
-
-use indexmap::IndexMap;
-use loadframe_api::spec::paper_tensile::PaperTensile;
-use loadframe_api::{JobSpec, Report, Submission};
-use loadframe_harness::{Ending, Interrupt, InterruptSource, Recorder, RunContext, Uninterrupted};
+//! Sheets that are given.
 use serde_json::{Value, json};
 
-use crate::tensile::run;
-
-/// Keeps what a run says.
-#[derive(Default, Debug, PartialEq)]
-struct Record {
-    points: Vec<Vec<f64>>,
-    files: IndexMap<String, Vec<u8>>,
-    checkpoint: Vec<u8>,
-}
-
-impl Recorder for Record {
-    fn columns(&mut self, _names: &[&str]) -> std::io::Result<()> {
-        self.points.clear();
-        Ok(())
-    }
-
-    fn point(&mut self, values: &[f64]) -> std::io::Result<()> {
-        self.points.push(values.to_vec());
-        Ok(())
-    }
-
-    fn file(
-        &mut self,
-        name: &str,
-        write: &mut dyn FnMut(&mut dyn Write) -> std::io::Result<()>,
-    ) -> std::io::Result<()> {
-        let mut bytes = Vec::new();
-        write(&mut bytes)?;
-        self.files.insert(name.to_owned(), bytes);
-        Ok(())
-    }
-
-    fn progress(&mut self, fraction: f64, _phase: &str) {
-        assert!((0.0..=1.0).contains(&fraction));
-    }
-
-    fn log(&mut self, _message: &str) {}
-
-    fn checkpoint_due(&self) -> bool {
-        false
-    }
-
-    fn checkpoint(&mut self, bytes: &[u8]) -> std::io::Result<()> {
-        self.checkpoint = bytes.to_vec();
-        Ok(())
-    }
-}
-
-impl Record {
-    fn table(&self, name: &str) -> Vec<Vec<f64>> {
-        let text = std::str::from_utf8(&self.files[name]).unwrap();
-        let rows = text.lines().skip(1).map(|line| {
-            let cells = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN));
-            cells.collect()
-        });
-        rows.collect()
-    }
-}
-
-fn spec(body: &Value) -> PaperTensile {
-    let job = json!({"kind": "paper_tensile", "spec": body});
-    let submission = Submission::from_slice(job.to_string().as_bytes()).unwrap();
-    let JobSpec::PaperTensile(spec) = submission.spec else {
-        panic!("another kind");
-    };
-    *spec
-}
-
-fn go(body: &Value, threads: usize) -> (Report, Record) {
-    let context = RunContext {
-        threads,
-        interrupt: &Uninterrupted,
-        checkpoint: None,
-    };
-    let mut record = Record::default();
-    match run(&spec(body), context, &mut record).unwrap() {
-        Ending::Finished(report) => (report, record),
-        other => panic!("{other:?}"),
-    }
-}
-
-fn value(report: &Report, name: &str) -> f64 {
-    report.summary[name].value.unwrap()
-}
-
-fn codes(report: &Report) -> Vec<&str> {
-    let codes = report.warnings.iter();
-    codes.map(|warning| warning.code.as_str()).collect()
-}
+use super::{codes, go, pulp, value};
 
 /// E A = 30 GPa × π 2 (28 − 2) µm² [mN].
 const EA_MN: f64 = 30.0 * std::f64::consts::PI * 2.0 * 26.0;
-
-fn pulp() -> Value {
-    json!([{"name": "softwood", "length_mm": 1.0, "length_variation": 0.3, "width_um": 28, "wall_um": 2,
-            "coarseness_mg_per_m": 0.245, "youngs_modulus_gpa": 30, "poisson_ratio": 0.3,
-            "shear_modulus_gpa": 2.5, "shape_factor": 0.97}])
-}
 
 /// Two fibres of which each reaches 600 µm into a gap of 1 mm, bonded where their middles meet.
 fn lap() -> Value {
@@ -287,7 +183,8 @@ fn two_crossed_fibres_are_two_built_in_beams_and_break_by_tension_and_bending() 
         {"pulp": "softwood", "centre_line_um": [[0, 300, 0], [400, 0, 0]]},
     ]);
     body["specimen"]["explicit"]["length_mm"] = json!(0.4);
-    body["specimen"]["explicit"]["bonds"] = json!([{"fibres": [0, 1], "at_um": [250, 250], "area_um2": 400}]);
+    body["specimen"]["explicit"]["bonds"] =
+        json!([{"fibres": [0, 1], "at_um": [250, 250], "area_um2": 400}]);
     body["bond"] = json!({"stiffness_n_per_m_per_um2": 250});
     let (report, record) = go(&body, 1);
     let (length_um, cos, sin) = (500.0, 0.8, 0.6);
@@ -311,7 +208,10 @@ fn two_crossed_fibres_are_two_built_in_beams_and_break_by_tension_and_bending() 
     assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
     let elongation = 0.6 / (tension / area + moment * 14.0 / inertia);
     let found = value(&report, "stretch") * 400.0;
-    assert!((found / elongation - 1.0).abs() < 1e-9, "{found} {elongation}");
+    assert!(
+        (found / elongation - 1.0).abs() < 1e-9,
+        "{found} {elongation}"
+    );
     assert!((record.table("events.csv")[0][11] / 600.0 - 1.0).abs() < 1e-9);
 }
 
@@ -325,166 +225,4 @@ fn bonds_that_do_not_break_leave_a_straight_line() {
     assert_eq!(report.stop_reason, "max_strain");
     assert_eq!(record.points.len(), 2);
     assert!((record.points[1][0] - 0.05).abs() < 1e-12);
-}
-
-/// A sheet of thirty pieces of fibres with three times as many bonds.
-fn made() -> Value {
-    let mut pulps = pulp();
-    pulps[0]["strength_mpa"] = json!(600);
-    json!({
-        "version": 1, "seed": 3, "pulp": pulps,
-        "specimen": {"sheet": {"length_mm": 0.4, "width_mm": 0.2, "grammage_g_per_m2": 20}},
-        "bond": {"normal_strength_mpa": 4, "shear_strength_mpa": 4, "strength_variation": 0.3},
-    })
-}
-
-#[test]
-fn a_sheet_has_its_grammage_breaks_and_is_softer_than_coxs() {
-    let (report, record) = go(&made(), 1);
-    assert!((value(&report, "grammage") / 20.0 - 1.0).abs() < 1e-9);
-    let [index, cox] =
-        ["tensile_stiffness_index", "cox_stiffness_index"].map(|name| value(&report, name));
-    assert!(index > 0.02 * cox && index < cox, "{index} {cox}");
-    assert_eq!(report.stop_reason, "force_dropped");
-    let broken = value(&report, "broken_bonds");
-    let events = record.table("events.csv");
-    assert!(broken > 20.0 && value(&report, "broken_fibres") > 0.0);
-    assert_eq!(
-        events.iter().filter(|event| event[6] < 3.0).count() as f64,
-        broken
-    );
-    let modes = ["broken_bonds_opened", "broken_bonds_sheared"];
-    let both: f64 = modes.iter().map(|mode| value(&report, mode)).sum();
-    assert_eq!(both, broken);
-    let curve = record.table("curve.csv");
-    assert!(curve.windows(2).all(|pair| pair[1][0] >= pair[0][0]));
-    let last = &curve[curve.len() - 1];
-    assert_eq!(last[3], broken);
-    assert!(last[1] <= 0.3 * value(&report, "max_force"));
-    assert!(
-        report.quality.values().all(|check| check.ok),
-        "{:?}",
-        report.quality
-    );
-    assert_eq!(codes(&report), ["assumed_bond_stiffness"]);
-    let lengths = record.table("fibre_lengths.csv");
-    let shares: f64 = lengths.iter().map(|row| row[2]).sum();
-    assert!((shares - 1.0).abs() < 1e-9);
-}
-
-#[test]
-fn two_threads_write_the_same_bytes_as_one() {
-    let mut body = made();
-    body["test"] = json!({"repeats": 2});
-    assert_eq!(go(&body, 1), go(&body, 2));
-}
-
-#[test]
-fn repeats_are_sheets_of_the_seeds_that_follow() {
-    let mut body = made();
-    body["test"] = json!({"repeats": 2});
-    let (joint, record) = go(&body, 1);
-    let strengths: Vec<f64> = (3..5)
-        .map(|seed| {
-            let mut body = made();
-            body["seed"] = json!(seed);
-            value(&go(&body, 1).0, "tensile_index")
-        })
-        .collect();
-    let mean = strengths.iter().sum::<f64>() / 2.0;
-    assert!((value(&joint, "tensile_index") / mean - 1.0).abs() < 1e-12);
-    assert!(joint.summary["tensile_index"].interval.is_some());
-    assert_eq!(record.table("repeats.csv").len(), 2);
-    assert!(record.files.contains_key("repeats_curves.csv"));
-    assert!(
-        (strengths[0] / strengths[1] - 1.0).abs() > 1e-6,
-        "{strengths:?}"
-    );
-}
-
-#[test]
-fn a_sheet_across_the_machine_is_the_sheet_along_it_turned() {
-    let mut along = made();
-    along["pulp"][0]["shape_factor"] = json!(1.0);
-    along["specimen"]["sheet"]["length_mm"] = json!(0.2);
-    along["specimen"]["sheet"]["orientation"] = json!({"von_mises": {"concentration": 2}});
-    let [mut across, mut both] = [along.clone(), along.clone()];
-    across["test"] = json!({"direction": "cd"});
-    let [along, across] = [along, across].map(|body| go(&body, 1).0);
-    let [md, cd] = [&along, &across].map(|report| value(report, "anisotropy"));
-    assert!(md > 0.3 && (md + cd).abs() < 1e-9, "{md} {cd}");
-    let ratio = value(&along, "tensile_stiffness") / value(&across, "tensile_stiffness");
-    assert!(ratio > 1.5, "{ratio}");
-    assert_eq!(value(&along, "bonds"), value(&across, "bonds"));
-
-    // both in one job
-    both["test"] = json!({"direction": "both"});
-    let (both, record) = go(&both, 2);
-    for (name, quantity) in &along.summary {
-        assert_eq!(&both.summary[name], quantity);
-        assert_eq!(value(&both, &format!("{name}_along_cd")), value(&across, name));
-    }
-    let told = value(&both, "anisotropy_of_tensile_stiffness_index");
-    assert!((told / ratio - 1.0).abs() < 1e-12, "{told} {ratio}");
-    assert!(record.files.contains_key("along_cd/curve.csv"));
-}
-
-/// Suspends after so many questions.
-struct After(std::sync::atomic::AtomicUsize);
-
-impl InterruptSource for After {
-    fn interrupt(&self) -> Option<Interrupt> {
-        let left = self.0.fetch_sub(1, std::sync::atomic::Ordering::Relaxed);
-        (left == 0).then_some(Interrupt::Suspend)
-    }
-}
-
-#[test]
-fn a_test_that_was_suspended_goes_on_to_the_same_bytes() {
-    let body = made();
-    let (report, whole) = go(&body, 1);
-    for breaks in [0, 7] {
-        let mut record = Record::default();
-        let interrupt = After(breaks.into());
-        let context = RunContext {
-            threads: 1,
-            interrupt: &interrupt,
-            checkpoint: None,
-        };
-        let ending = run(&spec(&body), context, &mut record).unwrap();
-        assert!(matches!(ending, Ending::Suspended));
-        let checkpoint = std::mem::take(&mut record.checkpoint);
-        let context = RunContext {
-            threads: 2,
-            interrupt: &Uninterrupted,
-            checkpoint: Some(&checkpoint),
-        };
-        let Ending::Finished(again) = run(&spec(&body), context, &mut record).unwrap() else {
-            panic!("it did not finish");
-        };
-        assert_eq!(
-            (&again.summary, &again.quality),
-            (&report.summary, &report.quality)
-        );
-        assert_eq!(record.points, whole.points);
-        let mut files: Vec<_> = record.files.iter().collect();
-        let mut expected: Vec<_> = whole.files.iter().collect();
-        files.sort();
-        expected.sort();
-        assert!(files == expected, "after {breaks}");
-    }
-}
-
-#[test]
-fn a_truss_of_short_fibres_is_told_to_be_a_mechanism() {
-    let mut body = made();
-    body["pulp"][0]["length_mm"] = json!(0.2);
-    body["specimen"]["sheet"]["width_mm"] = json!(0.1);
-    body["model"] = json!({"level": "truss"});
-    let (report, _) = go(&body, 1);
-    assert!(
-        codes(&report).contains(&"truss_mechanism"),
-        "{:?}",
-        report.warnings
-    );
 }
