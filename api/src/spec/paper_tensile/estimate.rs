@@ -1,6 +1,6 @@
 //! What a test takes: of one fibre factors of a narrow band, of a sheet a factor and a solution for
 //! every break.
-use super::sheet_checks::{factor_entries, memory_mb, motions};
+use super::expected::{factor_entries, memory_mb, motions};
 use super::{PaperTensile, SingleFibre, SingleFibreLoad, Specimen};
 use crate::fibre::divide;
 use crate::{Calibration, Estimate};

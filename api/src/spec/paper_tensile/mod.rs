@@ -12,6 +12,7 @@ mod accuracy;
 mod bond;
 mod checks;
 mod estimate;
+mod expected;
 mod job_kind;
 mod model;
 mod pulp;
