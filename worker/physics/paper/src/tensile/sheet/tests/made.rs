@@ -169,3 +169,78 @@ fn a_truss_of_short_fibres_is_told_to_be_a_mechanism() {
         report.warnings
     );
 }
+
+#[test]
+fn extremes_have_a_result_that_balances() {
+    let small = |change: &dyn Fn(&mut Value)| {
+        let mut body = made();
+        body["specimen"]["sheet"]["length_mm"] = json!(0.2);
+        body["specimen"]["sheet"]["width_mm"] = json!(0.1);
+        body["bond"]["stiffness_n_per_m_per_um2"] = json!(250);
+        change(&mut body);
+        body
+    };
+    let set = |pointer: &'static str, value: Value| {
+        small(&|body| *body.pointer_mut(pointer).unwrap() = value.clone())
+    };
+    let grammage = "/specimen/sheet/grammage_g_per_m2";
+    for (name, body) in [
+        ("5 g/m2", set(grammage, json!(5))),
+        (
+            "500 g/m2",
+            small(&|body| {
+                body["specimen"]["sheet"]["grammage_g_per_m2"] = json!(500);
+                body["test"] = json!({"max_strain": 1e-5});
+            }),
+        ),
+        ("curls", set("/pulp/0/shape_factor", json!(0.5))),
+        ("no lumen", set("/pulp/0/wall_um", json!(14))),
+        (
+            "soft in shear",
+            set("/pulp/0/shear_modulus_gpa", json!(0.3)),
+        ),
+        (
+            "stiff in shear",
+            set("/pulp/0/shear_modulus_gpa", json!(15)),
+        ),
+        ("long fibres", set("/pulp/0/length_mm", json!(20))),
+        (
+            "no bonds",
+            set(
+                "/bond",
+                json!({"normal_strength_mpa": 0, "shear_strength_mpa": 0}),
+            ),
+        ),
+        ("bonds that hold", set("/bond", json!({}))),
+        (
+            "soft bonds",
+            set("/bond/stiffness_n_per_m_per_um2", json!(1e-3)),
+        ),
+        (
+            "hard bonds",
+            set("/bond/stiffness_n_per_m_per_um2", json!(1e5)),
+        ),
+        (
+            "a strain of one",
+            small(&|body| body["test"] = json!({"max_strain": 1.0})),
+        ),
+        (
+            "at random",
+            small(&|body| {
+                body["specimen"]["sheet"]["placement"] = json!({"random": {"thickness_um": 30}});
+            }),
+        ),
+    ] {
+        let (report, _) = go(&body, 1);
+        let held = report.quality.values().all(|check| check.ok);
+        assert!(held, "{name}: {:?}", report.quality);
+        let finite = ["max_force", "tensile_index", "stretch", "energy_absorption"];
+        for result in finite {
+            let found = value(&report, result);
+            assert!(
+                found.is_finite() && found >= 0.0,
+                "{name}: {result} {found}"
+            );
+        }
+    }
+}
