@@ -212,7 +212,9 @@ def check_section(folder: Path, spec: dict) -> str:
     series.set_active_time_value(series.time_values[-1])
     mesh = series.read()[0]
     check(mesh.n_cells == cells, f"{mesh.n_cells} cells instead of {cells}")
-    check(read(folder / "snapshots" / "section.vtp").GetNumberOfPolys() == cells, "polygons of VTK's own reader")
+    breaks = "breaking" in spec["test"]
+    last = "end.vtp" if breaks else "section.vtp"
+    check(read(folder / "snapshots" / last).GetNumberOfPolys() == cells, "polygons of VTK's own reader")
     displacement = mesh.point_data["displacement_mm"]
     start = mesh.points.astype(float) - factor * displacement
     sides = np.array([spec["section"]["length_mm"], spec["section"]["height_mm"]])
@@ -227,10 +229,70 @@ def check_section(folder: Path, spec: dict) -> str:
         check(np.abs(displacement[near][:, 1] - row["uy_mm"]) <= 1e-12 + 1e-9 * np.abs(row["uy_mm"]), "uy at the top")
     share = mesh.cell_data["fibre_share"]
     check((share >= 0) & (share <= 1), "shares of fibre")
+    if breaks:
+        damage = mesh.cell_data["damage"]
+        check((damage >= 0) & (damage <= 1), "damage")
+        check((damage > 0.999).sum() >= int(summary["broken_cells"]["value"]) > 0, "broken cells")
+        cracks = pyvista.wrap(read(folder / "snapshots" / "cracks.vtp"))
+        with (folder / "cracks.csv").open() as rows:
+            areas = [float(row["crack_area_mm2"]) for row in csv.DictReader(rows)]
+        opened = sum(area > 0 for area in areas)
+        check(cracks.n_lines == opened, f"{cracks.n_lines} cracks, {opened} in the table")
+        check(len(series.time_values) == 2, "pictures of the peak and of the end")
+        return f"{cells} cells, {cracks.n_lines} cracks"
     bonds = pyvista.read(folder / "snapshots" / "bonds.vtp")
     check(np.isfinite(bonds.cell_data["force_n"]), "bond forces")
     check(bonds.n_points == int(summary["particles"]["value"]), "particles of the bonds")
     return f"{cells} cells, {bonds.n_lines} bonds"
+
+
+def check_cell(folder: Path) -> str:
+    """The unit cell: its grid fills it, its fibres have their share, its mean stress is the one applied."""
+    cell = pyvista.wrap(read(folder / "snapshots" / "cell.vtp"))
+    sides = np.ptp(cell.points.astype(float), axis=0)[:2]
+    corners = cell.points.astype(float).reshape(cell.n_cells, 4, 3)
+    area = np.prod(np.ptp(corners, axis=1)[:, :2], axis=1)
+    check(abs(area.sum() / sides.prod() - 1) < 1e-5, "the grid does not fill the cell")
+    share = np.average(cell.cell_data["fibre_share"], weights=area)
+    told = json.loads((folder / "outcome.json").read_text())["summary"]["fibre_fraction"]["value"]
+    check(abs(share / told - 1) < 1e-4, f"a share of fibre of {share}, {told} told")
+    for name, applied in (("22", 1), ("11", 0), ("33", 0), ("23", 0), ("13", 0), ("12", 0)):
+        mean = np.average(cell.cell_data[f"stress_{name}_mpa"], weights=area)
+        check(abs(mean - applied) < 1e-4, f"a mean stress {name} of {mean} MPa")
+    return f"{cell.n_cells} cells"
+
+
+def check_tube(folder: Path) -> str:
+    """A fibre as a tube of springs: whole rings, springs of every sort, finite forces."""
+    series = pyvista.get_reader(folder / "snapshots.pvd")
+    series.set_active_time_value(series.time_values[-1])
+    mesh = series.read()[0]
+    check(np.isfinite(mesh.points), "points of the tube")
+    check(np.isfinite(mesh.cell_data["force_n"]), "spring forces")
+    check(mesh.cell_data["stiffness_mn_per_um"] > 0, "springs of no or negative stiffness")
+    check(mesh.point_data["mass_ug"] > 0, "masses")
+    return f"{mesh.n_points} points, {mesh.n_lines} springs"
+
+
+def check_sheet(folder: Path) -> str:
+    """A sheet of paper from start to end: the same lines in every picture, as many broken as its results say."""
+    summary = json.loads((folder / "outcome.json").read_text())["summary"]
+    series = pyvista.get_reader(folder / "snapshots.pvd")
+    check(len(series.time_values) >= 2, f"a series of {len(series.time_values)}")
+    lines = set()
+    for time in series.time_values:
+        series.set_active_time_value(time)
+        mesh = series.read()[0]
+        lines.add(mesh.n_lines)
+        check(np.isfinite(mesh.points), "points of the sheet")
+        check(np.isfinite(mesh.cell_data["force_n"]), "forces")
+    check(len(lines) == 1, f"pictures of {lines} lines")
+    is_bond, broken = (mesh.cell_data[name].astype(bool) for name in ("is_bond", "broken"))
+    told = summary["broken_bonds"]
+    if "n" not in told:
+        count = (is_bond & broken).sum()
+        check(count == told["value"], f"{count} broken bonds drawn, {told['value']} told")
+    return f"{(~is_bond).sum()} parts of fibres, {is_bond.sum()} bonds, {broken.sum()} broken"
 
 
 def check_example(binary: str, example: Path) -> str:
@@ -249,6 +311,10 @@ def check_example(binary: str, example: Path) -> str:
             return "no snapshots asked for"
         if job["kind"] == "composite_bending":
             return check_section(Path(folder), job["spec"])
+        if job["kind"] == "composite_cell":
+            return check_cell(folder)
+        if job["kind"] == "paper_tensile":
+            return check_tube(folder) if "single_fibre" in spec["specimen"] else check_sheet(folder)
         if job["kind"] == "granular_scene":
             return check_scene(folder, spec, table(folder / "curve.csv"))
         if job["kind"].startswith("ballast_"):

@@ -29,9 +29,9 @@ pub struct Knobs {
 }
 
 const CELLS: [(Preset, u32); 3] = [
-    (Preset::Draft, 12),
-    (Preset::Standard, 24),
-    (Preset::Reference, 64),
+    (Preset::Draft, 16),
+    (Preset::Standard, 48),
+    (Preset::Reference, 128),
 ];
 
 impl Default for Accuracy {
@@ -54,7 +54,7 @@ impl Accuracy {
             Self::Preset(preset) => {
                 let found = CELLS.iter().find(|(known, _)| known == preset);
                 Knobs {
-                    cells_per_fibre: found.map_or(24, |(_, cells)| *cells),
+                    cells_per_fibre: found.map_or(48, |(_, cells)| *cells),
                 }
             }
         }

@@ -728,7 +728,7 @@ export interface components {
             };
         };
         /** @description Kind of a job. */
-        JobKind: "nonwoven_tensile" | "granular_scene" | "ballast_oedometer" | "ballast_box" | "ballast_railbed" | "composite_bending" | "calibrate";
+        JobKind: "nonwoven_tensile" | "granular_scene" | "ballast_oedometer" | "ballast_box" | "ballast_railbed" | "composite_bending" | "composite_cell" | "paper_tensile" | "calibrate";
         /** @description `POST /v1/worker/claims`: asks for a job and waits up to `wait_s` for one (204 when none came). */
         ClaimRequest: {
             /**
@@ -1502,6 +1502,62 @@ export interface components {
         };
         CompositeBending: Record<string, never>;
         /**
+         * Composite cell
+         * @description Fibres in a matrix, seen along them: the elastic constants of the composite, beside the bounds that theory sets.
+         */
+        CompositeCellSubmission: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "composite_cell";
+            /**
+             * @description A name for people; left out, the kind's title.
+             * @default
+             */
+            name: string;
+            /** @default  */
+            notes: string;
+            /** @default [] */
+            tags: string[];
+            /**
+             * Format: int32
+             * @description Higher runs first.
+             * @default 0
+             */
+            priority: number;
+            spec: components["schemas"]["CompositeCell"];
+        };
+        CompositeCell: Record<string, never>;
+        /**
+         * Paper tensile test
+         * @description A sheet of pulp fibres that are bonded where they touch is pulled until it breaks; or one fibre, a hollow tube of springs, is pulled, twisted, bent or pushed until it buckles.
+         */
+        PaperTensileSubmission: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "paper_tensile";
+            /**
+             * @description A name for people; left out, the kind's title.
+             * @default
+             */
+            name: string;
+            /** @default  */
+            notes: string;
+            /** @default [] */
+            tags: string[];
+            /**
+             * Format: int32
+             * @description Higher runs first.
+             * @default 0
+             */
+            priority: number;
+            spec: components["schemas"]["PaperTensile"];
+        };
+        PaperTensile: Record<string, never>;
+        /**
          * Calibration
          * @description Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.
          */
@@ -1530,7 +1586,7 @@ export interface components {
         };
         Calibrate: Record<string, never>;
         /** @description A job to be done; `kind` decides what `spec` holds. */
-        Submission: components["schemas"]["NonwovenTensileSubmission"] | components["schemas"]["GranularSceneSubmission"] | components["schemas"]["BallastOedometerSubmission"] | components["schemas"]["BallastBoxSubmission"] | components["schemas"]["BallastRailbedSubmission"] | components["schemas"]["CompositeBendingSubmission"] | components["schemas"]["CalibrateSubmission"];
+        Submission: components["schemas"]["NonwovenTensileSubmission"] | components["schemas"]["GranularSceneSubmission"] | components["schemas"]["BallastOedometerSubmission"] | components["schemas"]["BallastBoxSubmission"] | components["schemas"]["BallastRailbedSubmission"] | components["schemas"]["CompositeBendingSubmission"] | components["schemas"]["CompositeCellSubmission"] | components["schemas"]["PaperTensileSubmission"] | components["schemas"]["CalibrateSubmission"];
     };
     responses: never;
     parameters: never;

@@ -65,16 +65,33 @@ export function boundsOf({ points }: PolyData): { low: number[]; high: number[] 
 export function inventory({ spheres, lines, walls, cells }: Picture, subject: Subject): string {
   const isScene = subject === "scene";
   const broken = lines ? [...brokenOf(lines)].filter((is) => is > 0).length : 0;
+  const bonds = lines && subject === "sheet" ? bondsOf(lines) : 0;
+  const parts = lines ? lines.lines.length / 2 - broken - bonds : 0;
   const some = [
     count(spheres ? spheres.points.length / 3 : 0, "sphere"),
     count(cells?.ends.length ?? 0, "cell"),
     count(walls?.ends.length ?? 0, "polygon", " of walls"),
-    count(lines ? lines.lines.length / 2 - broken : 0, isScene ? "contact force" : "bond"),
-    count(broken, "broken bond"),
+    count(parts, PARTS[subject] ?? "bond"),
+    count(bonds, "bond"),
+    count(broken, subject === "sheet" ? "break" : "broken bond"),
   ].filter((text) => text !== "");
   if (some.length === 0) return "Nothing is recorded in this snapshot.";
   const list = some.length > 1 ? `${some.slice(0, -1).join(", ")} and ${some.at(-1)}` : some.join();
   return `${list}.${isScene && !spheres ? " No bodies are recorded in it." : ""}`;
+}
+
+/** What a line is called that is no bond. */
+const PARTS: Partial<Record<Subject, string>> = {
+  scene: "contact force",
+  sheet: "segment",
+  fibre: "spring",
+};
+
+/** Lines of a sheet that are whole bonds. */
+function bondsOf(lines: PolyData): number {
+  const isBond = lines.cellData.find(({ name }) => name === "is_bond")?.values ?? new Uint8Array();
+  const broken = brokenOf(lines);
+  return [...isBond].filter((is, line) => is > 0 && !(broken[line] ?? 0)).length;
 }
 
 /** For each line whether it has broken; empty where lines do not break. */

@@ -157,6 +157,9 @@ test("moments are told in what they are counted in", () => {
   };
   expect(told("granular_scene", 0.25)).toBe("0.2500 s");
   expect(told("nonwoven_tensile", 0.25)).toBe("25 % strain");
+  expect(told("paper_tensile", 0.02, { specimen: { sheet: {} } })).toContain("strain");
+  expect(told("composite_cell", 1)).toContain("1 MPa");
+  expect(told("composite_bending", 0.5, { test: { breaking: {} } })).toContain("mm");
   expect(told("composite_bending", 1)).toBe("full load");
   expect(told("composite_bending", 0.5)).toBe("50 % of the load");
   expect(told("composite_bending", 1, { test: { history: { load: "released" } } })).toBe("at the end");

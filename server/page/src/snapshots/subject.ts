@@ -4,13 +4,18 @@ import { formatNumber } from "../format/numbers";
 import { withUnit } from "../format/words";
 
 /**
- * Bodies in time, bonds over strain, or the face of a section: under its load, while it breaks, at the end of
- * a motion, or of fibres seen from their ends.
+ * Bodies in time, bonds over strain, fibres of a sheet over strain, the springs of one fibre, or the face of a
+ * section: under its load, while it breaks, at the end of a motion, or of fibres seen from their ends.
  */
-export type Subject = "scene" | "fabric" | "loaded section" | "breaking section" | "moved section" | "cell section";
+export type Subject =
+  "scene" | "fabric" | "sheet" | "fibre" | "loaded section" | "breaking section" | "moved section" | "cell section";
 
 export function subjectOf({ kind, spec }: Pick<Job, "kind" | "spec">): Subject {
   if (kind.startsWith("nonwoven")) return "fabric";
+  if (kind === "paper_tensile") {
+    const specimen = (spec as { specimen?: { single_fibre?: unknown } } | undefined)?.specimen;
+    return specimen?.single_fibre ? "fibre" : "sheet";
+  }
   if (!kind.startsWith("composite")) return "scene";
   if (kind === "composite_cell") return "cell section";
   const test = (spec as { test?: { history?: unknown; breaking?: unknown } } | undefined)?.test;
@@ -27,7 +32,10 @@ export function momentOf(at: number, subject: Subject): string {
   switch (subject) {
     case "scene":
       return withUnit(formatNumber(at), "s");
+    case "fibre":
+      return `at ${formatNumber(at)}`;
     case "fabric":
+    case "sheet":
       return withUnit(formatNumber(100 * at), "% strain");
     case "loaded section":
       return at === 1 ? "full load" : withUnit(formatNumber(100 * at), "% of the load");

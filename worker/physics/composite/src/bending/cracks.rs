@@ -101,11 +101,11 @@ pub(super) fn conduct(
         }
         if event.number.is_multiple_of(LOOK) {
             let mut state = || {
-                Progress::Cracks(CracksState {
+                Progress::Cracks(Box::new(CracksState {
                     state: breaking.state(),
                     events: events.clone(),
                     peak: peak.clone(),
-                })
+                }))
             };
             watch.look(fraction(given, &event, largest), &mut state)?;
         }

@@ -175,7 +175,8 @@ impl Finding {
     }
 }
 
-/// The result that stands for all, the first of these that a test has.
+/// The result that stands for all: the largest force of a test that breaks, else the first of these that
+/// a test has.
 const MAIN: [&str; 4] = [
     "flexural_modulus",
     "effective_modulus",
@@ -185,8 +186,11 @@ const MAIN: [&str; 4] = [
 
 /// The result that stands for all.
 pub(super) fn main(measured: &[Measured]) -> Option<&Measured> {
-    MAIN.iter()
-        .find_map(|name| measured.iter().find(|one| one.name == *name))
+    let find = |name: &str| measured.iter().find(|one| one.name == name);
+    if find("first_crack_force").is_some() {
+        return find("max_force");
+    }
+    MAIN.iter().find_map(|name| find(name))
 }
 
 #[cfg(test)]

@@ -168,6 +168,10 @@ fn strengths(
 
 /// Part of a fracture energy by which the steps of softening may miss it, beyond which it is told.
 const SAW: f64 = 0.05;
+/// Cells over the length of the zone in which a crack opens, beyond which it takes markedly too much.
+const COARSE: f64 = 1.0 / 8.0;
+/// What a crack that grows takes too much, over that ratio, see [`crate::breaking::Totals`].
+const TOO_MUCH: f64 = 0.8;
 /// Part of the broken cells whose crack is pressed together, beyond which it is told.
 const OVERLAPPING: f64 = 0.1;
 
@@ -190,6 +194,18 @@ pub(super) fn warnings(broken: &Broken) -> Vec<(&'static str, String)> {
                 "the steps in which cracks open may miss their fracture energy by {:.0} %; more teeth in \
                  breaking make that less, in proportion",
                 100.0 * totals.saw_error
+            ),
+        ));
+    }
+    if totals.coarseness > COARSE {
+        warnings.push((
+            "coarse_cracks",
+            format!(
+                "cells where cracks opened are {:.2} of the zone in which a crack opens, l = EG/f²: a crack that \
+                 grows through them takes about {:.0} % more than its fracture energy; smaller cells make that \
+                 less, in proportion",
+                totals.coarseness,
+                100.0 * TOO_MUCH * totals.coarseness
             ),
         ));
     }

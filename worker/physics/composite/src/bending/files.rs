@@ -349,7 +349,8 @@ fn write_events(
         for event in &broken.events {
             let [x, y] = grid.middle_mm(event.cell);
             let (part, fibre) = match event.part {
-                BrokenPart::Matrix => ("matrix", String::new()),
+                BrokenPart::Matrix if model.spec.plies.is_empty() => ("matrix", String::new()),
+                BrokenPart::Matrix => ("ply", String::new()),
                 BrokenPart::Fibre(place) => ("fibre", place.to_string()),
                 BrokenPart::Interface(place) => ("interface", place.to_string()),
             };

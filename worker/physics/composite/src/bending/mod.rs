@@ -50,7 +50,7 @@ enum Progress {
     /// Steps done.
     Rollers(u32),
     History(history::HistoryState),
-    Cracks(cracks::CracksState),
+    Cracks(Box<cracks::CracksState>),
     /// The test is over, and of its comparisons those that are known.
     Done(Box<(Tested, Finding)>),
 }

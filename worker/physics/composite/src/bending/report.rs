@@ -122,8 +122,8 @@ fn quality(
                     error,
                     LARGEST_GRID_ERROR,
                     "1",
-                    "Error for the grid over the value, of the modulus or else of the mean top \
-                     deflection, from coarser grids.",
+                    "Error for the grid over the value, of the largest force of a test that breaks, else of \
+                     the modulus or of the mean top deflection, from coarser grids.",
                 ),
             );
         }

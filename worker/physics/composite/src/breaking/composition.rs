@@ -8,17 +8,53 @@
 //!
 //! in the axes of its planes, so that no cell can become indefinite; a face adds its compliance to the
 //! layers that it lies between.
-use nalgebra::{Matrix2, Matrix3, RowVector2, Vector2};
+use nalgebra::{Matrix2, Matrix3, RowVector2, Vector2, Vector3};
 
 use super::part::{Damage, Law, Part};
 use crate::stiffness::{Stiffness, compliance, turned_to};
 
 /// What a part makes of the strain of its cell, in the axes of its planes.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Bearing {
     /// Of a face 0.
     pub(crate) strain: Matrix3<f64>,
     pub(crate) stress: Matrix3<f64>,
+    /// Below this times the largest strain of the cell, stresses and strains are round-off.
+    least: [[f64; 3]; 2],
+}
+
+/// A part of the strain of a cell that is but round-off of the others.
+const NOTHING: f64 = 1e-9;
+
+impl Bearing {
+    fn new(strain: Matrix3<f64>, stress: Matrix3<f64>) -> Self {
+        let least = |map: &Matrix3<f64>| [0, 1, 2].map(|row| NOTHING * map.row(row).amax());
+        Self {
+            strain,
+            stress,
+            least: [least(&stress), least(&strain)],
+        }
+    }
+
+    /// Stress and strain of the part at a strain of its cell; round-off is taken as 0, lest it break
+    /// parts at loads of any size.
+    pub(crate) fn of(&self, strain: &Vector3<f64>) -> [[f64; 3]; 2] {
+        let size = strain.amax();
+        let of = |map: &Matrix3<f64>, least: &[f64; 3]| {
+            let borne = map * strain;
+            [0, 1, 2].map(|row| {
+                if borne[row].abs() > least[row] * size {
+                    borne[row]
+                } else {
+                    0.0
+                }
+            })
+        };
+        [
+            of(&self.stress, &self.least[0]),
+            of(&self.strain, &self.least[1]),
+        ]
+    }
 }
 
 /// Strains in axes turned by cosine and sine, from those of the section.
@@ -214,17 +250,11 @@ pub(crate) fn compose(
             if parts[place].is_face() {
                 let mut stress = stage.local * here;
                 stress.fill_row(0, 0.0);
-                bearings[place] = Bearing {
-                    strain: Matrix3::zeros(),
-                    stress,
-                };
+                bearings[place] = Bearing::new(Matrix3::zeros(), stress);
             } else {
                 let inside = back * stage.layers[layer].bears(&stage.local) * here;
                 let strain = strain_turn(damage[place].axis) * inside;
-                bearings[place] = Bearing {
-                    strain,
-                    stress: own(place) * strain,
-                };
+                bearings[place] = Bearing::new(strain, own(place) * strain);
                 layer += 1;
             }
         }

@@ -78,3 +78,71 @@ pub fn machine_curve(events: &[Event], control: Control) -> Vec<(f64, f64)> {
     curve.extend(events.last().and_then(|last| machine.end(last)));
     curve
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::breaking::{BrokenPart, Mode};
+
+    fn event(displacement_mm: f64, force_n: f64, energy_released_n_mm: f64) -> Event {
+        Event {
+            number: 1,
+            factor: 1.0,
+            displacement_mm,
+            force_n,
+            cell: 0,
+            part: BrokenPart::Matrix,
+            mode: Mode::Tension,
+            shear_share: 0.0,
+            normal: [1.0, 0.0],
+            tooth: 1,
+            elastic_n_mm: 0.5 * displacement_mm * force_n,
+            energy_released_n_mm,
+            dissipated_n_mm: 0.0,
+            crack_area_mm2: 0.0,
+        }
+    }
+
+    #[test]
+    fn machines_jump_to_the_line_of_the_next_event_that_they_reach() {
+        // up to 10 N, back to 0.5 mm, up again with 3 N/mm to 2 mm, and with 2.2 N/mm to 5 mm; what is
+        // left then are 11 - 2 · 20/5 = 3 N
+        let path = [
+            event(1.0, 10.0, 1.0),
+            event(0.5, 4.0, 0.2),
+            event(2.0, 6.0, 0.5),
+            event(5.0, 11.0, 20.0),
+        ];
+        assert_eq!(
+            machine_curve(&path, Control::Events),
+            [(0.0, 0.0), (1.0, 10.0), (0.5, 4.0), (2.0, 6.0), (5.0, 11.0)]
+        );
+        let close = |found: Vec<(f64, f64)>, expected: &[(f64, f64)]| {
+            assert_eq!(found.len(), expected.len(), "{found:?}");
+            for (a, b) in found.iter().zip(expected) {
+                assert!(
+                    (a.0 - b.0).abs() < 1e-12 && (a.1 - b.1).abs() < 1e-12,
+                    "{a:?} {b:?}"
+                );
+            }
+        };
+        close(
+            machine_curve(&path, Control::Displacement),
+            &[
+                (0.0, 0.0),
+                (1.0, 10.0),
+                (1.0, 3.0),
+                (2.0, 6.0),
+                (2.0, 4.4),
+                (5.0, 11.0),
+                (5.0, 3.0),
+            ],
+        );
+        // 10 N are reached again at 10/2.2 mm
+        close(
+            machine_curve(&path, Control::Force),
+            &[(0.0, 0.0), (1.0, 10.0), (10.0 / 2.2, 10.0), (5.0, 11.0)],
+        );
+        assert_eq!(machine_curve(&[], Control::Displacement), [(0.0, 0.0)]);
+    }
+}

@@ -69,6 +69,8 @@ pub(crate) struct Part {
     pub(crate) stage: u32,
     /// Along the layers of its stage.
     pub(crate) along: [f64; 2],
+    /// Along what lies beside it in the cell: the fibre of a matrix, the plies of a ply.
+    pub(crate) beside: [f64; 2],
     /// Of the cell's area; 1 for a face.
     pub(crate) share: f64,
     /// Intact, in the section's axes [MPa]; of a face not used.
@@ -97,7 +99,7 @@ impl Part {
     /// where the crack runs along the layers.
     pub(crate) fn width_mm(&self, [a, b]: [f64; 2], normal: [f64; 2]) -> f64 {
         let cell = (a * normal[0].abs()).max(b * normal[1].abs());
-        let across = normal[1] * self.along[0] - normal[0] * self.along[1];
+        let across = normal[1] * self.beside[0] - normal[0] * self.beside[1];
         if across * across > 0.5 {
             cell * self.share
         } else {

@@ -97,13 +97,21 @@ impl Parts {
         let fibres = layout.parts_of(cell);
         let rest = matrix_share(fibres.iter().map(|part| part.share).sum());
         let first = self.all.len();
+        let axis = |band: u32| layout.bands[band as usize].axis;
+        let beside_matrix = fibres.first().map_or([1.0, 0.0], |part| axis(part.band));
         let mut add = |kind, law, stage, along, share, stiffness| {
+            let beside = if kind == BrokenPart::Matrix {
+                beside_matrix
+            } else {
+                along
+            };
             self.all.push(Part {
                 cell: cell as u32,
                 kind,
                 law,
                 stage,
                 along,
+                beside,
                 share,
                 stiffness,
                 bed: [0.0; 2],
@@ -126,7 +134,6 @@ impl Parts {
             .collect();
         bands.sort_unstable();
         bands.dedup();
-        let axis = |band: u32| layout.bands[band as usize].axis;
         let mut stage = 0;
         let mut done = vec![false; bands.len()];
         for place in 0..bands.len() {

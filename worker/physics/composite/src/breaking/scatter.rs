@@ -141,6 +141,7 @@ mod tests {
             law: 0,
             stage: 0,
             along: [1.0, 0.0],
+            beside: [1.0, 0.0],
             share: 0.5,
             stiffness: Stiffness::identity(),
             bed: [0.0; 2],

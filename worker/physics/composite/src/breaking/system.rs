@@ -9,18 +9,17 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use crate::error::CompositeError;
-use crate::lattice::{Corners, Geometry, Lattice, Measures, Tangent, gather};
+use crate::lattice::{Geometry, Lattice, Measures, Rates, Tangent, gather};
 use crate::matrix::GridMatrix;
 use crate::solve::direct::{Direct, NoFactor};
 use crate::stiffness::Stiffness;
 use crate::supports::Supports;
 
-/// Columns that a factor carries before it is made anew. Measured on 100 by 30 cells, see the
-/// table in [`breaking`](crate::breaking).
-pub(super) const MOST_COLUMNS: usize = 96;
+/// Columns that a factor carries before it is made anew. On 100 by 30 cells twice as many are as fast, see the table in [`breaking`](crate::breaking).
+pub(super) const MOST_COLUMNS: usize = 64;
 
 /// Largest unbalanced force over the largest force, below which displacements are not refined.
-const BALANCED: f64 = 1e-12;
+const BALANCED: f64 = 1e-11;
 /// The same, above which they are no equilibrium.
 const UNBALANCED: f64 = 1e-7;
 /// Solutions after which refining further is of no use.
@@ -210,6 +209,7 @@ impl System {
                 modes.push((value, mode));
             }
         }
+        self.solve_measures(cell as u32, &modes, &rates, corners);
         for (coefficient, mode) in modes {
             let mut entries = Vec::with_capacity(8);
             for (corner, particle) in corners.into_iter().enumerate() {
@@ -225,11 +225,6 @@ impl System {
             }
             if entries.is_empty() {
                 continue;
-            }
-            for measure in 0..5 {
-                if mode[measure] != 0.0 {
-                    self.solve_measure(cell as u32, measure, &rates[measure], corners);
-                }
             }
             let solved = &self.solved;
             let taken = self.softening.take(&entries, coefficient, |_, solution| {
@@ -250,22 +245,39 @@ impl System {
         true
     }
 
-    /// Solves for unit forces of a cell's measure, once for each factor.
-    fn solve_measure(&mut self, cell: u32, measure: usize, rate: &Corners, corners: [usize; 4]) {
-        let is_known =
-            |(of, which, _): &(u32, u8, Vec<f64>)| *of == cell && usize::from(*which) == measure;
-        if self.solved.iter().any(is_known) {
+    /// Solves for unit forces of the measures of a cell that its modes need, once for each factor.
+    fn solve_measures(
+        &mut self,
+        cell: u32,
+        modes: &[(f64, [f64; 5])],
+        rates: &Rates,
+        corners: [usize; 4],
+    ) {
+        let is_needed = |measure: usize| modes.iter().any(|(_, mode)| mode[measure] != 0.0);
+        let is_known = |measure: usize| {
+            let same = |(of, which, _): &(u32, u8, Vec<f64>)| {
+                *of == cell && usize::from(*which) == measure
+            };
+            self.solved.iter().any(same)
+        };
+        let missing: Vec<usize> = (0..5)
+            .filter(|&measure| is_needed(measure) && !is_known(measure))
+            .collect();
+        if missing.is_empty() {
             return;
         }
-        self.right.fill(0.0);
-        for (corner, particle) in corners.into_iter().enumerate() {
-            for axis in 0..2 {
-                self.right[2 * particle + axis] += rate[2 * corner + axis];
+        let mut columns = vec![vec![0.0; self.u.len()]; missing.len()];
+        for (column, &measure) in columns.iter_mut().zip(&missing) {
+            for (corner, particle) in corners.into_iter().enumerate() {
+                for axis in 0..2 {
+                    column[2 * particle + axis] = rates[measure][2 * corner + axis];
+                }
             }
         }
-        let mut column = vec![0.0; self.u.len()];
-        self.direct.solve(&self.right, &mut column);
-        self.solved.push((cell, measure as u8, column));
+        self.direct.solve_several(&mut columns);
+        let solved = missing.into_iter().zip(columns);
+        self.solved
+            .extend(solved.map(|(measure, column)| (cell, measure as u8, column)));
     }
 
     /// Factors the lattice as it is and finds its displacements from nothing else, so that what
@@ -344,7 +356,8 @@ impl System {
 
 /// The one thing that drives a section.
 fn drive(lattice: &Lattice, supports: &Supports, load_n: &[f64]) -> Result<Drive, CompositeError> {
-    if load_n.len() != lattice.displacements() {
+    let size = lattice.displacements();
+    if load_n.len() != size || supports.displacements().len() != size {
         return Err(CompositeError::OtherSize);
     }
     let (mut sum, mut sizes, mut largest) = ([0.0_f64; 2], 0.0_f64, 0.0_f64);

@@ -223,6 +223,12 @@ impl Effective {
         self.pixels.sides_mm
     }
 
+    /// Longer sides of a pixel across the thinnest fibre; infinite without fibres.
+    #[must_use]
+    pub fn pixels_across_fibre(&self) -> f64 {
+        self.pixels.across_fibre
+    }
+
     /// Share of fibre in every pixel, those along 2 in sequence.
     #[must_use]
     pub fn fibre_shares(&self) -> Vec<f64> {

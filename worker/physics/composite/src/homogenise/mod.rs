@@ -3,7 +3,7 @@
 //! A [`UnitCell`] is a rectangle of the plane of 2 and 3, across fibres that run along 1, repeated
 //! without end: an array, measured places, or [random ones](fibre_places). From the bottom up:
 //! `pixels` lays a grid over it and `phase` says what a pixel cut by a face is, the laminate of both
-//! sides [GelebartOuali2015]; `cells` is a pixel's answer to the displacements of its four corners,
+//! sides [GelebartOuaki2015]; `cells` is a pixel's answer to the displacements of its four corners,
 //! `torus` the grid they are on, `spectrum` the uniform body's equations solved by Fourier transforms,
 //! and `balance` finds equilibrium with it as preconditioner. [`Effective`] puts six load cases
 //! together (ε₁₁, ε₂₂, ε₃₃, γ₂₃ in generalised plane strain, γ₁₂ and γ₁₃ along the fibres);
@@ -44,7 +44,7 @@ use phase::Space;
 
 /// Pixels along a side.
 const FEWEST: usize = 4;
-const MOST: usize = 4_096;
+const MOST: usize = 2_048;
 
 /// Part of a fibre's diameter by which fibres may overlap: coordinates in decimals that touch.
 const TOUCH: f64 = 1e-9;
@@ -63,6 +63,9 @@ pub enum Phase {
     Matrix,
     Fibre,
 }
+
+/// Stiffnesses of matrix and fibre, and what had to be assumed for them.
+type Described = ([Space; 2], Vec<(Phase, Note)>);
 
 /// A cross section that repeats along 2 and 3; all fibres run along 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -155,10 +158,7 @@ impl UnitCell {
     }
 
     /// Checks the cell and the grid: stiffnesses of matrix and fibre, and what had to be assumed.
-    fn checked(
-        &self,
-        grid: [usize; 2],
-    ) -> Result<([Space; 2], Vec<(Phase, Note)>), CompositeError> {
+    fn checked(&self, grid: [usize; 2]) -> Result<Described, CompositeError> {
         positive("the unit cell's size along 2 [mm]", self.size_mm[0])?;
         positive("the unit cell's size along 3 [mm]", self.size_mm[1])?;
         for count in grid {
@@ -166,7 +166,7 @@ impl UnitCell {
                 return Err(CompositeError::OutOfRange {
                     quantity: "the number of pixels along a side of the unit cell",
                     given: count as f64,
-                    allowed: "from 4 to 4096",
+                    allowed: "from 4 to 2048",
                 });
             }
         }

@@ -103,7 +103,11 @@ impl Cut {
     ///
     /// A = ⟨a⁻¹⟩⁻¹, B = ⟨b a⁻¹⟩ A, D = ⟨d - b a⁻¹ bᵀ⟩ + ⟨b a⁻¹⟩ A ⟨a⁻¹ bᵀ⟩.
     ///
-    /// Exact for a plane face. As the stiffness of a pixel: [GelebartOuali2015].
+    /// Exact for a plane face. As the stiffness of a pixel: [GelebartOuaki2015].
+    ///
+    /// Tried and dropped: strains of both sides by the distances of the pixel's corners from the face,
+    /// as immersed finite elements have them. Errors of G₁₂ on 96² pixels of a square array were a
+    /// twelfth of the laminate's for fibres 200 times as stiff, and eight times for a hundredth.
     pub(super) fn stiffness(&self, matrix: &Space, fibre: &Space) -> Space {
         let [c, s] = self.normal;
         let mut compliant = Matrix3::zeros();

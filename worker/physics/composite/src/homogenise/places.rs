@@ -150,11 +150,12 @@ impl Discs {
                         [1.0, 0.0]
                     };
                     let half = 0.5 * (wanted - distance);
-                    for axis in 0..2 {
-                        let (from, to) = (self.places[first][axis], self.places[second][axis]);
-                        self.places[first][axis] = self.wrapped(from - half * way[axis], axis);
-                        self.places[second][axis] = self.wrapped(to + half * way[axis], axis);
-                    }
+                    let (from, to) = (self.places[first], self.places[second]);
+                    let moved = |place: [f64; 2], by: f64| {
+                        [0, 1].map(|axis| self.wrapped(place[axis] + by * way[axis], axis))
+                    };
+                    let places = (moved(from, -half), moved(to, half));
+                    (self.places[first], self.places[second]) = places;
                 }
             }
             if !overlaps {

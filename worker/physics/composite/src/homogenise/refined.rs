@@ -49,7 +49,7 @@ impl UnitCell {
             return Err(CompositeError::OutOfRange {
                 quantity: "the number of pixels along a side, for errors by coarser grids",
                 given: *given as f64,
-                allowed: "a multiple of 4, from 16 to 4096",
+                allowed: "a multiple of 4, from 16 to 2048",
             });
         }
         let quarter = self.effective(grid.map(|count| count / 4))?;

@@ -178,17 +178,38 @@ impl Direct {
     /// there; all others become 0.
     pub(crate) fn solve(&self, right: &[f64], solution: &mut [f64]) {
         let mut column: Vec<f64> = self.free.iter().map(|&d| right[d as usize]).collect();
-        let scratch = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        let mut memory = MemBuffer::new(scratch);
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(&mut column, self.free.len(), 1),
-            Par::Seq,
-            MemStack::new(&mut memory),
-        );
+        self.solve_free(&mut column, 1);
         solution.fill(0.0);
         for (&displacement, value) in self.free.iter().zip(&column) {
             solution[displacement as usize] = *value;
         }
+    }
+
+    /// As [`Direct::solve`], of several right-hand sides at once, each of which becomes its
+    /// solution: one pass over the factor for all of them.
+    pub(crate) fn solve_several(&self, columns: &mut [Vec<f64>]) {
+        let mut free = Vec::with_capacity(columns.len() * self.free.len());
+        for column in columns.iter() {
+            free.extend(self.free.iter().map(|&d| column[d as usize]));
+        }
+        self.solve_free(&mut free, columns.len());
+        for (column, solved) in columns.iter_mut().zip(free.chunks(self.free.len().max(1))) {
+            column.fill(0.0);
+            for (&displacement, value) in self.free.iter().zip(solved) {
+                column[displacement as usize] = *value;
+            }
+        }
+    }
+
+    /// Solves in place, columns one after the other.
+    fn solve_free(&self, columns: &mut [f64], count: usize) {
+        let scratch = self.symbolic.solve_in_place_scratch::<f64>(count, Par::Seq);
+        let mut memory = MemBuffer::new(scratch);
+        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(columns, self.free.len(), count),
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
     }
 }

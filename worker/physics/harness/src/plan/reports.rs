@@ -166,9 +166,14 @@ pub fn write_repeats(
 pub fn joint_warnings(first_seed: u64, tests: &str, reports: &[Report]) -> Vec<Warning> {
     let mut sorts = IndexMap::<&str, (u64, &str, usize)>::new();
     for (seed, report) in (first_seed..).zip(reports) {
-        for warning in &report.warnings {
+        for (place, warning) in report.warnings.iter().enumerate() {
             let first = (seed, warning.detail.as_str(), 0);
-            sorts.entry(&warning.code).or_insert(first).2 += 1;
+            let sort = sorts.entry(&warning.code).or_insert(first);
+            // a test may have several of a sort, and counts once
+            let before = &report.warnings[..place];
+            if before.iter().all(|other| other.code != warning.code) {
+                sort.2 += 1;
+            }
         }
     }
     let total = reports.len();

@@ -169,6 +169,11 @@ fn what_has_no_meaning_is_refused_by_name() {
         })
         .contains("supports let")
     );
+    assert!(refused(|case| case.load_n.push(0.0)).contains("another lattice"));
+    let other = || plate(UNBREAKABLE, [3, 1]).supports;
+    let mut case = good();
+    case.supports = other();
+    assert!(case.refused().contains("another lattice"));
     let scatter = |law, reference_volume_mm3| {
         let mut case = good();
         case.options.scatter = Some(Scatter {

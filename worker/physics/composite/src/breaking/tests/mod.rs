@@ -132,7 +132,7 @@ fn imbalance(events: &[Event]) -> f64 {
     worst / largest
 }
 
-/// Bound of [`imbalance`]: sums of thousands of parts, each solved to 1e-12.
+/// Bound of [`imbalance`]: sums of thousands of parts, each solved to 1e-11.
 const BALANCE: f64 = 1e-9;
 
 fn peak(events: &[Event]) -> f64 {

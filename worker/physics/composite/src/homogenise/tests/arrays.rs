@@ -1,8 +1,8 @@
 //! Arrays against closed series, bounds, and errors against finer grids.
 use super::*;
 
-/// Antiplane shear modulus of a square array over the matrix': equation (14) of
-/// [PerrinsMcKenzieMcPhedran1979], better than 1e-4 at these fractions.
+/// Antiplane shear modulus of a square array over the matrix', by the three-term series of
+/// [PerrinsMcKenzieMcPhedran1979].
 fn square_series(ratio: f64, f: f64) -> f64 {
     let t = (1.0 + ratio) / (1.0 - ratio);
     let inner = t + f
@@ -76,11 +76,6 @@ fn a_few_thin_fibres_follow_the_dilute_limit() {
     // the bounds' own E₂ and ν₂₃ belong to different moduli: k from its formula instead
     let k_f = 70_000.0 / (2.0 * 1.22 * 0.56);
     let dilute = k_m + 0.03 / (1.0 / (k_f - k_m) + 0.97 / (k_m + g_m));
-    println!(
-        "{} {}",
-        (k - k_m) / (dilute - k_m),
-        (c[5][5] - g_m) / (bound.g12_mpa - g_m)
-    );
     assert!(((k - k_m) / (dilute - k_m) - 1.0).abs() < 0.02);
     assert!(((c[5][5] - g_m) / (bound.g12_mpa - g_m) - 1.0).abs() < 0.02);
     let e1 = effective.constants.e1_mpa;
@@ -184,4 +179,31 @@ fn bounds_meet_where_phases_are_alike_and_obey_hills_relation() {
     // a material with directions across the fibres has none
     let none = bounds::companions(&ply(), &epoxy(), 0.5).unwrap();
     assert!(none.hashin_shtrikman_lower.is_none());
+}
+
+#[test]
+fn moduli_beyond_their_bounds_are_told() {
+    let cell = UnitCell::hexagonal(epoxy(), glass(), 0.4, 0.01).unwrap();
+    let effective = cell.effective([24, 40]).unwrap();
+    // held against fibres too soft for it, and against a matrix too stiff
+    let above = bounds::beyond(&effective, None, &isotropic(6_000.0, 0.3), &epoxy()).unwrap();
+    assert_eq!(above.len(), 3);
+    assert!(above.iter().all(|beyond| beyond.is_upper));
+    let below = bounds::beyond(&effective, None, &glass(), &isotropic(12_000.0, 0.3)).unwrap();
+    assert_eq!(below.len(), 3);
+    let text = below[2].to_string();
+    assert!(
+        text.contains("G₁₂") && text.contains("below the lower"),
+        "{text}"
+    );
+    // an error as large as the way to the bound excuses it
+    let errors = effective.constants;
+    let excused = bounds::beyond(
+        &effective,
+        Some(&errors),
+        &glass(),
+        &isotropic(6_000.0, 0.3),
+    )
+    .unwrap();
+    assert!(excused.is_empty(), "{excused:?}");
 }
