@@ -13,6 +13,7 @@ fn made() -> Value {
         "version": 1, "seed": 3, "pulp": pulps,
         "specimen": {"sheet": {"length_mm": 0.4, "width_mm": 0.2, "grammage_g_per_m2": 20}},
         "bond": {"normal_strength_mpa": 4, "shear_strength_mpa": 4, "strength_variation": 0.3},
+        "accuracy": "draft",
     })
 }
 
