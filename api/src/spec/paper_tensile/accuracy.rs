@@ -10,7 +10,8 @@ pub enum Accuracy {
     Knobs(Knobs),
 }
 
-/// Named choices of the number of steps: 20, 50 and 200.
+/// Named choices: 20, 50 and 200 steps of a single fibre; straight parts of 4, 1 and half a width in a
+/// sheet that is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
@@ -20,13 +21,17 @@ pub enum Preset {
 }
 
 /// The knobs of accuracy.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Knobs {
-    /// Equal steps to the largest strain, each a point of the curve. Every step is brought to rest, so
+    /// Of a single fibre: equal steps to the largest strain, each a point of the curve. Every step is brought to rest, so
     /// that they do not add up to an error of their own.
     #[schemars(range(min = 1, max = 10_000), extend("x-unit" = "1"))]
     pub load_steps: u32,
+    /// Of a sheet that is made: length of the straight parts of fibres over the width of the narrowest,
+    /// where `model.segment_um` is left out.
+    #[schemars(range(min = 0.1, max = 100.0), extend("x-unit" = "1"))]
+    pub segment_widths: f64,
 }
 
 impl Default for Accuracy {
@@ -37,19 +42,25 @@ impl Default for Accuracy {
 
 impl Default for Knobs {
     fn default() -> Self {
-        Self { load_steps: 50 }
+        Self {
+            load_steps: 50,
+            segment_widths: 1.0,
+        }
     }
 }
 
 impl Accuracy {
     /// The knobs.
     pub fn knobs(&self) -> Knobs {
-        let load_steps = match self {
+        let (load_steps, segment_widths) = match self {
             Self::Knobs(knobs) => return *knobs,
-            Self::Preset(Preset::Draft) => 20,
-            Self::Preset(Preset::Standard) => 50,
-            Self::Preset(Preset::Reference) => 200,
+            Self::Preset(Preset::Draft) => (20, 4.0),
+            Self::Preset(Preset::Standard) => (50, 1.0),
+            Self::Preset(Preset::Reference) => (200, 0.5),
         };
-        Knobs { load_steps }
+        Knobs {
+            load_steps,
+            segment_widths,
+        }
     }
 }

@@ -12,6 +12,7 @@ mod accuracy;
 mod bond;
 mod checks;
 mod estimate;
+mod expected;
 mod job_kind;
 mod model;
 mod pulp;
@@ -101,11 +102,11 @@ impl PaperTensile {
         widths.fold(f64::INFINITY, f64::min)
     }
 
-    /// Length of the straight parts of fibres of a sheet that is made [µm]: as asked, else twice the
-    /// width of the narrowest.
+    /// Length of the straight parts of fibres of a sheet that is made [µm]: as asked, else by the
+    /// accuracy and the width of the narrowest.
     pub fn sheet_segment_um(&self) -> f64 {
-        let by_default = 2.0 * self.narrowest_um();
-        self.model.segment_um.unwrap_or(by_default)
+        let by_accuracy = self.accuracy.knobs().segment_widths * self.narrowest_um();
+        self.model.segment_um.unwrap_or(by_accuracy)
     }
 
     /// How fibres are modelled: as asked, else a single fibre as a tube and those of sheets as beams.

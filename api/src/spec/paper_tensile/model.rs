@@ -14,7 +14,7 @@ pub struct Model {
     /// Wanted length of a segment; a whole number of them makes up the fibre. Left out: the shortest
     /// without negative springs, which bends most like the wall. In a sheet that is given: the longest
     /// segment, none if left out. In one that is made: the length of the straight parts of a fibre,
-    /// twice the width of the narrowest if left out.
+    /// that of the accuracy if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.01, max = 1e5), extend("x-unit" = "µm"))]
     pub segment_um: Option<f64>,

@@ -1,7 +1,5 @@
 //! What the JSON Schema cannot say of sheets: bonds that must join fibres where they touch, fibres that
 //! must fit into a sheet, memory that there must be.
-use std::f64::consts::PI;
-
 use super::{Direction, checks::unknown_pulp};
 use super::{ExplicitBond, ExplicitSheet, Level, MadeSheet, PaperTensile, Placement, Pulp};
 use crate::Violation;
@@ -321,83 +319,6 @@ fn pulp_violation(index: usize, pulp: &Pulp) -> Option<Violation> {
             .allowed(format!("{LEAST_SHAPE} … 1"))
             .unit("1")
     })
-}
-
-/// About how much a sheet will be.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Expected {
-    pub(super) fibres: f64,
-    /// Points of the centre lines, as finely as they are laid.
-    pub(super) points: f64,
-    pub(super) bonds: f64,
-    /// Nodes of the beams.
-    pub(super) nodes: f64,
-    pub(super) memory_mb: f64,
-}
-
-impl MadeSheet {
-    /// A pulp of fibre length ℓ and total length Λ on an area A of perimeter P makes Λ (1/ℓ + P/(π A))
-    /// pieces; straight fibres cross Λ²/(π A) times, and each has room for a contact per width on each
-    /// of its two faces. Sheets of 90 to 1800 bonds have about a third of that room taken.
-    pub(super) fn expected(&self, spec: &PaperTensile) -> Expected {
-        let [length, width] = [self.length_mm, self.width_mm].map(|size| 1e3 * size);
-        let area = length * width;
-        let (mut total, mut fibres) = (0.0, 0.0);
-        for pulp in &spec.pulp {
-            let Some(coarseness) = pulp.coarseness_ug_per_um() else {
-                continue;
-            };
-            let mass = pulp.mass_fraction * self.grammage_g_per_m2 * 1e-6 * area;
-            let laid = mass / coarseness;
-            let edges = 2.0 * (length + width) / (PI * area);
-            fibres += laid * (1e-3 / pulp.length_mm + edges);
-            total += laid;
-        }
-        let narrowest = spec.narrowest_um();
-        let crossings = total * total / (PI * area);
-        let (points, bonds, pixels) = match self.placement {
-            Placement::Deposition(_) => {
-                let segment = 0.25 * narrowest;
-                let bonds = crossings.min(0.36 * total / narrowest);
-                (total / segment, bonds, area / (segment * segment))
-            }
-            // of all crossings those whose heights are within a fibre's thickness of one another
-            Placement::Random(random) => {
-                let thickness = spec.pulp.iter().filter_map(Pulp::thickness_um);
-                let share = 2.0 * thickness.fold(0.0, f64::max) / random.thickness_um;
-                (total / narrowest, crossings * share.min(1.0), 0.0)
-            }
-        };
-        let nodes = total / spec.sheet_segment_um() + fibres + 2.0 * bonds;
-        Expected {
-            fibres,
-            points,
-            bonds,
-            nodes,
-            memory_mb: memory_mb([points, bonds, pixels], nodes * motions(spec)),
-        }
-    }
-}
-
-/// Motions of a node that are solved for.
-pub(super) fn motions(spec: &PaperTensile) -> f64 {
-    match spec.level() {
-        Level::Truss => 3.0,
-        Level::Tube | Level::Beam => 6.0,
-    }
-}
-
-/// Entries of the factor of a flat network, as counted in four sheets of 1300 to 38 000 unknowns: 24 to
-/// 69 for each.
-pub(super) fn factor_entries(unknowns: f64) -> f64 {
-    4.5 * unknowns * (unknowns + 2.0).log2()
-}
-
-/// Memory [MB] of the process, of points and contacts while they are searched, as the sheets count them,
-/// of pixels, of nodes with their elements, and of the factor.
-pub(super) fn memory_mb([points, bonds, pixels]: [f64; 3], unknowns: f64) -> f64 {
-    let laid = 100.0 * points + 80.0 * bonds + 8.0 * pixels;
-    20.0 + 1e-6 * (laid + 250.0 * unknowns + 8.0 * factor_entries(unknowns))
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {

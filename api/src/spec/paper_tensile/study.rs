@@ -1,6 +1,6 @@
 //! What an accuracy study varies: in a test of a fibre how its tube is made, in one of a sheet what its
 //! fibres are and how straight.
-use super::{Level, PaperTensile, Ring, Specimen};
+use super::{Accuracy, Knobs, Level, PaperTensile, Ring, Specimen};
 use crate::study::Knob;
 
 /// Results that are compared: all that do not describe the division itself.
@@ -35,11 +35,11 @@ pub(super) fn knobs(spec: &PaperTensile) -> Vec<Knob> {
         Specimen::Explicit(_) => return vec![level],
         Specimen::Sheet(_) => {
             let segment = Knob {
-                name: "segment_um",
-                description: "length of the straight parts of fibres",
-                present: spec.sheet_segment_um().to_string(),
-                grid: words(&["200", "100", "50", "25"]),
-                reference: vec![("segment_um", "15".to_owned())],
+                name: "segment_widths",
+                description: "length of the straight parts of fibres over the width of the narrowest",
+                present: (spec.sheet_segment_um() / spec.narrowest_um()).to_string(),
+                grid: words(&["8", "4", "2", "1"]),
+                reference: vec![("segment_widths", "0.5".to_owned())],
                 keeps_specimen: true,
             };
             return vec![segment, level];
@@ -72,7 +72,14 @@ pub(super) fn knobs(spec: &PaperTensile) -> Vec<Knob> {
 /// Sets a knob; `None` when the value is not one it takes. Ranges are left to the schema.
 pub(super) fn turn(spec: &mut PaperTensile, knob: &str, value: &str) -> Option<()> {
     match knob {
-        "segment_um" => spec.model.segment_um = Some(value.parse().ok()?),
+        "segment_widths" => {
+            spec.model.segment_um = None;
+            let knobs = Knobs {
+                segment_widths: value.parse().ok()?,
+                ..spec.accuracy.knobs()
+            };
+            spec.accuracy = Accuracy::Knobs(knobs);
+        }
         "level" => {
             spec.model.level = match value {
                 "beam" => Some(Level::Beam),

@@ -1,26 +1,21 @@
 //! The specimen of a test: a network of beams or bars, made of a sheet that is given or laid.
 use loadframe_api::fibre::Section;
 use loadframe_api::spec::paper_tensile::{
-    Bond, Direction, ExplicitSheet, Level, MadeSheet, Orientation, PaperTensile, Placement, Pulp,
+    Direction, ExplicitSheet, Level, MadeSheet, Orientation, PaperTensile, Placement, Pulp,
     Specimen as Kind,
 };
 use loadframe_harness::SimulationError;
-use loadframe_harness::rng::{Purpose, Streams};
 use loadframe_numerics::Team;
-use rand_distr::{Distribution as _, StandardNormal};
 
+use super::bonds::{Strengths, assumed, stiffness};
 use super::laid::{self, Laid};
 use crate::frame::{self, BeamSection, FrameBond, FrameFibre, FrameModel, Network};
 use crate::sheet;
 
-/// Transverse over axial Young's modulus of a fibre [KallmesPerez1965].
-const TRANSVERSE: f64 = 0.1;
 /// 1 MPa in mN/µm².
-const MPA: f64 = 1e-3;
+pub(super) const MPA: f64 = 1e-3;
 /// 1 N in mN.
 const N: f64 = 1e3;
-/// 1 N/m per µm² in mN/µm³.
-const N_PER_M_PER_UM2: f64 = 1e-3;
 
 /// What is pulled.
 pub(super) struct Specimen {
@@ -35,7 +30,7 @@ pub(super) struct Specimen {
     pub(super) laid: Option<Laid>,
 }
 
-fn failed(error: impl std::fmt::Display) -> SimulationError {
+pub(super) fn failed(error: impl std::fmt::Display) -> SimulationError {
     SimulationError::Paper(error.to_string())
 }
 
@@ -242,80 +237,6 @@ fn network(
         length_um,
     };
     Network::new(fibres, bonds, model).map_err(failed)
-}
-
-/// Stiffness of a bond over its area [mN/µm³]: as given, else that of what lies between the two centre
-/// lines, 1/(t₁/(2 E₁) + t₂/(2 E₂)) with the thickness t of flattened walls and the transverse moduli.
-fn stiffness(bond: Option<&Bond>, one: &Pulp, other: &Pulp) -> Result<f64, SimulationError> {
-    if let Some(given) = bond.and_then(|bond| bond.stiffness_n_per_m_per_um2) {
-        return Ok(N_PER_M_PER_UM2 * given);
-    }
-    let softness = |pulp: &Pulp| {
-        let thickness = pulp.thickness_um()?;
-        Some(0.5 * thickness / (TRANSVERSE * pulp.youngs_modulus_gpa))
-    };
-    let both = softness(one).zip(softness(other));
-    let (one, other) = both.ok_or_else(|| failed("a bonded fibre has no wall"))?;
-    Ok(1.0 / (one + other))
-}
-
-/// Least and largest stiffness over the area [N/m/µm²] where none is given.
-fn assumed(spec: &PaperTensile, bonds: &[FrameBond]) -> Option<[f64; 2]> {
-    let given = spec
-        .bond
-        .as_ref()
-        .and_then(|bond| bond.stiffness_n_per_m_per_um2);
-    if given.is_some() || bonds.is_empty() {
-        return None;
-    }
-    let all = || {
-        bonds
-            .iter()
-            .map(|bond| bond.stiffness_mn_per_um3 / N_PER_M_PER_UM2)
-    };
-    Some([
-        all().fold(f64::INFINITY, f64::min),
-        all().fold(0.0, f64::max),
-    ])
-}
-
-/// Strengths of bonds by their area, with a scatter that each draws by its number.
-struct Strengths<'a> {
-    bond: Option<&'a Bond>,
-    /// σ and μ of the logarithm of a factor of mean 1.
-    sigma: f64,
-    mu: f64,
-    streams: Streams,
-}
-
-impl<'a> Strengths<'a> {
-    fn new(spec: &'a PaperTensile) -> Self {
-        let bond = spec.bond.as_ref();
-        let variation = bond.map_or(0.0, |bond| bond.strength_variation);
-        // of a log-normal factor: σ² = ln(1 + v²), μ = -σ²/2
-        let variance = variation.powi(2).ln_1p();
-        Self {
-            bond,
-            sigma: variance.sqrt(),
-            mu: -0.5 * variance,
-            streams: Streams::new(spec.seed, Purpose::Strength),
-        }
-    }
-
-    /// Normal and shear strength [mN] of a bond of this area.
-    fn of(&self, bond: usize, area_um2: f64) -> [Option<f64>; 2] {
-        let Some(given) = self.bond else {
-            return [None; 2];
-        };
-        let factor = if self.sigma > 0.0 {
-            let normal: f64 = StandardNormal.sample(&mut self.streams.of(bond));
-            (self.mu + self.sigma * normal).exp()
-        } else {
-            1.0
-        };
-        [given.normal_strength_mpa, given.shear_strength_mpa]
-            .map(|strength| strength.map(|strength| MPA * strength * area_um2 * factor))
-    }
 }
 
 /// Length of a line within 0 ≤ x ≤ `length_um` [µm].

@@ -1,0 +1,109 @@
+//! What is said beside the results of a sheet.
+use loadframe_api::Warning;
+use loadframe_api::spec::paper_tensile::PaperTensile;
+
+use super::course::Course;
+use super::specimen::Specimen;
+use crate::frame::PullEnd;
+use crate::tensile::contradictions;
+
+/// Share of the energy in what only keeps a truss in place, from which on its force means nothing.
+const LARGEST_TAUT_SHARE: f64 = 0.01;
+/// A turn [rad] that small displacements follow to half a per cent: 1 - cos 0.1.
+const LARGEST_TURN: f64 = 0.1;
+
+/// What to know before the results are believed; `stiffness_index` [kN m/g] where it is known.
+pub(super) fn warnings(
+    spec: &PaperTensile,
+    specimen: &Specimen,
+    course: &Course<'_>,
+    end: PullEnd,
+    stiffness_index: Option<f64>,
+) -> Vec<Warning> {
+    let measures = course.pull.state().measures;
+    let mut warnings = contradictions(spec);
+    let mut warn = |code: &str, detail: String| {
+        warnings.push(Warning {
+            code: code.to_owned(),
+            detail,
+        });
+    };
+    if let Some([least, most]) = specimen.assumed_stiffness {
+        let range = if least < most {
+            format!("{least:.4} to {most:.4}")
+        } else {
+            format!("{least:.4}")
+        };
+        warn(
+            "assumed_bond_stiffness",
+            format!(
+                "no bond stiffness is given; {range} N/m/µm2 is taken, that of the two half fibres between \
+                 the centre lines, as thick as flattened walls, of a tenth of Young's modulus"
+            ),
+        );
+    }
+    if end == PullEnd::NoPath {
+        warn(
+            "no_load_path",
+            format!(
+                "the sheet is below percolation: {} fibres and {} bonds do not tie the jaws together, and \
+                 the force is 0",
+                specimen.network.fibres(),
+                specimen.network.bonds()
+            ),
+        );
+    }
+    if measures.largest_taut_share > LARGEST_TAUT_SHARE {
+        warn(
+            "truss_mechanism",
+            format!(
+                "up to {:.1} % of the energy is in what only keeps bars in place: the truss is a mechanism, \
+                 and its force means nothing. Fibres shorter than the distance of the jaws need bending \
+                 stiffness to carry: take beams",
+                100.0 * measures.largest_taut_share
+            ),
+        );
+    }
+    let broken = measures.broken();
+    if end == PullEnd::MaxStrain && broken == 0 {
+        warn(
+            "nothing_broke",
+            format!(
+                "nothing broke up to the largest strain of {}; the force there is that of a straight line, \
+                 not a strength",
+                spec.test.max_strain
+            ),
+        );
+    } else if end == PullEnd::MaxStrain && measures.strain_at_peak >= spec.test.max_strain {
+        warn(
+            "maximum_at_end",
+            "the force was still at its maximum when the largest strain was reached; strength and \
+             stretch are lower bounds"
+                .to_owned(),
+        );
+    }
+    if course.kept.turn_to_peak > LARGEST_TURN {
+        warn(
+            "large_turns",
+            format!(
+                "up to the largest force nodes turn by up to {:.2} rad; the model is for small \
+                 displacements, and curled fibres that straighten are softer in it than they are",
+                course.kept.turn_to_peak
+            ),
+        );
+    }
+    let cox = specimen.laid.as_ref().and_then(|laid| laid.cox);
+    if let (Some(index), Some(cox)) = (stiffness_index, cox)
+        && index > cox.held
+    {
+        warn(
+            "above_cox",
+            format!(
+                "a tensile stiffness index of {index:.4} kN m/g is above {:.4}, what straight fibres of the \
+                 same directions would have between jaws that hold the width, and no sheet has more",
+                cox.held
+            ),
+        );
+    }
+    warnings
+}
