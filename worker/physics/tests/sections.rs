@@ -433,7 +433,11 @@ fn edges_alone_fold_and_say_so() {
         json!({"paper": {"stiffness": "bare", "bonds": "edges"}}),
     );
     spec["test"]["supports"] = json!({"bottom": "clamped"});
-    let ending = run_job(&job(&spec), &mut Record::default(), &Uninterrupted, None, 1);
-    let told = ending.expect_err("nothing resists").to_string();
-    assert!(told.contains("folds without resistance"), "{told}");
+    let body = json!({"kind": "composite_bending", "spec": spec});
+    let refused = Submission::from_slice(body.to_string().as_bytes());
+    let Err(SubmissionError::Invalid(violations)) = refused else {
+        panic!("it is refused before it runs")
+    };
+    assert_eq!(violations[0].pointer, "/spec/lattice/paper/bonds");
+    assert_eq!(violations[0].code, "not_stiff");
 }

@@ -24,6 +24,11 @@ const HALF_IN_TIME: f64 = 1.125;
 /// Rounds of contact and of Newton's method in a step of the load.
 const CONTACT_ROUNDS: f64 = 6.0;
 const NEWTON_ROUNDS: f64 = 4.0;
+/// One particle in an event of a test that breaks, with its coarser grids; events over the square root
+/// of the particles, for each step in which a crack opens. Of a section that cracks here and there; one
+/// that cracks everywhere has more.
+const EVENT: f64 = 80.0;
+const EVENTS: f64 = 0.9;
 /// Particles of a graded grid with rollers over those of its even cells.
 const AT_ROLLERS: f64 = 2.4;
 /// Memory of the process itself and of a particle [MB], by a factor and without one.
@@ -63,7 +68,11 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
         (None, Solver::Pbd) => REST_PBD * sweeps * longest,
         (None, Solver::Xpbd) => REST_XPBD * sweeps * longest,
     };
-    let work = lattices * rounds * one + particles * moved;
+    let events = spec.test.breaking.as_ref().map_or(0.0, |breaking| {
+        let expected = EVENTS * f64::from(breaking.teeth) * particles.sqrt();
+        expected.min(breaking.max_events as f64)
+    });
+    let work = lattices * rounds * one + particles * (moved + EVENT * events);
     let of_particle = if particles > MOST_FACTORED {
         ITERATED_MB
     } else {
