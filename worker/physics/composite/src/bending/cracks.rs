@@ -97,7 +97,11 @@ pub(super) fn conduct(
         events.push(event);
         if is_seen && event.force_n > largest {
             largest = event.force_n;
-            peak = Some(look(&breaking, &event));
+            peak = Some(Look {
+                // the section as it bears its largest force, the crack of this event just there
+                force_n: event.force_n,
+                ..look(&breaking, event.displacement_mm)
+            });
         }
         if event.number.is_multiple_of(LOOK) {
             let mut state = || {
@@ -114,7 +118,7 @@ pub(super) fn conduct(
     tested.broken = Some(Broken {
         reason,
         totals: breaking.totals(),
-        end: events.last().map(|event| look(&breaking, event)),
+        end: events.last().map(|last| look(&breaking, curve.at_mm(last))),
         peak,
         events,
     });
@@ -190,13 +194,15 @@ fn options(model: &Model<'_>, given: &Given) -> BreakingOptions {
     }
 }
 
-fn look(breaking: &Breaking, event: &Event) -> Look {
+/// The section where the drive stands at a displacement [mm].
+fn look(breaking: &Breaking, displacement_mm: f64) -> Look {
+    let (force_n, displacements_mm) = breaking.held_at(displacement_mm);
     Look {
-        displacement_mm: event.displacement_mm,
-        force_n: event.force_n,
-        displacements_mm: breaking.displacements_mm().to_vec(),
+        displacement_mm,
+        force_n,
         damage: breaking.damage().to_vec(),
-        stresses_mpa: breaking.stresses_mpa(),
+        stresses_mpa: breaking.stresses_mpa(&displacements_mm),
+        displacements_mm,
     }
 }
 
@@ -251,6 +257,12 @@ impl Curve {
             ])?;
         }
         Ok(true)
+    }
+
+    /// Where the machine stands after the last event [mm].
+    fn at_mm(&self, last: &Event) -> f64 {
+        let landed = self.machine.end(last);
+        landed.map_or(last.displacement_mm, |(displacement, _)| displacement)
     }
 
     /// The fall after the last event.

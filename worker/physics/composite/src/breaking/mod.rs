@@ -259,11 +259,24 @@ impl Breaking {
         &self.lost
     }
 
-    /// Stress of every cell at the last event [MPa]: xx, yy, xy; 0 before the first.
+    /// Force [N] and displacements [mm] where the drive stands at a displacement [mm], with all cracks there
+    /// are so far.
     #[must_use]
-    pub fn stresses_mpa(&self) -> Vec<[f64; 3]> {
+    pub fn held_at(&self, displacement_mm: f64) -> (f64, Vec<f64>) {
+        let [unit_mm, unit_n] = self.system.response();
+        let factor = displacement_mm / unit_mm;
+        let displacements = self.system.displacements().iter();
+        (
+            factor * unit_n,
+            displacements.map(|unit| factor * unit).collect(),
+        )
+    }
+
+    /// Stress of every cell [MPa] under displacements [mm], with all cracks there are so far: xx, yy, xy.
+    #[must_use]
+    pub fn stresses_mpa(&self, displacements_mm: &[f64]) -> Vec<[f64; 3]> {
         let lattice = &self.system.lattice;
-        let stress = |cell| lattice.stress(Geometry::Linear, cell, &self.displacements_mm);
+        let stress = |cell| lattice.stress(Geometry::Linear, cell, displacements_mm);
         (0..self.intact.len())
             .map(|cell| stress(cell).unwrap_or_default())
             .collect()
