@@ -114,3 +114,39 @@ test("a section is seen face on, in the colours of its stress", () =>
     await fitsThePhone(page, "a section");
     await picture(page, "phone-section");
   }));
+
+test("a section that breaks is seen at its peak and at its end, with its damage", () =>
+  visit("/", async (page) => {
+    await view(page, "composite_bending", "composite_bending_break");
+    const moment = part(page, "snapshots").getByRole("slider", { name: "Moment" });
+    assert.equal(await moment.getAttribute("max"), "1");
+    assert.match(await part(page, "snapshots").innerText(), /at [\d.]+\smm/u);
+    await part(page, "cells-by").selectOption("damage");
+    const end = await seen(page);
+    await picture(page, "breaking-section");
+    await moment.fill("0");
+    await isAt(page, 0);
+    assert.notEqual(await seen(page), end);
+    await isAccessible(page, "breaking section");
+  }));
+
+test("a unit cell shows where its fibres are and what pulls at them", () =>
+  visit("/", async (page) => {
+    await view(page, "composite_cell", "composite_cell_hexagonal");
+    assert.match(await part(page, "inventory").innerText(), /cells\.$/);
+    assert.equal(await part(page, "cells-by").inputValue(), "stress_mises_mpa");
+    const stressed = await seen(page);
+    await picture(page, "unit-cell");
+    await part(page, "cells-by").selectOption("fibre_share");
+    assert.notEqual(await seen(page), stressed);
+    assert.match(await page.locator('[data-result="modulus_2"]').innerText(), /± [\d.]+/);
+  }));
+
+test("a sheet of paper shows its fibres, its bonds, and which of them broke", () =>
+  visit("/", async (page) => {
+    await view(page, "paper_tensile", "paper_tensile_directions");
+    assert.match(await part(page, "inventory").innerText(), /^[\d\s]+segments, [\d\s]+bonds and [\d\s]+breaks\.$/u);
+    assert.equal(await part(page, "has-lines").isChecked(), true);
+    await picture(page, "paper-sheet");
+    await isAccessible(page, "sheet of paper");
+  }));

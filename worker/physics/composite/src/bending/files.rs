@@ -102,7 +102,9 @@ fn write_convergence(
     };
     let grids = model.comparison().grids(model.fineness);
     let others = grids.iter().zip(&finding.others).rev();
-    let others = others.map(|(fineness, values)| {
+    // nothing is known of a grid that is too coarse to crack
+    let known = others.filter(|(_, values)| !values.is_empty());
+    let others = known.map(|(fineness, values)| {
         let mut values = measured.iter().map(|one| Finding::of(values, one.name));
         row(fineness, &mut values)
     });
