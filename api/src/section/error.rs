@@ -132,8 +132,8 @@ pub enum CompositeError {
     CellTooLarge {
         x_mm: f64,
         y_mm: f64,
-        /// Place of the material in the list.
-        material: usize,
+        /// Its name, or its place in the list.
+        material: String,
         width_mm: f64,
         largest_mm: f64,
     },

@@ -78,6 +78,22 @@ fn a_bar_bears_the_strength_of_its_weakest_piece_and_takes_its_fracture_energy_o
 }
 
 #[test]
+fn of_one_material_strains_break_where_stresses_do() {
+    let strength = |criterion: &str| {
+        let spec = bar(
+            9,
+            json!({"criterion": criterion, "stop_force_fraction": 0.5}),
+        );
+        value(&run_on("composite_bending", &spec, 1).0, "tensile_strength")
+    };
+    let [by_stress, by_strain] = ["stress", "strain"].map(strength);
+    assert!(
+        (by_strain / by_stress - 1.0).abs() < 1e-9,
+        "{by_stress} {by_strain}"
+    );
+}
+
+#[test]
 fn a_machine_of_growing_displacement_jumps_where_the_path_snaps_back() {
     let ways = |control: &str| {
         let spec = bar(9, json!({"control": control, "stop_force_fraction": 0.05}));

@@ -6,8 +6,9 @@ use crate::spec::composite_bending::checks::{check_material, unknown_material};
 
 /// At most this many violations of one sort are listed.
 const LISTED: usize = 20;
-/// More cells of the grid than this are refused.
-const MOST_CELLS: u64 = 1 << 24;
+/// More cells of the grid than this are refused, in all and along a side.
+const MOST_CELLS: u64 = 1 << 22;
+const MOST_ALONG: u64 = 2048;
 
 pub(super) fn check(spec: &CompositeCell, violations: &mut Vec<Violation>) {
     for (name, material) in &spec.materials {
@@ -30,7 +31,8 @@ pub(super) fn check(spec: &CompositeCell, violations: &mut Vec<Violation>) {
         );
     }
     let [columns, rows] = spec.cells().map(u64::from);
-    if columns.saturating_mul(rows) > MOST_CELLS {
+    let is_long = columns.max(rows) > MOST_ALONG;
+    if is_long || columns.saturating_mul(rows) > MOST_CELLS {
         violations.push(
             Violation::new(
                 "/accuracy/cells_per_fibre",
@@ -39,7 +41,8 @@ pub(super) fn check(spec: &CompositeCell, violations: &mut Vec<Violation>) {
             )
             .value(spec.accuracy.knobs().cells_per_fibre)
             .allowed(format!(
-                "at most {MOST_CELLS} cells in all: fewer fibres, or fewer cells through the thinnest"
+                "at most {MOST_ALONG} cells along a side and {MOST_CELLS} in all: fewer fibres, or fewer cells \
+                 through the thinnest"
             )),
         );
     }

@@ -15,8 +15,9 @@ use crate::breaking::{
 };
 use crate::error::CompositeError;
 use crate::flexure::{Flexure, FlexureResult};
+use crate::material::hubers_shear_modulus;
 use crate::solve::{StaticOptions, equilibrium};
-use crate::strength::Criterion;
+use crate::strength::{Criterion, Strength};
 use crate::supports::{Face, Supports};
 
 /// How far breaking is.
@@ -67,7 +68,7 @@ pub(super) fn conduct(
         .materials
         .values()
         .map(|material| MaterialStrength {
-            bulk: material.strength.unwrap_or_default().into(),
+            bulk: limits(material, given.criterion),
             interface: material.interface.map(Into::into),
         })
         .collect();
@@ -77,7 +78,8 @@ pub(super) fn conduct(
         load_n: &load,
         strengths: &strengths,
     };
-    let mut breaking = Breaking::new(specimen, options(model, given))?;
+    let breaking = Breaking::new(specimen, options(model, given));
+    let mut breaking = breaking.map_err(|error| named(error, model))?;
     let (mut events, mut peak) = (Vec::new(), None);
     let mut curve = Curve::new(given);
     if let Some(Progress::Cracks(kept)) = progress {
@@ -89,7 +91,8 @@ pub(super) fn conduct(
     }
     let mut largest = peak.as_ref().map_or(0.0, |look: &Look| look.force_n);
     let reason = loop {
-        let event = match breaking.advance()? {
+        let advance = breaking.advance();
+        let event = match advance.map_err(|error| named(error, model))? {
             Advance::Ended(reason) => break reason,
             Advance::Broke(event) => event,
         };
@@ -170,6 +173,60 @@ fn frozen(
         supports.hold(grid, grid.particle(nearest(roller.at_mm), 0), 1, 0.0)?;
     }
     Ok((supports, load))
+}
+
+/// Limits of a material in what they are compared with: stresses [MPa], or strains, each its strength over
+/// the modulus of its direction.
+fn limits(material: &spec::Material, criterion: spec::Criterion) -> Strength {
+    let mut limits: Strength = material.strength.unwrap_or_default().into();
+    if criterion == spec::Criterion::Stress {
+        return limits;
+    }
+    let [along, across, shear] = match (material.isotropic, material.orthotropic) {
+        (Some(constants), _) => [constants.youngs_modulus_mpa; 3],
+        (None, Some(constants)) => {
+            let (e1, e2) = (constants.modulus_1_mpa, constants.modulus_2_mpa);
+            let huber = || hubers_shear_modulus(e1, e2, constants.poisson_ratio_12);
+            [e1, e2, constants.shear_modulus_12_mpa.unwrap_or_else(huber)]
+        }
+        (None, None) => return limits,
+    };
+    for (limit, modulus) in [
+        (&mut limits.tension, along),
+        (&mut limits.compression, along),
+        (&mut limits.across_tension, across),
+        (&mut limits.across_compression, across),
+        (&mut limits.shear, shear),
+    ] {
+        if let Some(limit) = limit {
+            limit.limit /= modulus;
+        }
+    }
+    limits
+}
+
+/// An error that tells a material by its place, with its name.
+fn named(error: CompositeError, model: &Model<'_>) -> CompositeError {
+    match error {
+        CompositeError::CellTooLarge {
+            x_mm,
+            y_mm,
+            material,
+            width_mm,
+            largest_mm,
+        } => {
+            let place = material.parse::<usize>().ok();
+            let name = place.and_then(|place| model.spec.materials.keys().nth(place));
+            CompositeError::CellTooLarge {
+                x_mm,
+                y_mm,
+                material: name.map_or(material, |name| format!("{name:?}")),
+                width_mm,
+                largest_mm,
+            }
+        }
+        error => error,
+    }
 }
 
 fn options(model: &Model<'_>, given: &Given) -> BreakingOptions {

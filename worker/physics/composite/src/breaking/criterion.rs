@@ -26,7 +26,7 @@ pub(crate) fn first_crack(
     teeth: u16,
     [stress, strain]: [[f64; 3]; 2],
 ) -> Option<Hit> {
-    let by_strain = law.criterion == Criterion::Strain && !part.is_face();
+    let by_strain = law.criterion == Criterion::Strain;
     let measured = if by_strain { strain } else { stress };
     if law.axis.is_none() && damage.is_none() {
         return first_principal(part, &law.planes[0], measured, by_strain);
@@ -36,7 +36,7 @@ pub(crate) fn first_crack(
         let state = &damage.planes[plane];
         let (normal, shear) = (measured[plane], measured[2]);
         let Some((demand, shear_share)) =
-            demand(part, law, limits, state, teeth, by_strain, [normal, shear])
+            demand(part, limits, state, teeth, by_strain, [normal, shear])
         else {
             continue;
         };
@@ -57,7 +57,6 @@ pub(crate) fn first_crack(
 /// The square root of the quadratic sum on a plane at unit load, and shear's part of the sum.
 fn demand(
     part: &Part,
-    law: &Law,
     limits: &PlaneLaw,
     state: &PlaneDamage,
     teeth: u16,
@@ -71,11 +70,6 @@ fn demand(
         return falls.then_some((f64::INFINITY, 0.0));
     }
     let peak = |limit: Limit, kind: usize| {
-        let own = if part.is_face() && law.criterion == Criterion::Strain {
-            limit.limit * part.bed[kind]
-        } else {
-            limit.limit
-        };
         let of_saw = if state.level == 0 {
             1.0
         } else if by_strain {
@@ -83,7 +77,7 @@ fn demand(
         } else {
             state.saw(teeth, kind).peak_stress(state.level)
         };
-        own * part.strength * of_saw
+        limit.limit * part.strength * of_saw
     };
     let across = if normal > 0.0 {
         limits.tension

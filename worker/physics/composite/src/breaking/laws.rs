@@ -211,12 +211,7 @@ fn oblique(
 }
 
 /// The law of the faces of a fibre whose axis is given.
-pub(crate) fn law_of_faces(
-    material: usize,
-    axis: [f64; 2],
-    strength: &InterfaceStrength,
-    criterion: Criterion,
-) -> Law {
+pub(crate) fn law_of_faces(material: usize, axis: [f64; 2], strength: &InterfaceStrength) -> Law {
     let face = PlaneLaw {
         tension: Some(strength.normal),
         compression: None,
@@ -227,6 +222,7 @@ pub(crate) fn law_of_faces(
         material,
         axis: Some(axis),
         planes: [PlaneLaw::default(), face],
-        criterion,
+        // a face has no thickness in which it could strain
+        criterion: Criterion::Stress,
     }
 }

@@ -345,7 +345,7 @@ impl Breaking {
             CompositeError::CellTooLarge {
                 x_mm,
                 y_mm,
-                material: law.material,
+                material: law.material.to_string(),
                 width_mm,
                 largest_mm,
             }

@@ -28,8 +28,8 @@ pub struct MaterialStrength {
 /// How a section is broken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BreakingOptions {
-    /// What limits are compared with. Those of interfaces, which have no thickness, are always
-    /// compared with stresses: a limit of strain is that times the moduli of what the fibre lies in.
+    /// What limits of materials are compared with, and are. Those of interfaces, which have no thickness,
+    /// are stresses always.
     pub criterion: Criterion,
     pub scatter: Option<Scatter>,
     /// Of every crack with a fracture energy, 1 to 1000. More follow the softening more closely: the

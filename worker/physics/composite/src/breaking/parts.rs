@@ -59,7 +59,7 @@ impl Parts {
         for (place, band) in layout.bands.iter().enumerate() {
             if let Some(strength) = &strengths[band.material].interface {
                 face_laws[place] = Some(laws.len() as u32);
-                laws.push(law_of_faces(band.material, band.axis, strength, criterion));
+                laws.push(law_of_faces(band.material, band.axis, strength));
             }
         }
         let faces = faces(layout, &face_laws);
@@ -219,7 +219,7 @@ impl Parts {
                         return Err(CompositeError::CellTooLarge {
                             x_mm,
                             y_mm,
-                            material: law.material,
+                            material: law.material.to_string(),
                             width_mm: width,
                             largest_mm: width * room,
                         });
