@@ -8,6 +8,7 @@
 mod calibration;
 mod changes;
 mod digest;
+mod disjoint_sets;
 mod earlier;
 mod envelope;
 mod event;
@@ -34,6 +35,7 @@ pub mod worker;
 pub use calibration::{Calibration, Estimate};
 pub use changes::JobChanges;
 pub use digest::sha256_hex;
+pub use disjoint_sets::DisjointSets;
 pub use earlier::{Earlier, EarlierJob};
 pub use envelope::{Envelope, Submission, SubmissionError};
 pub use event::{Event, JobDeleted, PointsReady, ProgressNow};
