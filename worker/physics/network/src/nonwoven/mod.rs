@@ -5,17 +5,15 @@
 //! step by step from the guess of [`predictor`] and keeps all that counts in a [`state`]; [`snapshot`],
 //! [`distribution`], [`tables`], [`spectrum`] and [`report`] turn that into files and results.
 //! [`width`] measures lateral contraction, [`progress`] how far the test is. This file holds the
-//! loop, which alone talks to the recorder. [`mod@plan`] stands above: a job of repeats or [`directions`]
-//! is several such tests side by side ([`loadframe_harness::plan`]), their results joined.
+//! loop, which alone talks to the recorder. [`mod@plan`] stands above: a job of repeats or of two
+//! directions is several such tests side by side ([`loadframe_harness::plan`]), their results joined.
 mod calibration;
-mod directions;
 mod distribution;
 mod experiment;
 mod lattice;
 mod plan;
 mod predictor;
 mod progress;
-mod repeats;
 mod report;
 mod snapshot;
 mod specimen;
