@@ -5,6 +5,7 @@
 //! the kind in the one list of [`kinds`], holds the spec against the kind's JSON Schema (the one
 //! source of types, units and limits), parses it, and asks the kind's own cross-checks. Every
 //! violation is reported at once, by JSON pointer.
+mod accuracy;
 mod calibration;
 mod changes;
 mod digest;
@@ -32,6 +33,7 @@ pub mod surface;
 mod timestamp;
 pub mod worker;
 
+pub use accuracy::{Accuracy, Preset};
 pub use calibration::{Calibration, Estimate};
 pub use changes::JobChanges;
 pub use digest::sha256_hex;
@@ -55,5 +57,5 @@ pub use outcome::{
 };
 pub use problem::{Problem, Violation};
 pub use schema::{answer_schemas, body_schemas};
-pub use spec_trait::Spec;
+pub use spec_trait::{Spec, Studied};
 pub use timestamp::Timestamp;

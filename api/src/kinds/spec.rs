@@ -6,7 +6,7 @@ use crate::calibration::{Calibration, Estimate};
 use crate::digest::sha256_hex;
 use crate::problem::Violation;
 use crate::spec;
-use crate::spec_trait::Spec;
+use crate::spec_trait::{Spec, Studied};
 use crate::study::{Knob, TurnError};
 
 macro_rules! specs {
@@ -68,7 +68,7 @@ macro_rules! specs {
 
             /// Whether a result may be compared between the settings of a study.
             pub fn compares(&self, result: &str) -> bool {
-                match self { $(Self::$kind(_) => <$spec as Spec>::compares(result),)+ }
+                match self { $(Self::$kind(_) => <$spec as Studied>::compares(result),)+ }
             }
 
             /// The spec as a JSON value, all defaults written out.
