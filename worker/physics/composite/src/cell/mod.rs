@@ -10,7 +10,7 @@ mod results;
 
 use loadframe_api::spec::composite_cell::CompositeCell;
 use loadframe_harness::{
-    Ending, Interrupt, Recorder, RunContext, SimulationError,
+    Ending, Recorder, RunContext, SimulationError,
     checkpoint::Fingerprint,
     plan::{Conclusion, Place, Specimens, test_specimens},
 };
@@ -43,8 +43,7 @@ fn run_one(
 ) -> Result<Ending, SimulationError> {
     let tested = match conduct::conduct(spec, context, recorder)? {
         Conclusion::Finished(tested) => tested,
-        Conclusion::Interrupted(Interrupt::Cancel) => return Ok(Ending::Cancelled),
-        Conclusion::Interrupted(Interrupt::Suspend) => return Ok(Ending::Suspended),
+        Conclusion::Interrupted(interrupt) => return Ok(interrupt.into()),
     };
     files::write(spec, &tested, recorder)?;
     Ok(Ending::Finished(report::report(spec, &tested)?))

@@ -28,7 +28,7 @@ use relay::{Message, Relay};
 
 pub use directions::Compared;
 pub use keeper::{Curve, CurveKeeper};
-pub use relay::Share;
+pub use relay::{Conclusion, Share};
 pub use reports::{SavedReport, joint_warnings, mean, values, worst_quality};
 use reports::{join_repeats, write_repeats};
 pub use specimens::{Place, Specimens, test_specimens};
@@ -54,13 +54,6 @@ pub trait Tests: Sync {
         context: RunContext<'_>,
         recorder: &mut dyn Recorder,
     ) -> Result<Conclusion<Self::Result>, SimulationError>;
-}
-
-/// How a test, or a plan, came to its end.
-#[derive(Debug)]
-pub enum Conclusion<T> {
-    Finished(T),
-    Interrupted(Interrupt),
 }
 
 /// The state of a plan: the content of its checkpoint.

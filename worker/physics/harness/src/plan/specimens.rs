@@ -90,8 +90,7 @@ pub fn test_specimens(
     };
     let finished = match plan.carry_out(&all, context, recorder)? {
         Conclusion::Finished(finished) => finished,
-        Conclusion::Interrupted(Interrupt::Cancel) => return Ok(Ending::Cancelled),
-        Conclusion::Interrupted(Interrupt::Suspend) => return Ok(Ending::Suspended),
+        Conclusion::Interrupted(interrupt) => return Ok(interrupt.into()),
     };
     let reports = finished.iter().map(|test| test.report.read());
     let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;

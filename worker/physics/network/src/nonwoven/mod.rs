@@ -26,7 +26,7 @@ mod width;
 
 use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
 use loadframe_harness::{
-    Ending, Interrupt, Recorder, RunContext, SimulationError,
+    Ending, Halt, Interrupt, Recorder, RunContext, SimulationError,
     checkpoint::{self, Fingerprint},
 };
 use loadframe_numerics::Team;
@@ -36,7 +36,7 @@ use crate::equilibrium::work::Meter;
 pub use calibration::calibration_spec;
 pub use plan::run;
 
-use experiment::{Advance, Experiment, Halt, StopReason};
+use experiment::{Advance, Experiment, StopReason};
 use progress::Yardstick;
 use specimen::Specimen;
 use state::State;

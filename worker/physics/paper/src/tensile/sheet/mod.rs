@@ -51,7 +51,7 @@ struct Checkpoint {
 
 impl From<FrameError> for SimulationError {
     fn from(error: FrameError) -> Self {
-        Self::Paper(error.to_string())
+        Self::of_paper(error)
     }
 }
 
