@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use indexmap::IndexMap;
 use uuid::Uuid;
 
-use crate::{JobKind, JobStatus, JobView, Quantity, SubmissionError};
+use crate::{JobKind, JobStatus, JobView, Quantity};
 
 /// Code of the violation that names a job whose results are not known here.
 pub(crate) const UNKNOWN_RESULTS: &str = "unknown_results";
@@ -41,23 +41,5 @@ impl Earlier {
             },
         };
         self.0.insert(id, found);
-    }
-}
-
-impl SubmissionError {
-    /// Jobs whose results would be needed to go on.
-    pub fn wanted_jobs(&self) -> Vec<Uuid> {
-        let Self::Invalid(violations) = self else {
-            return Vec::new();
-        };
-        let wanted = violations
-            .iter()
-            .filter(|violation| violation.code == UNKNOWN_RESULTS);
-        let mut ids: Vec<Uuid> = wanted
-            .filter_map(|violation| violation.value.as_ref()?.as_str()?.parse().ok())
-            .collect();
-        ids.sort_unstable();
-        ids.dedup();
-        ids
     }
 }

@@ -5,8 +5,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use serde_json::value::RawValue;
+use uuid::Uuid;
 
-use crate::earlier::Earlier;
+use crate::earlier::{Earlier, UNKNOWN_RESULTS};
 use crate::kind_schemas::spec_violations;
 use crate::kinds::{JobKind, JobSpec, SpecVisitor};
 use crate::problem::{Problem, Violation};
@@ -168,6 +169,22 @@ impl JobSpec {
 }
 
 impl SubmissionError {
+    /// Jobs whose results would be needed to go on.
+    pub fn wanted_jobs(&self) -> Vec<Uuid> {
+        let Self::Invalid(violations) = self else {
+            return Vec::new();
+        };
+        let wanted = violations
+            .iter()
+            .filter(|violation| violation.code == UNKNOWN_RESULTS);
+        let mut ids: Vec<Uuid> = wanted
+            .filter_map(|violation| violation.value.as_ref()?.as_str()?.parse().ok())
+            .collect();
+        ids.sort_unstable();
+        ids.dedup();
+        ids
+    }
+
     /// Everything that is wrong.
     pub fn violations(self) -> Vec<Violation> {
         match self {

@@ -5,9 +5,11 @@
 //! the kind in the one list of [`kinds`], holds the spec against the kind's JSON Schema (the one
 //! source of types, units and limits), parses it, and asks the kind's own cross-checks. Every
 //! violation is reported at once, by JSON pointer.
+mod accuracy;
 mod calibration;
 mod changes;
 mod digest;
+mod disjoint_sets;
 mod earlier;
 mod envelope;
 mod event;
@@ -31,9 +33,11 @@ pub mod surface;
 mod timestamp;
 pub mod worker;
 
+pub use accuracy::{Accuracy, Preset};
 pub use calibration::{Calibration, Estimate};
 pub use changes::JobChanges;
 pub use digest::sha256_hex;
+pub use disjoint_sets::DisjointSets;
 pub use earlier::{Earlier, EarlierJob};
 pub use envelope::{Envelope, Submission, SubmissionError};
 pub use event::{Event, JobDeleted, PointsReady, ProgressNow};
@@ -53,5 +57,5 @@ pub use outcome::{
 };
 pub use problem::{Problem, Violation};
 pub use schema::{answer_schemas, body_schemas};
-pub use spec_trait::Spec;
+pub use spec_trait::{Spec, Studied};
 pub use timestamp::Timestamp;

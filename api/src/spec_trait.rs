@@ -8,7 +8,7 @@ use crate::problem::Violation;
 use crate::study::Knob;
 
 /// What the spec of every kind can do beyond being parsed.
-pub trait Spec: Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
+pub trait Spec: Studied + Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
     /// Reports what its JSON Schema cannot say, with pointers relative to the spec.
     fn check(&self, violations: &mut Vec<Violation>);
 
@@ -24,7 +24,10 @@ pub trait Spec: Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
 
     /// Seed of the random streams.
     fn seed(&self) -> u64;
+}
 
+/// What studies and calibrations do with the spec of every kind.
+pub trait Studied {
     /// What an accuracy study may vary.
     fn knobs(&self) -> Vec<Knob>;
 

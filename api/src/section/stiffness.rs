@@ -4,6 +4,15 @@
 //! a full symmetric 3 × 3 matrix: off-axis fibres couple stretch with shear.
 use nalgebra::{Matrix2, Matrix3, RowVector2, Vector2};
 
+/// What is known of the third direction, out of the plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlaneState {
+    /// A thin sheet: no stress out of the plane.
+    Stress,
+    /// A long body: no strain out of the plane.
+    Strain,
+}
+
 /// Plane stiffness C [MPa].
 pub type Stiffness = Matrix3<f64>;
 

@@ -21,6 +21,34 @@ pub struct Knob {
     pub keeps_specimen: bool,
 }
 
+impl Knob {
+    /// A knob that keeps the specimen, with values from coarse to fine and the finest besides.
+    pub(crate) fn new(
+        name: &'static str,
+        description: &'static str,
+        present: impl ToString,
+        grid: &[&str],
+        finest: &str,
+    ) -> Self {
+        Self {
+            name,
+            description,
+            present: present.to_string(),
+            grid: grid.iter().map(|value| (*value).to_owned()).collect(),
+            reference: vec![(name, finest.to_owned())],
+            keeps_specimen: true,
+        }
+    }
+
+    /// The same, whose values make other specimens of the same seed.
+    pub(crate) fn of_other_specimens(self) -> Self {
+        Self {
+            keeps_specimen: false,
+            ..self
+        }
+    }
+}
+
 /// A value a knob does not take.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TurnError {

@@ -1,7 +1,7 @@
 //! Studies: many runs of one job, for what they say together.
 //!
 //! A study of accuracy varies [`Knob`]s, which a kind names beside its spec
-//! ([`crate::Spec::knobs`]). A study of parameters is a file, a [`ParameterStudy`], whose
+//! ([`crate::spec_trait::Studied::knobs`]). A study of parameters is a file, a [`ParameterStudy`], whose
 //! cases set any values of the job's spec; it needs nothing of the kind but the spec itself.
 mod apply;
 mod cases;

@@ -2,24 +2,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::accuracy::{self, Preset};
+
 /// A preset's name or its knobs. `loadframe study accuracy` measures what each knob costs and how far
 /// off it is on your own spec.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum Accuracy {
-    Preset(Preset),
-    Knobs(Knobs),
-}
-
-/// Named choices of the knobs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Preset {
-    Draft,
-    Standard,
-    Reference,
-}
-
+pub type Accuracy = accuracy::Accuracy<Knobs>;
 /// The knobs of accuracy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -39,41 +26,26 @@ pub struct Knobs {
     pub inertial_number: f64,
 }
 
-impl Default for Accuracy {
-    fn default() -> Self {
-        Self::Preset(Preset::Standard)
-    }
-}
-
 impl Default for Knobs {
     fn default() -> Self {
-        Accuracy::default().knobs()
+        accuracy::Knobs::of(Preset::default())
     }
 }
 
-impl Accuracy {
-    /// The knobs a preset stands for.
-    pub fn knobs(&self) -> Knobs {
-        match self {
-            Self::Knobs(knobs) => knobs.clone(),
-            Self::Preset(Preset::Draft) => Knobs {
-                critical_step_fraction: 0.4,
-                stiffness: 1.0,
-                preparation_modulus_pa: 1e8,
-                inertial_number: 2e-3,
-            },
-            Self::Preset(Preset::Standard) => Knobs {
-                critical_step_fraction: 0.4,
-                stiffness: 1.0,
-                preparation_modulus_pa: 1e9,
-                inertial_number: 5e-4,
-            },
-            Self::Preset(Preset::Reference) => Knobs {
-                critical_step_fraction: 0.2,
-                stiffness: 1.0,
-                preparation_modulus_pa: 1e15,
-                inertial_number: 1e-4,
-            },
+impl accuracy::Knobs for Knobs {
+    const ABOUT: &'static str = "A preset's name or its knobs. `loadframe study accuracy` measures what each knob costs and how far\noff it is on your own spec.";
+
+    fn of(preset: Preset) -> Self {
+        let (critical_step_fraction, preparation_modulus_pa, inertial_number) = match preset {
+            Preset::Draft => (0.4, 1e8, 2e-3),
+            Preset::Standard => (0.4, 1e9, 5e-4),
+            Preset::Reference => (0.2, 1e15, 1e-4),
+        };
+        Self {
+            critical_step_fraction,
+            stiffness: 1.0,
+            preparation_modulus_pa,
+            inertial_number,
         }
     }
 }

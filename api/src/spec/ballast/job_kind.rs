@@ -2,9 +2,9 @@
 use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
 
-use super::{Accuracy, Apparatus, Ballast, checks, estimate, study};
+use super::{Apparatus, Ballast, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation, study::Knob};
+use crate::{Calibration, Estimate, Violation};
 
 impl<A> Spec for Ballast<A>
 where
@@ -15,7 +15,7 @@ where
     }
 
     fn normalise(&mut self) {
-        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+        self.accuracy.write_out();
         self.materials = self.resolved_materials();
         self.grains.sizes = self.grains.sizes();
     }
@@ -26,22 +26,5 @@ where
 
     fn seed(&self) -> u64 {
         self.seed
-    }
-
-    fn knobs(&self) -> Vec<Knob> {
-        study::knobs(self)
-    }
-
-    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
-        study::turn(self, knob, value)
-    }
-
-    fn single(&mut self, seed: u64) {
-        self.seed = seed;
-        self.output.snapshots = 0;
-    }
-
-    fn compares(result: &str) -> bool {
-        study::compares(result)
     }
 }

@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::granular_scene::ContactLaw;
 
-pub use accuracy::{Accuracy, Knobs, Preset};
+pub use accuracy::{Accuracy, Knobs};
 pub use apparatus::Apparatus;
 pub use box_test::{BoxTest, Sleeper};
 pub use grains::Grains;

@@ -1,5 +1,6 @@
 //! What an accuracy study varies in a test of ballast.
 use super::{Accuracy, Apparatus, Ballast, Knobs};
+use crate::spec_trait::Studied;
 use crate::study::Knob;
 
 /// A knob: name, what it is, values tried from coarse to fine, the last of which is the reference.
@@ -54,36 +55,41 @@ fn value<'a>(knobs: &'a mut Knobs, name: &str) -> Option<&'a mut f64> {
     }
 }
 
-pub(super) fn knobs<A: Apparatus>(spec: &Ballast<A>) -> Vec<Knob> {
-    let mut present = spec.accuracy.knobs();
-    let lines = LINES.iter().filter(|line| {
-        // a period that is given does not follow any number
-        line.name != "inertial_number" || spec.test.period_s.is_none()
-    });
-    let knob = |line: &Line| {
-        let [grid @ .., finest] = line.values;
-        Knob {
-            name: line.name,
-            description: line.description,
-            present: value(&mut present, line.name)
-                .map_or(String::new(), |value| value.to_string()),
-            grid: grid.map(str::to_owned).to_vec(),
-            reference: vec![(line.name, finest.to_owned())],
+impl<A: Apparatus> Studied for Ballast<A> {
+    fn knobs(&self) -> Vec<Knob> {
+        let mut present = self.accuracy.knobs();
+        let lines = LINES.iter().filter(|line| {
+            // a period that is given does not follow any number
+            line.name != "inertial_number" || self.test.period_s.is_none()
+        });
+        let knob = |line: &Line| {
+            let [grid @ .., finest] = line.values;
+            let present = value(&mut present, line.name).map_or(f64::NAN, |value| *value);
+            let knob = Knob::new(line.name, line.description, present, &grid, finest);
             // a step more or less, and grains come to lie elsewhere; the period matters after that only
-            keeps_specimen: line.name == "inertial_number",
-        }
-    };
-    lines.map(knob).collect()
-}
+            if line.name == "inertial_number" {
+                knob
+            } else {
+                knob.of_other_specimens()
+            }
+        };
+        lines.map(knob).collect()
+    }
 
-pub(super) fn turn<A: Apparatus>(spec: &mut Ballast<A>, knob: &str, text: &str) -> Option<()> {
-    let number: f64 = text.parse().ok()?;
-    let mut knobs = spec.accuracy.knobs();
-    *value(&mut knobs, knob)? = number;
-    spec.accuracy = Accuracy::Knobs(knobs);
-    Some(())
-}
+    fn turn(&mut self, knob: &str, text: &str) -> Option<()> {
+        let number: f64 = text.parse().ok()?;
+        let mut knobs = self.accuracy.knobs();
+        *value(&mut knobs, knob)? = number;
+        self.accuracy = Accuracy::Knobs(knobs);
+        Some(())
+    }
 
-pub(super) fn compares(result: &str) -> bool {
-    COMPARED.contains(&result)
+    fn single(&mut self, seed: u64) {
+        self.seed = seed;
+        self.output.snapshots = 0;
+    }
+
+    fn compares(result: &str) -> bool {
+        COMPARED.contains(&result)
+    }
 }

@@ -1,14 +1,15 @@
 //! The calibration as a kind of job.
 use super::{Calibrate, Template, checks};
-use crate::spec_trait::Spec;
+use crate::spec_trait::{Spec, Studied};
 use crate::{Calibration, Estimate, Violation, study::Knob};
 
 /// Megabytes a trial leaves in memory and files, besides its results.
 const TRIAL_MB: f64 = 1e-3;
 /// Megabytes of a number that is kept.
 const NUMBER_MB: f64 = 8e-6;
-/// Realisations tried in a study; the last is the reference.
-const REALISATIONS: [&str; 5] = ["1", "2", "4", "8", "16"];
+/// Realisations tried in a study.
+const REALISATIONS: [&str; 4] = ["1", "2", "4", "8"];
+const MOST_REALISATIONS: &str = "16";
 
 impl Spec for Calibrate {
     fn check(&self, violations: &mut Vec<Violation>) {
@@ -43,17 +44,17 @@ impl Spec for Calibrate {
     fn seed(&self) -> u64 {
         self.seed
     }
+}
 
+impl Studied for Calibrate {
     fn knobs(&self) -> Vec<Knob> {
-        let (most, grid) = REALISATIONS.split_last().unwrap_or((&"", &[]));
-        vec![Knob {
-            name: "realisations",
-            description: "specimens tested at every trial, a whole number from 1 to 1000",
-            present: self.realisations.to_string(),
-            grid: grid.iter().map(|count| (*count).to_owned()).collect(),
-            reference: vec![("realisations", (*most).to_owned())],
-            keeps_specimen: true,
-        }]
+        vec![Knob::new(
+            "realisations",
+            "specimens tested at every trial, a whole number from 1 to 1000",
+            self.realisations,
+            &REALISATIONS,
+            MOST_REALISATIONS,
+        )]
     }
 
     fn turn(&mut self, knob: &str, value: &str) -> Option<()> {

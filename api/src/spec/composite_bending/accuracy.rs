@@ -2,6 +2,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::accuracy::{self, Preset};
+
+/// How exactly: a preset's name or its knobs.
+pub type Accuracy = accuracy::Accuracy<Knobs>;
+
 /// Cells of the grid, at whose corners the particles are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -19,23 +24,6 @@ pub struct Grid {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1000), extend("x-unit" = "1"))]
     pub graded_cells_per_fibre: Option<u32>,
-}
-
-/// How exactly: a preset's name or its knobs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum Accuracy {
-    Preset(Preset),
-    Knobs(Knobs),
-}
-
-/// Named choices: of the grid where it is left out, and of nothing else.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Preset {
-    Draft,
-    Standard,
-    Reference,
 }
 
 /// The knobs of accuracy.
@@ -99,12 +87,6 @@ pub enum Geometry {
     Large,
 }
 
-impl Default for Accuracy {
-    fn default() -> Self {
-        Self::Preset(Preset::Standard)
-    }
-}
-
 impl Default for Knobs {
     fn default() -> Self {
         Self {
@@ -120,34 +102,31 @@ impl Default for Knobs {
     }
 }
 
-/// Cells through the shorter side, and along the longer one, of the presets.
-const DIVISIONS: [(Preset, [f64; 2]); 3] = [
-    (Preset::Draft, [8.0, 50.0]),
-    (Preset::Standard, [16.0, 200.0]),
-    (Preset::Reference, [32.0, 400.0]),
-];
+impl accuracy::Knobs for Knobs {
+    const PRESETS: &'static str =
+        "Named choices: of the grid where it is left out, and of nothing else.";
+
+    fn of(_: Preset) -> Self {
+        Self::default()
+    }
+}
+
 /// Cells through a fibre or ply in the presets' grids.
 const PER_FIBRE: u32 = 2;
 
 impl Accuracy {
-    /// The knobs.
-    pub fn knobs(&self) -> Knobs {
-        match self {
-            Self::Knobs(knobs) => knobs.clone(),
-            Self::Preset(_) => Knobs::default(),
-        }
-    }
-
     /// The grid of square cells for a section of the given sides, where none is given.
     pub(super) fn grid(&self, sides_mm: [f64; 2]) -> Grid {
         let preset = match self {
             Self::Preset(preset) => *preset,
             Self::Knobs(_) => Preset::Standard,
         };
-        let [shorter, longer] = DIVISIONS
-            .iter()
-            .find(|(known, _)| *known == preset)
-            .map_or([16.0, 200.0], |(_, cells)| *cells);
+        // through the shorter side, and along the longer one
+        let [shorter, longer] = match preset {
+            Preset::Draft => [8.0, 50.0],
+            Preset::Standard => [16.0, 200.0],
+            Preset::Reference => [32.0, 400.0],
+        };
         let short = sides_mm[0].min(sides_mm[1]);
         let long = sides_mm[0].max(sides_mm[1]);
         let cell = (short / shorter).min(long / longer);

@@ -1,7 +1,7 @@
 //! The test of a composite's section as a kind of job.
-use super::{Accuracy, CompositeBending, checks, estimate, study};
+use super::{CompositeBending, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Earlier, Estimate, Violation, study::Knob};
+use crate::{Calibration, Earlier, Estimate, Violation};
 
 impl Spec for CompositeBending {
     fn check(&self, violations: &mut Vec<Violation>) {
@@ -16,7 +16,7 @@ impl Spec for CompositeBending {
 
     fn normalise(&mut self) {
         self.grid = Some(self.grid());
-        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+        self.accuracy.write_out();
     }
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
@@ -25,22 +25,5 @@ impl Spec for CompositeBending {
 
     fn seed(&self) -> u64 {
         self.seed
-    }
-
-    fn knobs(&self) -> Vec<Knob> {
-        study::knobs(self)
-    }
-
-    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
-        study::turn(self, knob, value)
-    }
-
-    fn single(&mut self, seed: u64) {
-        self.seed = seed;
-        self.output.picture = false;
-    }
-
-    fn compares(result: &str) -> bool {
-        study::compares(result)
     }
 }

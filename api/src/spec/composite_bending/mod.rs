@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use accuracy::{Accuracy, Geometry, Grid, Knobs, Preset, Solver};
+pub use accuracy::{Accuracy, Geometry, Grid, Knobs, Solver};
 pub use material::{Interface, Isotropic, Limit, Material, Orthotropic, Strength};
 pub use test::{
     Axis, Breaking, Control, Criterion, Driven, Face, Flexure, Grips, History, HistoryLoad, Load,

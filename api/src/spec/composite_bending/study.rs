@@ -1,7 +1,8 @@
 //! What an accuracy study varies in a test of a section.
 use super::{
-    Accuracy, BondStiffness, CompositeBending, Exact, Geometry, Grid, Knobs, Lattice, Paper, Solver,
+    BondStiffness, CompositeBending, Exact, Geometry, Grid, Knobs, Lattice, Paper, Solver,
 };
+use crate::spec_trait::Studied;
 use crate::study::Knob;
 
 /// Cells along both sides in those of the spec; the last is the reference.
@@ -26,110 +27,111 @@ const COMPARED: [&str; 14] = [
     "peak_deflection",
 ];
 
-pub(super) fn knobs(spec: &CompositeBending) -> Vec<Knob> {
-    let accuracy = spec.accuracy.knobs();
-    let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect();
-    let mut knobs = vec![Knob {
-        name: "cells",
-        description: "cells along both sides in those of the spec, a number above 0",
-        present: "1".to_owned(),
-        grid: words(&CELLS),
-        reference: vec![("cells", FINEST.to_owned())],
-        keeps_specimen: true,
-    }];
-    if spec.plies.is_empty() && spec.grid().graded_cells_per_fibre.is_none() {
-        knobs.push(Knob {
-            name: "lattice",
-            description: "what holds the particles together: exact, paper_p_wave or paper_bare",
-            present: lattice_word(&spec.lattice).to_owned(),
-            grid: words(&["paper_p_wave", "paper_bare"]),
-            reference: vec![("lattice", "exact".to_owned())],
-            keeps_specimen: true,
-        });
+impl Studied for CompositeBending {
+    fn knobs(&self) -> Vec<Knob> {
+        let accuracy = self.accuracy.knobs();
+        let mut knobs = vec![Knob::new(
+            "cells",
+            "cells along both sides in those of the spec, a number above 0",
+            1,
+            &CELLS,
+            FINEST,
+        )];
+        if self.plies.is_empty() && self.grid().graded_cells_per_fibre.is_none() {
+            knobs.push(Knob::new(
+                "lattice",
+                "what holds the particles together: exact, paper_p_wave or paper_bare",
+                lattice_word(&self.lattice),
+                &["paper_p_wave", "paper_bare"],
+                "exact",
+            ));
+        }
+        if self.test.history.is_none() && self.test.way().is_some_and(|way| way.flexure().is_none())
+        {
+            knobs.push(Knob::new(
+                "solver",
+                "the way to rest: static, verlet, pbd or xpbd",
+                solver_word(accuracy.solver),
+                &["verlet", "pbd", "xpbd"],
+                "static",
+            ));
+            knobs.push(Knob::new(
+                "geometry",
+                "how displacements are measured: linear or large",
+                match accuracy.geometry {
+                    Geometry::Linear => "linear",
+                    Geometry::Large => "large",
+                },
+                &["linear"],
+                "large",
+            ));
+        }
+        knobs
     }
-    if spec.test.history.is_none() && spec.test.way().is_some_and(|way| way.flexure().is_none()) {
-        knobs.push(Knob {
-            name: "solver",
-            description: "the way to rest: static, verlet, pbd or xpbd",
-            present: solver_word(accuracy.solver).to_owned(),
-            grid: words(&["verlet", "pbd", "xpbd"]),
-            reference: vec![("solver", "static".to_owned())],
-            keeps_specimen: true,
-        });
-        knobs.push(Knob {
-            name: "geometry",
-            description: "how displacements are measured: linear or large",
-            present: match accuracy.geometry {
-                Geometry::Linear => "linear",
-                Geometry::Large => "large",
+
+    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
+        match knob {
+            "cells" => {
+                let factor: f64 = value.parse().ok().filter(|factor| *factor > 0.0)?;
+                let grid = self.grid();
+                let scaled = |count: u32| (f64::from(count) * factor).round().max(1.0) as u32;
+                self.grid = Some(Grid {
+                    cells: grid.cells.map(scaled),
+                    equal_cells: grid.equal_cells,
+                    graded_cells_per_fibre: grid.graded_cells_per_fibre.map(scaled),
+                });
             }
-            .to_owned(),
-            grid: words(&["linear"]),
-            reference: vec![("geometry", "large".to_owned())],
-            keeps_specimen: true,
-        });
-    }
-    knobs
-}
-
-/// Sets a knob; `None` when the value is not one it takes. Ranges are left to the schema.
-pub(super) fn turn(spec: &mut CompositeBending, knob: &str, value: &str) -> Option<()> {
-    match knob {
-        "cells" => {
-            let factor: f64 = value.parse().ok().filter(|factor| *factor > 0.0)?;
-            let grid = spec.grid();
-            let scaled = |count: u32| (f64::from(count) * factor).round().max(1.0) as u32;
-            spec.grid = Some(Grid {
-                cells: grid.cells.map(scaled),
-                equal_cells: grid.equal_cells,
-                graded_cells_per_fibre: grid.graded_cells_per_fibre.map(scaled),
-            });
-        }
-        "lattice" => {
-            let paper = |stiffness| {
-                let bonds = match spec.lattice {
-                    Lattice::Paper(paper) => paper.bonds,
-                    Lattice::Exact(_) => super::BondPattern::default(),
+            "lattice" => {
+                let paper = |stiffness| {
+                    let bonds = match self.lattice {
+                        Lattice::Paper(paper) => paper.bonds,
+                        Lattice::Exact(_) => super::BondPattern::default(),
+                    };
+                    Lattice::Paper(Paper { stiffness, bonds })
                 };
-                Lattice::Paper(Paper { stiffness, bonds })
-            };
-            spec.lattice = match value {
-                "exact" => Lattice::Exact(Exact {}),
-                "paper_p_wave" => paper(BondStiffness::PWave),
-                "paper_bare" => paper(BondStiffness::Bare),
-                _ => return None,
-            };
+                self.lattice = match value {
+                    "exact" => Lattice::Exact(Exact {}),
+                    "paper_p_wave" => paper(BondStiffness::PWave),
+                    "paper_bare" => paper(BondStiffness::Bare),
+                    _ => return None,
+                };
+            }
+            "solver" => {
+                let solvers = [Solver::Static, Solver::Verlet, Solver::Pbd, Solver::Xpbd];
+                let solver = solvers
+                    .into_iter()
+                    .find(|solver| solver_word(*solver) == value)?;
+                self.change_knobs(|knobs| knobs.solver = solver);
+            }
+            "geometry" => {
+                let geometry = match value {
+                    "linear" => Geometry::Linear,
+                    "large" => Geometry::Large,
+                    _ => return None,
+                };
+                self.change_knobs(|knobs| knobs.geometry = geometry);
+            }
+            _ => return None,
         }
-        "solver" => {
-            let solvers = [Solver::Static, Solver::Verlet, Solver::Pbd, Solver::Xpbd];
-            let solver = solvers
-                .into_iter()
-                .find(|solver| solver_word(*solver) == value)?;
-            change_knobs(spec, |knobs| knobs.solver = solver);
-        }
-        "geometry" => {
-            let geometry = match value {
-                "linear" => Geometry::Linear,
-                "large" => Geometry::Large,
-                _ => return None,
-            };
-            change_knobs(spec, |knobs| knobs.geometry = geometry);
-        }
-        _ => return None,
+        Some(())
     }
-    Some(())
+
+    fn single(&mut self, seed: u64) {
+        self.seed = seed;
+        self.output.picture = false;
+    }
+
+    fn compares(result: &str) -> bool {
+        COMPARED.contains(&result)
+    }
 }
 
-/// The spec's knobs, written out, with a change; the grid stays what it was.
-fn change_knobs(spec: &mut CompositeBending, change: impl FnOnce(&mut Knobs)) {
-    spec.grid = Some(spec.grid());
-    let mut knobs = spec.accuracy.knobs();
-    change(&mut knobs);
-    spec.accuracy = Accuracy::Knobs(knobs);
-}
-
-pub(super) fn compares(result: &str) -> bool {
-    COMPARED.contains(&result)
+impl CompositeBending {
+    /// Changes the knobs of accuracy; the grid stays what it was.
+    fn change_knobs(&mut self, change: impl FnOnce(&mut Knobs)) {
+        self.grid = Some(self.grid());
+        self.accuracy.change(change);
+    }
 }
 
 fn lattice_word(lattice: &Lattice) -> &'static str {

@@ -2,23 +2,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::accuracy::{self, Preset};
+
 /// How exactly: a preset's name or its knobs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum Accuracy {
-    Preset(Preset),
-    Knobs(Knobs),
-}
-
-/// Named choices of the knobs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Preset {
-    Draft,
-    Standard,
-    Reference,
-}
-
+pub type Accuracy = accuracy::Accuracy<Knobs>;
 /// The knobs of accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -28,35 +15,19 @@ pub struct Knobs {
     pub cells_per_fibre: u32,
 }
 
-const CELLS: [(Preset, u32); 3] = [
-    (Preset::Draft, 16),
-    (Preset::Standard, 48),
-    (Preset::Reference, 128),
-];
-
-impl Default for Accuracy {
-    fn default() -> Self {
-        Self::Preset(Preset::Standard)
-    }
-}
-
 impl Default for Knobs {
     fn default() -> Self {
-        Accuracy::default().knobs()
+        accuracy::Knobs::of(Preset::default())
     }
 }
 
-impl Accuracy {
-    /// The knobs.
-    pub fn knobs(&self) -> Knobs {
-        match self {
-            Self::Knobs(knobs) => *knobs,
-            Self::Preset(preset) => {
-                let found = CELLS.iter().find(|(known, _)| known == preset);
-                Knobs {
-                    cells_per_fibre: found.map_or(48, |(_, cells)| *cells),
-                }
-            }
-        }
+impl accuracy::Knobs for Knobs {
+    fn of(preset: Preset) -> Self {
+        let cells_per_fibre = match preset {
+            Preset::Draft => 16,
+            Preset::Standard => 48,
+            Preset::Reference => 128,
+        };
+        Self { cells_per_fibre }
     }
 }

@@ -1,7 +1,7 @@
 //! The unit cell as a kind of job.
-use super::{Accuracy, CompositeCell, checks, estimate, study};
+use super::{CompositeCell, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation, study::Knob};
+use crate::{Calibration, Estimate, Violation};
 
 impl Spec for CompositeCell {
     fn check(&self, violations: &mut Vec<Violation>) {
@@ -9,7 +9,7 @@ impl Spec for CompositeCell {
     }
 
     fn normalise(&mut self) {
-        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+        self.accuracy.write_out();
     }
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
@@ -18,23 +18,5 @@ impl Spec for CompositeCell {
 
     fn seed(&self) -> u64 {
         self.seed
-    }
-
-    fn knobs(&self) -> Vec<Knob> {
-        study::knobs(self)
-    }
-
-    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
-        study::turn(self, knob, value)
-    }
-
-    fn single(&mut self, seed: u64) {
-        self.seed = seed;
-        self.repeats = 1;
-        self.output.picture = false;
-    }
-
-    fn compares(_result: &str) -> bool {
-        true
     }
 }

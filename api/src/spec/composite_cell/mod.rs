@@ -15,7 +15,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::composite_bending::Material;
-pub use accuracy::{Accuracy, Knobs, Preset};
+pub use accuracy::{Accuracy, Knobs};
 
 /// The effective constants of a unidirectional composite.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,5 +1,6 @@
 //! What an accuracy study varies in a unit cell.
-use super::{Accuracy, Arrangement, CompositeCell, Knobs};
+use super::{Arrangement, CompositeCell};
+use crate::spec_trait::Studied;
 use crate::study::Knob;
 
 const CELLS: [&str; 4] = ["8", "16", "32", "64"];
@@ -7,44 +8,47 @@ const FINEST: &str = "128";
 const FIBRES: [&str; 4] = ["4", "10", "30", "100"];
 const MOST_FIBRES: &str = "300";
 
-pub(super) fn knobs(spec: &CompositeCell) -> Vec<Knob> {
-    let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect();
-    let mut knobs = vec![Knob {
-        name: "cells_per_fibre",
-        description: "cells of the grid through the thinnest fibre, a whole number from 2",
-        present: spec.accuracy.knobs().cells_per_fibre.to_string(),
-        grid: words(&CELLS),
-        reference: vec![("cells_per_fibre", FINEST.to_owned())],
-        keeps_specimen: true,
-    }];
-    if let Arrangement::Random(random) = &spec.arrangement {
-        knobs.push(Knob {
-            name: "fibres",
-            description: "fibres in the cell, a whole number from 1",
-            present: random.fibres.to_string(),
-            grid: words(&FIBRES),
-            reference: vec![("fibres", MOST_FIBRES.to_owned())],
-            keeps_specimen: false,
-        });
+impl Studied for CompositeCell {
+    fn knobs(&self) -> Vec<Knob> {
+        let mut knobs = vec![Knob::new(
+            "cells_per_fibre",
+            "cells of the grid through the thinnest fibre, a whole number from 2",
+            self.accuracy.knobs().cells_per_fibre,
+            &CELLS,
+            FINEST,
+        )];
+        if let Arrangement::Random(random) = &self.arrangement {
+            let fibres = Knob::new(
+                "fibres",
+                "fibres in the cell, a whole number from 1",
+                random.fibres,
+                &FIBRES,
+                MOST_FIBRES,
+            );
+            knobs.push(fibres.of_other_specimens());
+        }
+        knobs
     }
-    knobs
-}
 
-/// Sets a knob; `None` when the value is not one it takes. Ranges are left to the schema.
-pub(super) fn turn(spec: &mut CompositeCell, knob: &str, value: &str) -> Option<()> {
-    match knob {
-        "cells_per_fibre" => {
-            spec.accuracy = Accuracy::Knobs(Knobs {
-                cells_per_fibre: value.parse().ok()?,
-            });
+    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
+        match (knob, &mut self.arrangement) {
+            ("cells_per_fibre", _) => {
+                let cells = value.parse().ok()?;
+                self.accuracy.change(|knobs| knobs.cells_per_fibre = cells);
+            }
+            ("fibres", Arrangement::Random(random)) => random.fibres = value.parse().ok()?,
+            _ => return None,
         }
-        "fibres" => {
-            let Arrangement::Random(random) = &mut spec.arrangement else {
-                return None;
-            };
-            random.fibres = value.parse().ok()?;
-        }
-        _ => return None,
+        Some(())
     }
-    Some(())
+
+    fn single(&mut self, seed: u64) {
+        self.seed = seed;
+        self.repeats = 1;
+        self.output.picture = false;
+    }
+
+    fn compares(_result: &str) -> bool {
+        true
+    }
 }

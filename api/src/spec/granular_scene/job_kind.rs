@@ -1,7 +1,7 @@
 //! The granular scene as a kind of job.
-use super::{Accuracy, ContactLaw, GranularScene, checks, estimate, study};
+use super::{ContactLaw, GranularScene, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation, study::Knob};
+use crate::{Calibration, Estimate, Violation};
 
 impl Spec for GranularScene {
     fn check(&self, violations: &mut Vec<Violation>) {
@@ -9,7 +9,7 @@ impl Spec for GranularScene {
     }
 
     fn normalise(&mut self) {
-        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+        self.accuracy.write_out();
         self.laws.local_damping = Some(self.local_damping());
         if self.laws.contact == ContactLaw::HertzMindlin {
             for material in self.materials.values_mut() {
@@ -24,21 +24,5 @@ impl Spec for GranularScene {
 
     fn seed(&self) -> u64 {
         self.seed
-    }
-
-    fn knobs(&self) -> Vec<Knob> {
-        study::knobs(self)
-    }
-
-    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
-        study::turn(self, knob, value)
-    }
-
-    fn single(&mut self, seed: u64) {
-        study::single(self, seed);
-    }
-
-    fn compares(result: &str) -> bool {
-        study::compares(result)
     }
 }

@@ -116,35 +116,6 @@ pub enum AutomaticTimeStep {
     Auto,
 }
 
-/// How small an automatic time step is: a preset's name or its knobs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum Accuracy {
-    Preset(Preset),
-    Knobs(Knobs),
-}
-
-/// Named choices of the knobs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Preset {
-    /// 0.4 of the critical step: for scenes with damping.
-    Draft,
-    /// 0.2 of the critical step.
-    Standard,
-    /// 0.05 of the critical step.
-    Reference,
-}
-
-/// The knobs of accuracy.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Knobs {
-    /// An automatic time step over the critical one.
-    #[schemars(range(min = 1e-6, max = 0.9), extend("x-unit" = "1"))]
-    pub critical_step_fraction: f64,
-}
-
 /// λ_D when nothing is said: the usual choice for quasi-static loading, and the one of the ballast
 /// studies.
 const LOCAL_DAMPING: f64 = 0.3;
@@ -164,33 +135,6 @@ impl Laws {
 impl Default for TimeStep {
     fn default() -> Self {
         Self::Automatic(AutomaticTimeStep::Auto)
-    }
-}
-
-impl Default for Accuracy {
-    fn default() -> Self {
-        Self::Preset(Preset::Standard)
-    }
-}
-
-impl Default for Knobs {
-    fn default() -> Self {
-        Accuracy::Preset(Preset::Standard).knobs()
-    }
-}
-
-impl Accuracy {
-    /// The knobs a preset stands for.
-    pub fn knobs(&self) -> Knobs {
-        let critical_step_fraction = match self {
-            Self::Knobs(knobs) => return knobs.clone(),
-            Self::Preset(Preset::Draft) => 0.4,
-            Self::Preset(Preset::Standard) => 0.2,
-            Self::Preset(Preset::Reference) => 0.05,
-        };
-        Knobs {
-            critical_step_fraction,
-        }
     }
 }
 

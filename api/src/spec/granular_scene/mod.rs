@@ -14,6 +14,7 @@
 //! A further shape, law or stage is one more optional field or one more variant; none of the
 //! names here changes for it. What the engine cannot do is not in these types, so that nothing a
 //! user writes is silently left out.
+mod accuracy;
 mod bodies;
 mod check_walls;
 mod checks;
@@ -47,6 +48,7 @@ use std::{borrow::Cow, collections::BTreeMap};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use accuracy::{Accuracy, Knobs};
 pub use bodies::{Axis, Body, Clump, DegreeOfFreedom, Member, Plane, Sphere};
 pub use checks::LARGEST_WAY;
 pub use drive::{BodyDrive, BodyForce, BodyVelocity, Drive, Sine, Turn, WallDrive, WallForce};
@@ -57,8 +59,7 @@ pub use grains::{Filled, Lattice, Shape};
 pub use import::{Import, ImportError, ImportFormat};
 pub use insert::{Cut, Insert};
 pub use laws::{
-    Accuracy, AutomaticTimeStep, BondRestLength, ContactLaw, Convention, Knobs, Laws, Material,
-    Preset, TimeStep,
+    AutomaticTimeStep, BondRestLength, ContactLaw, Convention, Laws, Material, TimeStep,
 };
 pub use place::Place;
 pub use record::Record;

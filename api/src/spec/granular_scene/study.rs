@@ -1,5 +1,6 @@
 //! What an accuracy study varies in a granular scene.
-use super::{Accuracy, GranularScene, Knobs, Record, Stage, TimeStep};
+use super::{GranularScene, Record, Stage, TimeStep};
+use crate::spec_trait::Studied;
 use crate::study::Knob;
 
 /// Time steps tried, as parts of the critical one; the last is the reference.
@@ -13,95 +14,94 @@ const RATES: [&str; 4] = ["10", "3", "1", "0.1"];
 /// Results that say how the bodies stand and what they carry.
 const COMPARED: [&str; 3] = ["contacts", "coordination_number", "elastic_energy"];
 
-pub(super) fn knobs(spec: &GranularScene) -> Vec<Knob> {
-    let knob = |name, description, present, values: &[&str]| {
-        let (finest, grid) = values.split_last().unwrap_or((&"", &[]));
-        Knob {
-            name,
-            description,
-            present,
-            grid: grid.iter().map(|value| (*value).to_owned()).collect(),
-            reference: vec![(name, (*finest).to_owned())],
-            keeps_specimen: true,
+impl Studied for GranularScene {
+    fn knobs(&self) -> Vec<Knob> {
+        let mut knobs = Vec::new();
+        if let TimeStep::Automatic(_) = self.time_step_s {
+            let fraction = self.accuracy.knobs().critical_step_fraction;
+            knobs.push(finer(
+                "critical_step_fraction",
+                "the time step over the critical one, a number from 1e-6 to 0.9",
+                fraction,
+                &STEPS,
+            ));
+            // a given time step would become needlessly small for softened materials
+            knobs.push(finer(
+                "stiffness",
+                "a factor on the Young's modulus of all materials, a number above 0",
+                1.0,
+                &SOFTENINGS,
+            ));
+            knobs.push(finer(
+                "density",
+                "a factor on the density of all materials while gravity is divided by it, so that \
+                 weights stay (mass scaling), a number above 0",
+                1.0,
+                &DENSITIES,
+            ));
         }
-    };
-    let mut knobs = Vec::new();
-    if let TimeStep::Automatic(_) = spec.time_step_s {
-        let fraction = spec.accuracy.knobs().critical_step_fraction;
-        knobs.push(knob(
-            "critical_step_fraction",
-            "the time step over the critical one, a number from 1e-6 to 0.9",
-            fraction.to_string(),
-            &STEPS,
-        ));
-        // a given time step would become needlessly small for softened materials
-        knobs.push(knob(
-            "stiffness",
-            "a factor on the Young's modulus of all materials, a number above 0",
-            "1".to_owned(),
-            &SOFTENINGS,
-        ));
-        knobs.push(knob(
-            "density",
-            "a factor on the density of all materials while gravity is divided by it, so that \
-             weights stay (mass scaling), a number above 0",
-            "1".to_owned(),
-            &DENSITIES,
-        ));
+        if self.stages.iter().any(Stage::is_driven) {
+            knobs.push(finer(
+                "loading_rate",
+                "a factor on the speed at which walls and bodies are driven over the same ways, a \
+                 number above 0",
+                1.0,
+                &RATES,
+            ));
+        }
+        knobs
     }
-    if spec.stages.iter().any(Stage::is_driven) {
-        knobs.push(knob(
-            "loading_rate",
-            "a factor on the speed at which walls and bodies are driven over the same ways, a \
-             number above 0",
-            "1".to_owned(),
-            &RATES,
-        ));
+
+    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
+        let number: f64 = value.parse().ok()?;
+        match knob {
+            "critical_step_fraction" => {
+                self.accuracy
+                    .change(|knobs| knobs.critical_step_fraction = number);
+            }
+            "stiffness" if number > 0.0 && number.is_finite() => {
+                for material in self.materials.values_mut() {
+                    material.youngs_modulus_pa *= number;
+                }
+            }
+            "density" if number > 0.0 && number.is_finite() => {
+                for material in self.materials.values_mut() {
+                    material.density_kg_per_m3 *= number;
+                }
+                for component in &mut self.gravity_m_per_s2 {
+                    *component /= number;
+                }
+            }
+            "loading_rate" if number > 0.0 && number.is_finite() => self.hasten(number),
+            _ => return None,
+        }
+        Some(())
     }
-    knobs
+
+    fn single(&mut self, seed: u64) {
+        self.seed = seed;
+        self.record = Record {
+            every_steps: self.record.every_steps,
+            from_stage: self.record.from_stage,
+            bodies: Some(Vec::new()),
+            ..Record::default()
+        };
+    }
+
+    fn compares(result: &str) -> bool {
+        COMPARED.contains(&result)
+    }
 }
 
-/// Sets a knob; `None` when the value is not one it takes. Ranges are left to the schema.
-pub(super) fn turn(spec: &mut GranularScene, knob: &str, value: &str) -> Option<()> {
-    let number: f64 = value.parse().ok()?;
-    match knob {
-        "critical_step_fraction" => {
-            spec.accuracy = Accuracy::Knobs(Knobs {
-                critical_step_fraction: number,
-            });
-        }
-        "stiffness" if number > 0.0 && number.is_finite() => {
-            for material in spec.materials.values_mut() {
-                material.youngs_modulus_pa *= number;
-            }
-        }
-        "density" if number > 0.0 && number.is_finite() => {
-            for material in spec.materials.values_mut() {
-                material.density_kg_per_m3 *= number;
-            }
-            for component in &mut spec.gravity_m_per_s2 {
-                *component /= number;
-            }
-        }
-        "loading_rate" if number > 0.0 && number.is_finite() => spec.hasten(number),
-        _ => return None,
-    }
-    Some(())
-}
-
-/// One run of this seed that writes as little as it can.
-pub(super) fn single(spec: &mut GranularScene, seed: u64) {
-    spec.seed = seed;
-    spec.record = Record {
-        every_steps: spec.record.every_steps,
-        from_stage: spec.record.from_stage,
-        bodies: Some(Vec::new()),
-        ..Record::default()
-    };
-}
-
-pub(super) fn compares(result: &str) -> bool {
-    COMPARED.contains(&result)
+/// A knob whose last value is the reference.
+fn finer(
+    name: &'static str,
+    description: &'static str,
+    present: f64,
+    values: &[&'static str],
+) -> Knob {
+    let (finest, grid) = values.split_last().unwrap_or((&"", &[]));
+    Knob::new(name, description, present, grid, finest)
 }
 
 #[cfg(test)]

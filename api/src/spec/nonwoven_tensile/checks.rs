@@ -1,6 +1,6 @@
 //! What the JSON Schema cannot say: counts that must fit together, bonds that must hold something.
 use super::{Breaking, Direction, Fabric, Jaw, Lattice, Network, NonwovenTensile};
-use crate::Violation;
+use crate::{DisjointSets, Violation};
 
 /// More nodes than this are refused: a network of this size takes about 10 GB.
 const MOST_NODES: u64 = 20_000_000;
@@ -288,7 +288,7 @@ fn check_paths(network: &Network, violations: &mut Vec<Violation>) {
     {
         return;
     }
-    let mut parts = Parts::new(network.nodes_mm.len());
+    let mut parts = DisjointSets::new(network.nodes_mm.len());
     for bond in &network.bonds {
         parts.join(bond.nodes[0], bond.nodes[1]);
     }
@@ -329,26 +329,4 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
         .map(|axis| (a[axis] - b[axis]).powi(2))
         .sum::<f64>()
         .sqrt()
-}
-
-/// Connected parts of a network, by union-find with path halving.
-struct Parts(Vec<u32>);
-
-impl Parts {
-    fn new(nodes: usize) -> Self {
-        Self((0..u32::try_from(nodes).unwrap_or(u32::MAX)).collect())
-    }
-
-    fn root(&mut self, mut node: u32) -> u32 {
-        while self.0[node as usize] != node {
-            self.0[node as usize] = self.0[self.0[node as usize] as usize];
-            node = self.0[node as usize];
-        }
-        node
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
 }

@@ -1,7 +1,7 @@
 //! The nonwoven tensile test as a kind of job.
-use super::{Accuracy, NonwovenTensile, checks, estimate, study};
+use super::{NonwovenTensile, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation, study::Knob};
+use crate::{Calibration, Estimate, Violation};
 
 impl Spec for NonwovenTensile {
     fn check(&self, violations: &mut Vec<Violation>) {
@@ -9,7 +9,7 @@ impl Spec for NonwovenTensile {
     }
 
     fn normalise(&mut self) {
-        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+        self.accuracy.write_out();
     }
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
@@ -18,25 +18,5 @@ impl Spec for NonwovenTensile {
 
     fn seed(&self) -> u64 {
         self.seed
-    }
-
-    fn knobs(&self) -> Vec<Knob> {
-        study::knobs(self)
-    }
-
-    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
-        study::turn(self, knob, value)
-    }
-
-    fn single(&mut self, seed: u64) {
-        study::single(self, seed);
-    }
-
-    fn realise(&mut self, seed: u64) {
-        study::realise(self, seed);
-    }
-
-    fn compares(result: &str) -> bool {
-        study::compares(result)
     }
 }

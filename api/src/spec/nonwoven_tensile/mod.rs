@@ -3,6 +3,7 @@
 //! The model is a three-dimensional network of straight bonds in equilibrium at every strain step
 //! ([Jirsak1993], [Zilka2022]). Lengths are in mm, forces in N, strain is dimensionless; y is the
 //! pulling direction, x the width, z the thickness. A test along x is one of the same fabric turned.
+mod accuracy;
 mod checks;
 mod estimate;
 mod fabric;
@@ -12,6 +13,7 @@ mod study;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use accuracy::{Accuracy, Knobs, Solver};
 pub use fabric::{Fabric, Jaw, Jaws, Lattice, Network, NetworkBond};
 
 /// A virtual tensile test of a nonwoven fabric.
@@ -115,60 +117,6 @@ pub enum Breaking {
     None,
 }
 
-/// How exactly equilibrium is solved: a preset's name or its knobs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum Accuracy {
-    Preset(Preset),
-    Knobs(Knobs),
-}
-
-/// Named choices of the knobs; their measured error and cost are in the guide, under "Speed against accuracy".
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Preset {
-    Draft,
-    Standard,
-    Reference,
-}
-
-/// The knobs of accuracy.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Knobs {
-    pub solver: Solver,
-    /// A_cc: equilibrium is reached when every free node's resultant is below
-    /// (e ε + f_r ε²)/A_cc at nominal strain ε ([Zilka2022] eq. 3-4).
-    #[schemars(range(min = 1.0, max = 1e15), extend("x-unit" = "1"))]
-    pub force_accuracy: f64,
-    /// Sweeps (relaxations) or Newton iterations (`newton_cg`) allowed per equilibrium; a step that
-    /// needs more is reported as unconverged. Left out: 100 000 sweeps, 1 000 Newton iterations.
-    #[schemars(range(min = 1, max = 1_000_000_000))]
-    pub iteration_limit: Option<u32>,
-    /// ω, the part of its Newton step a node moves in parallel relaxation.
-    #[schemars(range(min = 0.01, max = 1.0), extend("x-unit" = "1"))]
-    pub relaxation_factor: f64,
-    /// A strain step is divided until no bond whose breaking lowers the force by more than this part of
-    /// the maximum breaks at more than this part above its strength; the first bond that breaks is
-    /// found as well. `null`: bonds break at whole strain steps only, as in [Zilka2022], and a maximum
-    /// between two of them is not seen.
-    #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
-    pub break_precision: Option<f64>,
-}
-
-/// The way to equilibrium.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Solver {
-    /// Descends the energy of the whole network; reaches the tolerance at every step.
-    #[default]
-    NewtonCg,
-    /// The thesis' relaxation, node after node.
-    Sequential,
-    /// The thesis' relaxation with all displacements computed before any node moves.
-    Parallel,
-}
-
 /// What is written beside the curve.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -207,47 +155,12 @@ impl Default for Test {
     }
 }
 
-impl Default for Accuracy {
-    fn default() -> Self {
-        Self::Preset(Preset::Standard)
-    }
-}
-
-impl Default for Knobs {
-    fn default() -> Self {
-        Self {
-            solver: Solver::default(),
-            force_accuracy: 100.0,
-            iteration_limit: None,
-            relaxation_factor: 0.6,
-            break_precision: Some(0.01),
-        }
-    }
-}
-
 impl Default for Output {
     fn default() -> Self {
         Self {
             snapshot_every_steps: 10,
             histogram_bins: 40,
             force_distribution_strains: Vec::new(),
-        }
-    }
-}
-
-impl Accuracy {
-    /// The knobs a preset stands for.
-    pub fn knobs(&self) -> Knobs {
-        let (force_accuracy, break_precision) = match self {
-            Self::Knobs(knobs) => return knobs.clone(),
-            Self::Preset(Preset::Draft) => (5.0, 0.05),
-            Self::Preset(Preset::Standard) => (100.0, 0.01),
-            Self::Preset(Preset::Reference) => (1e4, 0.002),
-        };
-        Knobs {
-            force_accuracy,
-            break_precision: Some(break_precision),
-            ..Knobs::default()
         }
     }
 }

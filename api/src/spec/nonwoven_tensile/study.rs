@@ -2,7 +2,8 @@
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::{Accuracy, Breaking, Direction, Fabric, Knobs, NonwovenTensile, Output, Solver};
+use super::{Breaking, Direction, Fabric, NonwovenTensile, Output, Solver};
+use crate::spec_trait::Studied;
 use crate::study::Knob;
 
 /// A_cc of the reference: a digit beyond the preset of that name. Another digit takes a PET test to
@@ -12,8 +13,9 @@ const FINEST_ACCURACY: &str = "1e5";
 const ACCURACIES: [&str; 5] = ["5", "20", "100", "1e3", "1e4"];
 /// Strain steps tried, in those of the spec; the last is the reference.
 const STEPS: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
-/// Sizes tried, in those of the spec; the last is the reference.
-const SIZES: [f64; 3] = [0.5, 1.0, 2.0];
+/// Sizes tried, in those of the spec.
+const SIZES: [&str; 2] = ["0.5", "1"];
+const LARGEST_SIZE: &str = "2";
 /// Results that do not grow with the specimen.
 const COMPARED: [&str; 5] = [
     "strength",
@@ -23,66 +25,111 @@ const COMPARED: [&str; 5] = [
     "energy_absorption",
 ];
 
-pub(super) fn knobs(spec: &NonwovenTensile) -> Vec<Knob> {
-    let accuracy = spec.accuracy.knobs();
-    let strings = |values: &[&str]| values.iter().map(|value| (*value).to_owned()).collect();
-    let mut knobs = vec![
-        Knob {
-            name: "force_accuracy",
-            description: "A_cc, a number from 1 to 1e15: the limit of every node's resultant",
-            present: accuracy.force_accuracy.to_string(),
-            grid: strings(&ACCURACIES),
-            reference: vec![("force_accuracy", FINEST_ACCURACY.to_owned())],
-            keeps_specimen: true,
-        },
-        Knob {
-            name: "solver",
-            description: "the way to equilibrium: newton_cg, sequential or parallel",
-            present: word(&accuracy.solver),
-            grid: strings(&["parallel", "sequential", "newton_cg"]),
-            reference: vec![
-                ("solver", "newton_cg".to_owned()),
-                ("force_accuracy", FINEST_ACCURACY.to_owned()),
-            ],
-            keeps_specimen: true,
-        },
-        strain_steps(spec),
-    ];
-    if spec.test.breaking != Breaking::None {
-        knobs.push(Knob {
-            name: "break_precision",
-            description: "a number from 1e-6 to 1, or null: how far above its strength a bond may \
-                          break whose breaking shows in the force",
-            present: accuracy
-                .break_precision
-                .map_or_else(|| "null".to_owned(), |precision| precision.to_string()),
-            grid: strings(&["null", "0.05", "0.01", "0.002"]),
-            reference: vec![("break_precision", "0.0005".to_owned())],
-            keeps_specimen: true,
-        });
-        knobs.push(Knob {
-            name: "breaking",
-            description: "which bonds break in a round: all_over_strength, weakest_first or none",
-            present: word(&spec.test.breaking),
-            grid: strings(&["all_over_strength", "weakest_first"]),
-            reference: vec![("breaking", "weakest_first".to_owned())],
-            keeps_specimen: true,
-        });
+impl Studied for NonwovenTensile {
+    fn knobs(&self) -> Vec<Knob> {
+        let accuracy = self.accuracy.knobs();
+        let mut knobs = vec![
+            Knob::new(
+                "force_accuracy",
+                "A_cc, a number from 1 to 1e15: the limit of every node's resultant",
+                accuracy.force_accuracy,
+                &ACCURACIES,
+                FINEST_ACCURACY,
+            ),
+            Knob {
+                reference: vec![
+                    ("solver", "newton_cg".to_owned()),
+                    ("force_accuracy", FINEST_ACCURACY.to_owned()),
+                ],
+                ..Knob::new(
+                    "solver",
+                    "the way to equilibrium: newton_cg, sequential or parallel",
+                    word(&accuracy.solver),
+                    &["parallel", "sequential", "newton_cg"],
+                    "newton_cg",
+                )
+            },
+            strain_steps(self),
+        ];
+        if self.test.breaking != Breaking::None {
+            let precision = accuracy.break_precision;
+            knobs.push(Knob::new(
+                "break_precision",
+                "a number from 1e-6 to 1, or null: how far above its strength a bond may \
+                 break whose breaking shows in the force",
+                precision.map_or_else(|| "null".to_owned(), |precision| precision.to_string()),
+                &["null", "0.05", "0.01", "0.002"],
+                "0.0005",
+            ));
+            knobs.push(Knob::new(
+                "breaking",
+                "which bonds break in a round: all_over_strength, weakest_first or none",
+                word(&self.test.breaking),
+                &["all_over_strength", "weakest_first"],
+                "weakest_first",
+            ));
+        }
+        if let Fabric::Lattice(_) = self.fabric {
+            let size = Knob::new(
+                "size",
+                "points_per_row and rows in those of the spec, a number above 0: the same \
+                 fabric, smaller or larger in both directions",
+                1,
+                &SIZES,
+                LARGEST_SIZE,
+            );
+            knobs.push(size.of_other_specimens());
+        }
+        knobs
     }
-    if let Fabric::Lattice(_) = spec.fabric {
-        let mut grid: Vec<String> = SIZES.iter().map(f64::to_string).collect();
-        let largest = grid.pop().unwrap_or_default();
-        knobs.push(Knob {
-            name: "size",
-            description: "points_per_row and rows in those of the spec, a number above 0: the same \
-                          fabric, smaller or larger in both directions",
-            present: "1".to_owned(),
-            grid,
-            reference: vec![("size", largest)],
-            keeps_specimen: false,
-        });
+
+    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
+        match knob {
+            "force_accuracy" => {
+                let force_accuracy = value.parse().ok()?;
+                self.accuracy
+                    .change(|knobs| knobs.force_accuracy = force_accuracy);
+            }
+            "solver" => {
+                let solver: Solver = variant(value)?;
+                self.accuracy.change(|knobs| knobs.solver = solver);
+            }
+            "break_precision" => {
+                let break_precision = match value {
+                    "null" => None,
+                    number => Some(number.parse().ok()?),
+                };
+                self.accuracy
+                    .change(|knobs| knobs.break_precision = break_precision);
+            }
+            "strain_step" => self.test.strain_step = value.parse().ok()?,
+            "breaking" => self.test.breaking = variant(value)?,
+            "size" => resize(self, value.parse().ok().filter(|factor| *factor > 0.0)?)?,
+            _ => return None,
+        }
+        Some(())
     }
-    knobs
+
+    /// Along the first direction.
+    fn single(&mut self, seed: u64) {
+        self.realise(seed);
+        let first = self.test.directions.first().copied();
+        self.test.directions = vec![first.unwrap_or(Direction::Y)];
+    }
+
+    /// Along all directions.
+    fn realise(&mut self, seed: u64) {
+        self.seed = seed;
+        self.test.repeats = 1;
+        self.output = Output {
+            snapshot_every_steps: 0,
+            ..Output::default()
+        };
+    }
+
+    fn compares(result: &str) -> bool {
+        COMPARED.contains(&result)
+    }
 }
 
 fn strain_steps(spec: &NonwovenTensile) -> Knob {
@@ -111,39 +158,6 @@ fn short(value: f64) -> String {
     rounded.unwrap_or(value).to_string()
 }
 
-/// Sets a knob; `None` when the value is not one it takes. Ranges are left to the schema.
-pub(super) fn turn(spec: &mut NonwovenTensile, knob: &str, value: &str) -> Option<()> {
-    match knob {
-        "force_accuracy" => {
-            let force_accuracy = value.parse().ok()?;
-            change_knobs(spec, |knobs| knobs.force_accuracy = force_accuracy);
-        }
-        "solver" => {
-            let solver: Solver = variant(value)?;
-            change_knobs(spec, |knobs| knobs.solver = solver);
-        }
-        "break_precision" => {
-            let break_precision = match value {
-                "null" => None,
-                number => Some(number.parse().ok()?),
-            };
-            change_knobs(spec, |knobs| knobs.break_precision = break_precision);
-        }
-        "strain_step" => spec.test.strain_step = value.parse().ok()?,
-        "breaking" => spec.test.breaking = variant(value)?,
-        "size" => resize(spec, value.parse().ok().filter(|factor| *factor > 0.0)?)?,
-        _ => return None,
-    }
-    Some(())
-}
-
-/// The spec's knobs of accuracy, written out, with a change.
-fn change_knobs(spec: &mut NonwovenTensile, change: impl FnOnce(&mut Knobs)) {
-    let mut knobs = spec.accuracy.knobs();
-    change(&mut knobs);
-    spec.accuracy = Accuracy::Knobs(knobs);
-}
-
 /// Scales the lattice at equal spacing, layers and shape; rows stay odd.
 fn resize(spec: &mut NonwovenTensile, factor: f64) -> Option<()> {
     let Fabric::Lattice(lattice) = &mut spec.fabric else {
@@ -155,27 +169,6 @@ fn resize(spec: &mut NonwovenTensile, factor: f64) -> Option<()> {
     let rows = f64::from(lattice.rows) * factor;
     lattice.rows = 2 * ((0.5 * (rows - 1.0)).round().max(0.0) as u32) + 1;
     Some(())
-}
-
-/// One test of one seed that writes nothing, along the first direction.
-pub(super) fn single(spec: &mut NonwovenTensile, seed: u64) {
-    realise(spec, seed);
-    let first = spec.test.directions.first().copied();
-    spec.test.directions = vec![first.unwrap_or(Direction::Y)];
-}
-
-/// One specimen of one seed, pulled along all directions, that writes nothing.
-pub(super) fn realise(spec: &mut NonwovenTensile, seed: u64) {
-    spec.seed = seed;
-    spec.test.repeats = 1;
-    spec.output = Output {
-        snapshot_every_steps: 0,
-        ..Output::default()
-    };
-}
-
-pub(super) fn compares(result: &str) -> bool {
-    COMPARED.contains(&result)
 }
 
 /// The word of an enum on the wire.

@@ -2,24 +2,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::accuracy::{self, Preset};
+
 /// How exactly: a preset's name or its knobs.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum Accuracy {
-    Preset(Preset),
-    Knobs(Knobs),
-}
-
-/// Named choices: 20, 50 and 200 steps of a single fibre; straight parts of 4, 1 and half a width in a
-/// sheet that is made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Preset {
-    Draft,
-    Standard,
-    Reference,
-}
-
+pub type Accuracy = accuracy::Accuracy<Knobs>;
 /// The knobs of accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -34,31 +20,22 @@ pub struct Knobs {
     pub segment_widths: f64,
 }
 
-impl Default for Accuracy {
-    fn default() -> Self {
-        Self::Preset(Preset::Standard)
-    }
-}
-
 impl Default for Knobs {
     fn default() -> Self {
-        Self {
-            load_steps: 50,
-            segment_widths: 1.0,
-        }
+        accuracy::Knobs::of(Preset::default())
     }
 }
 
-impl Accuracy {
-    /// The knobs.
-    pub fn knobs(&self) -> Knobs {
-        let (load_steps, segment_widths) = match self {
-            Self::Knobs(knobs) => return *knobs,
-            Self::Preset(Preset::Draft) => (20, 4.0),
-            Self::Preset(Preset::Standard) => (50, 1.0),
-            Self::Preset(Preset::Reference) => (200, 0.5),
+impl accuracy::Knobs for Knobs {
+    const PRESETS: &'static str = "Named choices: 20, 50 and 200 steps of a single fibre; straight parts of 4, 1 and half a width in a\nsheet that is made.";
+
+    fn of(preset: Preset) -> Self {
+        let (load_steps, segment_widths) = match preset {
+            Preset::Draft => (20, 4.0),
+            Preset::Standard => (50, 1.0),
+            Preset::Reference => (200, 0.5),
         };
-        Knobs {
+        Self {
             load_steps,
             segment_widths,
         }

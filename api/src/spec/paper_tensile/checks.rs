@@ -1,6 +1,6 @@
 //! What the JSON Schema cannot say: names that must exist, fractions that must sum up, walls that must
 //! fit, segments that must need no negative spring.
-use super::sheet_checks::{check_explicit, check_made, check_test};
+use super::sheet_checks::{check_explicit, check_made, check_test, unknown_pulp};
 use super::{Level, PaperTensile, SingleFibre, Specimen};
 use crate::Violation;
 use crate::fibre::{FibreError, divide};
@@ -26,14 +26,6 @@ pub(super) fn check(spec: &PaperTensile, violations: &mut Vec<Violation>) {
         Specimen::Explicit(sheet) => check_explicit(spec, sheet, violations),
         Specimen::Sheet(sheet) => check_made(spec, sheet, violations),
     }
-}
-
-/// A specimen names a pulp that is not there.
-pub(super) fn unknown_pulp(spec: &PaperTensile, place: String, name: &str) -> Violation {
-    let known: Vec<&str> = spec.pulp.iter().map(|pulp| pulp.name.as_str()).collect();
-    Violation::new(place, "unknown_pulp", "there is no such pulp")
-        .value(name)
-        .allowed(format!("one of: {}", known.join(", ")))
 }
 
 fn check_pulps(spec: &PaperTensile, violations: &mut Vec<Violation>) {

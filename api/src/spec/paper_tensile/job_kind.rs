@@ -1,7 +1,7 @@
 //! The tensile test of paper as a kind of job.
-use super::{Accuracy, Direction, PaperTensile, checks, estimate, study};
+use super::{PaperTensile, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation, study::Knob};
+use crate::{Calibration, Estimate, Violation};
 
 impl Spec for PaperTensile {
     fn check(&self, violations: &mut Vec<Violation>) {
@@ -9,7 +9,7 @@ impl Spec for PaperTensile {
     }
 
     fn normalise(&mut self) {
-        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+        self.accuracy.write_out();
         self.model.level = Some(self.level());
     }
 
@@ -19,34 +19,5 @@ impl Spec for PaperTensile {
 
     fn seed(&self) -> u64 {
         self.seed
-    }
-
-    fn knobs(&self) -> Vec<Knob> {
-        study::knobs(self)
-    }
-
-    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
-        study::turn(self, knob, value)
-    }
-
-    fn single(&mut self, seed: u64) {
-        self.seed = seed;
-        self.output.snapshot_every_steps = 0;
-        if self.test.repeats.is_some() {
-            self.test.repeats = Some(1);
-        }
-        if self.test.direction == Some(Direction::Both) {
-            self.test.direction = Some(Direction::Md);
-        }
-    }
-
-    fn realise(&mut self, seed: u64) {
-        let direction = self.test.direction;
-        self.single(seed);
-        self.test.direction = direction;
-    }
-
-    fn compares(result: &str) -> bool {
-        study::compares(result)
     }
 }

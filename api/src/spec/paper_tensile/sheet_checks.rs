@@ -1,7 +1,8 @@
 //! What the JSON Schema cannot say of sheets: bonds that must join fibres where they touch, fibres that
 //! must fit into a sheet, memory that there must be.
-use super::{Direction, checks::unknown_pulp};
-use super::{ExplicitBond, ExplicitSheet, Level, MadeSheet, PaperTensile, Placement, Pulp};
+use super::{
+    Direction, ExplicitBond, ExplicitSheet, Level, MadeSheet, PaperTensile, Placement, Pulp,
+};
 use crate::Violation;
 
 /// At most this many violations of a list are told.
@@ -23,6 +24,14 @@ const LENGTH_CUT: f64 = 3.0;
 const LONGEST_UM: f64 = 1e5;
 /// Below this the ends of an arc come so near to one another that a fibre would be a ring.
 const LEAST_SHAPE: f64 = 0.1;
+
+/// A specimen names a pulp that is not there.
+pub(super) fn unknown_pulp(spec: &PaperTensile, place: String, name: &str) -> Violation {
+    let known: Vec<&str> = spec.pulp.iter().map(|pulp| pulp.name.as_str()).collect();
+    Violation::new(place, "unknown_pulp", "there is no such pulp")
+        .value(name)
+        .allowed(format!("one of: {}", known.join(", ")))
+}
 
 /// What holds for sheets of both sorts.
 pub(super) fn check_test(spec: &PaperTensile, violations: &mut Vec<Violation>) {

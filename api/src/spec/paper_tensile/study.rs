@@ -1,6 +1,7 @@
 //! What an accuracy study varies: in a test of a fibre how its tube is made, in one of a sheet what its
 //! fibres are and how straight.
-use super::{Accuracy, Knobs, Level, PaperTensile, Ring, Specimen};
+use super::{Direction, Level, PaperTensile, Ring, Specimen};
+use crate::spec_trait::Studied;
 use crate::study::Knob;
 
 /// Results that are compared: all that do not describe the division itself.
@@ -20,86 +21,93 @@ const COMPARED: [&str; 13] = [
     "youngs_modulus",
 ];
 
-pub(super) fn knobs(spec: &PaperTensile) -> Vec<Knob> {
-    let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect();
-    let level = Knob {
-        name: "level",
-        description: "what fibres are made of: beam or truss",
-        present: spec.level().name().to_owned(),
-        grid: words(&["truss"]),
-        reference: vec![("level", "beam".to_owned())],
-        keeps_specimen: true,
-    };
-    match &spec.specimen {
-        Specimen::SingleFibre(_) => {}
-        Specimen::Explicit(_) => return vec![level],
-        Specimen::Sheet(_) => {
-            let segment = Knob {
-                name: "segment_widths",
-                description: "length of the straight parts of fibres over the width of the narrowest",
-                present: (spec.sheet_segment_um() / spec.narrowest_um()).to_string(),
-                grid: words(&["8", "4", "2", "1"]),
-                reference: vec![("segment_widths", "0.5".to_owned())],
-                keeps_specimen: true,
-            };
-            return vec![segment, level];
-        }
-    }
-    vec![
-        Knob {
-            name: "points_on_ring",
-            description: "points of a ring, an even number from 4 to 16",
-            present: spec.model.points_on_ring.to_string(),
-            grid: words(&["4", "6", "8", "12"]),
-            reference: vec![("points_on_ring", "16".to_owned())],
-            keeps_specimen: true,
-        },
-        Knob {
-            name: "ring",
-            description: "where in the wall the points lie: gyration or patent",
-            present: match spec.model.ring {
-                Ring::Gyration => "gyration",
-                Ring::Patent => "patent",
+impl Studied for PaperTensile {
+    fn knobs(&self) -> Vec<Knob> {
+        let level = Knob::new(
+            "level",
+            "what fibres are made of: beam or truss",
+            self.level().name(),
+            &["truss"],
+            "beam",
+        );
+        match &self.specimen {
+            Specimen::Explicit(_) => vec![level],
+            Specimen::Sheet(_) => {
+                let segment = Knob::new(
+                    "segment_widths",
+                    "length of the straight parts of fibres over the width of the narrowest",
+                    self.sheet_segment_um() / self.narrowest_um(),
+                    &["8", "4", "2", "1"],
+                    "0.5",
+                );
+                vec![segment, level]
             }
-            .to_owned(),
-            grid: words(&["patent"]),
-            reference: vec![("ring", "gyration".to_owned())],
-            keeps_specimen: true,
-        },
-    ]
-}
-
-/// Sets a knob; `None` when the value is not one it takes. Ranges are left to the schema.
-pub(super) fn turn(spec: &mut PaperTensile, knob: &str, value: &str) -> Option<()> {
-    match knob {
-        "segment_widths" => {
-            spec.model.segment_um = None;
-            let knobs = Knobs {
-                segment_widths: value.parse().ok()?,
-                ..spec.accuracy.knobs()
-            };
-            spec.accuracy = Accuracy::Knobs(knobs);
+            Specimen::SingleFibre(_) => vec![
+                Knob::new(
+                    "points_on_ring",
+                    "points of a ring, an even number from 4 to 16",
+                    self.model.points_on_ring,
+                    &["4", "6", "8", "12"],
+                    "16",
+                ),
+                Knob::new(
+                    "ring",
+                    "where in the wall the points lie: gyration or patent",
+                    match self.model.ring {
+                        Ring::Gyration => "gyration",
+                        Ring::Patent => "patent",
+                    },
+                    &["patent"],
+                    "gyration",
+                ),
+            ],
         }
-        "level" => {
-            spec.model.level = match value {
-                "beam" => Some(Level::Beam),
-                "truss" => Some(Level::Truss),
-                _ => return None,
-            };
-        }
-        "points_on_ring" => spec.model.points_on_ring = value.parse().ok()?,
-        "ring" => {
-            spec.model.ring = match value {
-                "gyration" => Ring::Gyration,
-                "patent" => Ring::Patent,
-                _ => return None,
-            };
-        }
-        _ => return None,
     }
-    Some(())
-}
 
-pub(super) fn compares(result: &str) -> bool {
-    COMPARED.contains(&result)
+    fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
+        match knob {
+            "segment_widths" => {
+                let segment_widths = value.parse().ok()?;
+                self.model.segment_um = None;
+                self.accuracy
+                    .change(|knobs| knobs.segment_widths = segment_widths);
+            }
+            "level" => {
+                self.model.level = match value {
+                    "beam" => Some(Level::Beam),
+                    "truss" => Some(Level::Truss),
+                    _ => return None,
+                };
+            }
+            "points_on_ring" => self.model.points_on_ring = value.parse().ok()?,
+            "ring" => {
+                self.model.ring = match value {
+                    "gyration" => Ring::Gyration,
+                    "patent" => Ring::Patent,
+                    _ => return None,
+                };
+            }
+            _ => return None,
+        }
+        Some(())
+    }
+
+    fn single(&mut self, seed: u64) {
+        self.realise(seed);
+        if self.test.direction == Some(Direction::Both) {
+            self.test.direction = Some(Direction::Md);
+        }
+    }
+
+    fn realise(&mut self, seed: u64) {
+        self.seed = seed;
+        self.output.snapshot_every_steps = 0;
+        if self.test.repeats.is_some() {
+            self.test.repeats = Some(1);
+        }
+    }
+
+    fn compares(result: &str) -> bool {
+        COMPARED.contains(&result)
+    }
 }

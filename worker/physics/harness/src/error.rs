@@ -1,10 +1,30 @@
 //! Why a simulation has no result.
-use std::io;
+use std::{fmt, io};
 
 use loadframe_api::section::error::CompositeError;
 use loadframe_numerics::ThreadsError;
 
 use crate::checkpoint::CheckpointError;
+use crate::recorder::Interrupt;
+
+/// Why a test did not come to its end.
+#[derive(Debug)]
+pub enum Halt {
+    Interrupted(Interrupt),
+    Failed(SimulationError),
+}
+
+impl From<Interrupt> for Halt {
+    fn from(interrupt: Interrupt) -> Self {
+        Self::Interrupted(interrupt)
+    }
+}
+
+impl<E: Into<SimulationError>> From<E> for Halt {
+    fn from(error: E) -> Self {
+        Self::Failed(error.into())
+    }
+}
 
 /// What made a result impossible. Wrong input is caught before, by the spec's own validation; what
 /// is left are states no honest result can come from.
@@ -87,6 +107,11 @@ pub enum SimulationError {
 }
 
 impl SimulationError {
+    /// Of a specimen of paper.
+    pub fn of_paper(error: impl fmt::Display) -> Self {
+        Self::Paper(error.to_string())
+    }
+
     /// Whether it follows from the spec, so that it would come again anywhere.
     pub fn is_of_the_spec(&self) -> bool {
         !matches!(

@@ -2,7 +2,7 @@
 //!
 //! A run is given a [`RunContext`] and a [`Recorder`]. It tells the recorder points of its curve,
 //! files (through [`csv`] and [`vtk`]), progress and checkpoints ([`checkpoint`]), and ends with an
-//! [`Ending`] or a [`SimulationError`]. [`plan`] carries out a job of several tests side by side and
+//! [`Ending`], whose report a [`ReportBuilder`] makes, or a [`SimulationError`]. [`plan`] carries out a job of several tests side by side and
 //! joins their reports; [`statistics`] is about what differs between them. [`rng`] gives the named
 //! random streams of a seed, [`curve`] reads values off a curve.
 pub mod checkpoint;
@@ -11,6 +11,7 @@ pub mod curve;
 mod error;
 pub mod plan;
 mod recorder;
+mod report;
 pub mod rng;
 pub mod statistics;
 pub mod vtk;
@@ -20,8 +21,9 @@ use std::fmt;
 use loadframe_api::Report;
 
 pub use checkpoint::CheckpointError;
-pub use error::SimulationError;
+pub use error::{Halt, SimulationError};
 pub use recorder::{Interrupt, InterruptSource, Recorder, Uninterrupted, Unrecorded};
+pub use report::ReportBuilder;
 pub use statistics::{Sample, Welch};
 
 /// How a simulation ended.
@@ -34,6 +36,15 @@ pub enum Ending {
     Cancelled,
     /// It was asked to stop, and its checkpoint is with the recorder.
     Suspended,
+}
+
+impl From<Interrupt> for Ending {
+    fn from(interrupt: Interrupt) -> Self {
+        match interrupt {
+            Interrupt::Cancel => Self::Cancelled,
+            Interrupt::Suspend => Self::Suspended,
+        }
+    }
 }
 
 /// What a run is given beside its spec.

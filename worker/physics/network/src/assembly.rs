@@ -7,7 +7,6 @@ use std::{ops::Range, sync::OnceLock};
 use super::{
     Laws, Network, Row, Vector,
     blocks::{Block, Blocks},
-    equilibrium::multigrid::{at_rest::AtRest, mesh::Mesh},
     field::Field,
     incidence::Incidence,
     law::{BondLaw, StrainLaw},
@@ -42,8 +41,6 @@ pub(crate) struct Assembly {
     acting: usize,
     dimensions: usize,
     incidence: OnceLock<Incidence>,
-    mesh: OnceLock<Option<Mesh>>,
-    at_rest: OnceLock<Option<AtRest>>,
 }
 
 /// How a bond responds at some displacements, (6) and (7).
@@ -120,8 +117,6 @@ impl Assembly {
             acting: 0,
             dimensions,
             incidence: OnceLock::new(),
-            mesh: OnceLock::new(),
-            at_rest: OnceLock::new(),
             positions: Field::default(),
             places,
             blocks,
@@ -250,42 +245,16 @@ impl Assembly {
             .map(|(_, other)| other)
     }
 
-    /// The cells over the nodes, made when first asked for; `None` when there would be too few.
-    pub(crate) fn mesh(&self) -> Option<&Mesh> {
-        self.mesh.get_or_init(|| self.cells(usize::MAX)).as_ref()
-    }
-
-    /// Cells over the nodes with not more corners than so many.
-    pub(crate) fn cells(&self, most_corners: usize) -> Option<Mesh> {
-        let mean = |places: Range<usize>| {
-            let count = places.len() as f64;
-            self.positions.axis(1)[places].iter().sum::<f64>() / count
-        };
+    /// The places of the nodes held by the bottom and by the top jaw.
+    pub(crate) fn held(&self) -> [Range<usize>; 2] {
         let Range { start, end } = self.free();
         let after = self.places.nodes[end..].iter();
         let top = after.take_while(|node| **node != NONE).count();
-        let heights = [mean(0..start), mean(end..end + top)];
-        let length = self
-            .slots()
-            .map(|slot| self.rest_lengths[slot])
-            .sum::<f64>();
-        Mesh::new(
-            &self.positions,
-            &self.rows(),
-            heights,
-            length / self.bonds() as f64,
-            &self.strips,
-            most_corners,
-        )
-    }
-
-    /// The long waves of a network of few cells with all bonds at rest, found when first asked for.
-    pub(crate) fn at_rest(&self) -> Option<&AtRest> {
-        self.at_rest.get_or_init(|| AtRest::new(self)).as_ref()
+        [0..start, end..end + top]
     }
 
     /// The places of the free nodes row by row; nodes of no row are rows of one.
-    fn rows(&self) -> Vec<(Range<usize>, Row)> {
+    pub(crate) fn rows(&self) -> Vec<(Range<usize>, Row)> {
         let mut rows = Vec::new();
         let mut given = self.places.rows.iter().peekable();
         let mut place = self.free().start;

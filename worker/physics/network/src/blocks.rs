@@ -8,12 +8,13 @@
 //!
 //! Every block goes through three steps: differences of a nodal field over the bonds, whatever the
 //! kernel makes of them, and sums of that back over the nodes.
-use super::{field::Real, places::NONE, strips::Strips};
+use super::{
+    field::{BLOCK, LANES, Real},
+    places::NONE,
+    strips::Strips,
+    sums::Sums,
+};
 
-/// Numbers worked on together: as many as the widest vector registers hold.
-pub(crate) const LANES: usize = 16;
-/// Bonds in a block, at most: their buffers stay in the core's nearest cache.
-pub(crate) const BLOCK: usize = 256;
 /// Fewer bonds side by side are gathered.
 const SHORTEST_RUN: usize = 8;
 /// A longer gap ends a run.
@@ -28,16 +29,6 @@ pub(crate) struct Block {
     pub(crate) count: usize,
     /// First ends of a run, `None` for bonds in no order.
     run: Option<[usize; 2]>,
-}
-
-/// Sums at places, in one array per component.
-#[derive(Debug)]
-pub(crate) struct Sums<'a, T, const N: usize> {
-    /// The place of the first of them.
-    first: usize,
-    own: [&'a mut [T]; N],
-    /// At the places after those, which are somebody else's.
-    spill: [&'a mut [T]; N],
 }
 
 /// One value per bond of a block and component.
@@ -233,45 +224,6 @@ impl Block {
                 }
             }
         }
-    }
-}
-
-impl<'a, T: Real, const N: usize> Sums<'a, T, N> {
-    pub(crate) fn new(first: usize, own: [&'a mut [T]; N], spill: [&'a mut [T]; N]) -> Self {
-        Self { first, own, spill }
-    }
-
-    pub(crate) fn clear(&mut self) {
-        self.clear_spill();
-        for component in &mut self.own {
-            component.fill(T::zero());
-        }
-    }
-
-    pub(crate) fn clear_spill(&mut self) {
-        for component in &mut self.spill {
-            component.fill(T::zero());
-        }
-    }
-
-    /// Those of a component at so many places from `place` on.
-    #[inline(always)]
-    fn at(&mut self, component: usize, place: usize, count: usize) -> [&mut [T]; 2] {
-        let (own, spill) = (&mut self.own[component], &mut self.spill[component]);
-        let start = place - self.first;
-        let inside = own.len().saturating_sub(start).min(count);
-        let beyond = start.saturating_sub(own.len());
-        let own = if inside > 0 {
-            &mut own[start..][..inside]
-        } else {
-            &mut []
-        };
-        let spill = if inside < count {
-            &mut spill[beyond..][..count - inside]
-        } else {
-            &mut []
-        };
-        [own, spill]
     }
 }
 

@@ -5,8 +5,7 @@ use loadframe_numerics::{Team, wide};
 use super::{
     Vector,
     assembly::{Assembly, BondState},
-    blocks::BLOCK,
-    field::{self, Field, Real},
+    field::{self, BLOCK, Field, Real},
     law::StrainLaw,
     response::{Bonds, WithLaws, energy, respond, with_laws},
     stiffness::Stiffness,

@@ -4,10 +4,12 @@ use std::{iter::Sum, ops::Range};
 use loadframe_numerics::wide;
 use num_traits::{Float, NumAssign};
 
-use super::{
-    Vector,
-    blocks::{BLOCK, LANES},
-};
+use super::Vector;
+
+/// Numbers worked on together: as many as the widest vector registers hold.
+pub(crate) const LANES: usize = 16;
+/// Bonds in a block, at most: their buffers stay in the core's nearest cache.
+pub(crate) const BLOCK: usize = 256;
 
 /// The number type of a kernel: `f64` for what is reported, `f32` for what only points the way.
 pub(crate) trait Real:

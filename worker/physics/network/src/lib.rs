@@ -44,6 +44,7 @@ pub(crate) mod rupture;
 mod sample;
 mod stiffness;
 mod strips;
+mod sums;
 
 use law::BondLaw;
 

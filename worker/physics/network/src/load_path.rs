@@ -1,4 +1,6 @@
 //! Which part of a network hangs between both jaws.
+use loadframe_api::DisjointSets;
+
 use super::{Hold, Network};
 
 /// What a node hangs on, through intact bonds and free nodes.
@@ -24,23 +26,23 @@ pub(crate) fn parts(network: &Network, intact: &[bool]) -> Vec<Part> {
         bonds.filter(|(_, intact)| **intact).map(|(ends, _)| *ends)
     };
     // jaws do not join parts, they only mark them: two parts on one jaw stay apart
-    let mut forest = Forest::new(nodes);
+    let mut sets = DisjointSets::new(nodes);
     for [first, second] in intact_bonds() {
         if hold(first) == Hold::Free && hold(second) == Hold::Free {
-            forest.unite(first, second);
+            sets.join(first, second);
         }
     }
     let mut reached = vec![0; nodes];
     for [first, second] in intact_bonds() {
         for (node, other) in [(first, second), (second, first)] {
-            reached[forest.root(node) as usize] |= match hold(other) {
+            reached[sets.root(node) as usize] |= match hold(other) {
                 Hold::Free => 0,
                 Hold::Bottom => BOTTOM,
                 Hold::Top => TOP,
             };
         }
     }
-    let part = |node| match (hold(node), reached[forest.root(node) as usize]) {
+    let part = |node| match (hold(node), reached[sets.root(node) as usize]) {
         (Hold::Top, _) | (Hold::Free, TOP) => Part::WithTop,
         (Hold::Free, both) if both == BOTTOM | TOP => Part::Loaded,
         _ => Part::AtRest,
@@ -56,30 +58,6 @@ pub(crate) fn carries_load(network: &Network, parts: &[Part], ends: [u32; 2]) ->
         || parts[second] == Part::Loaded
         || holds == [Hold::Bottom, Hold::Top]
         || holds == [Hold::Top, Hold::Bottom]
-}
-
-/// Disjoint sets of nodes.
-struct Forest(Vec<u32>);
-
-impl Forest {
-    fn new(nodes: usize) -> Self {
-        Self((0..nodes as u32).collect())
-    }
-
-    fn root(&mut self, mut node: u32) -> u32 {
-        while self.0[node as usize] != node {
-            // halving the path keeps the trees flat
-            let parent = self.0[node as usize];
-            self.0[node as usize] = self.0[parent as usize];
-            node = self.0[node as usize];
-        }
-        node
-    }
-
-    fn unite(&mut self, first: u32, second: u32) {
-        let (first, second) = (self.root(first), self.root(second));
-        self.0[first.max(second) as usize] = first.min(second);
-    }
 }
 
 #[cfg(test)]

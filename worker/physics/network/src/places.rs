@@ -7,7 +7,7 @@
 //! [`LANES`] or more, which vectors may touch: their number is whole vectors.
 use std::ops::Range;
 
-use super::{Hold, Network, Row, blocks::LANES};
+use super::{Hold, Network, Row, field::LANES};
 
 /// Stands for no node and for no bond.
 pub(crate) const NONE: u32 = u32::MAX;

@@ -2,11 +2,12 @@
 use super::{
     Laws,
     assembly::{Assembly, NO_LENGTH},
-    blocks::{BLOCK, Block, Buffer, Sums},
-    field::{Real, sum},
+    blocks::{Block, Buffer},
+    field::{BLOCK, Real, sum},
     law::StrainLaw,
     rounded::RoundedLaw,
     strips::Strip,
+    sums::Sums,
 };
 
 /// Work that depends on the law of each bond and on the number of dimensions.

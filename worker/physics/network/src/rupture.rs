@@ -1,7 +1,7 @@
 //! Which bonds break at an equilibrium.
 use loadframe_numerics::wide;
 
-use super::blocks::BLOCK;
+use super::field::BLOCK;
 
 /// The rule of a breaking round.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,9 +4,10 @@ use loadframe_numerics::{Team, wide};
 
 use super::{
     assembly::Assembly,
-    blocks::{BLOCK, Buffer, Sums},
-    field::{Field, Real, sum},
+    blocks::Buffer,
+    field::{BLOCK, Field, Real, sum},
     strips::{Spill, Strip},
+    sums::Sums,
 };
 
 /// Blocks whose work is summed in the precision of the data.

@@ -11,8 +11,8 @@ use std::{array, ops::Range};
 use loadframe_numerics::Team;
 
 use super::{
-    blocks::{BLOCK, Sums},
-    field::Real,
+    field::{BLOCK, Real},
+    sums::Sums,
 };
 
 /// Strips at most: a number of each has room on the stack.

@@ -15,7 +15,7 @@ mod tables;
 mod trials;
 
 use loadframe_api::spec::calibrate::{Calibrate, Template};
-use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
+use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
 
 use coordinates::Coordinate;
 use misfit::Targets;
@@ -54,8 +54,7 @@ pub(crate) fn run(
     let mut trials = Trials::new(setting, context, recorder)?;
     match carry_out(&mut trials) {
         Ok(report) => Ok(Ending::Finished(report)),
-        Err(Halt::Interrupted(Interrupt::Cancel)) => Ok(Ending::Cancelled),
-        Err(Halt::Interrupted(Interrupt::Suspend)) => Ok(Ending::Suspended),
+        Err(Halt::Interrupted(interrupt)) => Ok(interrupt.into()),
         Err(Halt::Failed(error)) => Err(error),
         Err(Halt::Reached | Halt::UsedUp) => Err(SimulationError::Calibration(
             "the search ended before it began".to_owned(),

@@ -1,8 +1,7 @@
 //! Results of a calibration, and whether to believe them.
-use indexmap::IndexMap;
-use loadframe_api::{QualityCheck, Quantity, Report, Warning};
+use loadframe_api::{Quantity, Report};
 use loadframe_harness::{
-    SimulationError,
+    ReportBuilder, SimulationError,
     plan::{joint_warnings, mean, values, worst_quality},
 };
 
@@ -25,38 +24,29 @@ pub(super) fn report(
 ) -> Result<Report, SimulationError> {
     let reports = best.reports()?;
     let spec = trials.setting.spec;
-    let mut summary = parameters(trials, best, confidence);
-    summary.extend(fits(trials, best, &reports));
-    let count = |value: usize, words: &str| Quantity::new(value as f64, "1", words);
+    let mut report = ReportBuilder::new(stop_reason.name());
+    parameters(&mut report, trials, best, confidence);
+    fits(&mut report, trials, best, &reports);
     let tests = trials.all().len() * spec.realisations as usize;
-    summary.insert(
-        "trials".to_owned(),
-        count(trials.all().len(), "Sets of parameters tried."),
-    );
-    summary.insert(
-        "tests".to_owned(),
-        count(tests, "Specimens tested in all trials."),
-    );
+    report.count("trials", trials.all().len(), "Sets of parameters tried.");
+    report.count("tests", tests, "Specimens tested in all trials.");
     let at_bounds = at_bounds(trials, best);
-    let mut quality = quality(trials, best, confidence, &at_bounds);
-    quality.extend(worst_quality(
-        &reports,
-        "The worst of all specimens of the best trial.",
-    ));
-    let mut warnings = warnings(trials, best, confidence, &at_bounds, stop_reason);
-    warnings.extend(joint_warnings(
-        spec.seed,
-        "specimens of the best trial",
-        &reports,
-    ));
-    Ok(Report {
-        stop_reason: stop_reason.name().to_owned(),
-        summary,
-        quality,
-        warnings,
-        bodies: Vec::new(),
-        work: trials.work().clone(),
-    })
+    checks(&mut report, trials, best, confidence, &at_bounds);
+    warn(
+        &mut report,
+        trials,
+        best,
+        confidence,
+        &at_bounds,
+        stop_reason,
+    );
+    let mut report = report.finish();
+    let of_specimens = "The worst of all specimens of the best trial.";
+    report.quality.extend(worst_quality(&reports, of_specimens));
+    let warnings = joint_warnings(spec.seed, "specimens of the best trial", &reports);
+    report.warnings.extend(warnings);
+    report.work = trials.work().clone();
+    Ok(report)
 }
 
 /// Name of a parameter among results: `/bond/modulus_n` as `bond_modulus_n`.
@@ -66,14 +56,14 @@ pub(super) fn name(parameter: &str) -> String {
 }
 
 fn parameters(
+    report: &mut ReportBuilder,
     trials: &Trials<'_>,
     best: &Best,
     confidence: &Confidence,
-) -> IndexMap<String, Quantity> {
+) {
     let setting = trials.setting;
     let found = setting.parameters(&trials.all()[best.trial].point);
-    let free = setting.spec.free.iter().zip(found).enumerate();
-    free.map(|(index, (free, (parameter, value)))| {
+    for (index, (free, (parameter, value))) in setting.spec.free.iter().zip(found).enumerate() {
         let own = setting.template.number(parameter);
         let start = free.start.or(own).unwrap_or(f64::NAN);
         let coordinate = setting.coordinates[index];
@@ -86,19 +76,17 @@ fn parameters(
             interval,
             ..Quantity::new(value, unit, &words)
         };
-        (name(parameter), quantity)
-    })
-    .collect()
+        report.insert(&name(parameter), quantity);
+    }
 }
 
 /// What the best trial gives for each measured result, and its residual.
-fn fits(trials: &Trials<'_>, best: &Best, reports: &[Report]) -> IndexMap<String, Quantity> {
+fn fits(report: &mut ReportBuilder, trials: &Trials<'_>, best: &Best, reports: &[Report]) {
     let setting = trials.setting;
     let measured = &setting.spec.measured;
     let residuals = trials.residuals(best.trial);
-    let mut fits = IndexMap::new();
     let words = "Root mean square of the residuals, a curve counted as one.";
-    fits.insert("misfit".to_owned(), Quantity::new(best.misfit, "1", words));
+    report.result("misfit", best.misfit, "1", words);
     for (result, residual) in measured.results.iter().zip(&residuals) {
         let own = reports
             .first()
@@ -111,26 +99,22 @@ fn fits(trials: &Trials<'_>, best: &Best, reports: &[Report]) -> IndexMap<String
             "1" => format!("Measured {}. {}", result.value, own.description),
             unit => format!("Measured {} {unit}. {}", result.value, own.description),
         };
-        fits.insert(result.result.clone(), fitted);
+        report.insert(&result.result, fitted);
         let over = match result.deviation {
             Some(_) => "its deviation",
             None => "the measured value",
         };
         let words = format!("Simulated minus measured {}, over {over}.", result.result);
-        let residual = Quantity::new(*residual, "1", &words);
-        fits.insert(format!("residual_of_{}", result.result), residual);
+        let name = format!("residual_of_{}", result.result);
+        report.result(&name, *residual, "1", &words);
     }
     if measured.curve.is_some() {
         let points = &residuals[measured.results.len()..];
         let square: f64 = points.iter().map(|residual| residual * residual).sum();
         let words = "Root mean square of simulated minus measured ordinates, over the largest \
                      measured one or the deviation.";
-        fits.insert(
-            "residual_of_curve".to_owned(),
-            Quantity::new(square.sqrt(), "1", words),
-        );
+        report.result("residual_of_curve", square.sqrt(), "1", words);
     }
-    fits
 }
 
 /// Parameters of the best trial that stand at an end of their range.
@@ -144,66 +128,57 @@ fn at_bounds(trials: &Trials<'_>, best: &Best) -> Vec<usize> {
     (0..point.len()).filter(is_at_bound).collect()
 }
 
-fn quality(
+fn checks(
+    report: &mut ReportBuilder,
     trials: &Trials<'_>,
     best: &Best,
     confidence: &Confidence,
     at_bounds: &[usize],
-) -> IndexMap<String, QualityCheck> {
+) {
     let spec = trials.setting.spec;
     // an exact 0 has no condition; numbers in JSON end somewhere
     let condition = confidence.condition.min(f64::MAX);
-    let checks = [
-        (
-            "misfit",
-            QualityCheck::at_most(
-                best.misfit,
-                spec.tolerance,
-                "1",
-                "Root mean square of the residuals; the bound is the tolerance asked for.",
-            ),
-        ),
-        (
-            "condition_index",
-            QualityCheck::at_most(
-                condition,
-                LARGEST_CONDITION,
-                "1",
-                "How nearly two parameters, or a combination of several, do the same to all results.",
-            ),
-        ),
-        (
-            "parameters_without_effect",
-            QualityCheck::at_most(
-                confidence.idle.len() as f64,
-                0.0,
-                "1",
-                "Free parameters that no measured result depends on.",
-            ),
-        ),
-        (
-            "parameters_at_bounds",
-            QualityCheck::at_most(
-                at_bounds.len() as f64,
-                0.0,
-                "1",
-                "Free parameters that stand at an end of their range.",
-            ),
-        ),
-    ];
-    let checks = checks.into_iter();
-    checks
-        .map(|(name, check)| (name.to_owned(), check))
-        .collect()
+    report.check(
+        "misfit",
+        best.misfit,
+        spec.tolerance,
+        "1",
+        "Root mean square of the residuals; the bound is the tolerance asked for.",
+    );
+
+    report.check(
+        "condition_index",
+        condition,
+        LARGEST_CONDITION,
+        "1",
+        "How nearly two parameters, or a combination of several, do the same to all results.",
+    );
+
+    report.check(
+        "parameters_without_effect",
+        confidence.idle.len() as f64,
+        0.0,
+        "1",
+        "Free parameters that no measured result depends on.",
+    );
+
+    report.check(
+        "parameters_at_bounds",
+        at_bounds.len() as f64,
+        0.0,
+        "1",
+        "Free parameters that stand at an end of their range.",
+    );
 }
 
-fn warnings(
+fn warn(
+    report: &mut ReportBuilder,
     trials: &Trials<'_>,
     best: &Best,
     confidence: &Confidence,
     at_bounds: &[usize],
     stop_reason: StopReason,
-) -> Vec<Warning> {
+) {
     let setting = trials.setting;
     let spec = setting.spec;
     let named = |indices: &[usize]| {
@@ -212,18 +187,11 @@ fn warnings(
             .map(|index| spec.free[*index].parameter.as_str());
         names.collect::<Vec<_>>().join(", ")
     };
-    let mut warnings = Vec::new();
-    let mut warn = |code: &str, detail: String| {
-        warnings.push(Warning {
-            code: code.to_owned(),
-            detail,
-        });
-    };
     if best.misfit > spec.tolerance {
         let [misfit, tolerance] = [best.misfit, spec.tolerance].map(|m| setting.targets.words(m));
         let worst = worst_result(trials, best)
             .map_or(String::new(), |name| format!("; {name} is farthest off"));
-        warn(
+        report.warn(
             "misfit_above_tolerance",
             match stop_reason {
                 StopReason::MaxTrials => format!(
@@ -244,12 +212,12 @@ fn warnings(
             "all {} trials were used before the search ended",
             spec.max_trials
         );
-        warn("trials_used_up", detail);
+        report.warn("trials_used_up", detail);
     }
     let values = setting.parameters(&trials.all()[best.trial].point);
     for index in at_bounds {
         let free = &spec.free[*index];
-        warn(
+        report.warn(
             "parameter_at_bound",
             format!(
                 "{} = {} stands at an end of its range, {} … {}: what was measured asks for more than \
@@ -259,7 +227,7 @@ fn warnings(
         );
     }
     if !confidence.idle.is_empty() {
-        warn(
+        report.warn(
             "parameter_without_effect",
             format!(
                 "no measured result depends on {}: its value means nothing",
@@ -268,7 +236,7 @@ fn warnings(
         );
     }
     if !confidence.entangled.is_empty() {
-        warn(
+        report.warn(
             "parameters_not_told_apart",
             format!(
                 "{} do the same to all that was measured: only a combination of them is known. Fix all \
@@ -280,9 +248,8 @@ fn warnings(
     if spec.realisations == 1 {
         let detail = "one realisation says nothing of scatter: intervals know of given deviations \
                       only";
-        warn("one_realisation", detail.to_owned());
+        report.warn("one_realisation", detail.to_owned());
     }
-    warnings
 }
 
 /// The measured result that is farthest off, the curve aside.

@@ -1,33 +1,14 @@
 //! How wrong results are for their grid and their solver: the same test on coarser grids and by the
 //! equations of equilibrium.
-use loadframe_api::spec::composite_bending::Grid;
 use loadframe_api::{ErrorBasis, ErrorPart};
 
 use serde::{Deserialize, Serialize};
 
-use super::model::Fineness;
+use super::comparison::Comparison;
 use super::results::Measured;
-use crate::section::Fit;
 
 /// Results by name.
 pub(super) type Values = Vec<(String, f64)>;
-
-/// The grids to compare with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Comparison {
-    /// Half and a quarter of the cells: what converges is followed to its limit.
-    Coarser {
-        /// Faces of slanted fibres cut the cells of every grid in another way, so that results come
-        /// and go on their way to the limit.
-        wanders: bool,
-    },
-    /// None: the paper's lattice has fibres as thick as its cells, whatever they are, and no limit.
-    None,
-    /// The cells are cut by faces that other grids cut elsewhere: results on them have no common way
-    /// to the limit. A graded grid of as many cells, with lines on the faces, stands for the truth,
-    /// and one of half of them tells its own error.
-    Graded,
-}
 
 /// The same test in other ways.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -38,58 +19,6 @@ pub(super) struct Finding {
     pub(super) by_static: Option<Values>,
     /// On the exact lattice and the same grid, where the paper's was asked for.
     pub(super) exact: Option<Values>,
-}
-
-impl Comparison {
-    /// How the errors of a lattice's grid are found.
-    pub(super) fn of(fit: Fit, half_fit: Fit, is_paper: bool) -> Self {
-        // half of the cells may be too few to follow the faces that all of them do
-        let fit = if half_fit == Fit::Cut { half_fit } else { fit };
-        match fit {
-            _ if is_paper => Self::None,
-            Fit::Exact => Self::Coarser { wanders: false },
-            Fit::Slanted => Self::Coarser { wanders: true },
-            Fit::Cut => Self::Graded,
-        }
-    }
-
-    /// The other grids: half and a quarter of the cells along both sides and in contacts, as far as
-    /// there are cells, or graded ones.
-    pub(super) fn grids(self, finest: Fineness) -> Vec<Fineness> {
-        match self {
-            Self::None => Vec::new(),
-            Self::Coarser { .. } => {
-                let first = halved(finest);
-                let second = first.and_then(halved);
-                first.into_iter().chain(second).collect()
-            }
-            Self::Graded => {
-                let graded = Fineness {
-                    grid: Grid {
-                        equal_cells: false,
-                        graded_cells_per_fibre: Some(2),
-                        ..finest.grid
-                    },
-                    ..finest
-                };
-                [graded].into_iter().chain(halved(graded)).collect()
-            }
-        }
-    }
-}
-
-/// Half of the cells along both sides, in fibres and in contacts; `None` where there is one only.
-pub(super) fn halved(finer: Fineness) -> Option<Fineness> {
-    let grid = finer.grid;
-    let has_half = grid.cells.iter().all(|count| *count > 1);
-    has_half.then(|| Fineness {
-        grid: Grid {
-            cells: grid.cells.map(|count| count.div_ceil(2)),
-            graded_cells_per_fibre: grid.graded_cells_per_fibre.map(|count| count.div_ceil(2)),
-            ..grid
-        },
-        contact_cells: finer.contact_cells.div_ceil(2),
-    })
 }
 
 /// Order of convergence that is counted on at most, and at least: corners of supports and of loads
@@ -206,17 +135,6 @@ mod tests {
         }
     }
 
-    fn fineness(cells: [u32; 2]) -> Fineness {
-        Fineness {
-            grid: Grid {
-                cells,
-                equal_cells: false,
-                graded_cells_per_fibre: Some(2),
-            },
-            contact_cells: 4,
-        }
-    }
-
     fn finding(coarser: &[f64]) -> Finding {
         Finding {
             others: coarser
@@ -244,16 +162,6 @@ mod tests {
             "{error}"
         );
         assert!(finding(&[]).of_grid(&measured(1.0), STEADY).is_nan());
-    }
-
-    #[test]
-    fn coarser_grids_have_half_the_cells() {
-        let all = STEADY.grids(fineness([9, 3]));
-        let cells: Vec<_> = all.iter().map(|one| one.grid.cells).collect();
-        assert_eq!(cells, [[5, 2], [3, 1]]);
-        assert_eq!(all[1].grid.graded_cells_per_fibre, Some(1));
-        assert_eq!(all[1].contact_cells, 1);
-        assert!(STEADY.grids(fineness([4, 1])).is_empty());
     }
 
     #[test]

@@ -3,9 +3,10 @@ use loadframe_harness::vtk::{Array, Lines, Polygons, Series};
 use loadframe_harness::{Recorder, SimulationError, csv};
 
 use super::Recorded;
+use super::comparison::Fineness;
 use super::cracks::Broken;
 use super::errors::Finding;
-use super::model::{Fineness, Model};
+use super::model::Model;
 use super::results::{self, Measured, Tested};
 use crate::breaking::{BrokenPart, Mode};
 use crate::lattice::{Geometry, gather};

@@ -5,6 +5,7 @@
 //! [`history`] moves it in time, [`cracks`] lets it break; [`results`] reads values off, [`errors`] says how wrong they may be from the same test on
 //! coarser grids; [`files`] and [`report`] write. This file holds the course of it, which alone talks
 //! to the recorder.
+mod comparison;
 mod cracks;
 mod errors;
 mod failure;
@@ -27,8 +28,9 @@ use loadframe_harness::{
 use serde::{Deserialize, Serialize};
 
 use crate::error::CompositeError;
+use comparison::Fineness;
 use errors::{Finding, Values};
-use model::{Fineness, Model};
+use model::Model;
 use results::Tested;
 
 /// Cells through half the width of a roller's contact on the finest grid: Hertz's contact is then known
@@ -201,8 +203,7 @@ pub fn run(
         Ok(report) => Ok(Ending::Finished(report)),
         Err(Halt::Failed(error)) => Err(error),
         Err(Halt::TooCoarse(error)) => Err(error.into()),
-        Err(Halt::Interrupted(Interrupt::Cancel)) => Ok(Ending::Cancelled),
-        Err(Halt::Interrupted(Interrupt::Suspend)) => Ok(Ending::Suspended),
+        Err(Halt::Interrupted(interrupt)) => Ok(interrupt.into()),
     }
 }
 

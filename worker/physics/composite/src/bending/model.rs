@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use loadframe_api::spec::composite_bending as spec;
 use loadframe_api::spec::composite_bending::{CompositeBending, Grips, Way};
 
-use super::errors::{Comparison, halved};
+use super::comparison::{Comparison, Fineness, halved};
 use crate::error::CompositeError;
 use crate::flexure::{Drive, Flexure, Loading};
 use crate::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
@@ -19,14 +19,6 @@ const FIRST: f64 = 0.1;
 /// Density of what is only brought to rest, where none is given [kg/m³]: the rest does not depend on
 /// it.
 const ANY_DENSITY: f64 = 1_000.0;
-
-/// How fine a model is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Fineness {
-    pub(super) grid: spec::Grid,
-    /// Cells through half the width of a roller's contact, in a graded grid.
-    pub(super) contact_cells: usize,
-}
 
 /// A section ready for its test.
 pub(super) struct Model<'a> {

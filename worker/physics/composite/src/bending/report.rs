@@ -1,8 +1,9 @@
 //! The report of a test: results with their errors, what tells whether to believe them, warnings.
-use indexmap::IndexMap;
-use loadframe_api::{QualityCheck, Quantity, Report, Warning};
+use loadframe_api::Report;
+use loadframe_harness::ReportBuilder;
 
-use super::errors::{self, Comparison, Finding};
+use super::comparison::Comparison;
+use super::errors::{self, Finding};
 use super::model::Model;
 use super::results::{Measured, Tested};
 use super::{failure, files};
@@ -30,126 +31,97 @@ pub(super) fn report(
     measured: &[Measured],
     finding: &Finding,
 ) -> Report {
-    let mut summary = IndexMap::new();
+    let mut report = ReportBuilder::new(match &tested.broken {
+        Some(broken) => failure::stop_reason(broken.reason),
+        None if tested.motion.is_some() => "duration",
+        None => "full_load",
+    });
     for one in measured {
-        let quantity = Quantity::new(one.value, one.unit, one.description);
-        let quantity = quantity.with_error(finding.parts(one, model.comparison()));
-        summary.insert(one.name.to_owned(), quantity);
+        let parts = finding.parts(one, model.comparison());
+        report.result_with_error(one.name, one.value, one.unit, one.description, parts);
     }
     if let Some(stiffer) = finding.stiffer(measured) {
         let about =
             "How many times stiffer the paper's lattice is than the exact one on the same grid.";
-        summary.insert(
-            "stiffness_over_exact".to_owned(),
-            Quantity::new(stiffer, "1", about),
-        );
+        report.result("stiffness_over_exact", stiffer, "1", about);
     }
     let grid = model.lattice.grid();
-    for (name, value, about) in [
-        ("cells", grid.cells(), "Cells of the grid."),
-        ("particles", grid.particles(), "Particles at their corners."),
-    ] {
-        summary.insert(name.to_owned(), Quantity::new(value as f64, "1", about));
-    }
+    report.count("cells", grid.cells(), "Cells of the grid.");
+    report.count("particles", grid.particles(), "Particles at their corners.");
     if model.spec.output.picture {
         let about = "Displacements in the pictures over true ones.";
-        let factor = files::factor(model, tested);
-        summary.insert(
-            "deformation_factor".to_owned(),
-            Quantity::new(factor, "1", about),
+        report.result(
+            "deformation_factor",
+            files::factor(model, tested),
+            "1",
+            about,
         );
     }
-    let quality = quality(model, tested, measured, finding);
-    let warnings = warnings(model, tested, measured, finding, &quality);
-    let stop_reason = match &tested.broken {
-        Some(broken) => failure::stop_reason(broken.reason),
-        None if tested.motion.is_some() => "duration",
-        None => "full_load",
-    };
-    Report {
-        stop_reason: stop_reason.to_owned(),
-        summary,
-        quality,
-        warnings,
-        bodies: Vec::new(),
-        work: tested.work(),
+    checks(&mut report, model, tested, measured, finding);
+    warn(&mut report, model, tested, measured, finding);
+    for (name, count) in tested.work() {
+        report.work(&name, count);
     }
+    report.finish()
 }
 
-fn quality(
+fn checks(
+    report: &mut ReportBuilder,
     model: &Model<'_>,
     tested: &Tested,
     measured: &[Measured],
     finding: &Finding,
-) -> IndexMap<String, QualityCheck> {
+) {
     let rest = &tested.rest;
-    let mut quality = IndexMap::from([
-        (
-            "reaction_error".to_owned(),
-            QualityCheck::at_most(
-                rest.reaction_error,
-                LARGEST_REACTION_ERROR.max(REACTION_OVER_RESIDUAL * rest.residual),
-                "1",
-                "Sum of loads and reactions over the sum of their sizes, at rest.",
-            ),
-        ),
-        (
-            "residual".to_owned(),
-            QualityCheck::at_most(
-                rest.residual,
-                LARGEST_RESIDUAL,
-                "1",
-                "Largest unbalanced force over the largest force on a particle, at rest.",
-            ),
-        ),
-        (
-            "inverted_cells".to_owned(),
-            QualityCheck::at_most(
-                inverted(model, tested) as f64,
-                0.0,
-                "1",
-                "Cells that the displacements turn inside out, at the end; cells that broke are left out.",
-            ),
-        ),
-    ]);
+    report.check(
+        "reaction_error",
+        rest.reaction_error,
+        LARGEST_REACTION_ERROR.max(REACTION_OVER_RESIDUAL * rest.residual),
+        "1",
+        "Sum of loads and reactions over the sum of their sizes, at rest.",
+    );
+
+    report.check(
+        "residual",
+        rest.residual,
+        LARGEST_RESIDUAL,
+        "1",
+        "Largest unbalanced force over the largest force on a particle, at rest.",
+    );
+
+    report.check(
+        "inverted_cells",
+        inverted(model, tested) as f64,
+        0.0,
+        "1",
+        "Cells that the displacements turn inside out, at the end; cells that broke are left out.",
+    );
+
     if let Some(main) = errors::main(measured) {
         let error = finding.of_grid(main, model.comparison()) / main.value.abs();
         // a grid that cannot be coarser tells nothing of its error
         if error.is_finite() {
-            quality.insert(
-                "estimated_discretisation_error".to_owned(),
-                QualityCheck::at_most(
-                    error,
+            report.check("estimated_discretisation_error", error,
                     LARGEST_GRID_ERROR,
                     "1",
                     "Error for the grid over the value, of the largest force of a test that breaks, else of \
-                     the modulus or of the mean top deflection, from coarser grids.",
-                ),
-            );
+                     the modulus or of the mean top deflection, from coarser grids.",);
         }
     }
-    quality
 }
 
-fn warnings(
+fn warn(
+    report: &mut ReportBuilder,
     model: &Model<'_>,
     tested: &Tested,
     measured: &[Measured],
     finding: &Finding,
-    quality: &IndexMap<String, QualityCheck>,
-) -> Vec<Warning> {
-    let mut warnings = Vec::new();
-    let mut warn = |code: &str, detail: String| {
-        warnings.push(Warning {
-            code: code.to_owned(),
-            detail,
-        });
-    };
+) {
     for (material, note) in &model.notes {
-        warn("assumed_constant", format!("material {material:?}: {note}"));
+        report.warn("assumed_constant", format!("material {material:?}: {note}"));
     }
     if let Some(stiffer) = finding.stiffer(measured) {
-        warn(
+        report.warn(
             "paper_stiffness",
             format!(
                 "the paper's rule of bond stiffness makes this section {stiffer:.3} times as stiff as \
@@ -157,19 +129,22 @@ fn warnings(
             ),
         );
     }
-    let grid_error = quality.get("estimated_discretisation_error");
-    if let Some(check) = grid_error.filter(|check| !check.ok) {
-        warn(
+    let grid_error = report.failed("estimated_discretisation_error");
+    if let Some(error) = grid_error.map(|check| check.value) {
+        report.warn(
             "coarse_grid",
             format!(
                 "the grid adds an error of about {:.1} %; twice the cells along both sides halve it, \
                  or more, for about six times the time",
-                100.0 * check.value
+                100.0 * error
             ),
         );
     }
-    if grid_error.is_none() && model.comparison() != Comparison::None {
-        warn(
+    let knows_grid_error = report
+        .checks()
+        .any(|(name, _)| name == "estimated_discretisation_error");
+    if !knows_grid_error && model.comparison() != Comparison::None {
+        report.warn(
             "unknown_discretisation_error",
             "no coarser grid could be tried, so that the grid's error is not known".to_owned(),
         );
@@ -182,7 +157,7 @@ fn warnings(
         } else {
             "geometry \"large\" in accuracy is for that"
         };
-        warn(
+        report.warn(
             "large_displacements",
             format!(
                 "strains and turns, {gradient:.3} in the root mean square, are not small, as the test \
@@ -193,7 +168,7 @@ fn warnings(
     if let Some(touching) = tested.bent.as_ref().map(|bent| bent.touching)
         && touching < LEAST_TOUCHING
     {
-        warn(
+        report.warn(
             "coarse_contact",
             format!(
                 "a roller rests on {touching} particles: how far it dents the face is not known, the \
@@ -203,33 +178,29 @@ fn warnings(
     }
     if let Some(broken) = &tested.broken {
         for (code, detail) in failure::warnings(broken) {
-            warn(code, detail);
+            report.warn(code, detail);
         }
     }
-    for (name, check) in quality {
-        let has_own = name == "estimated_discretisation_error";
-        if !check.ok && !has_own {
-            let (code, advice) = match name.as_str() {
-                "inverted_cells" => (
-                    "inverted_cells",
-                    "cells are turned inside out: the load is far beyond what small displacements \
-                     mean",
-                ),
-                "reaction_error" => (
-                    "reaction_error",
-                    "loads and reactions do not balance: stiffnesses differ by more than double \
-                     precision resolves",
-                ),
-                _ => (
-                    "residual",
-                    "forces are not balanced as well as they should be; a smaller residual in accuracy \
-                     helps",
-                ),
-            };
-            warn(code, format!("{advice} ({:e})", check.value));
+    for (name, advice) in [
+        (
+            "reaction_error",
+            "loads and reactions do not balance: stiffnesses differ by more than double precision \
+             resolves",
+        ),
+        (
+            "residual",
+            "forces are not balanced as well as they should be; a smaller residual in accuracy helps",
+        ),
+        (
+            "inverted_cells",
+            "cells are turned inside out: the load is far beyond what small displacements mean",
+        ),
+    ] {
+        if let Some(check) = report.failed(name) {
+            let detail = format!("{advice} ({:e})", check.value);
+            report.warn(name, detail);
         }
     }
-    warnings
 }
 
 /// Root mean square over the section of the four derivatives of the displacements; where cells broke,

@@ -33,6 +33,7 @@ mod laws;
 mod options;
 mod part;
 mod parts;
+mod progress;
 mod saw;
 mod scatter;
 mod state;
@@ -53,9 +54,9 @@ use nalgebra::Vector3;
 use options::check;
 use part::Damage;
 use parts::Parts;
+use progress::{Pending, Progress};
 use saw::RESIDUAL;
 use scatter::Drawn;
-use state::{Pending, Progress};
 use system::{MOST_COLUMNS, System};
 
 use crate::error::CompositeError;

@@ -1,13 +1,12 @@
 //! What a checkpoint keeps of breaking, and sums over its events.
 use serde::{Deserialize, Serialize};
 
-use super::event::{Dissipated, Mode, Totals};
-use super::part::{BrokenPart, Damage};
+use super::Breaking;
+use super::event::Totals;
+use super::part::{Damage, PlaneDamage};
+use super::progress::Progress;
 use super::saw::Saw;
-use super::system::Loss;
-use super::{Breaking, part::PlaneDamage};
 use crate::error::CompositeError;
-use crate::lattice::Measures;
 
 /// Where breaking is: the damage of parts and the sums, from which it goes on with the same bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,33 +17,6 @@ pub struct BreakingState {
     since: Vec<(u32, Damage)>,
     progress: Progress,
     displacements_mm: Vec<f64>,
-}
-
-/// Sums over the events so far.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct Progress {
-    pub(super) events: u64,
-    /// Of the drive, at the last event.
-    pub(super) displacement_mm: f64,
-    pub(super) peak_n: f64,
-    pub(super) reach_mm: f64,
-    pub(super) crack_area_mm2: f64,
-    /// Without the last event, whose part is known at the next.
-    pub(super) dissipated: Dissipated,
-    pub(super) pending: Option<Pending>,
-}
-
-/// The last crack.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct Pending {
-    pub(super) cell: u32,
-    pub(super) part: BrokenPart,
-    pub(super) mode: Mode,
-    /// Of its cell at the event.
-    pub(super) measures: Measures,
-    pub(super) loss: Loss,
-    /// What it takes if the drive is held [N mm].
-    pub(super) held_n_mm: f64,
 }
 
 impl Breaking {

@@ -8,12 +8,11 @@ mod files;
 mod report;
 mod results;
 
-use loadframe_api::Report;
 use loadframe_api::spec::composite_cell::CompositeCell;
 use loadframe_harness::{
-    Ending, Interrupt, Recorder, RunContext, SimulationError,
+    Ending, Recorder, RunContext, SimulationError,
     checkpoint::Fingerprint,
-    plan::{Conclusion, Plan, SavedReport, Share, Tests, join_repeats, write_repeats},
+    plan::{Conclusion, Place, Specimens, test_specimens},
 };
 
 /// Runs the simulation of `spec`.
@@ -26,7 +25,7 @@ pub fn run(
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
     let ending = if spec.repeats > 1 {
-        run_all(spec, context, recorder)?
+        test_specimens(&Repeats(spec), Fingerprint::of(spec)?, context, recorder)?
     } else {
         run_one(spec, context, recorder)?
     };
@@ -37,32 +36,6 @@ pub fn run(
     Ok(ending)
 }
 
-fn run_all(
-    spec: &CompositeCell,
-    context: RunContext<'_>,
-    recorder: &mut dyn Recorder,
-) -> Result<Ending, SimulationError> {
-    let fingerprint = Fingerprint::of(spec)?;
-    let count = spec.repeats as usize;
-    let plan = match context.checkpoint {
-        Some(bytes) => Plan::resume(fingerprint, bytes, recorder)?,
-        None => {
-            let last = spec.seed + u64::from(spec.repeats - 1);
-            recorder.log(&format!("{count} cells, seeds {} to {last}", spec.seed));
-            Plan::new(fingerprint, count)
-        }
-    };
-    let saved = match plan.carry_out(&Repeats(spec), context, recorder)? {
-        Conclusion::Finished(saved) => saved,
-        Conclusion::Interrupted(Interrupt::Cancel) => return Ok(Ending::Cancelled),
-        Conclusion::Interrupted(Interrupt::Suspend) => return Ok(Ending::Suspended),
-    };
-    let reports = saved.iter().map(SavedReport::read);
-    let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
-    write_repeats(spec.seed, &reports, recorder)?;
-    Ok(Ending::Finished(join_repeats(spec.seed, &reports)))
-}
-
 fn run_one(
     spec: &CompositeCell,
     context: RunContext<'_>,
@@ -70,8 +43,7 @@ fn run_one(
 ) -> Result<Ending, SimulationError> {
     let tested = match conduct::conduct(spec, context, recorder)? {
         Conclusion::Finished(tested) => tested,
-        Conclusion::Interrupted(Interrupt::Cancel) => return Ok(Ending::Cancelled),
-        Conclusion::Interrupted(Interrupt::Suspend) => return Ok(Ending::Suspended),
+        Conclusion::Interrupted(interrupt) => return Ok(interrupt.into()),
     };
     files::write(spec, &tested, recorder)?;
     Ok(Ending::Finished(report::report(spec, &tested)?))
@@ -80,30 +52,30 @@ fn run_one(
 /// The cells of a spec, one for each seed.
 struct Repeats<'a>(&'a CompositeCell);
 
-impl Tests for Repeats<'_> {
-    type Result = SavedReport;
-
-    fn share(&self, test: usize) -> Share {
-        if test == 0 {
-            Share::All
-        } else {
-            Share::Nothing
-        }
+impl Specimens for Repeats<'_> {
+    fn count(&self) -> usize {
+        self.0.repeats as usize
     }
 
-    fn run(
+    fn first_seed(&self) -> u64 {
+        self.0.seed
+    }
+
+    fn overview(&self) -> String {
+        let (seed, count) = (self.0.seed, self.0.repeats);
+        let last = seed + u64::from(count - 1);
+        format!("{count} cells, seeds {seed} to {last}")
+    }
+
+    fn test(
         &self,
-        test: usize,
+        place: Place,
         context: RunContext<'_>,
         recorder: &mut dyn Recorder,
-    ) -> Result<Conclusion<SavedReport>, SimulationError> {
+    ) -> Result<Ending, SimulationError> {
         let mut own = self.0.clone();
         own.repeats = 1;
-        own.seed += test as u64;
-        Ok(match run_one(&own, context, recorder)? {
-            Ending::Finished(report) => Conclusion::Finished(SavedReport::of(&report)?),
-            Ending::Cancelled => Conclusion::Interrupted(Interrupt::Cancel),
-            Ending::Suspended => Conclusion::Interrupted(Interrupt::Suspend),
-        })
+        own.seed += place.specimen as u64;
+        run_one(&own, context, recorder)
     }
 }

@@ -1,7 +1,7 @@
 //! The report of a cell: constants with their errors, what tells whether to believe them, warnings.
-use indexmap::IndexMap;
 use loadframe_api::spec::composite_cell::CompositeCell;
-use loadframe_api::{ErrorBasis, ErrorPart, QualityCheck, Quantity, Report, Warning};
+use loadframe_api::{ErrorBasis, ErrorPart, Report};
+use loadframe_harness::ReportBuilder;
 
 use super::conduct::Tested;
 use super::results::{CONSTANTS, Strength};
@@ -16,7 +16,7 @@ const LARGEST_GRID_ERROR: f64 = 0.02;
 
 pub(super) fn report(spec: &CompositeCell, tested: &Tested) -> Result<Report, CompositeError> {
     let effective = &tested.effective;
-    let mut summary = IndexMap::new();
+    let mut report = ReportBuilder::new("solved");
     let values = effective.constants.values();
     let errors = tested.errors.constants.values();
     let mut worst = 0.0_f64;
@@ -24,11 +24,8 @@ pub(super) fn report(spec: &CompositeCell, tested: &Tested) -> Result<Report, Co
         if kind.unit == "MPa" {
             worst = worst.max(error / value);
         }
-        let quantity = Quantity::new(value, kind.unit, kind.description);
-        summary.insert(
-            kind.name.to_owned(),
-            quantity.with_error(vec![of_grid(error)]),
-        );
+        let parts = vec![of_grid(error)];
+        report.result_with_error(kind.name, value, kind.unit, kind.description, parts);
     }
     for Strength {
         kind,
@@ -46,45 +43,25 @@ pub(super) fn report(spec: &CompositeCell, tested: &Tested) -> Result<Report, Co
             "{}, here {part}: not where the ply fails.",
             kind.description
         );
-        let quantity = Quantity::new(*mpa, kind.unit, &about);
-        summary.insert(
-            kind.name.to_owned(),
-            quantity.with_error(vec![of_grid(*error_mpa)]),
-        );
+        let parts = vec![of_grid(*error_mpa)];
+        report.result_with_error(kind.name, *mpa, kind.unit, &about, parts);
     }
     let [columns, rows] = effective.grid();
-    for (name, value, about) in [
-        (
-            "fibre_fraction",
-            effective.fraction,
-            "Volume of fibres over that of the cell.",
-        ),
-        (
-            "fibres",
-            tested.cell.fibres.len() as f64,
-            "Fibres in the cell.",
-        ),
-        ("cells", (columns * rows) as f64, "Cells of the grid."),
-    ] {
-        summary.insert(name.to_owned(), Quantity::new(value, "1", about));
-    }
-    let quality = quality(tested, worst);
     let cell = &tested.cell;
+    let about = "Volume of fibres over that of the cell.";
+    report.result("fibre_fraction", effective.fraction, "1", about);
+    report.count("fibres", cell.fibres.len(), "Fibres in the cell.");
+    report.count("cells", columns * rows, "Cells of the grid.");
+    checks(&mut report, tested, worst);
     let beyond = beyond(
         effective,
         Some(&tested.errors.constants),
         &cell.fibre,
         &cell.matrix,
     )?;
-    let warnings = warnings(spec, tested, &quality, &beyond);
-    Ok(Report {
-        stop_reason: "solved".to_owned(),
-        summary,
-        quality,
-        warnings,
-        bodies: Vec::new(),
-        work: IndexMap::from([("iterations".to_owned(), effective.iterations)]),
-    })
+    warn(&mut report, spec, tested, &beyond);
+    report.work("iterations", effective.iterations);
+    Ok(report.finish())
 }
 
 fn of_grid(value: f64) -> ErrorPart {
@@ -95,73 +72,54 @@ fn of_grid(value: f64) -> ErrorPart {
     }
 }
 
-fn quality(tested: &Tested, worst: f64) -> IndexMap<String, QualityCheck> {
-    IndexMap::from([
-        (
-            "residual".to_owned(),
-            QualityCheck::at_most(
-                tested.effective.residual,
-                LARGEST_RESIDUAL,
-                "1",
-                "Largest unbalanced force over the load, of all load cases.",
-            ),
-        ),
-        (
-            "estimated_discretisation_error".to_owned(),
-            QualityCheck::at_most(
-                worst,
-                LARGEST_GRID_ERROR,
-                "1",
-                "Error for the grid over the value, of the modulus that has the largest, from coarser \
+fn checks(report: &mut ReportBuilder, tested: &Tested, worst: f64) {
+    report.check(
+        "residual",
+        tested.effective.residual,
+        LARGEST_RESIDUAL,
+        "1",
+        "Largest unbalanced force over the load, of all load cases.",
+    );
+
+    report.check(
+        "estimated_discretisation_error",
+        worst,
+        LARGEST_GRID_ERROR,
+        "1",
+        "Error for the grid over the value, of the modulus that has the largest, from coarser \
                  grids.",
-            ),
-        ),
-    ])
+    );
 }
 
-fn warnings(
-    spec: &CompositeCell,
-    tested: &Tested,
-    quality: &IndexMap<String, QualityCheck>,
-    beyond: &[Beyond],
-) -> Vec<Warning> {
-    let mut warnings = Vec::new();
-    let mut warn = |code: &str, detail: String| {
-        warnings.push(Warning {
-            code: code.to_owned(),
-            detail,
-        });
-    };
+fn warn(report: &mut ReportBuilder, spec: &CompositeCell, tested: &Tested, beyond: &[Beyond]) {
     for (phase, note) in &tested.effective.notes {
         let name = match phase {
             Phase::Matrix => &spec.matrix,
             Phase::Fibre => &spec.fibre,
         };
-        warn("assumed_constant", format!("material {name:?}: {note}"));
+        report.warn("assumed_constant", format!("material {name:?}: {note}"));
     }
     for beyond in beyond {
-        warn("beyond_bounds", beyond.to_string());
+        report.warn("beyond_bounds", beyond.to_string());
     }
-    let grid_error = quality.get("estimated_discretisation_error");
-    if let Some(check) = grid_error.filter(|check| !check.ok) {
-        warn(
+    let grid_error = report.failed("estimated_discretisation_error");
+    if let Some(error) = grid_error.map(|check| check.value) {
+        report.warn(
             "coarse_grid",
             format!(
                 "the grid adds an error of about {:.1} %; twice the cells_per_fibre halve it, or more, for \
                  about five times the time",
-                100.0 * check.value
+                100.0 * error
             ),
         );
     }
-    if let Some(check) = quality.get("residual").filter(|check| !check.ok) {
-        warn(
+    if let Some(residual) = report.failed("residual").map(|check| check.value) {
+        report.warn(
             "residual",
             format!(
                 "forces are not balanced as well as they should be: materials differ too much in \
-                 stiffness ({:e})",
-                check.value
+                 stiffness ({residual:e})"
             ),
         );
     }
-    warnings
 }

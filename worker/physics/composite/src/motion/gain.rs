@@ -14,7 +14,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::lattice::{Bond, Cell, Ends, Geometry, Lattice, Measures, Rates, ends, gather};
-use crate::motion::Scheme;
+use crate::motion::options::Scheme;
 
 type Matrix5 = SMatrix<f64, 5, 5>;
 

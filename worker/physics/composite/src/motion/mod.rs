@@ -19,6 +19,7 @@
 //! Source: [SizayaTsivilsky2020] for (6) and the shifts; [MacklinMuellerChentanez2016] for
 //! multipliers.
 mod gain;
+mod options;
 mod sweep;
 
 use crate::error::CompositeError;
@@ -26,41 +27,9 @@ use crate::lattice::{Geometry, Lattice, Tangent};
 use crate::solve::equilibrium::{Balance, Equilibrium, rest};
 use crate::supports::Supports;
 use gain::Gains;
+pub use options::{Damping, MotionOptions, Scheme};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
-
-/// How bonds act within a time step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scheme {
-    /// As forces of springs.
-    Verlet,
-    /// The paper's: as shifts of both particles, `iterations` times.
-    Pbd { iterations: u32 },
-    /// As shifts with a memory of the force they stand for.
-    Xpbd { iterations: u32 },
-}
-
-/// What takes energy out of the motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Damping {
-    /// Nothing: true dynamics.
-    None,
-    /// A force -c m v on every particle [1/s].
-    Viscous { per_s: f64 },
-    /// All particles stop whenever the kinetic energy has passed a peak: the way to rest.
-    Kinetic,
-}
-
-/// How a lattice is moved.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MotionOptions {
-    pub scheme: Scheme,
-    pub geometry: Geometry,
-    /// τ [s]; `None` takes 0.9 of the stable step of springs (three times that for XPBD, which is
-    /// stable at any).
-    pub time_step_s: Option<f64>,
-    pub damping: Damping,
-}
 
 /// A lattice in motion.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! Results of a test of ballast.
-use indexmap::IndexMap;
-use loadframe_api::{Quantity, Report};
+use loadframe_api::Report;
+use loadframe_harness::ReportBuilder;
 
 use super::{
     cycles::Cycle,
@@ -17,72 +17,69 @@ pub(super) fn report(
     oedometer: Option<&Oedometer>,
     moments: &Moments,
 ) -> Report {
-    let mut summary = IndexMap::new();
-    let mut add = |name: &str, value: f64, unit: &str, description: &str| {
-        summary.insert(name.to_owned(), Quantity::new(value, unit, description));
-    };
+    let mut report = ReportBuilder::new("cycles_done");
     let (first, last) = (cycles.first(), cycles.last());
     let of = |cycle: Option<&Cycle>, value: fn(&Cycle) -> f64| cycle.map_or(f64::NAN, value);
-    add(
+    report.result(
         "unloading_stiffness",
         of(first, |cycle| cycle.unloading_stiffness.unwrap_or(f64::NAN)),
         "N/m",
         "Slope of the unloading branch of the first cycle, between 90 and 50 % of its peak force; unknown where the bed creeps on.",
     );
-    add(
+    report.result(
         "peak_displacement",
         1e3 * of(first, |cycle| cycle.peak),
         "mm",
         "Way of plate or sleeper at its deepest in the first cycle.",
     );
-    add(
+    report.result(
         "residual_displacement",
         1e3 * of(first, |cycle| cycle.end),
         "mm",
         "Way that is left after the first cycle.",
     );
     if cycles.len() > 1 {
-        add("cycles", cycles.len() as f64, "1", "Cycles of loading.");
-        add(
+        report.count("cycles", cycles.len(), "Cycles of loading.");
+        report.result(
             "last_cycle_displacement",
             1e3 * of(last, |cycle| cycle.peak - cycle.start),
             "mm",
             "Way down within the last cycle.",
         );
-        add(
+        report.result(
             "settlement",
             1e3 * of(last, |cycle| cycle.end),
             "mm",
             "Way that is left after the last cycle.",
         );
-        add(
+        report.result(
             "last_unloading_stiffness",
             of(last, |cycle| cycle.unloading_stiffness.unwrap_or(f64::NAN)),
             "N/m",
             "The same slope in the last cycle.",
         );
     }
-    add(
+    report.result(
         "peak_force",
         of(first, |cycle| cycle.peak_force),
         "N",
         "Largest force of the bed on plate or sleeper in the first cycle, without its weight.",
     );
     if let Some(oedometer) = oedometer {
-        add(
+        report.result(
             "initial_height",
             1e3 * oedometer.height,
             "mm",
             "Height of the bed before the cycles.",
         );
-        add(
+        report.result(
             "initial_void_ratio",
             oedometer.void_ratio,
             "1",
             "Void ratio before the cycles.",
         );
         let porosity = oedometer.void_ratio / (1.0 + oedometer.void_ratio);
-        add(
+        report.result(
             "initial_porosity",
             porosity,
             "1",
@@ -90,7 +87,7 @@ pub(super) fn report(
         );
         let mut loading = oedometer.steps.iter().rev();
         let modulus = loading.find(|step| step.is_loading);
-        add(
+        report.result(
             "oedometric_modulus",
             modulus.map_or(f64::NAN, |step| step.modulus),
             "Pa",
@@ -98,7 +95,7 @@ pub(super) fn report(
         );
         let height = heard.rows.last().map_or(f64::NAN, |row| row.height);
         let ratio = super::oedometer::void_ratio(heard, height);
-        add(
+        report.result(
             "porosity",
             ratio / (1.0 + ratio),
             "1",
@@ -106,13 +103,13 @@ pub(super) fn report(
         );
     } else {
         let porosity = |row: Option<&Row>| row.map_or(f64::NAN, |row| heard.bed_porosity(row));
-        add(
+        report.result(
             "initial_porosity",
             porosity(heard.last_before_loading()),
             "1",
             "Porosity under the sleeper before the cycles.",
         );
-        add(
+        report.result(
             "porosity",
             porosity(heard.rows.last()),
             "1",
@@ -122,14 +119,14 @@ pub(super) fn report(
     // grains of fewer members have no such pieces
     let has_large = (moments.shares().next()).is_some_and(|(_, [_, large])| large > 0.0);
     for (moment, [single, large]) in moments.shares() {
-        add(
+        report.result(
             &format!("mass_in_single_spheres_{moment}"),
             single,
             "1",
             "Share of the mass of breakable grains that is single spheres.",
         );
         if has_large {
-            add(
+            report.result(
                 &format!("mass_from_135_spheres_{moment}"),
                 large,
                 "1",
@@ -137,11 +134,16 @@ pub(super) fn report(
             );
         }
     }
+    let Report {
+        stop_reason,
+        mut summary,
+        ..
+    } = report.finish();
     for (name, quantity) in scene.summary {
         summary.entry(name).or_insert(quantity);
     }
     Report {
-        stop_reason: "cycles_done".to_owned(),
+        stop_reason,
         summary,
         // told by the tables
         bodies: Vec::new(),

@@ -1,6 +1,8 @@
 //! What bonds still hold together.
 //!
-//! Bodies are joined by their intact bonds (union-find); a fragment is named by its lowest body.
+//! Bodies are joined by their intact bonds; a fragment is named by its lowest body.
+use loadframe_api::DisjointSets;
+
 use super::survey::Reading;
 use crate::{contact::touching::Who, step::engine::Engine};
 
@@ -16,32 +18,17 @@ impl Fragments {
 
     /// Of so many bodies, joined by these pairs.
     pub(crate) fn joined(bodies: usize, pairs: &[[u32; 2]]) -> Self {
-        let mut parents: Vec<u32> = (0..bodies as u32).collect();
+        let mut sets = DisjointSets::new(bodies);
         for [a, b] in pairs {
-            let (a, b) = (root(&mut parents, *a), root(&mut parents, *b));
-            // the lower number stays, so that a parent is never above its child
-            parents[a.max(b) as usize] = a.min(b);
+            sets.join(*a, *b);
         }
-        for body in 0..parents.len() {
-            parents[body] = parents[parents[body] as usize];
-        }
-        Self(parents)
+        Self(sets.into_roots())
     }
 
     /// The lowest body of the fragment that a body is part of.
     pub(crate) fn of_body(&self, body: u32) -> u32 {
         self.0[body as usize]
     }
-}
-
-/// Follows parents, and shortens the way.
-fn root(parents: &mut [u32], mut body: u32) -> u32 {
-    while parents[body as usize] != body {
-        let parent = parents[body as usize];
-        parents[body as usize] = parents[parent as usize];
-        body = parent;
-    }
-    body
 }
 
 impl Engine {

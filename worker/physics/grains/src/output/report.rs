@@ -1,8 +1,6 @@
 //! Results of a run, and whether to believe them.
-use indexmap::IndexMap;
-use loadframe_api::{
-    BodyProperties, QualityCheck, Quantity, Report, Warning, spec::granular_scene::GranularScene,
-};
+use loadframe_api::{BodyProperties, QualityCheck, Report, spec::granular_scene::GranularScene};
+use loadframe_harness::ReportBuilder;
 
 use super::journal::{Journal, Worst};
 use crate::{numbers::Vector, step::engine::Engine};
@@ -25,32 +23,35 @@ const LISTED: usize = 5;
 
 pub(crate) fn report(spec: &GranularScene, engine: &Engine, journal: &Journal) -> Report {
     let escaped = engine.escaped_bodies();
-    let quality = quality(spec, engine, journal);
+    let mut report = ReportBuilder::new("stages_done");
+    results(&mut report, engine, journal, escaped.len());
+    checks(&mut report, spec, engine, journal);
+    warn(&mut report, spec, engine, journal, &escaped);
+    for (name, count) in [
+        ("steps", engine.state.step),
+        (
+            "particle_steps",
+            engine.state.step * engine.state.particles.len() as u64,
+        ),
+        ("candidate_steps", journal.candidate_steps),
+        ("neighbour_searches", engine.state.lists),
+        ("particle_bytes", engine.state.particles.bytes()),
+        ("contact_bytes", engine.contact_bytes()),
+    ] {
+        report.work(name, count);
+    }
+    let describes_bodies = GranularScene::describes_bodies(engine.model.masses.len());
     Report {
-        stop_reason: "stages_done".to_owned(),
-        summary: summary(engine, journal, escaped.len()),
-        warnings: warnings(spec, engine, journal, &quality, &escaped),
-        quality,
-        bodies: if GranularScene::describes_bodies(engine.model.masses.len()) {
+        bodies: if describes_bodies {
             bodies(engine)
         } else {
             Vec::new()
         },
-        work: IndexMap::from([
-            ("steps".to_owned(), engine.state.step),
-            (
-                "particle_steps".to_owned(),
-                engine.state.step * engine.state.particles.len() as u64,
-            ),
-            ("candidate_steps".to_owned(), journal.candidate_steps),
-            ("neighbour_searches".to_owned(), engine.state.lists),
-            ("particle_bytes".to_owned(), engine.state.particles.bytes()),
-            ("contact_bytes".to_owned(), engine.contact_bytes()),
-        ]),
+        ..report.finish()
     }
 }
 
-fn summary(engine: &Engine, journal: &Journal, escaped: usize) -> IndexMap<String, Quantity> {
+fn results(report: &mut ReportBuilder, engine: &Engine, journal: &Journal, escaped: usize) {
     let last = &journal.last;
     let mut masses: Vec<(u32, f64)> = engine
         .present_bodies()
@@ -133,32 +134,20 @@ fn summary(engine: &Engine, journal: &Journal, escaped: usize) -> IndexMap<Strin
             "Movable bodies behind a plane, or farther from the box of all bodies at the start and all walls than its diagonal.",
         ),
     ];
-    let mut summary: IndexMap<String, Quantity> = IndexMap::new();
     for (name, value, unit, description) in rows {
-        let value = value.unwrap_or(f64::NAN);
-        summary.insert(name.to_owned(), Quantity::new(value, unit, description));
+        report.result(name, value, unit, description);
     }
     let made = engine.state.bonds_made;
     if made > 0 {
         let broken = engine.broken_bonds(last);
-        for (name, count, description) in [
-            ("bonds", made, "Bonds made at the start."),
-            ("broken_bonds", broken, "Bonds that broke."),
-        ] {
-            summary.insert(
-                name.to_owned(),
-                Quantity::new(count as f64, "1", description),
-            );
-        }
+        report.count("bonds", made as usize, "Bonds made at the start.");
+        report.count("broken_bonds", broken as usize, "Bonds that broke.");
     }
     if journal.removed_bodies > 0 {
         let count = journal.removed_bodies as f64;
-        let count = Quantity::new(count, "1", "Bodies that stages took out.");
-        summary.insert("removed_bodies".to_owned(), count);
-        let mass = Quantity::new(journal.removed_mass, "kg", "Their mass.");
-        summary.insert("removed_mass".to_owned(), mass);
+        report.result("removed_bodies", count, "1", "Bodies that stages took out.");
+        report.result("removed_mass", journal.removed_mass, "kg", "Their mass.");
     }
-    summary
 }
 
 /// What looks saw, and every step.
@@ -166,72 +155,48 @@ fn worst(engine: &Engine, journal: &Journal) -> Worst {
     journal.worst.with(&engine.state.seen)
 }
 
-fn quality(
-    spec: &GranularScene,
-    engine: &Engine,
-    journal: &Journal,
-) -> IndexMap<String, QualityCheck> {
+fn checks(report: &mut ReportBuilder, spec: &GranularScene, engine: &Engine, journal: &Journal) {
     let worst = worst(engine, journal);
-    let mut quality = IndexMap::from([
-        (
-            "largest_overlap_ratio".to_owned(),
-            QualityCheck::at_most(
-                worst.overlap_ratio,
+    report.check("largest_overlap_ratio", worst.overlap_ratio,
                 LARGEST_OVERLAP,
                 "1",
-                "Largest overlap of any step over the smaller radius: grains this soft are not stiff grains.",
-            ),
-        ),
-        (
-            "step_over_critical".to_owned(),
-            QualityCheck::at_most(
-                worst.step_ratio,
-                if spec.local_damping() > 0.0 {
-                    LARGEST_DAMPED_STEP_RATIO
-                } else {
-                    LARGEST_STEP_RATIO
-                },
-                "1",
-                &limit(spec, engine, &worst),
-            ),
-        ),
-    ]);
+                "Largest overlap of any step over the smaller radius: grains this soft are not stiff grains.",);
+
+    report.check(
+        "step_over_critical",
+        worst.step_ratio,
+        if spec.local_damping() > 0.0 {
+            LARGEST_DAMPED_STEP_RATIO
+        } else {
+            LARGEST_STEP_RATIO
+        },
+        "1",
+        &limit(spec, engine, &worst),
+    );
+
     if !engine.model.has_driven_bodies {
-        quality.insert(
-            "created_energy_ratio".to_owned(),
-            QualityCheck::at_most(
-                journal.balance.created_ratio(),
-                LARGEST_CREATION,
-                "1",
-                &format!(
-                    "Energy that the integration made, over the largest kinetic and elastic energy: by \
+        report.check(
+            "created_energy_ratio",
+            journal.balance.created_ratio(),
+            LARGEST_CREATION,
+            "1",
+            &format!(
+                "Energy that the integration made, over the largest kinetic and elastic energy: by \
                      {} looks in {} steps, between which more may come and go.",
-                    journal.balance.looks, engine.state.step
-                ),
+                journal.balance.looks, engine.state.step
             ),
         );
     }
     if let Some([number, ratio]) = journal.driving.means() {
-        quality.insert(
-            "inertial_number".to_owned(),
-            QualityCheck::at_most(
-                number,
+        report.check("inertial_number", number,
                 LARGEST_INERTIAL_NUMBER,
                 "1",
-                "Mean over the looks at stages that drive, weighed by pressure: above the bound the bodies' inertia shows.",
-            ),
-        );
-        quality.insert(
-            "driven_unbalanced_force_ratio".to_owned(),
-            QualityCheck::at_most(
-                ratio,
+                "Mean over the looks at stages that drive, weighed by pressure: above the bound the bodies' inertia shows.",);
+        report.check("driven_unbalanced_force_ratio", ratio,
                 LARGEST_UNBALANCED,
                 "1",
-                "Mean resultant force on a body over the mean contact force, over the looks at stages that drive, weighed by pressure.",
-            ),
-        );
+                "Mean resultant force on a body over the mean contact force, over the looks at stages that drive, weighed by pressure.",);
     }
-    quality
 }
 
 /// What set the time step, and what softening it would save.
@@ -276,74 +241,68 @@ fn partner(spec: &GranularScene, bodies: usize, number: u32) -> String {
     }
 }
 
-fn warnings(
+fn warn(
+    report: &mut ReportBuilder,
     spec: &GranularScene,
     engine: &Engine,
     journal: &Journal,
-    quality: &IndexMap<String, QualityCheck>,
     escaped: &[u32],
-) -> Vec<Warning> {
-    let mut warnings: Vec<Warning> = quality
-        .iter()
-        .filter(|(_, check)| !check.ok)
-        .map(|(name, check)| {
-            let advice = match name.as_str() {
-                "largest_overlap_ratio" => "choose a higher Young's modulus".to_owned(),
-                "inertial_number" | "driven_unbalanced_force_ratio" => {
-                    "drive more slowly".to_owned()
-                }
-                _ => match worst(engine, journal).critical {
-                    Some(critical) => format!(
-                        "choose a smaller time step; the smallest critical step seen was {:e} s, \
-                         set by body {} and its contact with {}",
-                        critical.step,
-                        critical.body,
-                        partner(spec, engine.model.masses.len(), critical.partner)
-                    ),
-                    None => "choose a smaller time step".to_owned(),
-                },
-            };
-            Warning {
-                code: name.clone(),
-                detail: format!(
-                    "{} is {:.3e}, beyond {}: {advice}",
-                    name.replace('_', " "),
-                    check.value,
-                    check.bound
-                ),
-            }
-        })
+) {
+    let checks = report.checks().filter(|(_, check)| !check.ok);
+    let failed: Vec<(String, QualityCheck)> = checks
+        .map(|(name, check)| (name.to_owned(), check.clone()))
         .collect();
+    for (name, check) in failed {
+        let advice = match name.as_str() {
+            "largest_overlap_ratio" => "choose a higher Young's modulus".to_owned(),
+            "inertial_number" | "driven_unbalanced_force_ratio" => "drive more slowly".to_owned(),
+            _ => match worst(engine, journal).critical {
+                Some(critical) => format!(
+                    "choose a smaller time step; the smallest critical step seen was {:e} s, \
+                     set by body {} and its contact with {}",
+                    critical.step,
+                    critical.body,
+                    partner(spec, engine.model.masses.len(), critical.partner)
+                ),
+                None => "choose a smaller time step".to_owned(),
+            },
+        };
+        report.warn(
+            &name,
+            format!(
+                "{} is {:.3e}, beyond {}: {advice}",
+                name.replace('_', " "),
+                check.value,
+                check.bound
+            ),
+        );
+    }
     for stage in &journal.unsettled_stages {
-        warnings.push(Warning {
-            code: "not_settled".to_owned(),
-            detail: format!(
+        report.warn(
+            "not_settled",
+            format!(
                 "stage {stage} ended before the bodies were as it waits for: give it more steps"
             ),
-        });
+        );
     }
     for (stage, left) in &journal.not_inserted {
-        warnings.push(Warning {
-            code: "not_inserted".to_owned(),
-            detail: format!(
+        report.warn("not_inserted", format!(
                 "stage {stage} ended before {left} of its grains found room: give it more time or a \
                  larger region"
-            ),
-        });
+            ));
     }
     if !escaped.is_empty() {
         let listed: Vec<String> = escaped.iter().take(LISTED).map(u32::to_string).collect();
         let more = if escaped.len() > LISTED { ", ..." } else { "" };
-        warnings.push(Warning {
-            code: "escaped_bodies".to_owned(),
-            detail: format!(
+        report.warn(
+            "escaped_bodies",
+            format!(
                 "{} bodies left the scene: {}{more}",
                 escaped.len(),
                 listed.join(", ")
             ),
-        });
+        );
     }
-    warnings
 }
 
 fn bodies(engine: &Engine) -> Vec<BodyProperties> {

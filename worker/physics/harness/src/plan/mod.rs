@@ -3,11 +3,14 @@
 //! Each test is a run of its own, with [`Relay`] for a recorder, and the calling thread listens to
 //! all of them: it alone talks to the job's recorder and keeps the state of the plan. Tests are
 //! begun in the plan's order and share nothing, so results do not know how many threads there were.
-//! What the tests are, a kind says by [`Tests`]; a [`CurveKeeper`] keeps what a test draws.
+//! What the tests are, a kind says by [`Tests`]; a [`CurveKeeper`] keeps what a test draws. Where they
+//! are the same test of further specimens, it says so by [`Specimens`], and the rest is done here.
+mod directions;
 mod gate;
 mod keeper;
 mod relay;
 mod reports;
+mod specimens;
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -23,12 +26,12 @@ use crate::{
 use gate::{Gate, Passage};
 use relay::{Message, Relay};
 
+pub use directions::Compared;
 pub use keeper::{Curve, CurveKeeper};
-pub use relay::Share;
-pub use reports::{
-    SavedReport, join_repeats, joint_warnings, mean, total_work, values, worst_quality,
-    write_repeats,
-};
+pub use relay::{Conclusion, Share};
+pub use reports::{SavedReport, joint_warnings, mean, values, worst_quality};
+use reports::{join_repeats, write_repeats};
+pub use specimens::{Place, Specimens, test_specimens};
 
 /// Messages under way before a test waits for the recorder.
 const MESSAGES: usize = 64;
@@ -51,13 +54,6 @@ pub trait Tests: Sync {
         context: RunContext<'_>,
         recorder: &mut dyn Recorder,
     ) -> Result<Conclusion<Self::Result>, SimulationError>;
-}
-
-/// How a test, or a plan, came to its end.
-#[derive(Debug)]
-pub enum Conclusion<T> {
-    Finished(T),
-    Interrupted(Interrupt),
 }
 
 /// The state of a plan: the content of its checkpoint.

@@ -3,8 +3,14 @@ use std::io::{self, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::SyncSender;
 
-use super::Conclusion;
-use crate::{Recorder, SimulationError};
+use crate::{Interrupt, Recorder, SimulationError};
+
+/// How a test, or a plan, came to its end.
+#[derive(Debug)]
+pub enum Conclusion<T> {
+    Finished(T),
+    Interrupted(Interrupt),
+}
 
 /// What a test says. Messages of one test arrive in the order in which it said them.
 #[derive(Debug)]

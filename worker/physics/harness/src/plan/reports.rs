@@ -48,7 +48,7 @@ pub fn worst_quality(reports: &[Report], words: &str) -> IndexMap<String, Qualit
 }
 
 /// The sum of each work counter.
-pub fn total_work(reports: &[Report]) -> IndexMap<String, u64> {
+pub(super) fn total_work(reports: &[Report]) -> IndexMap<String, u64> {
     let mut work = IndexMap::new();
     for (name, count) in reports.iter().flat_map(|report| &report.work) {
         *work.entry(name.clone()).or_default() += count;
@@ -76,7 +76,7 @@ pub fn mean(quantity: &Quantity, values: &[f64]) -> Quantity {
 
 /// The joint report of repeats, whose seeds count on from the first: means with their scatter, the worst
 /// quality, all warnings. The first gives the words.
-pub fn join_repeats(first_seed: u64, reports: &[Report]) -> Report {
+pub(super) fn join_repeats(first_seed: u64, reports: &[Report]) -> Report {
     let mut joint = reports.first().cloned().unwrap_or_default();
     for (name, quantity) in &mut joint.summary {
         *quantity = mean(quantity, &values(reports, name)).with_error(errors(reports, name));
@@ -134,7 +134,7 @@ fn errors(reports: &[Report], name: &str) -> Vec<ErrorPart> {
 ///
 /// # Errors
 /// Of the recorder.
-pub fn write_repeats(
+pub(super) fn write_repeats(
     first_seed: u64,
     reports: &[Report],
     recorder: &mut dyn Recorder,

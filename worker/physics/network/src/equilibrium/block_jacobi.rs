@@ -3,10 +3,10 @@ use loadframe_numerics::{Team, wide};
 
 use crate::{
     assembly::Assembly,
-    blocks::{BLOCK, Sums},
-    field::{Real, dot, sum},
+    field::{BLOCK, Real, dot, sum},
     stiffness::{Stiffness, positive_block},
     strips::{AtPlaces, Spill, Strip},
+    sums::Sums,
 };
 
 /// Inverse 3 x 3 blocks, one per node; zero for nodes that are held or that nothing holds.

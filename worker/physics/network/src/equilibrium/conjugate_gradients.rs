@@ -4,7 +4,11 @@ use std::ops::Range;
 use loadframe_harness::Interrupt;
 use loadframe_numerics::{Team, wide};
 
-use super::{block_jacobi::BlockJacobi, multigrid::Multigrid, work::Meter};
+use super::{
+    block_jacobi::BlockJacobi,
+    multigrid::{Cells, Multigrid},
+    work::Meter,
+};
 use crate::{
     assembly::Assembly,
     field::{Field, Real},
@@ -58,6 +62,7 @@ pub(super) struct Equations<'a, T> {
 #[derive(Debug)]
 pub(super) struct Waves<'a> {
     assembly: &'a Assembly,
+    cells: &'a Cells,
     grids: Option<Multigrid<'a>>,
     /// Iterations of one step before the grids are built with the present stiffness.
     patience: usize,
@@ -68,15 +73,16 @@ pub(super) struct Waves<'a> {
 const PATIENCE: usize = 100;
 
 impl<'a> Waves<'a> {
-    pub(super) fn new(assembly: &'a Assembly) -> Self {
-        let grids = Multigrid::at_rest(assembly);
-        let patience = match (assembly.mesh(), &grids) {
-            (None, _) => usize::MAX,
+    pub(super) fn new(assembly: &'a Assembly, cells: &'a Cells) -> Self {
+        let grids = Multigrid::at_rest(assembly, cells);
+        let patience = match (cells.are_enough(assembly), &grids) {
+            (false, _) => usize::MAX,
             (_, None) => 0,
             (_, Some(_)) => PATIENCE,
         };
         Self {
             assembly,
+            cells,
             grids,
             patience,
         }
@@ -94,7 +100,7 @@ impl<'a> Waves<'a> {
         if iterations < self.patience {
             return false;
         }
-        self.grids = Multigrid::new(self.assembly, stiffness);
+        self.grids = Multigrid::new(self.assembly, self.cells, stiffness);
         self.patience = usize::MAX;
         self.grids.is_some()
     }

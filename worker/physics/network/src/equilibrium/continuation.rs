@@ -15,11 +15,13 @@ use loadframe_harness::Interrupt;
 use loadframe_numerics::Team;
 
 use super::{
-    Search,
+    Search, Settled,
     newton_cg::{Memory, descend},
     work::Meter,
+    workspace::Workspace,
 };
 use crate::{
+    Vector,
     assembly::Assembly,
     configuration::{Configuration, Residual, Verdict},
 };
@@ -40,8 +42,34 @@ const LOOSE: f64 = 1e-3;
 /// A force that is this part of the limit does not count.
 const NOTHING: f64 = 0.02;
 
+/// See [`Search::run`].
+pub(super) fn solve(
+    search: &Search,
+    assembly: &Assembly,
+    displacements: &[Vector],
+    team: &Team,
+    workspace: &mut Workspace,
+    meter: &mut Meter<'_>,
+) -> Result<Settled, Interrupt> {
+    let start = workspace.start.take();
+    let mut here = start.unwrap_or_else(|| workspace.configuration(assembly, displacements, team));
+    // every step sets all of it
+    let mut there = workspace.spare.pop().unwrap_or_else(|| here.clone());
+    let memory = workspace.memory.take();
+    let mut single = memory.unwrap_or_else(|| Memory::new(assembly));
+    let (from, to) = (&mut here, &mut there);
+    let settled = descend_by_stages(search, assembly, from, to, &mut single, team, meter);
+    workspace.memory = Some(single);
+    workspace.spare.push(there);
+    let residual = settled?;
+    Ok(Settled {
+        configuration: here,
+        residual,
+    })
+}
+
 /// Moves `here` to equilibrium; `there` and `memory` are memory.
-pub(super) fn descend_by_stages(
+fn descend_by_stages(
     search: &Search,
     assembly: &Assembly,
     here: &mut Configuration,

@@ -17,7 +17,7 @@ mod conjugate_gradients;
 mod continuation;
 mod forcing;
 mod line_search;
-pub(crate) mod multigrid;
+mod multigrid;
 mod neighbourhoods;
 mod newton_cg;
 mod node_step;
@@ -86,10 +86,11 @@ impl Search {
     ) -> Result<Settled, Interrupt> {
         meter.work.equilibria += 1;
         match self.method {
-            Method::NewtonCg if assembly.strips.count() > 1 => team
-                .gather(|| newton_cg::solve(self, assembly, displacements, team, workspace, meter)),
+            Method::NewtonCg if assembly.strips.count() > 1 => team.gather(|| {
+                continuation::solve(self, assembly, displacements, team, workspace, meter)
+            }),
             Method::NewtonCg => {
-                newton_cg::solve(self, assembly, displacements, team, workspace, meter)
+                continuation::solve(self, assembly, displacements, team, workspace, meter)
             }
             Method::Sequential => {
                 let start = assembly.pick(displacements);

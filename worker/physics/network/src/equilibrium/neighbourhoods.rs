@@ -49,9 +49,6 @@ const LARGEST_SHARE: f64 = 0.15;
 /// More nodes far from equilibrium than this share of the free ones are hardly ever so close together
 /// that their parts would be small: to list those would be in vain.
 const MOST_FAR: f64 = LARGEST_SHARE / 12.0;
-/// Newton iterations for a part: most need four.
-const ITERATIONS: u32 = 30;
-
 /// Part of the limit below which the root mean square of the resultants is calm, at this A_cc.
 pub(crate) fn calm(force_accuracy: f64) -> f64 {
     CALM * (force_accuracy / ACCURATE).min(1.0)

@@ -9,26 +9,25 @@
 //! energy falls. Steps are found in single precision, and in double where single leads no further;
 //! energy and forces, which decide, are always double. Before each step the few nodes that are far
 //! worse than the others are balanced by themselves ([`super::neighbourhoods`]).
+use std::sync::Arc;
+
 use loadframe_harness::Interrupt;
 use loadframe_numerics::{Team, wide};
 
 use super::{
-    Search, Settled,
+    Search,
     block_jacobi::BlockJacobi,
     conjugate_gradients::{Equations, Scratch, Solved, Stop, Waves, newton_step, precondition},
-    continuation::descend_by_stages,
     forcing::{DOUBLE, NEAR, SINGLE, away, relative_residual, stop},
     line_search::{self, Point},
+    multigrid::Cells,
     neighbourhoods::Neighbourhoods,
     work::Meter,
-    workspace::Workspace,
 };
 use crate::{
-    Vector,
     assembly::Assembly,
-    blocks::BLOCK,
     configuration::{Configuration, Residual, Verdict},
-    field::{Field, Real, largest, longest_square},
+    field::{BLOCK, Field, Real, largest, longest_square},
     stiffness::Stiffness,
     strips::{AtPlaces, Strip},
 };
@@ -67,10 +66,12 @@ pub(super) struct Memory<T> {
     /// The stiffness of a step without buckling.
     upwards: Stiffness<T>,
     neighbourhoods: Neighbourhoods,
+    /// Steps in search of long waves share what is known of them.
+    cells: Arc<Cells>,
 }
 
 impl<T: Real> Memory<T> {
-    fn new(assembly: &Assembly) -> Self {
+    pub(super) fn new(assembly: &Assembly) -> Self {
         let zeros = Field::zeros(assembly.places(), assembly.dimensions());
         Self {
             force: zeros.clone(),
@@ -80,6 +81,7 @@ impl<T: Real> Memory<T> {
             scratch: Scratch::new(assembly),
             upwards: Stiffness::default(),
             neighbourhoods: Neighbourhoods::default(),
+            cells: Arc::default(),
         }
     }
 
@@ -101,32 +103,6 @@ impl<T: Real> Memory<T> {
     }
 }
 
-/// See [`Search::run`].
-pub(super) fn solve(
-    search: &Search,
-    assembly: &Assembly,
-    displacements: &[Vector],
-    team: &Team,
-    workspace: &mut Workspace,
-    meter: &mut Meter<'_>,
-) -> Result<Settled, Interrupt> {
-    let start = workspace.start.take();
-    let mut here = start.unwrap_or_else(|| workspace.configuration(assembly, displacements, team));
-    // every step sets all of it
-    let mut there = workspace.spare.pop().unwrap_or_else(|| here.clone());
-    let memory = workspace.memory.take();
-    let mut single = memory.unwrap_or_else(|| Memory::new(assembly));
-    let (from, to) = (&mut here, &mut there);
-    let settled = descend_by_stages(search, assembly, from, to, &mut single, team, meter);
-    workspace.memory = Some(single);
-    workspace.spare.push(there);
-    let residual = settled?;
-    Ok(Settled {
-        configuration: here,
-        residual,
-    })
-}
-
 /// Moves `here` to equilibrium; `there` and `single` are memory.
 pub(super) fn descend(
     search: &Search,
@@ -143,7 +119,8 @@ pub(super) fn descend(
     // residual below which parts are worth balancing, again if they just were
     let mut worth_parts = f64::INFINITY;
     let mut precision = Precision::Single;
-    let mut waves = Waves::new(assembly);
+    let cells = Arc::clone(&single.cells);
+    let mut waves = Waves::new(assembly, &cells);
     loop {
         let residual = here.residual(assembly, search.force_limit);
         if residual.verdict != Verdict::Unbalanced || iterations == search.iteration_limit {

@@ -5,17 +5,15 @@
 //! step by step from the guess of [`predictor`] and keeps all that counts in a [`state`]; [`snapshot`],
 //! [`distribution`], [`tables`], [`spectrum`] and [`report`] turn that into files and results.
 //! [`width`] measures lateral contraction, [`progress`] how far the test is. This file holds the
-//! loop, which alone talks to the recorder. [`mod@plan`] stands above: a job of repeats or [`directions`]
-//! is several such tests side by side ([`loadframe_harness::plan`]), their results joined.
+//! loop, which alone talks to the recorder. [`mod@plan`] stands above: a job of repeats or of two
+//! directions is several such tests side by side ([`loadframe_harness::plan`]), their results joined.
 mod calibration;
-mod directions;
 mod distribution;
 mod experiment;
 mod lattice;
 mod plan;
 mod predictor;
 mod progress;
-mod repeats;
 mod report;
 mod snapshot;
 mod specimen;
@@ -28,7 +26,7 @@ mod width;
 
 use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
 use loadframe_harness::{
-    Ending, Interrupt, Recorder, RunContext, SimulationError,
+    Ending, Halt, Interrupt, Recorder, RunContext, SimulationError,
     checkpoint::{self, Fingerprint},
 };
 use loadframe_numerics::Team;
@@ -38,7 +36,7 @@ use crate::equilibrium::work::Meter;
 pub use calibration::calibration_spec;
 pub use plan::run;
 
-use experiment::{Advance, Experiment, Halt, StopReason};
+use experiment::{Advance, Experiment, StopReason};
 use progress::Yardstick;
 use specimen::Specimen;
 use state::State;

@@ -1,10 +1,9 @@
 //! Results of a test in the words of tensile standards, and whether to believe them.
-use indexmap::IndexMap;
 use loadframe_api::{
-    QualityCheck, Quantity, Report, Warning,
+    Report,
     spec::nonwoven_tensile::{Breaking, NonwovenTensile, Solver},
 };
-use loadframe_harness::curve;
+use loadframe_harness::{ReportBuilder, curve};
 
 use super::{
     distribution,
@@ -37,18 +36,15 @@ pub(super) fn report(
     state: &State,
     stop_reason: StopReason,
 ) -> Report {
-    let quality = quality(spec, state);
-    Report {
-        stop_reason: stop_reason.name().to_owned(),
-        summary: summary(specimen, state),
-        warnings: warnings(spec, specimen, state, stop_reason, &quality),
-        quality,
-        bodies: Vec::new(),
-        work: work(&state.work),
-    }
+    let mut report = ReportBuilder::new(stop_reason.name());
+    results(&mut report, specimen, state);
+    checks(&mut report, spec, state);
+    warn(&mut report, spec, specimen, state, stop_reason);
+    count_work(&mut report, &state.work);
+    report.finish()
 }
 
-fn summary(specimen: &Specimen, state: &State) -> IndexMap<String, Quantity> {
+fn results(report: &mut ReportBuilder, specimen: &Specimen, state: &State) {
     let column = |value: fn(&Point) -> f64| -> Vec<(f64, f64)> {
         let points = state.points.iter();
         points
@@ -68,55 +64,50 @@ fn summary(specimen: &Specimen, state: &State) -> IndexMap<String, Quantity> {
     let per_width = |force: f64| force / specimen.width * N_PER_M;
     let secant = force_at_reading.map(|force| force / READING_STRAIN);
 
-    let mut summary = IndexMap::new();
-    let mut add = |name: &str, value: Option<f64>, unit: &str, description: &str| {
-        let value = value.unwrap_or(f64::NAN);
-        summary.insert(name.to_owned(), Quantity::new(value, unit, description));
-    };
-    add(
+    report.result(
         "max_force",
         max_force,
         "N",
         "Largest force on the moving jaw.",
     );
-    add(
+    report.result(
         "strain_at_max_force",
         peak.map(|peak| forces[peak].0),
         "1",
         "Nominal strain at the largest force: jaw displacement over gauge length.",
     );
-    add(
+    report.result(
         "strength",
         max_force.map(per_width),
         "N/m",
         "Largest force per width of the specimen.",
     );
-    add(
+    report.result(
         "modulus_at_10_percent",
         secant.map(per_width),
         "N/m",
         "Secant stiffness per width: force at 10 % nominal strain over 0.1 and the width.",
     );
-    add(
+    report.result(
         "secant_stiffness_at_10_percent",
         secant,
         "N",
         "Force at 10 % nominal strain over 0.1.",
     );
-    add(
+    report.result(
         "poisson_ratio",
         width_strain.map(|strain| -strain / READING_STRAIN),
         "1",
         "Lateral contraction of the middle third over nominal strain, at 10 % nominal strain.",
     );
-    add(
+    report.result(
         "energy_absorption",
         work_to_peak.map(|work| work / (specimen.width * specimen.gauge_length) * J_PER_M2),
         "J/m2",
         "Work of the moving jaw up to the largest force, per area between the jaws \
          (tensile energy absorption as in ISO 1924).",
     );
-    add(
+    report.result(
         "work_to_max_force",
         work_to_peak.map(|work| work * J),
         "J",
@@ -124,13 +115,13 @@ fn summary(specimen: &Specimen, state: &State) -> IndexMap<String, Quantity> {
     );
     if let Some(thickness) = specimen.thickness {
         let stress = |force: f64| force / (specimen.width * thickness) * PA;
-        add(
+        report.result(
             "strength_pa",
             max_force.map(stress),
             "Pa",
             "Largest force over width times thickness.",
         );
-        add(
+        report.result(
             "modulus_at_10_percent_pa",
             secant.map(stress),
             "Pa",
@@ -138,7 +129,7 @@ fn summary(specimen: &Specimen, state: &State) -> IndexMap<String, Quantity> {
         );
     }
     if let Some(layers) = specimen.layers {
-        add(
+        report.result(
             "max_force_per_layer",
             max_force.map(|force| force / f64::from(layers)),
             "N",
@@ -156,12 +147,11 @@ fn summary(specimen: &Specimen, state: &State) -> IndexMap<String, Quantity> {
         ),
         ("bonds", network.bonds.len(), "Bonds before the test."),
     ] {
-        add(name, Some(count as f64), "1", description);
+        report.count(name, count, description);
     }
-    summary
 }
 
-fn quality(spec: &NonwovenTensile, state: &State) -> IndexMap<String, QualityCheck> {
+fn checks(report: &mut ReportBuilder, spec: &NonwovenTensile, state: &State) {
     let largest = |value: fn(&Point) -> f64| state.points.iter().map(value).fold(0.0, f64::max);
     let imbalance = largest(|point| (point.force - point.bottom_force).abs());
     let relative_imbalance = if imbalance > 0.0 {
@@ -169,50 +159,43 @@ fn quality(spec: &NonwovenTensile, state: &State) -> IndexMap<String, QualityChe
     } else {
         0.0
     };
-    IndexMap::from([
-        (
-            "largest_residual_ratio".to_owned(),
-            QualityCheck::at_most(
-                largest(|point| point.residual_ratio),
-                1.0,
-                "1",
-                "Largest resultant of a free node over its limit, over all equilibria.",
-            ),
-        ),
-        (
-            "jaw_force_imbalance".to_owned(),
-            QualityCheck::at_most(
-                relative_imbalance,
-                LARGEST_IMBALANCE,
-                "1",
-                "Largest difference between the forces on the two jaws, over the maximum force.",
-            ),
-        ),
-        (
-            "overstepped_force".to_owned(),
-            QualityCheck::at_most(
-                overstepped(state),
-                spec.accuracy
-                    .knobs()
-                    .break_precision
-                    .map_or(LARGEST_OVERSTEP, |precision| {
-                        precision.max(LARGEST_OVERSTEP)
-                    }),
-                "1",
-                "How far the force may have risen past where it fell, over its maximum: maximum force \
+    report.check(
+        "largest_residual_ratio",
+        largest(|point| point.residual_ratio),
+        1.0,
+        "1",
+        "Largest resultant of a free node over its limit, over all equilibria.",
+    );
+
+    report.check(
+        "jaw_force_imbalance",
+        relative_imbalance,
+        LARGEST_IMBALANCE,
+        "1",
+        "Largest difference between the forces on the two jaws, over the maximum force.",
+    );
+
+    report.check(
+        "overstepped_force",
+        overstepped(state),
+        spec.accuracy
+            .knobs()
+            .break_precision
+            .map_or(LARGEST_OVERSTEP, |precision| {
+                precision.max(LARGEST_OVERSTEP)
+            }),
+        "1",
+        "How far the force may have risen past where it fell, over its maximum: maximum force \
                  and its strain may be off by so much.",
-            ),
-        ),
-        (
-            "unconverged_steps".to_owned(),
-            QualityCheck::at_most(
-                state.unconverged.len() as f64,
-                0.0,
-                "1",
-                "Strain steps in which an equilibrium was not reached.",
-            ),
-        ),
-    ])
+    );
+
+    report.check(
+        "unconverged_steps",
+        state.unconverged.len() as f64,
+        0.0,
+        "1",
+        "Strain steps in which an equilibrium was not reached.",
+    );
 }
 
 /// The fall of the force found least precisely, over the maximum force.
@@ -222,22 +205,15 @@ fn overstepped(state: &State) -> f64 {
         .map_or(0.0, |worst| worst.force / state.max_force.max(worst.force))
 }
 
-fn warnings(
+fn warn(
+    report: &mut ReportBuilder,
     spec: &NonwovenTensile,
     specimen: &Specimen,
     state: &State,
     stop_reason: StopReason,
-    quality: &IndexMap<String, QualityCheck>,
-) -> Vec<Warning> {
-    let mut warnings = Vec::new();
-    let mut warn = |code: &str, detail: String| {
-        warnings.push(Warning {
-            code: code.to_owned(),
-            detail,
-        });
-    };
+) {
     if !state.unconverged.is_empty() {
-        warn(
+        report.warn(
             "unconverged_steps",
             format!(
                 "equilibrium was not reached at {}; forces there are upper estimates at best",
@@ -246,7 +222,7 @@ fn warnings(
         );
     }
     if !state.round_off.is_empty() {
-        warn(
+        report.warn(
             "round_off_reached",
             format!(
                 "at {} the force limit lies below rounding error; equilibrium is as exact as \
@@ -256,7 +232,7 @@ fn warnings(
         );
     }
     if let Some((node, strain)) = state.mechanism {
-        warn(
+        report.warn(
             "mechanism",
             format!(
                 "node {node} is part of a mechanism: at a nominal strain of {strain} nothing \
@@ -264,13 +240,16 @@ fn warnings(
             ),
         );
     }
-    if let Some(check) = quality.get("jaw_force_imbalance").filter(|check| !check.ok) {
-        warn(
+    if let Some(imbalance) = report
+        .failed("jaw_force_imbalance")
+        .map(|check| check.value)
+    {
+        report.warn(
             "jaw_force_imbalance",
             format!(
                 "the forces on the two jaws differ by {:.2} % of the maximum force; a higher \
                  force_accuracy{} brings them together",
-                100.0 * check.value,
+                100.0 * imbalance,
                 match spec.accuracy.knobs().solver {
                     Solver::NewtonCg => "",
                     Solver::Sequential | Solver::Parallel => " or the solver newton_cg",
@@ -278,24 +257,22 @@ fn warnings(
             ),
         );
     }
-    if let (Some(check), Some(worst)) = (
-        quality.get("overstepped_force").filter(|check| !check.ok),
-        state.unresolved,
-    ) {
-        warn(
+    let overstepped = report.failed("overstepped_force").map(|check| check.value);
+    if let (Some(overstepped), Some(worst)) = (overstepped, state.unresolved) {
+        report.warn(
             "break_overstepped",
             format!(
                 "at a nominal strain of {:.6} the force fell within a strain step; the maximum force \
                  may be off by {:.1} %, and its strain with it: a break_precision or a smaller \
                  strain_step finds where it begins",
                 worst.nominal_strain,
-                100.0 * check.value,
+                100.0 * overstepped,
             ),
         );
     }
     let unreached = distribution::unreached(spec, state);
     if !unreached.is_empty() {
-        warn(
+        report.warn(
             "strain_not_reached",
             format!(
                 "the test ended before {}, at which bond forces were asked for",
@@ -305,7 +282,7 @@ fn warnings(
     }
     let unloaded = specimen.unloaded_bonds();
     if unloaded > 0 {
-        warn(
+        report.warn(
             "unloaded_bonds",
             format!(
                 "{unloaded} bonds do not lie between the two jaws; they carry no load and are \
@@ -318,14 +295,13 @@ fn warnings(
         .last()
         .is_some_and(|last| last.force >= state.max_force);
     if spec.test.breaking != Breaking::None && stop_reason == StopReason::MaxStrain && at_peak {
-        warn(
+        report.warn(
             "maximum_at_end",
             "the force was still at its maximum when the largest strain was reached; strength \
              and strain at maximum force are lower bounds"
                 .to_owned(),
         );
     }
-    warnings
 }
 
 /// A list of strains in words.
@@ -340,8 +316,8 @@ fn strains(strains: &[f64]) -> String {
     }
 }
 
-fn work(work: &Work) -> IndexMap<String, u64> {
-    let counters = [
+fn count_work(report: &mut ReportBuilder, work: &Work) {
+    for (name, count) in [
         ("bond_evaluations", work.bond_evaluations),
         ("equilibria", work.equilibria),
         ("newton_iterations", work.newton_iterations),
@@ -350,7 +326,7 @@ fn work(work: &Work) -> IndexMap<String, u64> {
             work.conjugate_gradient_iterations,
         ),
         ("sweeps", work.sweeps),
-    ];
-    let named = counters.map(|(name, count)| (name.to_owned(), count));
-    IndexMap::from(named)
+    ] {
+        report.work(name, count);
+    }
 }

@@ -1,4 +1,6 @@
 //! What hangs together, and whether it reaches the jaws.
+use loadframe_api::DisjointSets;
+
 use super::places::Jaw;
 
 /// What a node's cluster is held by.
@@ -17,36 +19,24 @@ pub(crate) fn standings(
     jaws: &[Option<Jaw>],
     joined: impl Iterator<Item = [u32; 2]>,
 ) -> Vec<Standing> {
-    let mut parents: Vec<u32> = (0..jaws.len() as u32).collect();
+    let mut sets = DisjointSets::new(jaws.len());
     for [a, b] in joined {
-        let (a, b) = (root(&mut parents, a), root(&mut parents, b));
-        // the lower number leads: trees stay shallow by halving, and the result has no order
-        parents[a.max(b) as usize] = a.min(b);
+        sets.join(a, b);
     }
     let mut held = vec![[false; 2]; jaws.len()];
     for (node, jaw) in jaws.iter().enumerate() {
         if let Some(jaw) = jaw {
-            let root = root(&mut parents, node as u32);
-            held[root as usize][usize::from(*jaw == Jaw::Right)] = true;
+            held[sets.root(node as u32) as usize][usize::from(*jaw == Jaw::Right)] = true;
         }
     }
     (0..jaws.len() as u32)
-        .map(|node| match held[root(&mut parents, node) as usize] {
+        .map(|node| match held[sets.root(node) as usize] {
             [false, false] => Standing::Loose,
             [true, false] => Standing::Hanging(Jaw::Left),
             [false, true] => Standing::Hanging(Jaw::Right),
             [true, true] => Standing::Spanning,
         })
         .collect()
-}
-
-fn root(parents: &mut [u32], mut node: u32) -> u32 {
-    while parents[node as usize] != node {
-        let above = parents[parents[node as usize] as usize];
-        parents[node as usize] = above;
-        node = above;
-    }
-    node
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! One fibre as a specimen: its tube, its constants, and the loads.
 use loadframe_api::spec::paper_tensile::{PaperTensile, Pulp, SingleFibre, SingleFibreLoad};
+use loadframe_harness::Halt;
 
-use super::Halt;
 use crate::fibre::equilibrium::{RESIDUAL, Rest, Supports, large, moved, small};
 use crate::fibre::measure::{self, Constants, Pushed};
 use crate::fibre::{Divided, Elasticity, FibreError, Section, Spring, Tube, TubeError, divide};

@@ -1,8 +1,7 @@
 //! Files of a test of a fibre: its curve, its tube in pictures.
 use loadframe_harness::vtk::{Array, Lines, Series};
-use loadframe_harness::{Recorder, csv};
+use loadframe_harness::{Halt, Recorder, csv};
 
-use super::Halt;
 use super::fibre::{Picture, Specimen};
 use crate::fibre::Sort;
 

@@ -13,28 +13,17 @@ mod sheet;
 #[cfg(test)]
 mod tests;
 
-use loadframe_api::Warning;
 use loadframe_api::spec::paper_tensile::{PaperTensile, SingleFibre, Specimen};
-use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
+use loadframe_harness::{
+    Ending, Halt, Interrupt, Recorder, ReportBuilder, RunContext, SimulationError,
+};
 
 use crate::fibre::TubeError;
 use fibre::{Loaded, Picture};
 
-impl From<TubeError> for Halt {
+impl From<TubeError> for SimulationError {
     fn from(error: TubeError) -> Self {
-        Self::Failed(SimulationError::Paper(error.to_string()))
-    }
-}
-
-/// Why a test ended before its end.
-enum Halt {
-    Interrupted(Interrupt),
-    Failed(SimulationError),
-}
-
-impl From<std::io::Error> for Halt {
-    fn from(error: std::io::Error) -> Self {
-        Self::Failed(error.into())
+        Self::of_paper(error)
     }
 }
 
@@ -63,16 +52,15 @@ pub fn run(
 }
 
 /// Warns of pulps whose coarseness and wall contradict one another.
-fn contradictions(spec: &PaperTensile) -> Vec<Warning> {
+fn warn_of_contradictions(report: &mut ReportBuilder, spec: &PaperTensile) {
     let contradicted = spec.pulp.iter().filter_map(|pulp| {
         let (section, coarseness) = pulp.section().ok().zip(pulp.coarseness_mg_per_m)?;
-        let contradiction = section.contradiction(coarseness)?;
-        Some(Warning {
-            code: "contradicting_coarseness".to_owned(),
-            detail: format!("pulp {:?}: {contradiction}", pulp.name),
-        })
+        Some((&pulp.name, section.contradiction(coarseness)?))
     });
-    contradicted.collect()
+    for (name, contradiction) in contradicted {
+        let detail = format!("pulp {name:?}: {contradiction}");
+        report.warn("contradicting_coarseness", detail);
+    }
 }
 
 fn test(
@@ -94,7 +82,7 @@ fn test(
         curve.push(point);
         pictures.extend(picture);
         match context.interrupt.interrupt() {
-            Some(interrupt) => Err(Halt::Interrupted(interrupt)),
+            Some(interrupt) => Err(interrupt.into()),
             None => Ok(()),
         }
     })?;

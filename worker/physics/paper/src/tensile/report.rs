@@ -1,10 +1,10 @@
 //! The report of a test of a fibre: what was measured beside what was put in, quality, warnings.
-use indexmap::IndexMap;
+use loadframe_api::Report;
 use loadframe_api::spec::paper_tensile::SingleFibreLoad;
-use loadframe_api::{QualityCheck, Quantity, Report, Warning};
+use loadframe_harness::ReportBuilder;
 
-use super::contradictions;
 use super::fibre::{Loaded, Specimen};
+use super::warn_of_contradictions;
 use crate::fibre::measure::{Constants, column_load_mn, shear_stiffness_mn};
 
 /// Constants further than this from what was put in are not to be believed.
@@ -42,43 +42,34 @@ pub(super) fn report(specimen: &Specimen<'_>, constants: &Constants, loaded: &Lo
         SingleFibreLoad::Buckle => "buckled",
         _ => "max_strain",
     };
-    Report {
-        stop_reason: stop_reason.to_owned(),
-        summary: summary(specimen, constants, loaded),
-        quality: IndexMap::from([
-            (
-                "fibre_constants_error".to_owned(),
-                QualityCheck::at_most(
-                    miss(specimen, constants),
-                    LARGEST_MISS,
-                    "1",
-                    "Largest distance of E, ν and G of the tube from those put into its springs.",
-                ),
-            ),
-            (
-                "spring_residual".to_owned(),
-                QualityCheck::at_most(
-                    loaded.residual,
-                    LARGEST_RESIDUAL,
-                    "1",
-                    "Largest unbalanced force over the largest force of a spring, at any rest.",
-                ),
-            ),
-        ]),
-        warnings: warnings(specimen, constants, loaded),
-        bodies: Vec::new(),
-        work: IndexMap::from([
-            ("factorings".to_owned(), loaded.factorings),
-            ("springs".to_owned(), specimen.springs().len() as u64),
-        ]),
-    }
+    let mut report = ReportBuilder::new(stop_reason);
+    results(&mut report, specimen, constants, loaded);
+    report.check(
+        "fibre_constants_error",
+        miss(specimen, constants),
+        LARGEST_MISS,
+        "1",
+        "Largest distance of E, ν and G of the tube from those put into its springs.",
+    );
+    report.check(
+        "spring_residual",
+        loaded.residual,
+        LARGEST_RESIDUAL,
+        "1",
+        "Largest unbalanced force over the largest force of a spring, at any rest.",
+    );
+    warn(&mut report, specimen, constants, loaded);
+    report.work("factorings", loaded.factorings);
+    report.work("springs", specimen.springs().len() as u64);
+    report.finish()
 }
 
-fn summary(
+fn results(
+    report: &mut ReportBuilder,
     specimen: &Specimen<'_>,
     constants: &Constants,
     loaded: &Loaded,
-) -> IndexMap<String, Quantity> {
+) {
     let (elasticity, divided) = (&specimen.elasticity, &specimen.divided);
     let wall_mn_um2 = elasticity.youngs_modulus_gpa() * specimen.section.inertia_um4();
     // mN µm² is 10⁻¹⁵ N m²
@@ -193,22 +184,21 @@ fn summary(
             "Coarseness over the area of the wall.",
         ),
     ]);
-    rows.into_iter()
-        .map(|(name, value, unit, about)| (name.to_owned(), Quantity::new(value, unit, about)))
-        .collect()
+    for (name, value, unit, about) in rows {
+        report.result(name, value, unit, about);
+    }
 }
 
-fn warnings(specimen: &Specimen<'_>, constants: &Constants, loaded: &Loaded) -> Vec<Warning> {
-    let mut warnings = contradictions(specimen.spec);
-    let mut warn = |code: &str, detail: String| {
-        warnings.push(Warning {
-            code: code.to_owned(),
-            detail,
-        });
-    };
+fn warn(
+    report: &mut ReportBuilder,
+    specimen: &Specimen<'_>,
+    constants: &Constants,
+    loaded: &Loaded,
+) {
+    warn_of_contradictions(report, specimen.spec);
     let (spec, divided) = (specimen.spec, &specimen.divided);
     if divided.is_refined {
-        warn(
+        report.warn(
             "refined_segment",
             format!(
                 "segments of {} µm need springs of negative stiffness; {:.4} µm are taken, from a window \
@@ -223,7 +213,7 @@ fn warnings(specimen: &Specimen<'_>, constants: &Constants, loaded: &Loaded) -> 
     if divided.springs.is_robust {
         let given = specimen.elasticity.shear_modulus_gpa();
         let effective = divided.springs.shear_modulus_gpa;
-        warn(
+        report.warn(
             "robust_springs",
             format!(
                 "segments of {:.4} µm, outside the window of {:.4} to {:.4} µm, have springs around and \
@@ -242,7 +232,7 @@ fn warnings(specimen: &Specimen<'_>, constants: &Constants, loaded: &Loaded) -> 
     }
     if !unused.is_empty() {
         let names = unused.join(", ");
-        warn(
+        report.warn(
             "unused_by_a_fibre",
             format!("a single fibre does not use: {names}"),
         );
@@ -251,7 +241,7 @@ fn warnings(specimen: &Specimen<'_>, constants: &Constants, loaded: &Loaded) -> 
         // mN/µm² is 1000 MPa
         let stress_mpa = 1e3 * force_mn / specimen.section.area_um2();
         if stress_mpa > strength_mpa {
-            warn(
+            report.warn(
                 "over_strength",
                 format!(
                     "at the largest strain the mean stress of the wall is {stress_mpa:.0} MPa, above its \
@@ -262,7 +252,7 @@ fn warnings(specimen: &Specimen<'_>, constants: &Constants, loaded: &Loaded) -> 
     }
     let column = column_mn(specimen, constants);
     if loaded.buckling_load_mn < LEAST_OF_COLUMN * column {
-        warn(
+        report.warn(
             "wall_dents",
             format!(
                 "the fibre buckles at {:.4} mN, below the {column:.4} mN of a column: its wall dents, \
@@ -271,5 +261,4 @@ fn warnings(specimen: &Specimen<'_>, constants: &Constants, loaded: &Loaded) -> 
             ),
         );
     }
-    warnings
 }

@@ -15,7 +15,7 @@ const CORNERS: usize = 64;
 
 /// What is known of the long waves of a network before anything moved or broke.
 #[derive(Clone, Debug)]
-pub(crate) struct AtRest {
+pub(super) struct AtRest {
     pub(super) mesh: Mesh,
     /// Along x and y.
     pub(super) inverse: Inverse,
@@ -24,12 +24,12 @@ pub(crate) struct AtRest {
 }
 
 impl AtRest {
-    /// `None` for a network of no cells or of many.
-    pub(crate) fn new(assembly: &Assembly) -> Option<Self> {
-        assembly
-            .mesh()
-            .filter(|mesh| mesh.corners() <= MANY_CORNERS)?;
-        let mesh = assembly.cells(CORNERS)?;
+    /// `None` for a network of no cells or of many, of which these are the `finest`.
+    pub(super) fn new(assembly: &Assembly, finest: &Mesh) -> Option<Self> {
+        if finest.corners() > MANY_CORNERS {
+            return None;
+        }
+        let mesh = Mesh::over(assembly, CORNERS)?;
         let stiffness: Stiffness<f32> = Stiffness::at_rest(assembly);
         let free = assembly.free();
         let of_slot = |(slot, ends): (usize, &[u32; 2])| {

@@ -5,8 +5,8 @@
 //! row are rows of one.
 use std::ops::Range;
 
-use super::level::Vectors;
-use crate::{blocks::LANES, field::Real};
+use super::corners::Vectors;
+use crate::field::{LANES, Real};
 
 /// Nodes of a row worked on at once.
 pub(super) const BLOCK: usize = 256;

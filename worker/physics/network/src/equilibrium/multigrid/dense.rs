@@ -2,15 +2,16 @@
 use loadframe_numerics::wide;
 use nalgebra::{Cholesky, DMatrix};
 
-use super::level::{Level, Vectors, zeros};
-use crate::blocks::LANES;
+use super::corners::{Vectors, zeros};
+use super::level::Level;
+use crate::field::LANES;
 
 /// Part of its trace added to each corner's stiffness: corners that nothing holds must not fly.
 const TRACE_SHARE: f64 = 1e-3;
 
 /// K⁻¹ between the corners that are not held.
 #[derive(Clone, Debug)]
-pub(crate) struct Inverse {
+pub(super) struct Inverse {
     /// Corners it is about.
     corners: Vec<usize>,
     /// Components of a displacement.

@@ -5,18 +5,20 @@ use loadframe_numerics::wide;
 
 use super::{
     super::block_jacobi::invert,
-    mesh::{Corners, Mesh, offsets, weight_differences, weights},
+    corners::{Corners, Vectors, offsets, weight_differences, weights, zeros},
+    mesh::Mesh,
 };
-use crate::{assembly::Assembly, blocks::LANES, field::Real, stiffness::Stiffness};
+use crate::{
+    assembly::Assembly,
+    field::{LANES, Real},
+    stiffness::Stiffness,
+};
 
 /// xx, yy, xy, zz, xz, yz of a symmetric block.
 pub(super) type Block = [f32; 6];
 
 /// The stiffness of a cell between its corners, pair by pair.
 type Cell = [Block; PAIRS.len()];
-
-/// A vector at every corner, one array per component.
-pub(super) type Vectors = [Vec<f32>; 3];
 
 /// Part of its own relaxation that a corner moves when all move at once. A cell's stiffness is at
 /// most four times its diagonal, as many as it has corners; less than two over that keeps the
@@ -398,10 +400,6 @@ fn add_product(blocks: &[Vec<f32>; 6], factor: f32, from: [&[f32]; 3], to: [&mut
         ty[i] += xy[i] * x + yy[i] * y + yz[i] * z;
         tz[i] += xz[i] * x + yz[i] * y + zz[i] * z;
     }
-}
-
-pub(super) fn zeros(corners: usize) -> Vectors {
-    [vec![0.0; corners], vec![0.0; corners], vec![0.0; corners]]
 }
 
 #[inline(always)]

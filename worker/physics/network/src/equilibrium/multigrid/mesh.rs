@@ -5,10 +5,11 @@ use loadframe_numerics::{Team, wide};
 
 use super::{
     band::{BLOCK, Band},
-    level::Vectors,
+    corners::Vectors,
 };
 use crate::{
     Row, Vector,
+    assembly::Assembly,
     field::{Field, Real},
     strips::{AtPlaces, OfStrips, Strips, again},
 };
@@ -21,7 +22,7 @@ const FEWEST_CELLS: usize = 6;
 /// A rectangle of equal cells from jaw to jaw. Displacements do not vary through the thickness:
 /// waves that do are short in any fabric, and nodes find them themselves.
 #[derive(Clone, Debug)]
-pub(crate) struct Mesh {
+pub(super) struct Mesh {
     /// Cells along x and y.
     cells: [usize; 2],
     /// The corner at the left end of the bottom jaw [mm].
@@ -46,9 +47,6 @@ struct Bands {
 /// Forces on the corners that the strips touch, a component after the other.
 pub(super) type Shares = Vec<Vec<f32>>;
 
-/// Values at the corners of a cell, x running faster than y.
-pub(super) type Corners = [f32; 4];
-
 /// Which part of a row of nodes starts where.
 struct Piece {
     strip: usize,
@@ -59,10 +57,29 @@ struct Piece {
 }
 
 impl Mesh {
+    /// Cells over the nodes of a network, with not more corners than so many; `None` when there would
+    /// be too few.
+    pub(super) fn over(assembly: &Assembly, most_corners: usize) -> Option<Self> {
+        let mean = |places: Range<usize>| {
+            let count = places.len() as f64;
+            assembly.positions.axis(1)[places].iter().sum::<f64>() / count
+        };
+        let lengths = assembly.slots().map(|slot| assembly.rest_lengths[slot]);
+        let length = lengths.sum::<f64>();
+        Self::new(
+            &assembly.positions,
+            &assembly.rows(),
+            assembly.held().map(mean),
+            length / assembly.bonds() as f64,
+            &assembly.strips,
+            most_corners,
+        )
+    }
+
     /// Cells over the free nodes at these `positions` [mm] between jaws at these `heights` [mm];
     /// `rows` are all of them, with the places of their nodes. Cells are as small as is worth while, but
     /// have not more than `most_corners`. `None` where too few would do.
-    pub(crate) fn new(
+    fn new(
         positions: &Field<f64>,
         rows: &[(Range<usize>, Row)],
         heights: [f64; 2],
@@ -169,7 +186,7 @@ impl Mesh {
         self.cells.map(|cells| cells + 1)
     }
 
-    pub(crate) fn corners(&self) -> usize {
+    pub(super) fn corners(&self) -> usize {
         self.planes().iter().product()
     }
 
@@ -290,27 +307,6 @@ fn cells(sides: f64) -> usize {
     }
     let group = f64::from(1 << pairings);
     ((sides / group).round() * group) as usize
-}
-
-/// Weights of the corners of a cell at coordinates in it.
-pub(super) fn weights([x, y]: [f32; 2]) -> Corners {
-    [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y]
-}
-
-/// How much the weights of a cell's corners change along a difference, both in units of the cell:
-/// exact for differences within the cell that have their middle `at` these coordinates.
-pub(super) fn weight_differences([x, y]: [f32; 2], [dx, dy]: [f32; 2]) -> Corners {
-    [
-        -(1.0 - y) * dx - (1.0 - x) * dy,
-        (1.0 - y) * dx - x * dy,
-        -y * dx + (1.0 - x) * dy,
-        y * dx + x * dy,
-    ]
-}
-
-/// How far the corners of a cell are from its first one, `across` corners in a row.
-pub(super) fn offsets(across: usize) -> [usize; 4] {
-    [0, 1, across, across + 1]
 }
 
 #[cfg(test)]

@@ -12,19 +12,21 @@
 //! somewhat less well, and no result depends on it. To build one costs as much as dozens of
 //! iterations, more than it saves in a network of few cells. Such a network has a single grid, built
 //! once with the bonds [`at_rest`], and one number makes it as stiff as the network has become.
-pub(crate) mod at_rest;
+mod at_rest;
 mod band;
+mod corners;
 mod dense;
 mod level;
-pub(crate) mod mesh;
+mod mesh;
 
-use std::borrow::Cow;
+use std::{borrow::Cow, sync::OnceLock};
 
 use loadframe_numerics::Team;
 
 use at_rest::AtRest;
+use corners::{Vectors, zeros};
 use dense::Inverse;
-use level::{Level, Vectors};
+use level::Level;
 use mesh::{Mesh, Shares};
 
 use super::block_jacobi::BlockJacobi;
@@ -36,6 +38,32 @@ use crate::{
 
 /// Grids with at most this many corners are solved directly.
 const DIRECT: usize = 128;
+
+/// What is known of the grids of one assembly whatever its bonds do, each found when first asked for.
+#[derive(Debug, Default)]
+pub(super) struct Cells {
+    finest: OnceLock<Option<Mesh>>,
+    at_rest: OnceLock<Option<AtRest>>,
+}
+
+impl Cells {
+    /// Whether the network has waves worth a grid.
+    pub(super) fn are_enough(&self, assembly: &Assembly) -> bool {
+        self.finest(assembly).is_some()
+    }
+
+    /// The finest cells over the nodes; `None` when there would be too few.
+    fn finest(&self, assembly: &Assembly) -> Option<&Mesh> {
+        let finest = || Mesh::over(assembly, usize::MAX);
+        self.finest.get_or_init(finest).as_ref()
+    }
+
+    /// The long waves of a network of few cells with all bonds at rest; `None` for others.
+    fn at_rest(&self, assembly: &Assembly) -> Option<&AtRest> {
+        let at_rest = || AtRest::new(assembly, self.finest(assembly)?);
+        self.at_rest.get_or_init(at_rest).as_ref()
+    }
+}
 
 /// Grids over a network, from fine to coarse.
 #[derive(Debug)]
@@ -54,8 +82,12 @@ pub(super) struct Multigrid<'a> {
 
 impl<'a> Multigrid<'a> {
     /// The grids of a network with this stiffness; `None` for one too small to have waves worth a grid.
-    pub(super) fn new<T: Real>(assembly: &'a Assembly, stiffness: &Stiffness<T>) -> Option<Self> {
-        let mesh = assembly.mesh()?;
+    pub(super) fn new<T: Real>(
+        assembly: &Assembly,
+        cells: &'a Cells,
+        stiffness: &Stiffness<T>,
+    ) -> Option<Self> {
+        let mesh = cells.finest(assembly)?;
         let mut level = Level::finest(mesh, assembly, stiffness);
         let mut levels = Vec::new();
         let coarsest = loop {
@@ -72,8 +104,8 @@ impl<'a> Multigrid<'a> {
     }
 
     /// The grid of a network of few cells as it was at rest; `None` for others.
-    pub(super) fn at_rest(assembly: &'a Assembly) -> Option<Self> {
-        let at_rest = assembly.at_rest()?;
+    pub(super) fn at_rest(assembly: &Assembly, cells: &'a Cells) -> Option<Self> {
+        let at_rest = cells.at_rest(assembly)?;
         let inverse = Cow::Borrowed(&at_rest.inverse);
         Some(Self::of(&at_rest.mesh, Vec::new(), inverse, Some(at_rest)))
     }
@@ -90,7 +122,7 @@ impl<'a> Multigrid<'a> {
             coarsest,
             at_rest,
             share: 1.0,
-            force: level::zeros(mesh.corners()),
+            force: zeros(mesh.corners()),
             forces_of_strips: mesh.shares(),
         }
     }
@@ -211,10 +243,11 @@ mod tests {
     #[test]
     fn corrections_are_symmetric_and_positive() {
         let assembly = net(81);
+        let cells = Cells::default();
         let stiffness = configuration(&assembly).stiffness;
-        let grids = Multigrid::new(&assembly, &stiffness).expect("large enough");
+        let grids = Multigrid::new(&assembly, &cells, &stiffness).expect("large enough");
         assert!(!grids.levels.is_empty());
-        let at_rest = Multigrid::at_rest(&assembly).expect("few cells");
+        let at_rest = Multigrid::at_rest(&assembly, &cells).expect("few cells");
         assert!(at_rest.levels.is_empty());
         // a second wave that cells can still follow
         for (grids, short) in [(grids, [0.7, 1.1]), (at_rest, [0.2, 0.3])] {
@@ -248,8 +281,9 @@ mod tests {
     #[test]
     fn the_longest_wave_is_found_nearly_whole() {
         let assembly = net(81);
+        let cells = Cells::default();
         let stiffness = configuration(&assembly).stiffness;
-        let mut grids = Multigrid::new(&assembly, &stiffness).expect("large enough");
+        let mut grids = Multigrid::new(&assembly, &cells, &stiffness).expect("large enough");
         let displacements = wave(&assembly, 0.0, std::f64::consts::PI / 80.0);
         let mut forces = Field::zeros(assembly.places(), 2);
         let energy = stiffness.multiply(
@@ -277,6 +311,7 @@ mod tests {
     #[test]
     fn a_grid_at_rest_is_as_stiff_as_the_network_has_become() {
         let assembly = net(41);
+        let cells = Cells::default();
         let stiffness = configuration(&assembly).stiffness;
         let mut stiffer = stiffness.clone();
         for axial in stiffer.axial.iter_mut().flatten() {
@@ -285,7 +320,7 @@ mod tests {
         for transverse in &mut stiffer.transverse {
             *transverse *= 4.0;
         }
-        let mut grids = Multigrid::at_rest(&assembly).expect("few cells");
+        let mut grids = Multigrid::at_rest(&assembly, &cells).expect("few cells");
         let moved = [&stiffness, &stiffer].map(|stiffness| {
             let nodes = nodes(&assembly, stiffness);
             grids.follow(&nodes);
@@ -307,7 +342,8 @@ mod tests {
         }
         let nodes = nodes(&whole, &configuration(&whole).stiffness);
         let [first, second] = [&whole, &broken].map(|assembly| {
-            let mut grids = Multigrid::at_rest(assembly).expect("few cells");
+            let cells = Cells::default();
+            let mut grids = Multigrid::at_rest(assembly, &cells).expect("few cells");
             found(assembly, &nodes, &mut grids)
         });
         assert_eq!(first, second);
@@ -315,13 +351,14 @@ mod tests {
 
     #[test]
     fn networks_of_many_cells_have_no_grid_at_rest() {
-        assert!(Multigrid::at_rest(&net(141)).is_none());
+        assert!(Multigrid::at_rest(&net(141), &Cells::default()).is_none());
     }
 
     #[test]
     fn small_networks_have_no_grids() {
         let assembly = net(15);
-        assert!(Multigrid::new(&assembly, &configuration(&assembly).stiffness).is_none());
-        assert!(Multigrid::at_rest(&assembly).is_none());
+        let cells = Cells::default();
+        assert!(Multigrid::new(&assembly, &cells, &configuration(&assembly).stiffness).is_none());
+        assert!(Multigrid::at_rest(&assembly, &cells).is_none());
     }
 }

@@ -6,10 +6,7 @@
 use loadframe_harness::Interrupt;
 use loadframe_numerics::wide;
 
-use super::{
-    ITERATIONS,
-    rows::{Bonds, Nodes, Row, State, longest_square, multiply},
-};
+use super::rows::{Bonds, Nodes, Row, State, longest_square, multiply};
 use crate::{
     assembly::Assembly,
     configuration::Configuration,
@@ -26,6 +23,8 @@ use crate::{
     response::{WithLaws, with_laws},
 };
 
+/// Newton iterations for a part: most need four.
+const ITERATIONS: u32 = 30;
 /// Of a place: it is to be in a pocket, but in none yet.
 pub(super) const WAITING: u32 = NONE - 1;
 /// Flag of the number of a held node while a pocket grows.

@@ -8,9 +8,8 @@ use loadframe_numerics::wide;
 
 use crate::{
     assembly::Assembly,
-    blocks::LANES,
     equilibrium::block_jacobi::{DIAGONAL, invert},
-    field::{fold, sum},
+    field::{LANES, fold, sum},
     law::StrainLaw,
     response::{react, stretch},
     stiffness::positive_block,

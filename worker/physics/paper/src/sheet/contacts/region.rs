@@ -1,4 +1,6 @@
 //! Neighbouring pairs of segments that touch make one contact.
+use loadframe_api::DisjointSets;
+
 use super::overlap::{Ribbon, common_area_um2};
 use super::segments::Touch;
 use crate::sheet::{Contact, SheetFibre, polyline};
@@ -15,7 +17,7 @@ const STRAIGHT_WIDTHS: f64 = 2.5;
 /// Splits touches into regions; keeps its memory.
 #[derive(Debug, Default)]
 pub(super) struct Regions {
-    parents: Vec<u32>,
+    sets: DisjointSets,
     region: Vec<Touch>,
 }
 
@@ -32,8 +34,7 @@ impl Regions {
     ) {
         let reach = lines[0].fibre.section.width_um + lines[1].fibre.section.width_um;
         touches.sort_unstable_by_key(|touch| touch.segments);
-        self.parents.clear();
-        self.parents.extend(0..touches.len() as u32);
+        self.sets.reset(touches.len());
         for index in 1..touches.len() {
             for before in (0..index).rev() {
                 let pair = [&touches[before], &touches[index]];
@@ -44,35 +45,25 @@ impl Regions {
                     break;
                 }
                 if is_near && lines[1].are_near(pair, 1, reach) {
-                    let [a, b] = [before, index].map(|touch| self.root(touch as u32));
-                    // towards the earlier: a root is the first of its region
-                    self.parents[a.max(b) as usize] = a.min(b);
+                    self.sets.join(before as u32, index as u32);
                 }
             }
         }
+        // a root is the first of its region
         for root in 0..touches.len() as u32 {
-            if self.root(root) != root {
+            if self.sets.root(root) != root {
                 continue;
             }
             let mut region = std::mem::take(&mut self.region);
             region.clear();
             for (index, touch) in touches.iter().enumerate() {
-                if self.root(index as u32) == root {
+                if self.sets.root(index as u32) == root {
                     region.push(*touch);
                 }
             }
             visit(&region);
             self.region = region;
         }
-    }
-
-    fn root(&mut self, touch: u32) -> u32 {
-        let mut root = touch;
-        while self.parents[root as usize] != root {
-            root = self.parents[root as usize];
-        }
-        self.parents[touch as usize] = root;
-        root
     }
 }
 

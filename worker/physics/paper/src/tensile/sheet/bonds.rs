@@ -4,9 +4,10 @@ use loadframe_harness::SimulationError;
 use loadframe_harness::rng::{Purpose, Streams};
 use rand_distr::{Distribution as _, StandardNormal};
 
-use super::specimen::{MPA, failed};
 use crate::frame::FrameBond;
 
+/// 1 MPa in mN/µm².
+pub(super) const MPA: f64 = 1e-3;
 /// Transverse over axial Young's modulus of a fibre [KallmesPerez1965].
 const TRANSVERSE: f64 = 0.1;
 /// 1 N/m per µm² in mN/µm³.
@@ -27,7 +28,8 @@ pub(super) fn stiffness(
         Some(0.5 * thickness / (TRANSVERSE * pulp.youngs_modulus_gpa))
     };
     let both = softness(one).zip(softness(other));
-    let (one, other) = both.ok_or_else(|| failed("a bonded fibre has no wall"))?;
+    let (one, other) =
+        both.ok_or_else(|| SimulationError::of_paper("a bonded fibre has no wall"))?;
     Ok(1.0 / (one + other))
 }
 

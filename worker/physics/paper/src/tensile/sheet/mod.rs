@@ -4,13 +4,12 @@
 //! is given or laid, with [`bonds`] by their area, and [`laid`] measures the latter; [`course`] pulls it
 //! from break to break and keeps all that counts; [`tables`], [`pictures`], [`report`] and [`warnings`]
 //! turn that into files and results. This file holds the loop, which alone talks to the recorder. A job of
-//! repeats or of both [`directions`] is several such tests side by side ([`loadframe_harness::plan`]),
+//! repeats or of both directions is several such tests side by side ([`loadframe_harness::plan`]),
 //! their results joined.
 //!
 //! An interrupt is seen between breaks.
 mod bonds;
 mod course;
-mod directions;
 mod laid;
 mod pictures;
 mod report;
@@ -21,12 +20,9 @@ mod warnings;
 #[cfg(test)]
 mod tests;
 
-use loadframe_api::Report;
-use loadframe_api::spec::paper_tensile::{Direction, PaperTensile};
+use loadframe_api::spec::paper_tensile::PaperTensile;
 use loadframe_harness::checkpoint::{self, Fingerprint};
-use loadframe_harness::plan::{
-    Conclusion, Curve, CurveKeeper, Plan, SavedReport, Share, Tests, join_repeats, write_repeats,
-};
+use loadframe_harness::plan::{Compared, Place, Specimens, test_specimens};
 use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
 use loadframe_numerics::Team;
 use serde::{Deserialize, Serialize};
@@ -37,13 +33,14 @@ use specimen::Specimen;
 
 /// Leading columns of the curve that are kept of every repeat: nominal strain and force.
 const KEPT_COLUMNS: usize = 2;
-
-/// What is kept of a finished repeat.
-#[derive(Debug, Serialize, Deserialize)]
-struct Finished {
-    report: SavedReport,
-    curve: Curve,
-}
+/// Results compared between directions.
+const COMPARED: [Compared; 5] = [
+    ("tensile_index", "`tensile_index`"),
+    ("stretch", "`stretch`"),
+    ("energy_absorption_index", "`energy_absorption_index`"),
+    ("tensile_stiffness_index", "`tensile_stiffness_index`"),
+    ("cox_stiffness_index", "`cox_stiffness_index`"),
+];
 
 /// A state and the spec it belongs to.
 #[derive(Serialize, Deserialize)]
@@ -54,7 +51,7 @@ struct Checkpoint {
 
 impl From<FrameError> for SimulationError {
     fn from(error: FrameError) -> Self {
-        Self::Paper(error.to_string())
+        Self::of_paper(error)
     }
 }
 
@@ -67,68 +64,10 @@ pub(super) fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    let directions = spec.test.pulled().each();
-    let count = spec.specimens() as usize * directions.len();
-    if count <= 1 {
+    if spec.specimens() as usize * spec.test.pulled().each().len() <= 1 {
         return run_one(spec, context, recorder);
     }
-    let fingerprint = Fingerprint::of(spec)?;
-    let plan = match context.checkpoint {
-        Some(bytes) => Plan::resume(fingerprint, bytes, recorder)?,
-        None => {
-            let last = spec.seed + u64::from(spec.specimens() - 1);
-            let along: Vec<&str> = directions
-                .iter()
-                .map(|direction| direction.name())
-                .collect();
-            let along = along.join(" and ");
-            recorder.log(&format!(
-                "{count} sheets, seeds {} to {last}, along {along}",
-                spec.seed
-            ));
-            Plan::new(fingerprint, count)
-        }
-    };
-    let finished = match plan.carry_out(&Repeats(spec), context, recorder)? {
-        Conclusion::Finished(finished) => finished,
-        Conclusion::Interrupted(Interrupt::Cancel) => return Ok(Ending::Cancelled),
-        Conclusion::Interrupted(Interrupt::Suspend) => return Ok(Ending::Suspended),
-    };
-    let reports = finished.iter().map(|test| test.report.read());
-    let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
-    let per_seed = reports.chunks(directions.len());
-    let joint: Vec<Report> = per_seed
-        .map(|both| directions::join(directions, both))
-        .collect();
-    recorder.progress(1.0, "finished");
-    let [report] = joint.as_slice() else {
-        write_repeats(spec.seed, &joint, recorder)?;
-        for first in 0..directions.len() {
-            let name = share(spec, first).name("repeats_curves.csv");
-            let tests = finished.iter().skip(first).step_by(directions.len());
-            tables::write_curves(&name, tests.map(|test| &test.curve), recorder)?;
-        }
-        return Ok(Ending::Finished(join_repeats(spec.seed, &joint)));
-    };
-    Ok(Ending::Finished(report.clone()))
-}
-
-/// Number of the repeat and direction of test number `index`: directions of a seed follow one another.
-fn place(spec: &PaperTensile, index: usize) -> (usize, Direction) {
-    let directions = spec.test.pulled().each();
-    (
-        index / directions.len(),
-        directions[index % directions.len()],
-    )
-}
-
-/// What the job shows of test number `index`: the first seed, its first direction as its own.
-fn share(spec: &PaperTensile, index: usize) -> Share {
-    match place(spec, index) {
-        _ if index == 0 => Share::All,
-        (0, direction) => Share::Folder(directions::suffix(direction)),
-        _ => Share::Nothing,
-    }
+    test_specimens(&Repeats(spec), Fingerprint::of(spec)?, context, recorder)
 }
 
 /// Runs a single test of `spec`, whatever repeats it asks for; of both directions the first.
@@ -226,37 +165,53 @@ fn run_one(
 /// The sheets of a spec, one for each seed and direction.
 struct Repeats<'a>(&'a PaperTensile);
 
-impl Tests for Repeats<'_> {
-    type Result = Finished;
-
-    fn share(&self, test: usize) -> Share {
-        share(self.0, test)
+impl Specimens for Repeats<'_> {
+    fn count(&self) -> usize {
+        self.0.specimens() as usize
     }
 
-    fn run(
+    fn first_seed(&self) -> u64 {
+        self.0.seed
+    }
+
+    fn directions(&self) -> Vec<&'static str> {
+        let directions = self.0.test.pulled().each().iter();
+        directions.map(|direction| direction.name()).collect()
+    }
+
+    fn compared(&self) -> &'static [Compared] {
+        &COMPARED
+    }
+
+    fn kept_columns(&self) -> usize {
+        KEPT_COLUMNS
+    }
+
+    fn overview(&self) -> String {
+        let directions = self.directions();
+        let (seed, specimens) = (self.0.seed, self.0.specimens());
+        format!(
+            "{} sheets, seeds {seed} to {}, along {}",
+            specimens as usize * directions.len(),
+            seed + u64::from(specimens - 1),
+            directions.join(" and ")
+        )
+    }
+
+    fn test(
         &self,
-        test: usize,
+        place: Place,
         context: RunContext<'_>,
         recorder: &mut dyn Recorder,
-    ) -> Result<Conclusion<Finished>, SimulationError> {
+    ) -> Result<Ending, SimulationError> {
         let mut own = self.0.clone();
-        let (repeat, direction) = place(self.0, test);
         own.test.repeats = Some(1);
-        own.test.direction = Some(direction);
-        own.seed += repeat as u64;
-        if repeat > 0 {
+        own.test.direction = Some(self.0.test.pulled().each()[place.direction]);
+        own.seed += place.specimen as u64;
+        if place.specimen > 0 {
             // nobody would see them
             own.output.snapshot_every_steps = 0;
         }
-        let mut keeper = CurveKeeper::new(recorder, KEPT_COLUMNS);
-        let ending = run_one(&own, context, &mut keeper)?;
-        Ok(match ending {
-            Ending::Finished(report) => Conclusion::Finished(Finished {
-                report: SavedReport::of(&report)?,
-                curve: keeper.into_curve(),
-            }),
-            Ending::Cancelled => Conclusion::Interrupted(Interrupt::Cancel),
-            Ending::Suspended => Conclusion::Interrupted(Interrupt::Suspend),
-        })
+        run_one(&own, context, recorder)
     }
 }

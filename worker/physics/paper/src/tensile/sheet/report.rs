@@ -1,11 +1,11 @@
 //! Results of the test of a sheet in the words of ISO 1924, and whether to believe them.
-use indexmap::IndexMap;
+use loadframe_api::Report;
 use loadframe_api::spec::paper_tensile::PaperTensile;
-use loadframe_api::{QualityCheck, Quantity, Report};
+use loadframe_harness::ReportBuilder;
 
 use super::course::{Course, Mode, Record};
 use super::specimen::Specimen;
-use super::warnings::warnings;
+use super::warnings::warn;
 use crate::frame::{Broken, PullEnd, PullMeasures, UNBALANCED};
 
 /// Largest difference between the jaw forces, relative to the maximum force, that goes without
@@ -30,50 +30,26 @@ pub(super) fn report(
 ) -> Report {
     let measures = course.pull.state().measures;
     let cost = course.pull.cost();
-    let mut rows = Rows::default();
-    strength(&mut rows, specimen, &measures);
-    counts(&mut rows, specimen, &measures, &course.kept.records);
-    structure(&mut rows, specimen);
-    Report {
-        stop_reason: match end {
-            PullEnd::MaxStrain => "max_strain",
-            PullEnd::ForceFraction => "force_dropped",
-            PullEnd::Parted => "parted",
-            PullEnd::NoPath => "no_load_path",
-        }
-        .to_owned(),
-        warnings: warnings(
-            spec,
-            specimen,
-            course,
-            end,
-            rows.value("tensile_stiffness_index"),
-        ),
-        summary: rows.0,
-        quality: quality(&measures),
-        bodies: Vec::new(),
-        work: IndexMap::from([
-            ("factorings".to_owned(), cost.factors as u64),
-            ("solutions".to_owned(), cost.solutions as u64),
-            ("unknowns".to_owned(), cost.unknowns as u64),
-            ("factor_entries".to_owned(), cost.stored as u64),
-        ]),
+    let mut report = ReportBuilder::new(match end {
+        PullEnd::MaxStrain => "max_strain",
+        PullEnd::ForceFraction => "force_dropped",
+        PullEnd::Parted => "parted",
+        PullEnd::NoPath => "no_load_path",
+    });
+    strength(&mut report, specimen, &measures);
+    counts(&mut report, specimen, &measures, &course.kept.records);
+    structure(&mut report, specimen);
+    checks(&mut report, &measures);
+    warn(&mut report, spec, specimen, course, end);
+    for (name, count) in [
+        ("factorings", cost.factors),
+        ("solutions", cost.solutions),
+        ("unknowns", cost.unknowns),
+        ("factor_entries", cost.stored),
+    ] {
+        report.work(name, count as u64);
     }
-}
-
-/// Results in order.
-#[derive(Default)]
-struct Rows(IndexMap<String, Quantity>);
-
-impl Rows {
-    fn add(&mut self, name: &str, value: f64, unit: &str, about: &str) {
-        self.0
-            .insert(name.to_owned(), Quantity::new(value, unit, about));
-    }
-
-    fn value(&self, name: &str) -> Option<f64> {
-        self.0.get(name)?.value
-    }
+    report.finish()
 }
 
 /// Index [N m/g] of a force per width [kN/m]; by the grammage [g/m²].
@@ -81,7 +57,7 @@ fn index(per_width: f64, grammage: f64) -> f64 {
     PER_KILO * per_width / grammage
 }
 
-fn strength(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures) {
+fn strength(report: &mut ReportBuilder, specimen: &Specimen, measures: &PullMeasures) {
     let (width, length) = (specimen.width_mm, specimen.length_mm);
     let grammage = specimen.grammage_g_per_m2;
     let max_force = N * measures.peak_force_mn;
@@ -90,13 +66,13 @@ fn strength(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures) {
     let stiffness = N * measures.initial_stiffness_mn / width;
     let absorbed = J * measures.work_to_peak_nj / (M * width * M * length);
     let has_mass = grammage > 0.0;
-    rows.add(
+    report.result(
         "max_force",
         max_force,
         "N",
         "Largest force on the moving jaw.",
     );
-    rows.add(
+    report.result(
         "tensile_strength",
         per_width,
         "kN/m",
@@ -105,17 +81,17 @@ fn strength(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures) {
     if has_mass {
         let index = index(per_width, grammage);
         let about = "Tensile strength over grammage.";
-        rows.add("tensile_index", index, "N m/g", about);
+        report.result("tensile_index", index, "N m/g", about);
         let about = "Length of a strip that would break under its own weight.";
-        rows.add("breaking_length", index / GRAVITY, "km", about);
+        report.result("breaking_length", index / GRAVITY, "km", about);
     }
-    rows.add(
+    report.result(
         "stretch",
         measures.strain_at_peak,
         "1",
         "Nominal strain at the largest force: elongation over the distance of the jaws.",
     );
-    rows.add(
+    report.result(
         "energy_absorption",
         absorbed,
         "J/m2",
@@ -123,9 +99,9 @@ fn strength(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures) {
     );
     if has_mass {
         let about = "Energy absorption over grammage.";
-        rows.add("energy_absorption_index", absorbed / grammage, "J/g", about);
+        report.result("energy_absorption_index", absorbed / grammage, "J/g", about);
     }
-    rows.add(
+    report.result(
         "tensile_stiffness",
         stiffness,
         "kN/m",
@@ -133,7 +109,7 @@ fn strength(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures) {
     );
     if has_mass {
         let about = "Tensile stiffness over grammage.";
-        rows.add(
+        report.result(
             "tensile_stiffness_index",
             stiffness / grammage,
             "kN m/g",
@@ -147,11 +123,16 @@ fn strength(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures) {
     {
         // kN/m over µm is GPa
         let about = "Tensile stiffness over the thickness that was given, else over the mean one.";
-        rows.add("youngs_modulus", stiffness / thickness, "GPa", about);
+        report.result("youngs_modulus", stiffness / thickness, "GPa", about);
     }
 }
 
-fn counts(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures, records: &[Record]) {
+fn counts(
+    report: &mut ReportBuilder,
+    specimen: &Specimen,
+    measures: &PullMeasures,
+    records: &[Record],
+) {
     let network = &specimen.network;
     let modes = records
         .iter()
@@ -204,12 +185,12 @@ fn counts(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures, records
             "Of them those without any strength, which never held.",
         ),
     ] {
-        rows.add(name, count as f64, "1", about);
+        report.count(name, count, about);
     }
 }
 
-fn structure(rows: &mut Rows, specimen: &Specimen) {
-    rows.add(
+fn structure(report: &mut ReportBuilder, specimen: &Specimen) {
+    report.result(
         "grammage",
         specimen.grammage_g_per_m2,
         "g/m2",
@@ -219,7 +200,7 @@ fn structure(rows: &mut Rows, specimen: &Specimen) {
         return;
     };
     if let Some(cox) = laid.cox {
-        rows.add(
+        report.result(
             "cox_stiffness_index",
             cox.free,
             "kN m/g",
@@ -289,42 +270,36 @@ fn structure(rows: &mut Rows, specimen: &Specimen) {
              0 without a direction, -1 all across.",
         ),
     ] {
-        rows.add(name, value, unit, about);
+        report.result(name, value, unit, about);
     }
     if let Some(free) = measured.free_length_um {
         let about = "Mean length of fibre between neighbouring contacts.";
-        rows.add("free_segment_length", free, "µm", about);
+        report.result("free_segment_length", free, "µm", about);
     }
 }
 
-fn quality(measures: &PullMeasures) -> IndexMap<String, QualityCheck> {
-    IndexMap::from([
-        (
-            "frame_residual".to_owned(),
-            QualityCheck::at_most(
-                measures.largest_residual,
-                UNBALANCED,
-                "1",
-                "Largest unbalanced force on a node over the largest force of a beam or bond, at any rest.",
-            ),
-        ),
-        (
-            "jaw_force_imbalance".to_owned(),
-            QualityCheck::at_most(
-                measures.largest_jaw_imbalance,
-                LARGEST_IMBALANCE,
-                "1",
-                "Largest difference between the forces on the two jaws, over the maximum force.",
-            ),
-        ),
-        (
-            "energy_balance_error".to_owned(),
-            QualityCheck::at_most(
-                measures.energy_error(),
-                LARGEST_ENERGY_ERROR,
-                "1",
-                "Work of the jaw that is neither stored nor set free by breaks, over the work.",
-            ),
-        ),
-    ])
+fn checks(report: &mut ReportBuilder, measures: &PullMeasures) {
+    report.check(
+        "frame_residual",
+        measures.largest_residual,
+        UNBALANCED,
+        "1",
+        "Largest unbalanced force on a node over the largest force of a beam or bond, at any rest.",
+    );
+
+    report.check(
+        "jaw_force_imbalance",
+        measures.largest_jaw_imbalance,
+        LARGEST_IMBALANCE,
+        "1",
+        "Largest difference between the forces on the two jaws, over the maximum force.",
+    );
+
+    report.check(
+        "energy_balance_error",
+        measures.energy_error(),
+        LARGEST_ENERGY_ERROR,
+        "1",
+        "Work of the jaw that is neither stored nor set free by breaks, over the work.",
+    );
 }

@@ -7,13 +7,11 @@ use loadframe_api::spec::paper_tensile::{
 use loadframe_harness::SimulationError;
 use loadframe_numerics::Team;
 
-use super::bonds::{Strengths, assumed, stiffness};
+use super::bonds::{MPA, Strengths, assumed, stiffness};
 use super::laid::{self, Laid};
 use crate::frame::{self, BeamSection, FrameBond, FrameFibre, FrameModel, Network};
 use crate::sheet;
 
-/// 1 MPa in mN/µm².
-pub(super) const MPA: f64 = 1e-3;
 /// 1 N in mN.
 const N: f64 = 1e3;
 
@@ -30,10 +28,6 @@ pub(super) struct Specimen {
     pub(super) laid: Option<Laid>,
 }
 
-pub(super) fn failed(error: impl std::fmt::Display) -> SimulationError {
-    SimulationError::Paper(error.to_string())
-}
-
 impl Specimen {
     /// Builds the specimen of a spec and its seed; the same on any number of threads.
     ///
@@ -43,7 +37,7 @@ impl Specimen {
         match &spec.specimen {
             Kind::Explicit(sheet) => Self::given(spec, sheet),
             Kind::Sheet(sheet) => Self::made(spec, sheet, team),
-            Kind::SingleFibre(_) => Err(failed("a single fibre is no sheet")),
+            Kind::SingleFibre(_) => Err(SimulationError::of_paper("a single fibre is no sheet")),
         }
     }
 
@@ -54,9 +48,10 @@ impl Specimen {
         let mut mass_ug = 0.0;
         for (index, fibre) in sheet.fibres.iter().enumerate() {
             let pulp = spec.pulp_named(&fibre.pulp);
-            let pulp =
-                pulp.ok_or_else(|| failed(format!("fibre {index} is of an unknown pulp")))?;
-            let section = pulp.section().map_err(failed)?;
+            let pulp = pulp.ok_or_else(|| {
+                SimulationError::of_paper(format!("fibre {index} is of an unknown pulp"))
+            })?;
+            let section = pulp.section().map_err(SimulationError::of_paper)?;
             let coarseness = 1e-3 * pulp.coarseness_mg_per_m(&section);
             mass_ug += coarseness * between_jaws_um(&fibre.centre_line_um, length_um);
             fibres.push(FrameFibre {
@@ -70,7 +65,7 @@ impl Specimen {
         for (index, bond) in sheet.bonds.iter().enumerate() {
             let [one, other] = bond.fibres.map(|fibre| pulps.get(fibre as usize));
             let (Some(one), Some(other)) = (one, other) else {
-                return Err(failed(format!(
+                return Err(SimulationError::of_paper(format!(
                     "bond {index} joins a fibre that is not there"
                 )));
             };
@@ -104,21 +99,25 @@ impl Specimen {
             .filter(|pulp| pulp.mass_fraction > 0.0)
             .collect();
         let plan = plan(spec, made, &pulps)?;
-        let whole = plan.lay(spec.seed, team).map_err(failed)?;
+        let whole = plan
+            .lay(spec.seed, team)
+            .map_err(SimulationError::of_paper)?;
         let whole = if spec.test.pulled() == Direction::Cd {
             whole.turned()
         } else {
             whole
         };
         let laid = laid::measure(&whole, |fibre| pulps[fibre].youngs_modulus_gpa, spec);
-        let coarse = whole.coarsened(spec.sheet_segment_um()).map_err(failed)?;
+        let coarse = whole
+            .coarsened(spec.sheet_segment_um())
+            .map_err(SimulationError::of_paper)?;
         let mut fibres = Vec::with_capacity(coarse.fibres.len());
         for fibre in &coarse.fibres {
             let pulp = pulps[fibre.pulp];
             let section = Section::new(fibre.section.width_um, fibre.section.wall_um);
             fibres.push(FrameFibre {
                 centre_line_um: fibre.centre_line_um.clone(),
-                section: beam(spec, pulp, &section.map_err(failed)?),
+                section: beam(spec, pulp, &section.map_err(SimulationError::of_paper)?),
             });
         }
         let strengths = Strengths::new(spec);
@@ -157,7 +156,7 @@ fn plan(
     let [length_um, width_um] = [made.length_mm, made.width_mm].map(|size| 1e3 * size);
     let mut of_plan = Vec::with_capacity(pulps.len());
     for pulp in pulps {
-        let section = pulp.section().map_err(failed)?;
+        let section = pulp.section().map_err(SimulationError::of_paper)?;
         let mean_um = 1e3 * pulp.length_mm;
         of_plan.push(sheet::Pulp {
             mass_fraction: pulp.mass_fraction,
@@ -236,7 +235,7 @@ fn network(
         segment_um,
         length_um,
     };
-    Network::new(fibres, bonds, model).map_err(failed)
+    Network::new(fibres, bonds, model).map_err(SimulationError::of_paper)
 }
 
 /// Length of a line within 0 ≤ x ≤ `length_um` [µm].

@@ -1,7 +1,6 @@
 //! The tables that the test of a sheet leaves behind.
 use std::io;
 
-use loadframe_harness::plan::Curve;
 use loadframe_harness::{Recorder, csv};
 
 use super::course::{COLUMNS, Kept, Mode};
@@ -124,23 +123,4 @@ pub(super) fn number(mode: Option<Mode>) -> f64 {
         Some(Mode::Sheared) => 2.0,
         None => 3.0,
     }
-}
-
-/// The curves of all repeats in one direction.
-pub(super) fn write_curves<'a>(
-    name: &str,
-    curves: impl Iterator<Item = &'a Curve> + Clone,
-    recorder: &mut dyn Recorder,
-) -> io::Result<()> {
-    recorder.file(name, &mut |out| {
-        csv::header(out, &["repeat", "nominal_strain", "force_n"])?;
-        for (index, curve) in curves.clone().enumerate() {
-            for point in curve.rows() {
-                let mut row = vec![(index + 1) as f64];
-                row.extend(point);
-                csv::row(out, &row)?;
-            }
-        }
-        Ok(())
-    })
 }

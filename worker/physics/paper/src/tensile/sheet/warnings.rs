@@ -1,40 +1,35 @@
 //! What is said beside the results of a sheet.
-use loadframe_api::Warning;
 use loadframe_api::spec::paper_tensile::PaperTensile;
+use loadframe_harness::ReportBuilder;
 
 use super::course::Course;
 use super::specimen::Specimen;
 use crate::frame::PullEnd;
-use crate::tensile::contradictions;
+use crate::tensile::warn_of_contradictions;
 
 /// Share of the energy in what only keeps a truss in place, from which on its force means nothing.
 const LARGEST_TAUT_SHARE: f64 = 0.01;
 /// A turn [rad] that small displacements follow to half a per cent: 1 - cos 0.1.
 const LARGEST_TURN: f64 = 0.1;
 
-/// What to know before the results are believed; `stiffness_index` [kN m/g] where it is known.
-pub(super) fn warnings(
+/// What to know before the results are believed, of which there are all but these.
+pub(super) fn warn(
+    report: &mut ReportBuilder,
     spec: &PaperTensile,
     specimen: &Specimen,
     course: &Course<'_>,
     end: PullEnd,
-    stiffness_index: Option<f64>,
-) -> Vec<Warning> {
+) {
     let measures = course.pull.state().measures;
-    let mut warnings = contradictions(spec);
-    let mut warn = |code: &str, detail: String| {
-        warnings.push(Warning {
-            code: code.to_owned(),
-            detail,
-        });
-    };
+    let stiffness_index = report.value("tensile_stiffness_index");
+    warn_of_contradictions(report, spec);
     if let Some([least, most]) = specimen.assumed_stiffness {
         let range = if least < most {
             format!("{least:.4} to {most:.4}")
         } else {
             format!("{least:.4}")
         };
-        warn(
+        report.warn(
             "assumed_bond_stiffness",
             format!(
                 "no bond stiffness is given; {range} N/m/µm2 is taken, that of the two half fibres between \
@@ -43,7 +38,7 @@ pub(super) fn warnings(
         );
     }
     if end == PullEnd::NoPath {
-        warn(
+        report.warn(
             "no_load_path",
             format!(
                 "the sheet is below percolation: {} fibres and {} bonds do not tie the jaws together, and \
@@ -54,7 +49,7 @@ pub(super) fn warnings(
         );
     }
     if measures.largest_taut_share > LARGEST_TAUT_SHARE {
-        warn(
+        report.warn(
             "truss_mechanism",
             format!(
                 "up to {:.1} % of the energy is in what only keeps bars in place: the truss is a mechanism, \
@@ -66,7 +61,7 @@ pub(super) fn warnings(
     }
     let broken = measures.broken();
     if end == PullEnd::MaxStrain && broken == 0 {
-        warn(
+        report.warn(
             "nothing_broke",
             format!(
                 "nothing broke up to the largest strain of {}; the force there is that of a straight line, \
@@ -75,7 +70,7 @@ pub(super) fn warnings(
             ),
         );
     } else if end == PullEnd::MaxStrain && measures.strain_at_peak >= spec.test.max_strain {
-        warn(
+        report.warn(
             "maximum_at_end",
             "the force was still at its maximum when the largest strain was reached; strength and \
              stretch are lower bounds"
@@ -83,7 +78,7 @@ pub(super) fn warnings(
         );
     }
     if course.kept.turn_to_peak > LARGEST_TURN {
-        warn(
+        report.warn(
             "large_turns",
             format!(
                 "up to the largest force nodes turn by up to {:.2} rad; the model is for small \
@@ -96,7 +91,7 @@ pub(super) fn warnings(
     if let (Some(index), Some(cox)) = (stiffness_index, cox)
         && index > cox.held
     {
-        warn(
+        report.warn(
             "above_cox",
             format!(
                 "a tensile stiffness index of {index:.4} kN m/g is above {:.4}, what straight fibres of the \
@@ -105,5 +100,4 @@ pub(super) fn warnings(
             ),
         );
     }
-    warnings
 }

@@ -1,43 +1,31 @@
 //! The test itself: strain, equilibrium, breaking, until it ends.
+//!
+//! This file takes step after step; [`loaded`] is what carries load, [`equilibrium`] how it comes to
+//! rest, [`search`] how the beginning of a break is found.
+mod equilibrium;
+mod loaded;
+mod search;
+
 use loadframe_api::spec::nonwoven_tensile::{Breaking, Knobs, NonwovenTensile, Solver};
-use loadframe_harness::{Interrupt, SimulationError};
-use loadframe_numerics::{Crossing, Team, next_look};
+use loadframe_harness::Halt;
+use loadframe_numerics::Team;
 
 use super::{
-    predictor::JawMove,
     specimen::Specimen,
-    state::{Event, Increment, Point, Reached, Retreat, Search, State, Unresolved, Worst},
+    state::{Event, Increment, Point, Retreat, Search, State, Worst},
 };
 use crate::{
-    Network, Vector,
     assembly::Assembly,
-    configuration::{Configuration, Verdict},
-    equilibrium::{Method, Search as Equilibrium, Settled, Workspace, calm, work::Meter},
-    field::Field,
-    law::{BondLaw, StrainLaw},
-    load_path::{Part, parts},
+    configuration::Configuration,
+    equilibrium::{Method, Settled, Workspace, work::Meter},
     rupture::{BreakingRule, Candidate, breaking, over_strength},
 };
+use loaded::Loaded;
+pub(super) use search::LARGEST_OVERSTEP;
 
-/// Newton iterations and sweeps allowed when the spec does not say.
-const NEWTON_ITERATIONS: u32 = 1_000;
-const SWEEPS: u32 = 100_000;
-/// Each step that did not reach equilibrium leaves the following ones fewer Newton iterations: half
-/// after the first, a third after the second, and one part in so many at least.
-const LEAST_PATIENCE: u32 = 8;
 /// Farthest a node may move at once, in mean rest lengths: about two row spacings. A node thrown
 /// farther passes through its neighbours and settles on the wrong side of them.
 const STEP_CAP: f64 = 2.0;
-/// Part of the maximum force by which a fall of the force may be overstepped without a warning, as the force
-/// error that ISO 7500-1 allows a testing machine of class 1.
-pub(super) const LARGEST_OVERSTEP: f64 = 0.01;
-/// Strains tried at most to find a break. Halving alone brings an interval to the last digits by then.
-const MOST_LOOKS: u32 = 150;
-/// Where the network snaps, forces jump at one strain and no division brings them nearer to each other:
-/// a break is then placed to this part of the precision, of its strain.
-const NARROW: f64 = 0.01;
-/// Least part of the strain step that is looked at.
-const SHORTEST: f64 = 1e-12;
 
 /// A running test.
 pub(super) struct Experiment<'a> {
@@ -52,16 +40,6 @@ pub(super) struct Experiment<'a> {
     /// Bond states at the last equilibrium; `None` when nothing carries load, and before the first.
     pub(super) settled: Option<Settled>,
     workspace: Workspace,
-}
-
-/// What follows from which bonds are intact.
-#[derive(Debug)]
-pub(super) struct Loaded {
-    pub(super) intact: Vec<bool>,
-    pub(super) parts: Vec<Part>,
-    pub(super) assembly: Assembly,
-    /// Of the bond in each slot [N].
-    strengths: Vec<f64>,
 }
 
 /// Why a test ended.
@@ -82,53 +60,6 @@ pub(super) enum Advance {
     GoesOn,
     /// The step is done, and perhaps the test.
     StepDone(Option<StopReason>),
-}
-
-/// Why an equilibrium was not finished.
-#[derive(Debug)]
-pub(super) enum Halt {
-    Interrupted(Interrupt),
-    Failed(SimulationError),
-}
-
-impl From<Interrupt> for Halt {
-    fn from(interrupt: Interrupt) -> Self {
-        Self::Interrupted(interrupt)
-    }
-}
-
-impl Loaded {
-    fn new(network: &Network, intact: Vec<bool>) -> Self {
-        let parts = parts(network, &intact);
-        let mut assembly = Assembly::new(network);
-        assembly.load(network, &intact, &parts);
-        let strengths = &network.bonds.strengths;
-        let of_slot = |slot| {
-            assembly
-                .bond_in(slot)
-                .map_or(f64::INFINITY, |bond| strengths[bond])
-        };
-        Self {
-            strengths: (0..assembly.ends.len()).map(of_slot).collect(),
-            intact,
-            parts,
-            assembly,
-        }
-    }
-
-    /// After these bonds broke.
-    fn follow(&mut self, network: &Network, broken: &[Event]) {
-        let bonds = || broken.iter().map(|event| event.bond as usize);
-        for bond in bonds() {
-            self.intact[bond] = false;
-            self.assembly.release(bond);
-        }
-        // a bond whose ends hang together without it parts nothing
-        if !bonds().all(|bond| self.assembly.is_bridged(bond)) {
-            self.parts = parts(network, &self.intact);
-            self.assembly.load(network, &self.intact, &self.parts);
-        }
-    }
 }
 
 impl<'a> Experiment<'a> {
@@ -212,7 +143,7 @@ impl<'a> Experiment<'a> {
             None => (),
         }
         let settled = search.run(assembly, &start, &self.team, &mut self.workspace, meter)?;
-        self.check_finite(&settled).map_err(Halt::Failed)?;
+        self.check_finite(&settled)?;
 
         let mut displacements = start;
         assembly.put(&settled.configuration.displacements, &mut displacements);
@@ -294,120 +225,6 @@ impl<'a> Experiment<'a> {
         self.state.round == self.state.rounds_before
     }
 
-    /// Part of the maximum force by which it must fall for the break to be looked for.
-    fn smallest_fall(&self) -> f64 {
-        self.knobs.break_precision.unwrap_or(LARGEST_OVERSTEP)
-    }
-
-    /// Whether the force, found after bonds broke that may be too far over their strength, shows that
-    /// the break should have been found first.
-    fn has_fallen(&self, force: f64) -> bool {
-        let before = self.state.before_breaking.map_or(0.0, |point| point.force);
-        self.state.retreat.is_some() && self.is_fall(before, force)
-    }
-
-    fn is_fall(&self, before: f64, after: f64) -> bool {
-        before - after > self.smallest_fall() * self.state.max_force.max(before)
-    }
-
-    /// Whether these bonds may break here: they are hardly over their strength, or there is nothing
-    /// left to divide between here and the last state in which they were not.
-    fn is_resolved(&mut self, over: &[Candidate], force: f64) -> bool {
-        let largest = over.iter().map(Candidate::index).fold(0.0, f64::max);
-        // forces grow about as tensions do
-        let excess = (1.0 - largest.recip()) * force.abs();
-        self.state.overstep = excess.min((force - self.state.reached.force).abs());
-        let Some(precision) = self.knobs.break_precision else {
-            return true;
-        };
-        let search = self.state.search.as_ref();
-        largest <= 1.0 + precision
-            || search.is_some_and(|search| search.looks >= MOST_LOOKS)
-            || self.is_indivisible(self.state.strain, force)
-    }
-
-    /// Whether nothing is gained by dividing what lies between the last state in which no bond was over
-    /// its strength and this one.
-    fn is_indivisible(&self, strain: f64, force: f64) -> bool {
-        let (reached, precision) = (self.state.reached, self.smallest_fall());
-        let (width, rise) = (strain - reached.strain, (force - reached.force).abs());
-        let is_close = rise <= precision * self.state.max_force.max(force);
-        (is_close && width <= precision * strain)
-            || width <= NARROW * precision * strain
-            || width <= SHORTEST * self.spec.test.strain_step
-    }
-
-    /// Goes back to the last state in which no bond was over its strength, and chooses a strain on the
-    /// way to the one where some were.
-    fn retreat(&mut self) -> Advance {
-        let state = &mut self.state;
-        let Some(retreat) = state.retreat.take() else {
-            return Advance::GoesOn;
-        };
-        state.displacements = retreat.displacements;
-        state.worst_of_step = retreat.worst_of_step;
-        state.search = Some(retreat.search);
-        if state.round > state.rounds_before {
-            state.events.truncate(retreat.events);
-            state.round = state.rounds_before;
-            self.settled = None;
-            self.workspace = Workspace::default();
-            let network = &self.specimen.network;
-            let (intact, broken) = state.intact(network.bonds.len());
-            self.loaded = Loaded::new(network, intact);
-            if !broken.is_empty() {
-                self.loaded.follow(network, broken);
-            }
-        }
-        self.look_between();
-        Advance::GoesOn
-    }
-
-    /// Chooses a strain between the last state in which no bond was over its strength and the first
-    /// known in which some were.
-    fn look_between(&mut self) {
-        let reached = self.state.reached.strain;
-        let Some(mut search) = self.state.search.take() else {
-            return;
-        };
-        let crossings: Vec<Crossing> = search
-            .over
-            .iter()
-            .map(|(bond, index)| Crossing {
-                before: self.index_of(*bond as usize),
-                after: *index,
-            })
-            .collect();
-        let part = next_look(&crossings, self.smallest_fall(), search.looks);
-        search.looks += 1;
-        self.state.strain = reached + part * (search.strain - reached);
-        if self.is_indivisible(search.strain, search.force) {
-            // bonds break where they are known to
-            search.looks = MOST_LOOKS;
-            self.state.strain = search.strain;
-        }
-        self.state.search = Some(search);
-    }
-
-    /// Tension over strength of a bond at the present displacements.
-    fn index_of(&self, bond: usize) -> f64 {
-        let network = &self.specimen.network;
-        let bonds = &network.bonds;
-        let [first, second] = bonds.ends[bond]
-            .map(|node| network.positions[node as usize] + self.state.displacements[node as usize]);
-        let rest = bonds.rest_lengths[bond];
-        let strain = ((second - first).norm() - rest) / rest;
-        bonds.laws.of(bond).tension(strain) / bonds.strengths[bond]
-    }
-
-    /// Nothing is over its strength here any more.
-    fn reach(&mut self, force: f64) {
-        self.state.reached = Reached {
-            strain: self.state.strain,
-            force,
-        };
-    }
-
     /// Ends work at a strain at which nothing breaks any more.
     fn conclude(&mut self, point: Point) -> Advance {
         let has_fallen = self.record_fall(&point);
@@ -427,103 +244,6 @@ impl<'a> Experiment<'a> {
         self.state.rounds_before = self.state.round;
         self.state.strain = end;
         Advance::GoesOn
-    }
-
-    /// Keeps the state before a fall of the force that ends in `after`, if it is one.
-    fn record_fall(&mut self, after: &Point) -> bool {
-        let Some(before) = self.state.before_breaking.filter(|_| !self.is_first()) else {
-            return false;
-        };
-        if !self.is_fall(before.force, after.force) {
-            return false;
-        }
-        let force = self.state.overstep.min(before.force - after.force);
-        let state = &mut self.state;
-        if state.unresolved.is_none_or(|worst| force > worst.force) {
-            state.unresolved = Some(Unresolved {
-                nominal_strain: state.strain,
-                force,
-            });
-        }
-        if self.knobs.break_precision.is_some() {
-            self.record(before);
-        }
-        true
-    }
-
-    /// Displacements to search equilibrium from.
-    fn start(&mut self, meter: &mut Meter<'_>) -> Result<Vec<Vector>, Interrupt> {
-        let state = &self.state;
-        if state.round > state.rounds_before || state.step == 0 {
-            return Ok(state.displacements.clone());
-        }
-        let (network, parts) = (&self.specimen.network, &self.loaded.parts);
-        let jaw_move = self.jaw_move();
-        let stretched = jaw_move.stretch(network, parts, &state.displacements);
-        let (Solver::NewtonCg, Some(last)) = (self.knobs.solver, &state.last_increment) else {
-            return Ok(stretched);
-        };
-        // of two guesses the one with less energy is closer to the minimum; it is at hand then
-        let repeated = jaw_move.repeat(last, network, parts, &state.displacements);
-        let assembly = &self.loaded.assembly;
-        meter.spend(2 * assembly.bonds())?;
-        let is_first = self
-            .workspace
-            .choose(assembly, [&repeated, &stretched], &self.team);
-        Ok(if is_first { repeated } else { stretched })
-    }
-
-    fn jaw_move(&self) -> JawMove {
-        let specimen = &self.specimen;
-        JawMove {
-            from: self.state.reached.strain * specimen.gauge_length,
-            to: self.state.strain * specimen.gauge_length,
-            bottom: specimen.bottom,
-            gauge_length: specimen.gauge_length,
-        }
-    }
-
-    fn equilibrium(&self) -> Equilibrium {
-        let knobs = &self.knobs;
-        let (method, iterations) = match knobs.solver {
-            Solver::NewtonCg => {
-                // a test that fails step after step is to end all the same
-                let failed = self.state.unconverged.len() as u32;
-                let share = (1 + failed).min(LEAST_PATIENCE);
-                (Method::NewtonCg, NEWTON_ITERATIONS / share)
-            }
-            Solver::Sequential => (Method::Sequential, SWEEPS),
-            Solver::Parallel => {
-                let relaxation_factor = knobs.relaxation_factor;
-                (Method::Parallel { relaxation_factor }, SWEEPS)
-            }
-        };
-        // without strain the limit would be zero, so step 0 is held to the limit of step 1
-        let strain = self.nominal_strain().max(self.spec.test.strain_step);
-        let in_tension = BondLaw {
-            compression_stiffness: 0.0,
-            ..self.specimen.mean_law
-        };
-        Equilibrium {
-            method,
-            iteration_limit: knobs.iteration_limit.unwrap_or(iterations),
-            force_limit: in_tension.tension(strain) / knobs.force_accuracy,
-            step_cap: self.step_cap,
-            calm: calm(knobs.force_accuracy),
-        }
-    }
-
-    /// Keeps what the equilibrium says about its own quality.
-    fn judge(&mut self, settled: &Settled, force_limit: f64) {
-        let worst = &mut self.state.worst_of_step;
-        let ratio = settled.residual.largest / force_limit;
-        worst.residual_ratio = worst.residual_ratio.max(ratio);
-        worst.is_unconverged |= settled.residual.verdict == Verdict::Unbalanced;
-        worst.is_round_off |= settled.residual.verdict == Verdict::RoundOff;
-        if self.state.mechanism.is_none() {
-            let node = settled.mechanism(&self.loaded.assembly);
-            self.state.mechanism = node.map(|node| (node, self.nominal_strain()));
-        }
     }
 
     /// The bonds over their strength, by ascending number; none where none may break.
@@ -628,29 +348,6 @@ impl<'a> Experiment<'a> {
         } else {
             None
         }
-    }
-
-    fn check_finite(&self, settled: &Settled) -> Result<(), SimulationError> {
-        let configuration = &settled.configuration;
-        let error = |node, quantity| SimulationError::NonFinite {
-            node: self.loaded.assembly.node(node),
-            step: self.state.step,
-            quantity,
-        };
-        let first = |field: &Field<f64>| {
-            if field.is_finite() {
-                return None;
-            }
-            let is_bad = |node: &usize| !field.at(*node).iter().all(|value| value.is_finite());
-            (0..self.loaded.assembly.places()).find(is_bad)
-        };
-        if let Some(node) = first(&configuration.displacements) {
-            return Err(error(node, "displacement"));
-        }
-        if let Some(node) = first(&configuration.resultants) {
-            return Err(error(node, "resultant"));
-        }
-        Ok(())
     }
 }
 

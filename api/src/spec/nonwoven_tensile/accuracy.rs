@@ -1,0 +1,71 @@
+//! How exactly equilibrium is solved, and breaks are found.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::accuracy::{self, Preset};
+
+/// How exactly equilibrium is solved: a preset's name or its knobs.
+pub type Accuracy = accuracy::Accuracy<Knobs>;
+
+/// The knobs of accuracy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Knobs {
+    pub solver: Solver,
+    /// A_cc: equilibrium is reached when every free node's resultant is below
+    /// (e ε + f_r ε²)/A_cc at nominal strain ε ([Zilka2022] eq. 3-4).
+    #[schemars(range(min = 1.0, max = 1e15), extend("x-unit" = "1"))]
+    pub force_accuracy: f64,
+    /// Sweeps (relaxations) or Newton iterations (`newton_cg`) allowed per equilibrium; a step that
+    /// needs more is reported as unconverged. Left out: 100 000 sweeps, 1 000 Newton iterations.
+    #[schemars(range(min = 1, max = 1_000_000_000))]
+    pub iteration_limit: Option<u32>,
+    /// ω, the part of its Newton step a node moves in parallel relaxation.
+    #[schemars(range(min = 0.01, max = 1.0), extend("x-unit" = "1"))]
+    pub relaxation_factor: f64,
+    /// A strain step is divided until no bond whose breaking lowers the force by more than this part of
+    /// the maximum breaks at more than this part above its strength; the first bond that breaks is
+    /// found as well. `null`: bonds break at whole strain steps only, as in [Zilka2022], and a maximum
+    /// between two of them is not seen.
+    #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
+    pub break_precision: Option<f64>,
+}
+
+/// The way to equilibrium.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Solver {
+    /// Descends the energy of the whole network; reaches the tolerance at every step.
+    #[default]
+    NewtonCg,
+    /// The thesis' relaxation, node after node.
+    Sequential,
+    /// The thesis' relaxation with all displacements computed before any node moves.
+    Parallel,
+}
+
+impl Default for Knobs {
+    fn default() -> Self {
+        accuracy::Knobs::of(Preset::default())
+    }
+}
+
+impl accuracy::Knobs for Knobs {
+    const ABOUT: &'static str = "How exactly equilibrium is solved: a preset's name or its knobs.";
+    const PRESETS: &'static str = "Named choices of the knobs; their measured error and cost are in the guide, under \"Speed against accuracy\".";
+
+    fn of(preset: Preset) -> Self {
+        let (force_accuracy, break_precision) = match preset {
+            Preset::Draft => (5.0, 0.05),
+            Preset::Standard => (100.0, 0.01),
+            Preset::Reference => (1e4, 0.002),
+        };
+        Self {
+            solver: Solver::default(),
+            force_accuracy,
+            iteration_limit: None,
+            relaxation_factor: 0.6,
+            break_precision: Some(break_precision),
+        }
+    }
+}
