@@ -29,6 +29,7 @@ mod spec_trait;
 pub mod study;
 pub mod surface;
 mod timestamp;
+mod violations;
 pub mod worker;
 
 pub use calibration::{Calibration, Estimate};
@@ -55,3 +56,4 @@ pub use problem::{Problem, Violation};
 pub use schema::{answer_schemas, body_schemas};
 pub use spec_trait::Spec;
 pub use timestamp::Timestamp;
+pub use violations::Violations;

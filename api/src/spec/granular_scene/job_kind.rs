@@ -1,10 +1,10 @@
 //! The granular scene as a kind of job.
 use super::{Accuracy, ContactLaw, GranularScene, checks, estimate, study};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation, study::Knob};
+use crate::{Calibration, Estimate, Violations, study::Knob};
 
 impl Spec for GranularScene {
-    fn check(&self, violations: &mut Vec<Violation>) {
+    fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }
 
