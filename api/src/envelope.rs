@@ -13,6 +13,7 @@ use crate::kinds::{JobKind, JobSpec, SpecVisitor};
 use crate::problem::{Problem, Violation};
 use crate::schema::{Checker, escape};
 use crate::spec_trait::Spec;
+use crate::violations::{LISTED, Violations};
 
 /// The body of `POST /v1/jobs`, its spec still raw.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
@@ -123,7 +124,7 @@ impl SpecVisitor for ReadSpec<'_> {
 
     fn visit<T: Spec>(self, wrap: fn(T) -> JobSpec) -> Self::Output {
         let mut spec: T = typed(self.text.as_bytes(), "/spec")?;
-        let mut violations = Vec::new();
+        let mut violations = Violations::default();
         spec.learn(self.earlier, &mut violations);
         if violations.is_empty() {
             spec.check(&mut violations);
@@ -132,9 +133,8 @@ impl SpecVisitor for ReadSpec<'_> {
             spec.normalise();
             Ok(wrap(spec))
         } else {
-            Err(SubmissionError::Invalid(
-                violations.into_iter().map(within_spec).collect(),
-            ))
+            let violations = violations.into_vec().into_iter().map(within_spec);
+            Err(SubmissionError::Invalid(violations.collect()))
         }
     }
 }
@@ -203,6 +203,9 @@ impl SubmissionError {
             Self::Invalid(violations) => {
                 let detail = match violations.len() {
                     1 => format!("{}", violations[0]),
+                    LISTED.. => format!(
+                        "at least {LISTED} things are wrong; the first are listed under violations"
+                    ),
                     count => format!("{count} things are wrong; each is listed under violations"),
                 };
                 Problem {

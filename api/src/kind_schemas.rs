@@ -8,6 +8,7 @@ use crate::kinds::{JobKind, JobSpec, SpecVisitor};
 use crate::problem::Violation;
 use crate::schema::Checker;
 use crate::spec_trait::Spec;
+use crate::violations::Violations;
 
 /// JSON Schema (2020-12) of a kind's spec, without references, with `x-unit` at every quantity.
 pub fn kind_schema(kind: JobKind) -> &'static Value {
@@ -20,14 +21,16 @@ impl JobSpec {
     /// # Errors
     /// The violations, when there are any.
     pub fn check(&self) -> Result<(), Vec<Violation>> {
-        let mut violations = spec_violations(self.kind(), &self.to_value());
-        if violations.is_empty() {
-            self.cross_check(&mut violations);
+        let wrong = spec_violations(self.kind(), &self.to_value());
+        if !wrong.is_empty() {
+            return Err(wrong);
         }
+        let mut violations = Violations::default();
+        self.cross_check(&mut violations);
         if violations.is_empty() {
             Ok(())
         } else {
-            Err(violations)
+            Err(violations.into_vec())
         }
     }
 }

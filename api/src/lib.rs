@@ -31,6 +31,7 @@ mod spec_trait;
 pub mod study;
 pub mod surface;
 mod timestamp;
+mod violations;
 pub mod worker;
 
 pub use accuracy::{Accuracy, Preset};
@@ -59,3 +60,4 @@ pub use problem::{Problem, Violation};
 pub use schema::{answer_schemas, body_schemas};
 pub use spec_trait::{Spec, Studied};
 pub use timestamp::Timestamp;
+pub use violations::Violations;

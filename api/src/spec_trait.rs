@@ -4,17 +4,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibration::{Calibration, Estimate};
 use crate::earlier::Earlier;
-use crate::problem::Violation;
 use crate::study::Knob;
+use crate::violations::Violations;
 
 /// What the spec of every kind can do beyond being parsed.
 pub trait Spec: Studied + Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
     /// Reports what its JSON Schema cannot say, with pointers relative to the spec.
-    fn check(&self, violations: &mut Vec<Violation>);
+    fn check(&self, violations: &mut Violations);
 
     /// Takes over what `earlier` jobs found where it refers to them; reports references that lead
     /// nowhere.
-    fn learn(&mut self, _earlier: &Earlier, _violations: &mut Vec<Violation>) {}
+    fn learn(&mut self, _earlier: &Earlier, _violations: &mut Violations) {}
 
     /// Writes out what stands behind names (a preset's knobs).
     fn normalise(&mut self);

@@ -4,10 +4,10 @@ use serde_json::Value;
 use super::JobKind;
 use crate::calibration::{Calibration, Estimate};
 use crate::digest::sha256_hex;
-use crate::problem::Violation;
 use crate::spec;
 use crate::spec_trait::{Spec, Studied};
 use crate::study::{Knob, TurnError};
+use crate::violations::Violations;
 
 macro_rules! specs {
     ($($kind:ident($name:literal): $spec:ty, $title:literal, $description:literal, [$($example:literal),+ $(,)?];)+) => {
@@ -77,7 +77,7 @@ macro_rules! specs {
             }
 
             /// Reports what the kind's JSON Schema cannot say.
-            pub(crate) fn cross_check(&self, violations: &mut Vec<Violation>) {
+            pub(crate) fn cross_check(&self, violations: &mut Violations) {
                 match self { $(Self::$kind(spec) => spec.check(violations),)+ }
             }
 

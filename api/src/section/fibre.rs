@@ -87,6 +87,17 @@ impl Band {
         ]
     }
 
+    /// Whether all of another fibre lies on one side of this one: the boxes of slanted fibres meet
+    /// long before they do.
+    fn is_beside(&self, other: &Self) -> bool {
+        let corners = other.polygon.corners().iter();
+        let across = corners.map(|corner| self.distances(*corner)[1]);
+        let [low, high] = across.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], one| {
+            [low.min(one), high.max(one)]
+        });
+        low >= self.half_thickness_mm || high <= -self.half_thickness_mm
+    }
+
     /// The part of it inside the section.
     pub fn polygon(&self) -> &Polygon {
         &self.polygon
@@ -131,6 +142,10 @@ pub fn refuse_overlap(bands: &[Band]) -> Result<(), CompositeError> {
                 continue;
             }
             let (smaller, larger) = (first.min(second), first.max(second));
+            if bands[smaller].is_beside(&bands[larger]) || bands[larger].is_beside(&bands[smaller])
+            {
+                continue;
+            }
             let common = bands[smaller].polygon.within(&bands[larger].polygon);
             let (area_mm2, [x_mm, y_mm]) = common.area_and_centroid();
             let smallest = bands[smaller]

@@ -11,6 +11,7 @@ use tokio::sync::OwnedSemaphorePermit;
 use tokio::time::timeout;
 
 use super::body_budget::LARGEST;
+use super::checks::Client;
 use super::problem::{ApiError, BAD_REQUEST, NOT_JSON_TYPE, Result, TOO_LARGE, TOO_SLOW};
 use super::state::AppState;
 
@@ -21,6 +22,8 @@ const ARRIVAL: Duration = Duration::from_secs(60);
 #[derive(Debug)]
 pub(super) struct JsonBody {
     pub(super) bytes: Bytes,
+    /// Who sent it.
+    pub(super) client: Client,
     _room: OwnedSemaphorePermit,
 }
 
@@ -40,9 +43,14 @@ impl FromRequest<AppState> for JsonBody {
             return Err(too_large());
         }
         let room = state.bodies.admit(length).await?;
+        let client = state.checks.client(&request);
         let reading = to_bytes(request.into_body(), length);
         match timeout(ARRIVAL, reading).await {
-            Ok(Ok(bytes)) => Ok(Self { bytes, _room: room }),
+            Ok(Ok(bytes)) => Ok(Self {
+                bytes,
+                client,
+                _room: room,
+            }),
             Ok(Err(error)) if is_too_long(&error) => Err(too_large()),
             Ok(Err(_)) => Err(ApiError::new(BAD_REQUEST, "the body broke off")),
             Err(_) => {

@@ -13,6 +13,7 @@ mod archive;
 mod body;
 mod body_budget;
 mod bounded;
+mod checks;
 mod conditional;
 mod curve;
 mod decimate;

@@ -44,6 +44,7 @@ problem_kinds! {
     INVALID_JOB = 422, "invalid-job", "The job cannot be accepted";
     INVALID = 422, "invalid-request", "The request cannot be accepted";
     KEY_REUSED = 422, "idempotency-key-reused", "The Idempotency-Key was used before";
+    TOO_MANY_REQUESTS = 429, "too-many-requests", "Too many requests at once";
     TOO_MANY_GUESSES = 429, "too-many-guesses", "Too many wrong tokens";
     INTERNAL = 500, "internal", "The server failed";
     BUSY = 503, "busy", "The server is busy";
@@ -77,7 +78,18 @@ impl ApiError {
 
     /// 503: try again after `seconds`.
     pub fn busy(detail: &str, seconds: u32) -> Self {
-        Self::new(BUSY, detail).with(header::RETRY_AFTER, seconds.into())
+        Self::later(BUSY, detail, seconds)
+    }
+
+    /// What may be tried again after `seconds`.
+    pub fn later(kind: ProblemKind, detail: impl Into<String>, seconds: u32) -> Self {
+        Self::new(kind, detail).with(header::RETRY_AFTER, seconds.into())
+    }
+
+    /// Its status code.
+    #[cfg(test)]
+    pub(super) fn status(&self) -> u16 {
+        self.problem.status
     }
 
     /// With a header.

@@ -8,6 +8,7 @@ use tokio_util::sync::CancellationToken;
 
 use super::access::Access;
 use super::body_budget::BodyBudget;
+use super::checks::Checks;
 use super::events::Announcements;
 use crate::ServeConfig;
 use crate::store::Store;
@@ -25,6 +26,7 @@ pub struct AppState {
     pub stopping: CancellationToken,
     pub(crate) access: Arc<Access>,
     pub(super) bodies: BodyBudget,
+    pub(super) checks: Checks,
     pub(super) archives: Arc<Semaphore>,
     pub(super) announcements: Announcements,
 }
@@ -38,6 +40,7 @@ impl AppState {
             stopping: CancellationToken::new(),
             access: Arc::new(Access::new(config, address)),
             bodies: BodyBudget::default(),
+            checks: Checks::default(),
             archives: Arc::new(Semaphore::new(ARCHIVES_AT_ONCE)),
             announcements: Announcements::default(),
         }

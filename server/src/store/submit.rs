@@ -6,7 +6,7 @@ use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
 use super::state::{LifecycleRow, sentence};
 use super::writer::{Change, EventType};
-use super::{Enqueued, IdempotencyKey, JobEdit, Store, UserAction};
+use super::{CheckedSubmission, Enqueued, IdempotencyKey, JobEdit, Store, UserAction};
 use crate::queue::{Input, Refusal, State};
 
 /// The row of a new job.
@@ -33,16 +33,29 @@ impl Store {
         submission: &Submission,
         key: Option<IdempotencyKey>,
     ) -> Result<Enqueued> {
-        let spec = submission.spec.to_json();
+        self.enqueue_checked(CheckedSubmission::new(submission.clone(), None), key)
+            .await
+    }
+
+    /// The same for a submission whose spec has been written down already.
+    ///
+    /// # Errors
+    /// As [`Self::enqueue`].
+    pub async fn enqueue_checked(
+        &self,
+        checked: CheckedSubmission,
+        key: Option<IdempotencyKey>,
+    ) -> Result<Enqueued> {
+        let submission = checked.submission;
         let job = NewJob {
             id: Uuid::now_v7(),
             kind: submission.spec.kind().name(),
-            name: submission.name.clone(),
-            notes: submission.notes.clone(),
+            name: submission.name,
+            notes: submission.notes,
             tags: json(&submission.tags)?,
             priority: submission.priority,
-            spec_sha256: loadframe_api::sha256_hex(spec.as_bytes()),
-            spec,
+            spec_sha256: checked.spec_sha256,
+            spec: checked.spec,
             key,
         };
         let new = job.id;

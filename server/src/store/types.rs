@@ -2,7 +2,10 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use loadframe_api::{JobKind, JobOutcome, JobStatus, JobView, Timestamp};
+use loadframe_api::{
+    Calibration, Estimate, JobKind, JobOutcome, JobStatus, JobView, Submission, Timestamp,
+    sha256_hex,
+};
 use serde::Serialize;
 use uuid::Uuid;
 
@@ -34,6 +37,33 @@ pub struct IdempotencyKey {
     pub key: String,
     /// SHA-256 of the body as sent, in hexadecimal digits.
     pub body_sha256: String,
+}
+
+/// A submission that has passed every check, with what is written down of it: making that takes time
+/// where the spec is large.
+#[derive(Clone, Debug)]
+pub struct CheckedSubmission {
+    pub submission: Submission,
+    pub estimate: Estimate,
+    /// The normalised spec as JSON, and its SHA-256.
+    pub spec: String,
+    pub spec_sha256: String,
+}
+
+impl CheckedSubmission {
+    /// Estimates and writes down what was submitted, at the speed that was `measured`.
+    pub fn new(submission: Submission, measured: Option<Calibration>) -> Self {
+        let spec = submission.spec.to_json();
+        Self {
+            estimate: Estimate {
+                calibrated: measured.is_some(),
+                ..submission.spec.estimate(&measured.unwrap_or_default())
+            },
+            spec_sha256: sha256_hex(spec.as_bytes()),
+            spec,
+            submission,
+        }
+    }
 }
 
 /// Answer to a submission.

@@ -1,6 +1,6 @@
 //! What an apparatus brings to a test.
 use super::{Loading, Materials, Script};
-use crate::Violation;
+use crate::Violations;
 
 /// A cylinder, a box, a track bed: walls, layers of grains, and the wall that loads them.
 pub trait Apparatus: Clone + Default {
@@ -36,5 +36,5 @@ pub trait Apparatus: Clone + Default {
     fn loading_mass(&self, materials: &Materials) -> f64;
 
     /// What the schema cannot say about its dimensions, with pointers relative to the spec.
-    fn check(&self, violations: &mut Vec<Violation>);
+    fn check(&self, violations: &mut Violations);
 }

@@ -8,7 +8,7 @@ use super::{
     checks::check_shell,
     materials::{RUBBER, STEEL},
 };
-use crate::Violation;
+use crate::{Violation, Violations};
 
 /// A steel box on rubber, half filled, with a sleeper across its width, and filled up beside it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -144,7 +144,7 @@ impl Apparatus for BoxTest {
         self.sleeper.mass_kg
     }
 
-    fn check(&self, violations: &mut Vec<Violation>) {
+    fn check(&self, violations: &mut Violations) {
         let too_large = |field: &str, value: f64, allowed: f64, what: &str| {
             (value > allowed).then(|| {
                 Violation::new(format!("/apparatus/{field}"), "too_large", what)

@@ -4,7 +4,7 @@ use super::{
     Apparatus, Ballast,
     shapes::shell_members,
 };
-use crate::{Violation, spec_trait::Spec as _};
+use crate::{Violation, Violations, spec_trait::Spec as _};
 
 /// The largest grain over the narrowest width that it is poured into, at most: wider ones jam.
 const LARGEST_GRAIN: f64 = 0.65;
@@ -34,7 +34,7 @@ pub(super) fn check_shell(
     })
 }
 
-pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
+pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
     spec.apparatus.check(violations);
     check_load(spec, violations);
     check_shape(spec, violations);
@@ -42,15 +42,15 @@ pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violat
         return;
     }
     check_sizes(spec, violations);
-    let mut of_scene = Vec::new();
+    let mut of_scene = Violations::default();
     spec.script().scene.check(&mut of_scene);
-    violations.extend(of_scene.into_iter().map(|mut violation| {
+    violations.extend(of_scene.into_vec().into_iter().map(|mut violation| {
         violation.pointer = pointer_in_test(&violation.pointer);
         violation
     }));
 }
 
-fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
+fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
     let test = &spec.test;
     if test.peak_force_n <= test.smallest_force_n {
         let detail = "the load does not swing";
@@ -63,7 +63,7 @@ fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) 
     }
 }
 
-fn check_shape<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
+fn check_shape<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
     let shape = &spec.grains.shape;
     let is_one = |clump: &Clump| clump.filled.is_none() && clump.members.len() == 1;
     if shape.template().is_some_and(is_one) {
@@ -77,7 +77,7 @@ fn check_shape<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>)
     violations.extend(check_grain("/grains/shape", shape));
 }
 
-fn check_sizes<A: Apparatus>(spec: &Ballast<A>, violations: &mut Vec<Violation>) {
+fn check_sizes<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
     let [low, high] = spec.apparatus.footprint();
     let widths = [high[0] - low[0], high[1] - low[1]];
     let narrowest = widths

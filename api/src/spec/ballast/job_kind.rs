@@ -4,13 +4,13 @@ use serde::{Serialize, de::DeserializeOwned};
 
 use super::{Apparatus, Ballast, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation};
+use crate::{Calibration, Estimate, Violations};
 
 impl<A> Spec for Ballast<A>
 where
     A: Apparatus + Serialize + DeserializeOwned + JsonSchema,
 {
-    fn check(&self, violations: &mut Vec<Violation>) {
+    fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }
 

@@ -10,7 +10,7 @@ use super::{
     materials::STEEL,
     shapes::{cylinder, face_radius},
 };
-use crate::Violation;
+use crate::Violations;
 
 /// A steel cylinder on a steel base, open for a plate that presses the bed from above.
 ///
@@ -101,5 +101,5 @@ impl Apparatus for Oedometer {
         self.plate_mass_kg
     }
 
-    fn check(&self, _violations: &mut Vec<Violation>) {}
+    fn check(&self, _violations: &mut Violations) {}
 }

@@ -8,7 +8,7 @@ use super::{
     checks::check_shell,
     materials::{AGGREGATE, CONCRETE, RUBBER},
 };
-use crate::{Violation, surface::rectangle};
+use crate::{Violation, Violations, surface::rectangle};
 
 /// Half of a cross-section of a track, one sleeper spacing long: x from the symmetry plane outward,
 /// y along the track. Soft ground below, smooth planes where the track goes on, a form at the slope of
@@ -180,7 +180,7 @@ impl Apparatus for Railbed {
         concrete.map_or(0.0, |concrete| concrete.density_kg_per_m3) * self.sleeper_volume()
     }
 
-    fn check(&self, violations: &mut Vec<Violation>) {
+    fn check(&self, violations: &mut Violations) {
         if self.sleeper_width_m > self.sleeper_spacing_m {
             let detail = "the sleeper is wider than the distance of sleepers";
             violations.push(

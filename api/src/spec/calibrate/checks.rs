@@ -1,14 +1,16 @@
 //! What the JSON Schema cannot say: a job that is valid wherever its parameters may go, and
 //! measurements it can be held against.
 use super::{Calibrate, FreeParameter, Measured, Scale, Template};
-use crate::{JobKind, Violation};
+use crate::{JobKind, Violation, Violations};
 
 /// Seeds beyond 2⁵³ − 1 are not exact in every language's JSON.
 const LARGEST_SEED: u64 = (1 << 53) - 1;
+/// Bytes that are read to check one job, at most.
+const MOST_READ: usize = 16 << 20;
 /// Parameters named where one is unknown.
 const LISTED: usize = 30;
 
-pub(super) fn check(spec: &Calibrate, violations: &mut Vec<Violation>) {
+pub(super) fn check(spec: &Calibrate, violations: &mut Violations) {
     check_measured(&spec.measured, violations);
     check_counts(spec, violations);
     if spec.job.kind == JobKind::Calibrate {
@@ -20,6 +22,10 @@ pub(super) fn check(spec: &Calibrate, violations: &mut Vec<Violation>) {
         violations.push(violation.value("calibrate").allowed("every other kind"));
         return;
     }
+    if let Some(violation) = check_length(spec) {
+        violations.push(violation);
+        return;
+    }
     match Template::new(&spec.job) {
         Ok(template) => check_free(spec, &template, violations),
         Err(inner) => violations.extend(inner.into_iter().map(|mut violation| {
@@ -29,7 +35,20 @@ pub(super) fn check(spec: &Calibrate, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_counts(spec: &Calibrate, violations: &mut Vec<Violation>) {
+/// The job is read anew at the start and with each parameter at each end of its range, which takes no
+/// longer than a body of the largest size does.
+fn check_length(spec: &Calibrate) -> Option<Violation> {
+    let readings = 2 + 2 * spec.free.len();
+    let (length, most) = (spec.job.spec.as_str().len(), MOST_READ / readings);
+    (length > most).then(|| {
+        let detail = format!("the job is too long to be read {readings} times over");
+        Violation::new("/job/spec", "too_large", detail)
+            .value(length)
+            .allowed(format!("at most {most} bytes with so many free parameters"))
+    })
+}
+
+fn check_counts(spec: &Calibrate, violations: &mut Violations) {
     let fewest = spec.fewest_trials();
     if spec.max_trials < fewest {
         let detail = "the search for this many parameters needs more trials";
@@ -52,8 +71,8 @@ fn check_counts(spec: &Calibrate, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_free(spec: &Calibrate, template: &Template, violations: &mut Vec<Violation>) {
-    let before = violations.len();
+fn check_free(spec: &Calibrate, template: &Template, violations: &mut Violations) {
+    let before = violations.count();
     for (index, free) in spec.free.iter().enumerate() {
         let place = format!("/free/{index}");
         let mut earlier = spec.free[..index].iter();
@@ -68,7 +87,7 @@ fn check_free(spec: &Calibrate, template: &Template, violations: &mut Vec<Violat
             None => violations.push(no_parameter(&place, free, template)),
         }
     }
-    if violations.len() == before {
+    if violations.count() == before {
         check_corners(spec, template, violations);
     }
 }
@@ -89,7 +108,7 @@ fn check_range(
     free: &FreeParameter,
     own: f64,
     template: &Template,
-    violations: &mut Vec<Violation>,
+    violations: &mut Violations,
 ) {
     let unit = template.unit(&free.parameter);
     let mut refuse = |field: &str, detail: &str, value: f64, allowed: String| {
@@ -117,7 +136,7 @@ fn check_range(
 }
 
 /// The job must be valid at the start and with each parameter at each end of its range.
-fn check_corners(spec: &Calibrate, template: &Template, violations: &mut Vec<Violation>) {
+fn check_corners(spec: &Calibrate, template: &Template, violations: &mut Violations) {
     let start = |free: &FreeParameter| free.start.or_else(|| template.number(&free.parameter));
     let base: Vec<(&str, f64)> = spec
         .free
@@ -169,7 +188,7 @@ fn at_value(
     .value(numbers[index].1)
 }
 
-fn check_measured(measured: &Measured, violations: &mut Vec<Violation>) {
+fn check_measured(measured: &Measured, violations: &mut Violations) {
     if measured.results.is_empty() && measured.curve.is_none() {
         let detail = "nothing was measured";
         let violation = Violation::new("/measured", "missing_field", detail);

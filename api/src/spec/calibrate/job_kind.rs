@@ -1,7 +1,7 @@
 //! The calibration as a kind of job.
 use super::{Calibrate, Template, checks};
 use crate::spec_trait::{Spec, Studied};
-use crate::{Calibration, Estimate, Violation, study::Knob};
+use crate::{Calibration, Estimate, Violations, study::Knob};
 
 /// Megabytes a trial leaves in memory and files, besides its results.
 const TRIAL_MB: f64 = 1e-3;
@@ -12,7 +12,7 @@ const REALISATIONS: [&str; 4] = ["1", "2", "4", "8"];
 const MOST_REALISATIONS: &str = "16";
 
 impl Spec for Calibrate {
-    fn check(&self, violations: &mut Vec<Violation>) {
+    fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }
 

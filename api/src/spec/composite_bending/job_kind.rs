@@ -1,14 +1,14 @@
 //! The test of a composite's section as a kind of job.
 use super::{CompositeBending, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Earlier, Estimate, Violation};
+use crate::{Calibration, Earlier, Estimate, Violations};
 
 impl Spec for CompositeBending {
-    fn check(&self, violations: &mut Vec<Violation>) {
+    fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }
 
-    fn learn(&mut self, earlier: &Earlier, violations: &mut Vec<Violation>) {
+    fn learn(&mut self, earlier: &Earlier, violations: &mut Violations) {
         for (name, material) in &mut self.materials {
             material.learn(name, earlier, violations);
         }

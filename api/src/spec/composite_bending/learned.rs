@@ -2,11 +2,11 @@
 use super::checks::pointer_to;
 use super::{Limit, Material, Orthotropic, Strength};
 use crate::earlier::{Earlier, EarlierJob, UNKNOWN_RESULTS};
-use crate::{JobKind, Violation};
+use crate::{JobKind, Violation, Violations};
 
 impl Material {
     /// Fills in the constants, and the strengths where none are given, of the job that it names.
-    pub(super) fn learn(&mut self, name: &str, earlier: &Earlier, violations: &mut Vec<Violation>) {
+    pub(super) fn learn(&mut self, name: &str, earlier: &Earlier, violations: &mut Violations) {
         let Some(id) = self.from_job else { return };
         if self.isotropic.is_some() || self.orthotropic.is_some() {
             return;

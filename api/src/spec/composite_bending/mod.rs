@@ -40,6 +40,7 @@ pub struct CompositeBending {
     pub seed: u64,
     pub section: Section,
     /// Materials by name.
+    #[schemars(extend("maxProperties" = 1000))]
     pub materials: BTreeMap<String, Material>,
     /// Name of the material between the fibres. May be left out where `plies` fill the section.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,8 +1,8 @@
 //! What the JSON Schema cannot say of a cell: names that must exist, fibres that find room.
 use super::{Arrangement, CompositeCell, Measured, RoundFibre};
-use crate::Violation;
 use crate::section::material::PlaneState;
 use crate::spec::composite_bending::checks::{check_material, unknown_material};
+use crate::{Violation, Violations};
 
 /// At most this many violations of one sort are listed.
 const LISTED: usize = 20;
@@ -10,7 +10,7 @@ const LISTED: usize = 20;
 const MOST_CELLS: u64 = 1 << 22;
 const MOST_ALONG: u64 = 2048;
 
-pub(super) fn check(spec: &CompositeCell, violations: &mut Vec<Violation>) {
+pub(super) fn check(spec: &CompositeCell, violations: &mut Violations) {
     for (name, material) in &spec.materials {
         // seen along its axes 3 and 2: together they ask for all that a stable material needs
         let angles = [0.0, 90.0].into_iter();
@@ -48,7 +48,7 @@ pub(super) fn check(spec: &CompositeCell, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_arrangement(spec: &CompositeCell, violations: &mut Vec<Violation>) {
+fn check_arrangement(spec: &CompositeCell, violations: &mut Violations) {
     let regular = |pointer: &str, given: f64, most: f64| {
         (given >= most).then(|| {
             Violation::new(
@@ -102,7 +102,7 @@ fn check_arrangement(spec: &CompositeCell, violations: &mut Vec<Violation>) {
 /// Random discs with their gaps fill no more than this: above 0.84 they jam.
 const MOST_FILLED: f64 = 0.8;
 
-fn check_measured(measured: &Measured, violations: &mut Vec<Violation>) {
+fn check_measured(measured: &Measured, violations: &mut Violations) {
     let [width, height] = measured.size_mm;
     let too_thick = measured
         .fibres

@@ -1,10 +1,10 @@
 //! The unit cell as a kind of job.
 use super::{CompositeCell, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation};
+use crate::{Calibration, Estimate, Violations};
 
 impl Spec for CompositeCell {
-    fn check(&self, violations: &mut Vec<Violation>) {
+    fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }
 

@@ -29,6 +29,7 @@ pub struct CompositeCell {
     #[schemars(range(max = 9_007_199_254_740_991_u64))]
     pub seed: u64,
     /// Materials by name.
+    #[schemars(extend("maxProperties" = 1000))]
     pub materials: BTreeMap<String, Material>,
     /// Name of the material between the fibres.
     pub matrix: String,

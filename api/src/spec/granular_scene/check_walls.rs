@@ -2,13 +2,13 @@
 use std::collections::BTreeSet;
 
 use super::{Body, Drive, FacetMesh, GranularScene, Place};
-use crate::{Violation, surface::unit_normal};
+use crate::{Violation, Violations, surface::unit_normal};
 
 /// At most this many triangles of a wall are listed.
 const LISTED: usize = 20;
 
 /// Names of walls, and the triangles of facets.
-pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
+pub(super) fn check(spec: &GranularScene, violations: &mut Violations) {
     let planes = (0..spec.planes.len()).map(|index| format!("/planes/{index}/name"));
     let facets = (0..spec.facets.len()).map(|index| format!("/facets/{index}/name"));
     let mut names = BTreeSet::new();
@@ -26,7 +26,7 @@ pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_triangles(mesh: &FacetMesh, pointer: &str, violations: &mut Vec<Violation>) {
+fn check_triangles(mesh: &FacetMesh, pointer: &str, violations: &mut Violations) {
     if mesh.triangles_m.is_some() == mesh.stl.is_some() {
         violations.push(
             Violation::new(
@@ -72,36 +72,71 @@ fn check_triangles(mesh: &FacetMesh, pointer: &str, violations: &mut Vec<Violati
     }
 }
 
-/// That there is a wall of this name.
-pub(super) fn check_name(spec: &GranularScene, pointer: String, name: &str) -> Option<Violation> {
-    let names: Vec<&str> = spec.wall_names().collect();
-    (!names.contains(&name)).then(|| {
-        let allowed = if names.is_empty() {
-            "the scene has no walls".to_owned()
-        } else {
-            format!("one of: {}", names.join(", "))
-        };
-        Violation::new(
-            pointer,
-            "no_such_wall",
-            "no plane and no facets have this name",
-        )
-        .value(name)
-        .allowed(allowed)
-    })
+/// Names and numbers that stages may use.
+pub(super) struct Known<'a> {
+    spec: &'a GranularScene,
+    planes: BTreeSet<&'a str>,
+    walls: BTreeSet<&'a str>,
+    /// How many bodies there are, up to the first breakable one whose members are still to be found.
+    bodies: usize,
+}
+
+impl<'a> Known<'a> {
+    pub(super) fn of(spec: &'a GranularScene) -> Self {
+        let has_number = |body: &&Body| body.breakable.is_none() || !body.is_filled();
+        let numbered = spec.bodies.iter().take_while(has_number);
+        Self {
+            spec,
+            planes: spec.planes.iter().map(|plane| &*plane.name).collect(),
+            walls: spec.wall_names().collect(),
+            bodies: numbered.map(Body::numbers).sum(),
+        }
+    }
+
+    /// That there is a wall of this name.
+    pub(super) fn check_wall(&self, pointer: String, name: &str) -> Option<Violation> {
+        (!self.walls.contains(name)).then(|| {
+            let names: Vec<&str> = self.spec.wall_names().collect();
+            let allowed = if names.is_empty() {
+                "the scene has no walls".to_owned()
+            } else {
+                format!("one of: {}", names.join(", "))
+            };
+            Violation::new(
+                pointer,
+                "no_such_wall",
+                "no plane and no facets have this name",
+            )
+            .value(name)
+            .allowed(allowed)
+        })
+    }
+
+    /// That there is a body of this number.
+    fn check_body(&self, pointer: String, number: u32) -> Option<Violation> {
+        (number as usize >= self.bodies).then(|| {
+            let allowed = match self.bodies {
+                0 => "the scene has no bodies".to_owned(),
+                count => format!("0 … {}", count - 1),
+            };
+            Violation::new(pointer, "no_such_body", "there is no body of this number")
+                .value(number)
+                .allowed(allowed)
+        })
+    }
 }
 
 /// A stage that drives.
 pub(super) fn check_drive(
-    spec: &GranularScene,
+    known: &Known<'_>,
     drive: &Drive,
     pointer: &str,
-    violations: &mut Vec<Violation>,
+    violations: &mut Violations,
 ) {
     let mut names = BTreeSet::new();
     for (index, wall) in drive.walls.iter().enumerate() {
         let pointer = format!("{pointer}/walls/{index}");
-        violations.extend(check_name(spec, format!("{pointer}/name"), &wall.name));
+        violations.extend(known.check_wall(format!("{pointer}/name"), &wall.name));
         if !names.insert(wall.name.as_str()) {
             violations
                 .push(driven_twice(format!("{pointer}/name"), "wall").value(wall.name.as_str()));
@@ -118,7 +153,7 @@ pub(super) fn check_drive(
                     .allowed("exactly one of: velocity_m_per_s, sine, turn, force"),
             );
         }
-        if wall.turn.is_some() && spec.planes.iter().any(|plane| plane.name == wall.name) {
+        if wall.turn.is_some() && known.planes.contains(&*wall.name) {
             violations.push(
                 Violation::new(
                     format!("{pointer}/turn"),
@@ -136,7 +171,7 @@ pub(super) fn check_drive(
     let mut bodies = BTreeSet::new();
     for (index, body) in drive.bodies.iter().enumerate() {
         let pointer = format!("{pointer}/bodies/{index}");
-        violations.extend(check_body(spec, format!("{pointer}/body"), body.body));
+        violations.extend(known.check_body(format!("{pointer}/body"), body.body));
         if !bodies.insert(body.body) {
             violations.push(driven_twice(format!("{pointer}/body"), "body").value(body.body));
         }
@@ -155,10 +190,10 @@ pub(super) fn check_drive(
 
 /// A stage that sets something down.
 pub(super) fn check_place(
-    spec: &GranularScene,
+    known: &Known<'_>,
     place: &Place,
     pointer: &str,
-    violations: &mut Vec<Violation>,
+    violations: &mut Violations,
 ) {
     if place.wall.is_some() == place.body.is_some() {
         violations.push(
@@ -167,33 +202,16 @@ pub(super) fn check_place(
         );
     }
     if let Some(wall) = &place.wall {
-        violations.extend(check_name(spec, format!("{pointer}/wall"), wall));
+        violations.extend(known.check_wall(format!("{pointer}/wall"), wall));
     }
     if let Some(body) = place.body {
-        violations.extend(check_body(spec, format!("{pointer}/body"), body));
+        violations.extend(known.check_body(format!("{pointer}/body"), body));
         if place.mass_kg.is_some() {
             let pointer = format!("{pointer}/mass_kg");
             let violation = Violation::new(pointer, "not_together", "a body has its own mass");
             violations.push(violation.value(place.mass_kg).allowed("none with body"));
         }
     }
-}
-
-/// That there is a body of this number.
-fn check_body(spec: &GranularScene, pointer: String, number: u32) -> Option<Violation> {
-    // numbers are known up to the first breakable body whose members are still to be found
-    let known = |body: &&Body| body.breakable.is_none() || !body.is_filled();
-    let known = spec.bodies.iter().take_while(known);
-    let count: usize = known.map(Body::numbers).sum();
-    (number as usize >= count).then(|| {
-        let allowed = match count {
-            0 => "the scene has no bodies".to_owned(),
-            _ => format!("0 … {}", count - 1),
-        };
-        Violation::new(pointer, "no_such_body", "there is no body of this number")
-            .value(number)
-            .allowed(allowed)
-    })
 }
 
 fn driven_twice(pointer: String, what: &str) -> Violation {

@@ -5,7 +5,7 @@ use super::{
     check_walls,
     part_checks::{check_clump, check_cohesive, check_material},
 };
-use crate::Violation;
+use crate::{Violation, Violations};
 
 /// Bodies may overlap by this part of the smaller radius at the start; more is a mistake, and
 /// would throw them apart.
@@ -17,7 +17,12 @@ const LISTED: usize = 20;
 /// More spheres than this are refused: about 4 GB.
 const MOST_PARTICLES: u64 = 10_000_000;
 
-pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
+pub(super) fn check(spec: &GranularScene, violations: &mut Violations) {
+    if let Some(violation) = super::part_checks::check_filled_together(spec) {
+        // what follows fills every shape
+        violations.push(violation);
+        return;
+    }
     check_bodies(spec, violations);
     check_materials_of_walls(spec, violations);
     check_walls::check(spec, violations);
@@ -51,16 +56,19 @@ impl GranularScene {
     /// What is wrong with the places, speeds and numbers of all bodies that the scene starts with,
     /// where `spec` itself could not tell.
     pub fn check_start(&self, bodies: &[Body], numbers: usize) -> Vec<Violation> {
-        let mut violations = Vec::new();
+        let mut violations = Violations::default();
         super::overlaps::check(self, bodies, largest_overlap(self), &mut violations);
         check_recorded_bodies(self, numbers, &mut violations);
-        violations
+        violations.into_vec()
     }
 }
 
-fn check_bodies(spec: &GranularScene, violations: &mut Vec<Violation>) {
+fn check_bodies(spec: &GranularScene, violations: &mut Violations) {
     let mut wrong = Vec::new();
     for (index, body) in spec.bodies.iter().enumerate() {
+        if wrong.len() >= LISTED {
+            break;
+        }
         let pointer = format!("/bodies/{index}");
         let shapes = [
             body.sphere.is_some(),
@@ -95,7 +103,7 @@ fn check_bodies(spec: &GranularScene, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_materials_of_walls(spec: &GranularScene, violations: &mut Vec<Violation>) {
+fn check_materials_of_walls(spec: &GranularScene, violations: &mut Violations) {
     for (index, plane) in spec.planes.iter().enumerate() {
         violations.extend(check_material(
             spec,
@@ -125,8 +133,12 @@ fn check_plane_name(spec: &GranularScene, pointer: String, name: &str) -> Option
     })
 }
 
-fn check_stages(spec: &GranularScene, violations: &mut Vec<Violation>) {
+fn check_stages(spec: &GranularScene, violations: &mut Violations) {
+    let known = check_walls::Known::of(spec);
     for (index, stage) in spec.stages.iter().enumerate() {
+        if violations.is_full() {
+            return;
+        }
         let pointer = format!("/stages/{index}/{}", stage.name());
         let duration = stage.duration();
         let takes_time = !stage.is_instant();
@@ -146,21 +158,22 @@ fn check_stages(spec: &GranularScene, violations: &mut Vec<Violation>) {
                 let swings = [load.peak_force_n.is_some(), load.period_s.is_some()];
                 violations.extend(check_walls::check_swing(&pointer, swings));
             }
-            Stage::Drive(drive) => check_walls::check_drive(spec, drive, &pointer, violations),
-            Stage::Place(place) => check_walls::check_place(spec, place, &pointer, violations),
+            Stage::Drive(drive) => check_walls::check_drive(&known, drive, &pointer, violations),
+            Stage::Place(place) => check_walls::check_place(&known, place, &pointer, violations),
             _ => {}
         }
     }
 }
 
-fn check_recorded(spec: &GranularScene, violations: &mut Vec<Violation>) {
+fn check_recorded(spec: &GranularScene, violations: &mut Violations) {
     for (index, name) in spec.record.planes.iter().enumerate() {
         let pointer = format!("/record/planes/{index}");
         violations.extend(check_plane_name(spec, pointer, name));
     }
+    let known = check_walls::Known::of(spec);
     for (index, name) in spec.record.walls.iter().enumerate() {
         let pointer = format!("/record/walls/{index}");
-        violations.extend(check_walls::check_name(spec, pointer, name));
+        violations.extend(known.check_wall(pointer, name));
     }
     let (first, stages) = (spec.record.from_stage, spec.stages.len());
     if first >= stages {
@@ -173,7 +186,7 @@ fn check_recorded(spec: &GranularScene, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_recorded_bodies(spec: &GranularScene, count: usize, violations: &mut Vec<Violation>) {
+fn check_recorded_bodies(spec: &GranularScene, count: usize, violations: &mut Violations) {
     let bodies = spec.record.bodies.iter().flatten().enumerate();
     let missing = bodies.filter(|(_, body)| **body as usize >= count);
     violations.extend(missing.take(LISTED).map(|(index, body)| {
@@ -193,7 +206,7 @@ fn check_recorded_bodies(spec: &GranularScene, count: usize, violations: &mut Ve
 
 /// Bonds know linear springs alone, and what changes with the modulus is known of those that are
 /// proportional to it.
-fn check_laws(spec: &GranularScene, violations: &mut Vec<Violation>) {
+fn check_laws(spec: &GranularScene, violations: &mut Violations) {
     if spec.laws.contact == ContactLaw::HertzMindlin {
         let stages = spec.stages.iter().enumerate();
         let stiffen = stages.filter(|(_, stage)| matches!(stage, Stage::Stiffen(_)));
@@ -235,7 +248,7 @@ fn check_laws(spec: &GranularScene, violations: &mut Vec<Violation>) {
     }));
 }
 
-fn check_time_step(spec: &GranularScene, violations: &mut Vec<Violation>) {
+fn check_time_step(spec: &GranularScene, violations: &mut Violations) {
     let TimeStep::Given(step) = spec.time_step_s else {
         return;
     };

@@ -303,7 +303,7 @@ impl Generate {
     /// About how many spheres that makes.
     pub(super) fn expected_particles(&self, density: f64) -> u64 {
         let members = self.grain.template().map_or(1, Clump::expected_members);
-        self.expected_grains(density) as u64 * members
+        (self.expected_grains(density) as u64).saturating_mul(members)
     }
 
     /// Smallest and largest grain over its template.
@@ -347,7 +347,7 @@ impl Clump {
             .filled
             .as_ref()
             .map_or(0, super::Filled::expected_members);
-        filled + self.members.len() as u64
+        filled.saturating_add(self.members.len() as u64)
     }
 
     /// Volume of the members [m³], overlaps counted twice.

@@ -1,10 +1,10 @@
 //! The granular scene as a kind of job.
 use super::{ContactLaw, GranularScene, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation};
+use crate::{Calibration, Estimate, Violations};
 
 impl Spec for GranularScene {
-    fn check(&self, violations: &mut Vec<Violation>) {
+    fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }
 

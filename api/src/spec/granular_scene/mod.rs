@@ -35,6 +35,7 @@ mod rate;
 mod record;
 mod region;
 mod relax;
+mod sphere_tree;
 mod stability;
 mod staged;
 mod stages;
@@ -86,6 +87,7 @@ pub struct GranularScene {
     #[schemars(inner(range(min = -1e6, max = 1e6)), extend("x-unit" = "m/s2"))]
     pub gravity_m_per_s2: [f64; 3],
     /// Materials by name.
+    #[schemars(extend("maxProperties" = 1000))]
     pub materials: BTreeMap<String, Material>,
     #[serde(default)]
     #[schemars(length(max = 10_000_000))]
@@ -131,12 +133,13 @@ impl GranularScene {
     /// Spheres of all bodies, members of clumps counted each; those to be made as far as they can be
     /// foreseen.
     pub fn particles(&self) -> u64 {
-        let given: u64 = self.given_bodies().iter().map(Body::particles).sum();
+        let given = self.given_bodies();
+        let given = given.iter().map(Body::particles);
         let made = self.generators().map(|(_, generator)| {
             let density = self.density_of(&generator.material);
             generator.expected_particles(density)
         });
-        given.saturating_add(made.fold(0, u64::saturating_add))
+        given.chain(made).fold(0, u64::saturating_add)
     }
 
     /// Bodies of `bodies` and of `import`; files that cannot be read have none.

@@ -5,6 +5,38 @@ use crate::{Violation, filling::FillError};
 /// Places times triangles that are looked at to fill a surface, at most: some minutes.
 const MOST_LOOKS: f64 = 5e9;
 
+/// Shapes that are filled to be checked have so many members together, at most: a second's work.
+const MOST_FILLED: u64 = 2_000_000;
+
+/// Every shape may be filled by itself, and all of them together take too long.
+pub(super) fn check_filled_together(spec: &GranularScene) -> Option<Violation> {
+    let given = spec.bodies.iter().enumerate().filter_map(|(index, body)| {
+        let filled = body.members()?.filled.as_ref()?;
+        Some((index, filled))
+    });
+    let given = given.map(|(index, filled)| (format!("/bodies/{index}"), filled));
+    let made = spec.generators().filter_map(|(pointer, generator)| {
+        let filled = generator.grain.template()?.filled.as_ref()?;
+        Some((pointer, filled))
+    });
+    let mut members = 0_u64;
+    for (pointer, filled) in given.chain(made) {
+        let own = filled.members_by_size();
+        if own <= MOST_MEMBERS {
+            members += own;
+        }
+        if members > MOST_FILLED {
+            let detail = "the shapes up to this one are filled with too many spheres together";
+            let violation = Violation::new(pointer, "too_large", detail).value(members);
+            return Some(violation.allowed(format!(
+                "at most {MOST_FILLED} spheres in all shapes; grains that are alike come from one \
+                 template of generate"
+            )));
+        }
+    }
+    None
+}
+
 /// A clump is given member by member or by what it fills, which can be filled.
 pub(super) fn check_clump(pointer: &str, clump: &Clump) -> Option<Violation> {
     if clump.members.is_empty() == clump.filled.is_none() {
@@ -81,8 +113,8 @@ pub(super) fn check_cohesive(
 }
 
 pub(super) fn check_material(spec: &GranularScene, pointer: &str, name: &str) -> Option<Violation> {
-    let names: Vec<&str> = spec.materials.keys().map(String::as_str).collect();
     (!spec.materials.contains_key(name)).then(|| {
+        let names: Vec<&str> = spec.materials.keys().map(String::as_str).collect();
         Violation::new(
             format!("{pointer}/material"),
             "no_such_material",

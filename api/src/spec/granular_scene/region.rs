@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{GranularScene, part_checks::check_material};
-use crate::Violation;
+use crate::{Violation, Violations};
 
 /// A box in which porosity, coordination number, inertial number and the stress between the bodies
 /// are measured for every row of `curve.csv`. Stresses are positive in compression.
@@ -28,7 +28,7 @@ pub struct Region {
     pub material: Option<String>,
 }
 
-pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
+pub(super) fn check(spec: &GranularScene, violations: &mut Violations) {
     let mut names: BTreeSet<&str> = spec.record.planes.iter().map(String::as_str).collect();
     for (index, region) in spec.record.regions.iter().enumerate() {
         let pointer = format!("/record/regions/{index}");

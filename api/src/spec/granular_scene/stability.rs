@@ -9,6 +9,8 @@
 //! overlap: they are taken at that of an impact at the speed given, or at a least one.
 //!
 //! Source: [CundallStrack1979]; series rule as in Yade.
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::{
     Body, ContactLaw, DegreeOfFreedom, GranularScene, Material,
     hertz::{self, Solid},
@@ -123,23 +125,33 @@ impl GranularScene {
                     );
                 }
             }
-            let planes = self.planes.iter().map(|plane| (&plane.material, 1.0));
-            let facets = self.facets.iter();
-            let facets = facets.map(|mesh| (&mesh.material, self.laws.facet_radius_ratio()));
-            for (material, radius_ratio) in planes.chain(facets) {
-                if let Some(material) = self.materials.get(material) {
-                    let wall = Partner {
-                        material,
-                        curvature: 0.0,
-                        inverse_mass: 0.0,
-                        radius: radius_ratio * sphere.radius,
-                        ..*sphere
-                    };
-                    offer(self.critical_step(sphere, &wall, speed), sphere.body, None);
-                }
+        }
+        let walls = self.distinct_walls();
+        for sphere in smallest_of_each_material(&spheres) {
+            for (material, radius_ratio) in &walls {
+                let wall = Partner {
+                    material,
+                    curvature: 0.0,
+                    inverse_mass: 0.0,
+                    radius: radius_ratio * sphere.radius,
+                    ..*sphere
+                };
+                offer(self.critical_step(sphere, &wall, speed), sphere.body, None);
             }
         }
         smallest
+    }
+
+    /// Materials of walls, each once for every ratio of radii.
+    fn distinct_walls(&self) -> Vec<(&Material, f64)> {
+        let planes = self.planes.iter().map(|plane| (&plane.material, 1.0));
+        let ratio = self.laws.facet_radius_ratio();
+        let facets = self.facets.iter().map(|mesh| (&mesh.material, ratio));
+        let mut seen = BTreeSet::new();
+        let walls = planes.chain(facets);
+        let walls = walls.filter(|(name, ratio)| seen.insert((*name, ratio.to_bits())));
+        let walls = walls.filter_map(|(name, ratio)| Some((self.materials.get(name)?, ratio)));
+        walls.collect()
     }
 
     /// Spheres that move on their own, of a body that begins at `number`.
@@ -199,6 +211,22 @@ impl GranularScene {
         // a dashpot along the normal counts across it too, which is on the safe side
         step(normal, along).min(step(shear, across.max(along)))
     }
+}
+
+/// Of the spheres of a material that move, the first of the smallest, which a wall shakes fastest:
+/// k ∝ r under every law and m ∝ r³, so that ω ∝ 1/r.
+fn smallest_of_each_material<'p, 'a>(spheres: &'p [Partner<'a>]) -> Vec<&'p Partner<'a>> {
+    let mut smallest: BTreeMap<*const Material, &Partner<'a>> = BTreeMap::new();
+    for sphere in spheres.iter().filter(|sphere| sphere.inverse_mass > 0.0) {
+        let known = smallest.entry(sphere.material).or_insert(sphere);
+        if sphere.radius < known.radius {
+            *known = sphere;
+        }
+    }
+    let mut smallest: Vec<_> = smallest.into_values().collect();
+    // addresses say nothing, numbers do
+    smallest.sort_by_key(|sphere| sphere.body);
+    smallest
 }
 
 /// K_N and K_T [N/m].

@@ -1,4 +1,6 @@
 //! What the stages of a scene say about its walls and bodies.
+use std::collections::BTreeSet;
+
 use super::{Drive, GranularScene, Stage};
 
 impl GranularScene {
@@ -15,13 +17,10 @@ impl GranularScene {
     pub fn recorded_walls(&self) -> Vec<&str> {
         let asked = self.record.walls.iter();
         let driven = self.drives().flat_map(|drive| &drive.walls);
-        let mut walls = Vec::new();
-        for name in asked.chain(driven.map(|wall| &wall.name)) {
-            if !walls.contains(&name.as_str()) {
-                walls.push(name.as_str());
-            }
-        }
-        walls
+        let mut seen = BTreeSet::new();
+        let walls = asked.chain(driven.map(|wall| &wall.name));
+        let walls = walls.map(String::as_str);
+        walls.filter(|name| seen.insert(*name)).collect()
     }
 
     /// Bodies that some stage drives or sets down.

@@ -3,13 +3,13 @@ use super::{
     Arrangement, Cut, Generate, Grain, GranularScene, Sizes, Stage, Volume,
     part_checks::{check_clump, check_cohesive, check_material},
 };
-use crate::Violation;
+use crate::{Violation, Violations};
 
 /// Solid fractions that no arrangement of spheres in the given way exceeds: a random close packing,
 /// and the lattices. Random placing ends earlier, where depends on the sizes.
 const FULL: [f64; 3] = [0.64, std::f64::consts::FRAC_PI_6, 0.740_5];
 
-pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
+pub(super) fn check(spec: &GranularScene, violations: &mut Violations) {
     for (index, import) in spec.import.iter().enumerate() {
         let pointer = format!("/import/{index}");
         let missing = check_material(spec, &pointer, &import.material);
@@ -56,7 +56,7 @@ fn check_generator(
     spec: &GranularScene,
     pointer: &str,
     generator: &Generate,
-    violations: &mut Vec<Violation>,
+    violations: &mut Violations,
 ) {
     violations.extend(check_material(spec, pointer, &generator.material));
     let amounts = [
@@ -108,7 +108,7 @@ fn check_generator(
     }
 }
 
-fn check_sizes(pointer: &str, sizes: &Sizes, violations: &mut Vec<Violation>) {
+fn check_sizes(pointer: &str, sizes: &Sizes, violations: &mut Violations) {
     let mut ordered = |pointer: String, smallest: f64, largest: f64| {
         if largest < smallest {
             violations.push(

@@ -1,10 +1,10 @@
 //! The nonwoven tensile test as a kind of job.
 use super::{NonwovenTensile, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation};
+use crate::{Calibration, Estimate, Violations};
 
 impl Spec for NonwovenTensile {
-    fn check(&self, violations: &mut Vec<Violation>) {
+    fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }
 

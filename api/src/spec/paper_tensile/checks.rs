@@ -2,8 +2,8 @@
 //! fit, segments that must need no negative spring.
 use super::sheet_checks::{check_explicit, check_made, check_test, unknown_pulp};
 use super::{Level, PaperTensile, SingleFibre, Specimen};
-use crate::Violation;
 use crate::fibre::{FibreError, divide};
+use crate::{Violation, Violations};
 
 /// Fractions sum up to one within this.
 const FRACTIONS_SUM: f64 = 1e-6;
@@ -12,10 +12,10 @@ const SHEAR_RATIOS: [f64; 2] = [0.001, 2.0];
 /// More points than this are refused.
 const MOST_POINTS: usize = 2_000_000;
 
-pub(super) fn check(spec: &PaperTensile, violations: &mut Vec<Violation>) {
-    let before = violations.len();
+pub(super) fn check(spec: &PaperTensile, violations: &mut Violations) {
+    let before = violations.count();
     check_pulps(spec, violations);
-    let has_pulps = violations.len() == before;
+    let has_pulps = violations.count() == before;
     if !spec.specimen.is_single_fibre() {
         check_test(spec, violations);
     }
@@ -28,7 +28,7 @@ pub(super) fn check(spec: &PaperTensile, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_pulps(spec: &PaperTensile, violations: &mut Vec<Violation>) {
+fn check_pulps(spec: &PaperTensile, violations: &mut Violations) {
     let sum: f64 = spec.pulp.iter().map(|pulp| pulp.mass_fraction).sum();
     if (sum - 1.0).abs() > FRACTIONS_SUM {
         let detail = format!("the mass fractions of all pulps sum to {sum}");
@@ -77,7 +77,7 @@ fn check_pulps(spec: &PaperTensile, violations: &mut Vec<Violation>) {
 }
 
 /// A fibre that can be divided without negative springs.
-fn check_fibre(spec: &PaperTensile, fibre: &SingleFibre, violations: &mut Vec<Violation>) {
+fn check_fibre(spec: &PaperTensile, fibre: &SingleFibre, violations: &mut Violations) {
     let Some(pulp) = spec.pulp_of(fibre) else {
         let name = fibre.pulp.as_deref().unwrap_or_default();
         let place = "/specimen/single_fibre/pulp".to_owned();

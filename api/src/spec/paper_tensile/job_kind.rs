@@ -1,10 +1,10 @@
 //! The tensile test of paper as a kind of job.
 use super::{PaperTensile, checks, estimate};
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation};
+use crate::{Calibration, Estimate, Violations};
 
 impl Spec for PaperTensile {
-    fn check(&self, violations: &mut Vec<Violation>) {
+    fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }
 

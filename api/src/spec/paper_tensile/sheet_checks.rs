@@ -3,7 +3,7 @@
 use super::{
     Direction, ExplicitBond, ExplicitSheet, Level, MadeSheet, PaperTensile, Placement, Pulp,
 };
-use crate::Violation;
+use crate::{Violation, Violations};
 
 /// At most this many violations of a list are told.
 const LISTED: usize = 20;
@@ -34,7 +34,7 @@ pub(super) fn unknown_pulp(spec: &PaperTensile, place: String, name: &str) -> Vi
 }
 
 /// What holds for sheets of both sorts.
-pub(super) fn check_test(spec: &PaperTensile, violations: &mut Vec<Violation>) {
+pub(super) fn check_test(spec: &PaperTensile, violations: &mut Violations) {
     if spec.level() == Level::Tube {
         let detail = "a tube is a model of a single fibre; those of a sheet are beams or bars";
         violations.push(
@@ -67,7 +67,7 @@ pub(super) fn check_test(spec: &PaperTensile, violations: &mut Vec<Violation>) {
 pub(super) fn check_explicit(
     spec: &PaperTensile,
     sheet: &ExplicitSheet,
-    violations: &mut Vec<Violation>,
+    violations: &mut Violations,
 ) {
     if spec.test.pulled() != Direction::Md {
         let detail = "a sheet that is given is pulled along x; give it turned to pull it across";
@@ -77,11 +77,11 @@ pub(super) fn check_explicit(
                 .allowed("md, or left out"),
         );
     }
-    let before = violations.len();
+    let before = violations.count();
     let fibres = sheet.fibres.iter().enumerate();
     let wrong = fibres.filter_map(|(index, _)| fibre_violation(spec, sheet, index));
     violations.extend(wrong.take(LISTED));
-    if violations.len() > before {
+    if violations.count() > before {
         // bonds of fibres that are wrong say nothing more
         return;
     }
@@ -203,7 +203,7 @@ fn bond_violation(lines: &[Line<'_>], index: usize, bond: &ExplicitBond) -> Opti
 }
 
 /// A sheet that is made.
-pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mut Vec<Violation>) {
+pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mut Violations) {
     if spec.bond.is_none() {
         let detail = "fibres of a sheet need to hold one another: give the bonds' strength, or an empty \
                       object for bonds that do not break";
@@ -215,11 +215,11 @@ pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mu
             .enumerate()
             .filter(|(_, pulp)| pulp.mass_fraction > 0.0)
     };
-    let before = violations.len();
+    let before = violations.count();
     for (index, pulp) in used() {
         violations.extend(pulp_violation(index, pulp));
     }
-    if violations.len() > before {
+    if violations.count() > before {
         return;
     }
     let widest = used().fold(0.0, |most: f64, (_, pulp)| most.max(pulp.width_um));

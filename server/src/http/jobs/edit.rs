@@ -27,12 +27,14 @@ pub(super) async fn edit(
     Path(id): Path<Uuid>,
     body: JsonBody,
 ) -> Result<Json<JobView>> {
+    let client = body.client;
+    let read = move || JobChanges::from_slice(&body.bytes);
     let JobChanges {
         name,
         notes,
         tags,
         priority,
-    } = JobChanges::from_slice(&body.bytes)?;
+    } = state.checks.run(client, read).await??;
     let edit = JobEdit {
         name,
         notes,

@@ -13,9 +13,8 @@ use utoipa::IntoParams;
 
 use super::super::AppState;
 use super::super::body::JsonBody;
-use super::super::body_budget::SMALL;
 use super::super::problem::{ApiError, INVALID, INVALID_JOB, Result};
-use crate::store::{IdempotencyKey, StoreError};
+use crate::store::{CheckedSubmission, IdempotencyKey, StoreError};
 
 /// Longest idempotency key [characters].
 const LONGEST_KEY: usize = 200;
@@ -71,26 +70,23 @@ pub(super) async fn create(
     body: JsonBody,
 ) -> Result<Response> {
     let key = idempotency_key(&headers)?;
-    let (submission, body) = read(&state, body).await?;
     let measured = state.store.calibration().await?;
-    let estimate = Estimate {
-        calibrated: measured.is_some(),
-        ..submission.spec.estimate(&measured.unwrap_or_default())
-    };
-    let violations = state.limits.violations(&estimate);
+    let (checked, body) = read(&state, body, measured).await?;
+    let violations = state.limits.violations(&checked.estimate);
     if !violations.is_empty() {
         let detail = "its estimate exceeds what this server gives a single job";
         return Err(ApiError::new(INVALID_JOB, detail).violations(violations));
     }
     if dry_run {
-        return Ok(Json(dry_run_of(&submission, estimate, measured)?).into_response());
+        return Ok(Json(dry_run_of(checked, measured)?).into_response());
     }
+    let kind = checked.submission.spec.kind();
     let key = key.map(|key| IdempotencyKey {
         key,
         body_sha256: sha256_hex(&body.bytes),
     });
-    let enqueued = state.store.enqueue(&submission, key).await?;
-    metrics::counter!("loadframe_submissions_total", "kind" => submission.spec.kind().name())
+    let enqueued = state.store.enqueue_checked(checked, key).await?;
+    metrics::counter!("loadframe_submissions_total", "kind" => kind.name())
         .increment(u64::from(!enqueued.replayed));
     let location = HeaderValue::try_from(&enqueued.job.links.this)
         .map_err(|error| ApiError::internal(&error))?;
@@ -106,8 +102,12 @@ pub(super) async fn create(
 }
 
 /// Checks the body, with the results of the jobs that it refers to.
-async fn read(state: &AppState, body: JsonBody) -> Result<(Submission, JsonBody)> {
-    let (first, body) = check(body, Earlier::default()).await?;
+async fn read(
+    state: &AppState,
+    body: JsonBody,
+    measured: Option<Calibration>,
+) -> Result<(CheckedSubmission, JsonBody)> {
+    let (first, body) = check(state, body, Earlier::default(), measured).await?;
     let wanted = match &first {
         Ok(_) => Vec::new(),
         Err(error) => error.wanted_jobs(),
@@ -124,32 +124,29 @@ async fn read(state: &AppState, body: JsonBody) -> Result<(Submission, JsonBody)
         };
         earlier.insert(id, view);
     }
-    let (second, body) = check(body, earlier).await?;
+    let (second, body) = check(state, body, earlier, measured).await?;
     Ok((second?, body))
 }
 
-/// Checks the body, a large one where it holds up nobody.
+type Checked = std::result::Result<CheckedSubmission, SubmissionError>;
+
+/// Checks the body where it holds up nobody, and what the job would take.
 async fn check(
+    state: &AppState,
     body: JsonBody,
     earlier: Earlier,
-) -> Result<(std::result::Result<Submission, SubmissionError>, JsonBody)> {
-    let is_short = body.bytes.len() <= SMALL;
-    let check = move || (Submission::from_slice_after(&body.bytes, &earlier), body);
-    if is_short {
-        return Ok(check());
-    }
-    tokio::task::spawn_blocking(check)
-        .await
-        .map_err(|error| ApiError::internal(&error))
+    measured: Option<Calibration>,
+) -> Result<(Checked, JsonBody)> {
+    let client = body.client;
+    let check = move || {
+        let submission = Submission::from_slice_after(&body.bytes, &earlier);
+        let checked = submission.map(|submission| CheckedSubmission::new(submission, measured));
+        (checked, body)
+    };
+    state.checks.run(client, check).await
 }
 
-fn dry_run_of(
-    submission: &Submission,
-    estimate: Estimate,
-    measured: Option<Calibration>,
-) -> Result<DryRun> {
-    let spec = submission.spec.to_json();
-    let spec_sha256 = sha256_hex(spec.as_bytes());
+fn dry_run_of(checked: CheckedSubmission, measured: Option<Calibration>) -> Result<DryRun> {
     let mut warnings = Vec::new();
     if measured.is_none() {
         warnings.push(Warning {
@@ -158,10 +155,11 @@ fn dry_run_of(
                 .to_owned(),
         });
     }
+    let spec = RawValue::from_string(checked.spec);
     Ok(DryRun {
-        spec: RawValue::from_string(spec).map_err(|error| ApiError::internal(&error))?,
-        spec_sha256,
-        estimate,
+        spec: spec.map_err(|error| ApiError::internal(&error))?,
+        spec_sha256: checked.spec_sha256,
+        estimate: checked.estimate,
         warnings,
     })
 }

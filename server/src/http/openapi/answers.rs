@@ -17,7 +17,10 @@ const EVERYWHERE: &[(&str, &str)] = &[
 /// Answers of routes that demand a token where tokens are demanded.
 const BY_TOKEN: &[(&str, &str)] = &[
     ("401", "A token is needed, or this one is not in force"),
-    ("429", "Too many wrong tokens came from this address"),
+    (
+        "429",
+        "Too many wrong tokens, or bodies at once, came from this client",
+    ),
 ];
 
 /// Headers that belong to an answer.

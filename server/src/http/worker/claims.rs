@@ -30,9 +30,7 @@ const LOOK_EVERY: Duration = Duration::from_secs(2);
               (status = 415, description = "The body is not declared as JSON"),
               (status = 422, description = "The message does not fit its schema")))]
 pub(super) async fn claim(State(state): State<AppState>, body: JsonBody) -> Result<Response> {
-    let request: ClaimRequest = message(&body)?;
-    // its room is for others while this one waits
-    drop(body);
+    let request: ClaimRequest = message(&state, body).await?;
     let end = Instant::now() + Duration::from_secs_f64(request.wait_s);
     let mut queued = state.store.queued();
     loop {

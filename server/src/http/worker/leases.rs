@@ -46,7 +46,7 @@ pub(super) async fn progress(
     LeaseCredentials(key): LeaseCredentials,
     body: JsonBody,
 ) -> Result<Json<HeartbeatAnswer>> {
-    let report: ProgressReport = message(&body)?;
+    let report: ProgressReport = message(&state, body).await?;
     let points = report.points.as_ref().map_or(0, |block| block.rows.len());
     let command = counted(state.store.report(key, &report).await)?;
     metrics::counter!("loadframe_curve_points_total").increment(points as u64);
@@ -73,7 +73,7 @@ pub(super) async fn complete(
     LeaseCredentials(key): LeaseCredentials,
     body: JsonBody,
 ) -> Result<StatusCode> {
-    let request: CompleteRequest = message(&body)?;
+    let request: CompleteRequest = message(&state, body).await?;
     counted(state.store.complete(key, &request).await)?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -96,7 +96,7 @@ pub(super) async fn fail(
     LeaseCredentials(key): LeaseCredentials,
     body: JsonBody,
 ) -> Result<StatusCode> {
-    let request: FailRequest = message(&body)?;
+    let request: FailRequest = message(&state, body).await?;
     counted(state.store.fail(key, &request).await)?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -120,7 +120,7 @@ pub(super) async fn release(
     LeaseCredentials(key): LeaseCredentials,
     body: JsonBody,
 ) -> Result<StatusCode> {
-    let request: ReleaseRequest = message(&body)?;
+    let request: ReleaseRequest = message(&state, body).await?;
     counted(state.store.release(key, request.reason).await)?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -6,6 +6,7 @@ use loadframe_api::{Message, SubmissionError};
 use uuid::Uuid;
 
 use super::super::body::JsonBody;
+use super::super::body_budget::SMALL;
 use super::super::problem::{ApiError, BAD_REQUEST, INVALID, Result};
 use super::super::state::AppState;
 use crate::store::{LeaseKey, StoreError};
@@ -34,9 +35,21 @@ impl FromRequestParts<AppState> for LeaseCredentials {
     }
 }
 
-/// Reads a worker's message.
-pub(super) fn message<T: Message>(body: &JsonBody) -> Result<T> {
-    T::from_slice(&body.bytes).map_err(|error| match error {
+/// Reads a worker's message, a large one where it holds up nobody.
+pub(super) async fn message<T>(state: &AppState, body: JsonBody) -> Result<T>
+where
+    T: Message + Send + 'static,
+{
+    let read = if body.bytes.len() <= SMALL {
+        T::from_slice(&body.bytes)
+    } else {
+        let client = body.client;
+        state
+            .checks
+            .run(client, move || T::from_slice(&body.bytes))
+            .await?
+    };
+    read.map_err(|error| match error {
         SubmissionError::Invalid(violations) => {
             ApiError::new(INVALID, "the message does not fit its schema").violations(violations)
         }

@@ -1,9 +1,9 @@
 //! What can break, and in which tests.
 use super::materials::escaped;
-use crate::Violation;
 use crate::spec::composite_bending::{CompositeBending, Geometry, Lattice, Solver, Way};
+use crate::{Violation, Violations};
 
-pub(super) fn check_breaking(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+pub(super) fn check_breaking(spec: &CompositeBending, violations: &mut Violations) {
     if spec.test.breaking.is_none() {
         return;
     }
@@ -70,7 +70,7 @@ pub(super) fn check_breaking(spec: &CompositeBending, violations: &mut Vec<Viola
 }
 
 /// Interfaces are those of fibres.
-fn check_interfaces(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+fn check_interfaces(spec: &CompositeBending, violations: &mut Violations) {
     for (name, material) in &spec.materials {
         let is_fibre = spec.fibres.iter().any(|fibre| fibre.material == *name);
         if material.interface.is_some() && !is_fibre {

@@ -1,16 +1,16 @@
 //! What fills the section: a matrix or plies, and fibres that do not share a place.
 use super::LISTED;
 use super::materials::unknown_material;
-use crate::Violation;
 use crate::section::error::CompositeError;
 use crate::section::fibre::{Band, Fibre, refuse_overlap};
 use crate::spec::composite_bending::CompositeBending;
+use crate::{Violation, Violations};
 
 /// Thicknesses of plies sum up to the height within this part of it.
 const PLIES_FILL: f64 = 1e-9;
 
 /// A matrix or plies, whose thicknesses fill the height.
-pub(super) fn check_filling(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+pub(super) fn check_filling(spec: &CompositeBending, violations: &mut Violations) {
     match (&spec.matrix, spec.plies.is_empty()) {
         (Some(name), true) => {
             violations.extend(unknown_material(&spec.materials, "/matrix", name));
@@ -54,12 +54,12 @@ pub(super) fn check_filling(spec: &CompositeBending, violations: &mut Vec<Violat
     }
 }
 
-pub(super) fn check_fibres(spec: &CompositeBending, violations: &mut Vec<Violation>) {
-    let before = violations.len();
+pub(super) fn check_fibres(spec: &CompositeBending, violations: &mut Violations) {
+    let before = violations.count();
     let sides = [spec.section.length_mm, spec.section.height_mm];
     let mut bands = Vec::with_capacity(spec.fibres.len());
     for (index, fibre) in spec.fibres.iter().enumerate() {
-        if violations.len() - before >= LISTED {
+        if violations.count() - before >= LISTED {
             break;
         }
         let pointer = format!("/fibres/{index}");
@@ -92,7 +92,7 @@ pub(super) fn check_fibres(spec: &CompositeBending, violations: &mut Vec<Violati
             ),
         }
     }
-    if violations.len() > before {
+    if violations.count() > before {
         return;
     }
     if let Err(CompositeError::Overlap {

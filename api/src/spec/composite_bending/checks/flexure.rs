@@ -1,13 +1,13 @@
 //! Rollers that find room, and one drive.
-use crate::Violation;
 use crate::spec::composite_bending::{CompositeBending, Flexure, Geometry, Solver};
+use crate::{Violation, Violations};
 
 pub(super) fn check_flexure(
     spec: &CompositeBending,
     name: &str,
     flexure: &Flexure,
     loading: u32,
-    violations: &mut Vec<Violation>,
+    violations: &mut Violations,
 ) {
     let pointer = |field: &str| format!("/test/{name}/{field}");
     if flexure.displacement_mm.is_some() == flexure.force_n.is_some() {

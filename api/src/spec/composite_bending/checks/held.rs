@@ -1,15 +1,15 @@
 //! A section that must be held, and loaded by something.
 use super::outside;
-use crate::Violation;
 use crate::spec::composite_bending::{
     Axis, CompositeBending, Face, HistoryLoad, LoadPlace, Solver, Support, SupportWord, Supports,
     Test,
 };
+use crate::{Violation, Violations};
 
 pub(super) fn check_held(
     spec: &CompositeBending,
     supports: &Supports,
-    violations: &mut Vec<Violation>,
+    violations: &mut Violations,
 ) {
     let test = &spec.test;
     let drives = supports.faces().iter().any(|(_, support)| support.drives());
@@ -35,7 +35,7 @@ pub(super) fn check_held(
 }
 
 /// Faces that meet at a corner and move it to two places.
-fn check_corners(supports: &Supports, violations: &mut Vec<Violation>) {
+fn check_corners(supports: &Supports, violations: &mut Violations) {
     let across = [(Face::Left, &supports.left), (Face::Right, &supports.right)];
     let along = [(Face::Bottom, &supports.bottom), (Face::Top, &supports.top)];
     for (first, one) in across {
@@ -129,7 +129,7 @@ fn held_axes(face: Face, support: &Support) -> [bool; 2] {
     }
 }
 
-fn check_load(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+fn check_load(spec: &CompositeBending, violations: &mut Violations) {
     let Some(load) = &spec.test.load else { return };
     if load.force_n.iter().all(|force| *force == 0.0) {
         violations.push(
@@ -166,7 +166,7 @@ fn check_load(spec: &CompositeBending, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_history(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+fn check_history(spec: &CompositeBending, violations: &mut Violations) {
     let Some(history) = &spec.test.history else {
         return;
     };

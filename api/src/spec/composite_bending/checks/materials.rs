@@ -1,13 +1,13 @@
 //! Materials that no body can have, names that are none's, strengths that do not fit.
 use std::collections::BTreeMap;
 
-use crate::Violation;
 use crate::section::error::CompositeError;
 use crate::section::material::PlaneState;
 use crate::spec::composite_bending::{CompositeBending, Material};
+use crate::{Violation, Violations};
 
 /// Finds what is wrong with the materials of a section.
-pub(super) fn check_materials(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+pub(super) fn check_materials(spec: &CompositeBending, violations: &mut Violations) {
     let needs_density = spec.test.history.is_some();
     for (name, material) in &spec.materials {
         // a ply shows its material from the side at which it is turned
@@ -38,7 +38,7 @@ pub(crate) fn check_material(
     material: &Material,
     state: PlaneState,
     mut angles: impl Iterator<Item = f64>,
-    violations: &mut Vec<Violation>,
+    violations: &mut Violations,
 ) {
     let pointer = pointer_to(name);
     let Some(elastic) = material.elastic() else {

@@ -7,7 +7,7 @@ mod held;
 mod materials;
 
 use super::{BondPattern, CompositeBending, Geometry, Lattice, Solver, Way};
-use crate::Violation;
+use crate::{Violation, Violations};
 pub(super) use materials::pointer_to;
 pub(crate) use materials::{check_material, unknown_material};
 
@@ -16,7 +16,7 @@ const LISTED: usize = 20;
 /// More particles than this are refused.
 const MOST_PARTICLES: u64 = 50_000_000;
 
-pub(super) fn check(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+pub(super) fn check(spec: &CompositeBending, violations: &mut Violations) {
     materials::check_materials(spec, violations);
     filling::check_filling(spec, violations);
     filling::check_fibres(spec, violations);
@@ -26,7 +26,7 @@ pub(super) fn check(spec: &CompositeBending, violations: &mut Vec<Violation>) {
     check_probes(spec, violations);
 }
 
-fn check_grid(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+fn check_grid(spec: &CompositeBending, violations: &mut Violations) {
     let particles = spec.particles();
     if particles > MOST_PARTICLES {
         violations.push(
@@ -106,7 +106,7 @@ fn check_grid(spec: &CompositeBending, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_test(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+fn check_test(spec: &CompositeBending, violations: &mut Violations) {
     let test = &spec.test;
     let ways = test.ways();
     let [(name, way)] = ways.as_slice() else {
@@ -148,7 +148,7 @@ fn check_test(spec: &CompositeBending, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_strain(name: &str, strain: f64, violations: &mut Vec<Violation>) {
+fn check_strain(name: &str, strain: f64, violations: &mut Violations) {
     if strain == 0.0 {
         violations.push(
             Violation::new(
@@ -163,7 +163,7 @@ fn check_strain(name: &str, strain: f64, violations: &mut Vec<Violation>) {
     }
 }
 
-fn check_probes(spec: &CompositeBending, violations: &mut Vec<Violation>) {
+fn check_probes(spec: &CompositeBending, violations: &mut Violations) {
     let probes = spec.probes_mm.iter().enumerate();
     let wrong =
         probes.filter_map(|(index, point)| outside(spec, format!("/probes_mm/{index}"), *point));

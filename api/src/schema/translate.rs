@@ -1,116 +1,26 @@
-//! JSON Schema as the one source of types, units, limits and their error messages.
+//! What a validator finds in a small value, in words a user can act on.
 use jsonschema::error::{TypeKind, ValidationErrorKind};
 use jsonschema::{ValidationError, Validator};
-use schemars::generate::{Contract, SchemaSettings};
-use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value};
 
+use super::{descent::Place, escape};
 use crate::problem::Violation;
+use crate::violations::Violations;
 
-/// At most this many violations are listed; a hundred are as clear as a million.
-const LISTED: usize = 100;
-
-/// A schema compiled for checking, with its text for messages.
-pub(crate) struct Checker {
-    pub(crate) schema: Value,
-    validator: Option<Validator>,
-}
-
-/// Schemas by name of what the service reads, for `#/components/schemas`: a field that may be left
-/// out is not required.
-pub fn body_schemas(add: impl FnOnce(&mut SchemaGenerator)) -> Map<String, Value> {
-    component_schemas(Contract::Deserialize, add)
-}
-
-/// Schemas by name of what the service writes, for `#/components/schemas`: a field that is always
-/// there is required, `null` or not.
-pub fn answer_schemas(add: impl FnOnce(&mut SchemaGenerator)) -> Map<String, Value> {
-    component_schemas(Contract::Serialize, add)
-}
-
-fn component_schemas(
-    contract: Contract,
-    add: impl FnOnce(&mut SchemaGenerator),
-) -> Map<String, Value> {
-    let settings = SchemaSettings::draft2020_12().with(|settings| {
-        settings.definitions_path = "/components/schemas".into();
-        settings.contract = contract;
-    });
-    let mut generator = settings.into_generator();
-    add(&mut generator);
-    generator.take_definitions(true)
-}
-
-/// `x-unit` of the value that `pointer` names in what `schema` describes, which an array states once
-/// for all its entries.
-pub(crate) fn unit_at<'a>(schema: &'a Value, pointer: &str) -> Option<&'a str> {
-    let (name, rest) = match pointer.strip_prefix('/') {
-        None => return schema["x-unit"].as_str(),
-        Some(path) => match path.find('/') {
-            Some(end) => (&path[..end], &path[end..]),
-            None => (path, ""),
-        },
-    };
-    let name = name.replace("~1", "/").replace("~0", "~");
-    let of_array = schema.get("items").map(|item| {
-        let own = schema["x-unit"].as_str();
-        unit_at(item, rest).or(own)
-    });
-    let of_field = [
-        schema["properties"].get(&name),
-        schema.get("additionalProperties"),
-    ]
-    .into_iter()
-    .flatten()
-    .find_map(|field| unit_at(field, rest));
-    of_field.or(of_array.flatten()).or_else(|| {
-        let branches = ["oneOf", "anyOf", "allOf"].into_iter();
-        let mut branches = branches.filter_map(|keyword| schema[keyword].as_array());
-        branches.find_map(|branches| branches.iter().find_map(|branch| unit_at(branch, pointer)))
-    })
-}
-
-impl Checker {
-    /// Whether the schema compiles.
-    #[cfg(test)]
-    pub(crate) fn is_usable(&self) -> bool {
-        self.validator.is_some()
-    }
-
-    pub(crate) fn of<T: JsonSchema>() -> Self {
-        let settings =
-            SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
-        let schema = settings
-            .into_generator()
-            .into_root_schema_for::<T>()
-            .to_value();
-        // a test compiles every schema, so that `None` is not met in service
-        let validator = jsonschema::draft202012::new(&schema).ok();
-        Self { schema, validator }
-    }
-
-    pub(crate) fn violations(&self, value: &Value) -> Vec<Violation> {
-        let Some(validator) = &self.validator else {
-            return vec![Violation::new(
-                "",
-                "internal",
-                "the schema of this kind is not usable",
-            )];
-        };
-        let mut violations = Vec::new();
+impl Place<'_> {
+    /// Tells all that `validator`, of this place's schema or a part of it, finds in `value`.
+    pub(super) fn list(&self, validator: &Validator, value: &Value, found: &mut Violations) {
         for error in validator.iter_errors(value) {
-            self.translate(&error, &mut violations);
-            if violations.len() >= LISTED {
-                violations.truncate(LISTED);
-                break;
+            if found.is_full() {
+                return;
             }
+            self.translate(&error, found);
         }
-        violations
     }
 
     /// Turns a validator's error into violations a user can act on.
-    fn translate(&self, error: &ValidationError<'_>, violations: &mut Vec<Violation>) {
-        let pointer = error.instance_path().to_string();
+    fn translate(&self, error: &ValidationError<'_>, violations: &mut Violations) {
+        let pointer = format!("{}{}", self.pointer, error.instance_path());
         let keyword_path = error.schema_path().to_string();
         let node_path = keyword_path.rsplit_once('/').map_or("", |(node, _)| node);
         let node = self.schema.pointer(node_path).unwrap_or(&Value::Null);
@@ -173,20 +83,27 @@ impl Checker {
                 "not_unique",
                 "an entry is given more than once".to_owned(),
             )),
+            ValidationErrorKind::MinProperties { .. }
+            | ValidationErrorKind::MaxProperties { .. } => {
+                let count = given.as_object().map_or(0, Map::len);
+                violations.push(at("wrong_length", format!("{count} entries given")));
+            }
             ValidationErrorKind::MinLength { .. } | ValidationErrorKind::MaxLength { .. } => {
                 let count = given.as_str().map_or(0, |text| text.chars().count());
                 violations.push(at("wrong_length", format!("{count} characters given")));
             }
             ValidationErrorKind::OneOfNotValid { context }
-            | ValidationErrorKind::AnyOf { context } => match meant_branch(&pointer, context) {
-                Some(branch) => branch
-                    .iter()
-                    .for_each(|error| self.translate(error, violations)),
-                None => violations.push(at(
-                    "not_allowed",
-                    "this is none of the accepted forms".to_owned(),
-                )),
-            },
+            | ValidationErrorKind::AnyOf { context } => {
+                match meant_branch(error.instance_path().as_str(), context) {
+                    Some(branch) => branch
+                        .iter()
+                        .for_each(|error| self.translate(error, violations)),
+                    None => violations.push(at(
+                        "not_allowed",
+                        "this is none of the accepted forms".to_owned(),
+                    )),
+                }
+            }
             _ => violations.push(at("not_allowed", error.to_string())),
         }
     }
@@ -198,6 +115,9 @@ impl Checker {
             let node = self.schema.pointer(path)?;
             if let Some(unit) = node["x-unit"].as_str() {
                 return Some(unit);
+            }
+            if path.is_empty() {
+                return self.unit;
             }
             path = path.strip_suffix("/items")?;
         }
@@ -220,7 +140,7 @@ fn meant_branch<'a>(
     fitting.next().is_none().then_some(first)
 }
 
-fn is_field_error(error: &ValidationError<'_>) -> bool {
+pub(super) fn is_field_error(error: &ValidationError<'_>) -> bool {
     matches!(
         error.kind(),
         ValidationErrorKind::AdditionalProperties { .. } | ValidationErrorKind::Required { .. }
@@ -234,7 +154,7 @@ fn is_tag(error: &ValidationError<'_>) -> bool {
 }
 
 /// What a schema accepts, in a few words.
-fn describe(node: &Value) -> String {
+pub(super) fn describe(node: &Value) -> String {
     if let Some(value) = node.get("const") {
         return value.to_string();
     }
@@ -270,6 +190,9 @@ fn describe(node: &Value) -> String {
         let unique = node["uniqueItems"].as_bool() == Some(true);
         let unique = if unique { ", all different" } else { "" };
         return format!("{range} entries{unique}");
+    }
+    if let Some(range) = range(limit("minProperties"), limit("maxProperties")) {
+        return format!("{range} entries");
     }
     if let Some(range) = range(limit("minLength"), limit("maxLength")) {
         return format!("{range} characters");
@@ -317,9 +240,4 @@ fn number(value: f64) -> String {
     } else {
         format!("{value}")
     }
-}
-
-/// A field name as a part of a JSON pointer (RFC 6901).
-pub(crate) fn escape(name: &str) -> String {
-    name.replace('~', "~0").replace('/', "~1")
 }

@@ -1,0 +1,122 @@
+//! JSON Schema as the one source of types, units, limits and their error messages.
+//!
+//! Whether a value fits, the validator of the whole schema tells in one walk that keeps nothing.
+//! What is wrong with one that does not fit, [`descent`] finds where the value is large and
+//! [`translate`] says where it is small.
+mod descent;
+mod translate;
+
+use jsonschema::Validator;
+use schemars::generate::{Contract, SchemaSettings};
+use schemars::{JsonSchema, SchemaGenerator};
+use serde_json::{Map, Value};
+
+use crate::problem::Violation;
+use crate::violations::Violations;
+use descent::Place;
+
+/// A schema compiled for checking, with its text for messages.
+pub(crate) struct Checker {
+    pub(crate) schema: Value,
+    validator: Option<Validator>,
+}
+
+/// Schemas by name of what the service reads, for `#/components/schemas`: a field that may be left
+/// out is not required.
+pub fn body_schemas(add: impl FnOnce(&mut SchemaGenerator)) -> Map<String, Value> {
+    component_schemas(Contract::Deserialize, add)
+}
+
+/// Schemas by name of what the service writes, for `#/components/schemas`: a field that is always
+/// there is required, `null` or not.
+pub fn answer_schemas(add: impl FnOnce(&mut SchemaGenerator)) -> Map<String, Value> {
+    component_schemas(Contract::Serialize, add)
+}
+
+fn component_schemas(
+    contract: Contract,
+    add: impl FnOnce(&mut SchemaGenerator),
+) -> Map<String, Value> {
+    let settings = SchemaSettings::draft2020_12().with(|settings| {
+        settings.definitions_path = "/components/schemas".into();
+        settings.contract = contract;
+    });
+    let mut generator = settings.into_generator();
+    add(&mut generator);
+    generator.take_definitions(true)
+}
+
+/// `x-unit` of the value that `pointer` names in what `schema` describes, which an array states once
+/// for all its entries.
+pub(crate) fn unit_at<'a>(schema: &'a Value, pointer: &str) -> Option<&'a str> {
+    let (name, rest) = match pointer.strip_prefix('/') {
+        None => return schema["x-unit"].as_str(),
+        Some(path) => match path.find('/') {
+            Some(end) => (&path[..end], &path[end..]),
+            None => (path, ""),
+        },
+    };
+    let name = name.replace("~1", "/").replace("~0", "~");
+    let of_array = schema.get("items").map(|item| {
+        let own = schema["x-unit"].as_str();
+        unit_at(item, rest).or(own)
+    });
+    let of_field = [
+        schema["properties"].get(&name),
+        schema.get("additionalProperties"),
+    ]
+    .into_iter()
+    .flatten()
+    .find_map(|field| unit_at(field, rest));
+    of_field.or(of_array.flatten()).or_else(|| {
+        let branches = ["oneOf", "anyOf", "allOf"].into_iter();
+        let mut branches = branches.filter_map(|keyword| schema[keyword].as_array());
+        branches.find_map(|branches| branches.iter().find_map(|branch| unit_at(branch, pointer)))
+    })
+}
+
+impl Checker {
+    /// Whether the schema compiles.
+    #[cfg(test)]
+    pub(crate) fn is_usable(&self) -> bool {
+        self.validator.is_some()
+    }
+
+    pub(crate) fn of<T: JsonSchema>() -> Self {
+        let settings =
+            SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
+        let schema = settings
+            .into_generator()
+            .into_root_schema_for::<T>()
+            .to_value();
+        // a test compiles every schema, so that `None` is not met in service
+        let validator = jsonschema::draft202012::new(&schema).ok();
+        Self { schema, validator }
+    }
+
+    /// What is wrong with a value, with pointers relative to it: the first mistakes of many.
+    pub(crate) fn violations(&self, value: &Value) -> Vec<Violation> {
+        let Some(validator) = &self.validator else {
+            return vec![Violation::new(
+                "",
+                "internal",
+                "the schema of this kind is not usable",
+            )];
+        };
+        if validator.is_valid(value) {
+            return Vec::new();
+        }
+        let mut found = Violations::default();
+        Place::root(&self.schema).search(value, &mut found);
+        if found.is_empty() {
+            // what does not fit never passes, even where nobody can say why
+            found.push(Violation::new("", "not_allowed", "this is not accepted"));
+        }
+        found.into_vec()
+    }
+}
+
+/// A field name as a part of a JSON pointer (RFC 6901).
+pub(crate) fn escape(name: &str) -> String {
+    name.replace('~', "~0").replace('/', "~1")
+}
