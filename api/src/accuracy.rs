@@ -3,6 +3,7 @@ use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 /// A preset's name, or the knobs it stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -75,22 +76,19 @@ impl<K: Knobs> JsonSchema for Accuracy<K> {
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         const NAMES: [&str; 3] = ["draft", "standard", "reference"];
+        // as values, which keep the order in which derived schemas have their keywords
         let presets = match K::EACH {
-            None => json_schema!({"type": "string", "enum": NAMES, "description": K::PRESETS}),
+            None => json!({"type": "string", "enum": NAMES, "description": K::PRESETS}),
             Some(each) => {
                 let named = NAMES.iter().zip(each);
-                let choices: Vec<Schema> = named
-                    .map(|(name, about)| {
-                        json_schema!({"type": "string", "const": name, "description": about})
-                    })
+                let choices: Vec<Value> = named
+                    .map(|(name, about)| json!({"type": "string", "const": name, "description": about}))
                     .collect();
-                json_schema!({"oneOf": choices, "description": K::PRESETS})
+                json!({"oneOf": choices, "description": K::PRESETS})
             }
         };
-        json_schema!({
-            "anyOf": [presets, generator.subschema_for::<K>()],
-            "description": K::ABOUT,
-        })
+        let knobs = generator.subschema_for::<K>().to_value();
+        json_schema!({"anyOf": [presets, knobs], "description": K::ABOUT})
     }
 }
 

@@ -43,7 +43,7 @@ fn every_example_file_is_listed() {
             .expect("ASCII");
         assert!(
             examples().any(|(_, example)| format!("{}.json", example.name) == name),
-            "{name} is not in kinds.rs"
+            "{name} is not in the list of kinds"
         );
     }
 }

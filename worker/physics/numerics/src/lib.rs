@@ -2,12 +2,15 @@
 //!
 //! [`Team`] shares passes over arrays among threads and sums in a fixed order; [`wide`] runs a kernel
 //! in the widest vector instructions that the machine has. [`next_look`] finds where the first of many
-//! quantities passes a limit; [`Softening`] solves equations whose matrix lost parts since it was factored.
+//! quantities passes a limit; [`Softening`] solves equations whose matrix lost parts since it was factored,
+//! as [`SparseCholesky`] factors it.
+mod cholesky;
 mod crossing;
 mod parallel;
 mod softening;
 mod wide;
 
+pub use cholesky::{NoFactor, SparseCholesky};
 pub use crossing::{Crossing, next_look};
 pub use parallel::{Team, ThreadsError};
 pub use softening::{Singular, Softening};

@@ -145,7 +145,6 @@ fn checks(
         "1",
         "Root mean square of the residuals; the bound is the tolerance asked for.",
     );
-
     report.check(
         "condition_index",
         condition,
@@ -153,7 +152,6 @@ fn checks(
         "1",
         "How nearly two parameters, or a combination of several, do the same to all results.",
     );
-
     report.check(
         "parameters_without_effect",
         confidence.idle.len() as f64,
@@ -161,7 +159,6 @@ fn checks(
         "1",
         "Free parameters that no measured result depends on.",
     );
-
     report.check(
         "parameters_at_bounds",
         at_bounds.len() as f64,

@@ -80,7 +80,6 @@ fn checks(
         "1",
         "Sum of loads and reactions over the sum of their sizes, at rest.",
     );
-
     report.check(
         "residual",
         rest.residual,
@@ -88,7 +87,6 @@ fn checks(
         "1",
         "Largest unbalanced force over the largest force on a particle, at rest.",
     );
-
     report.check(
         "inverted_cells",
         inverted(model, tested) as f64,
@@ -96,16 +94,18 @@ fn checks(
         "1",
         "Cells that the displacements turn inside out, at the end; cells that broke are left out.",
     );
-
     if let Some(main) = errors::main(measured) {
         let error = finding.of_grid(main, model.comparison()) / main.value.abs();
         // a grid that cannot be coarser tells nothing of its error
         if error.is_finite() {
-            report.check("estimated_discretisation_error", error,
-                    LARGEST_GRID_ERROR,
-                    "1",
-                    "Error for the grid over the value, of the largest force of a test that breaks, else of \
-                     the modulus or of the mean top deflection, from coarser grids.",);
+            report.check(
+                "estimated_discretisation_error",
+                error,
+                LARGEST_GRID_ERROR,
+                "1",
+                "Error for the grid over the value, of the largest force of a test that breaks, else of \
+                 the modulus or of the mean top deflection, from coarser grids.",
+            );
         }
     }
 }

@@ -80,7 +80,6 @@ fn checks(report: &mut ReportBuilder, tested: &Tested, worst: f64) {
         "1",
         "Largest unbalanced force over the load, of all load cases.",
     );
-
     report.check(
         "estimated_discretisation_error",
         worst,

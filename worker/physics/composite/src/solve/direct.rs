@@ -1,16 +1,5 @@
-//! Sparse Cholesky factors of a grid's matrix, for the displacements that are free.
-//!
-//! `faer` factors supernodes; the order is ours. It works on one thread, so that the same matrix
-//! gives the same bytes on any machine with the same vector instructions.
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltError;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+//! The factor of a grid's matrix, for the displacements that are free.
+use loadframe_numerics::SparseCholesky;
 
 use crate::matrix::{GridMatrix, STEPS};
 use crate::solve::order::nested_dissection;
@@ -31,18 +20,23 @@ pub(crate) enum NoFactor {
     TooLarge,
 }
 
+impl From<loadframe_numerics::NoFactor> for NoFactor {
+    fn from(error: loadframe_numerics::NoFactor) -> Self {
+        match error {
+            loadframe_numerics::NoFactor::Indefinite { unknown } => Self::Indefinite {
+                displacement: unknown,
+            },
+            loadframe_numerics::NoFactor::TooLarge => Self::TooLarge,
+        }
+    }
+}
+
 /// The pattern of a matrix and its factor, made once, and the factor's values.
 #[derive(Debug)]
 pub(crate) struct Direct {
-    /// Free displacements in order of elimination.
-    free: Vec<u32>,
-    starts: Vec<u32>,
-    rows: Vec<u32>,
     /// Where in the grid's matrix each entry comes from.
     sources: Vec<u32>,
-    symbolic: SymbolicCholesky<u32>,
-    values: Vec<f64>,
-    entries: Vec<f64>,
+    factor: SparseCholesky,
 }
 
 impl Direct {
@@ -70,8 +64,7 @@ impl Direct {
                 let mut visit = |other: usize, owner: usize, is_own: bool| {
                     for other_axis in 0..2 {
                         let row = place[2 * other + other_axis];
-                        // Held ones lie beyond every place. Upper half: with its own order given,
-                        // faer's analysis reads that one whatever side it is told.
+                        // held ones lie beyond every place
                         if row as usize <= at {
                             let entry = if is_own {
                                 2 * axis + other_axis
@@ -96,120 +89,40 @@ impl Direct {
             sources.extend(column.iter().map(|entry| entry.1));
         }
         starts.push(rows.len() as u32);
-        let pattern =
-            SymbolicSparseColMatRef::new_checked(free.len(), free.len(), &starts, None, &rows);
-        let symbolic = factorize_symbolic_cholesky(
-            pattern,
-            Side::Upper,
-            SymmetricOrdering::Identity,
-            CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-                ..Default::default()
-            },
-        )
-        .map_err(|_| NoFactor::TooLarge)?;
-        let values = vec![0.0; symbolic.len_val()];
-        let entries = vec![0.0; rows.len()];
         Ok(Self {
-            free,
-            starts,
-            rows,
             sources,
-            symbolic,
-            values,
-            entries,
+            factor: SparseCholesky::new(free, starts, rows)?,
         })
     }
 
     /// Factors a matrix of the analysed pattern.
     pub(crate) fn factor(&mut self, matrix: &GridMatrix) -> Result<(), NoFactor> {
-        for (entry, &source) in self.entries.iter_mut().zip(&self.sources) {
+        self.factor.factor(self.sources.iter().map(|&source| {
             let source = source as usize;
-            *entry = matrix.blocks[source / 20][source % 20 / 4][source % 4];
-        }
-        let size = self.free.len();
-        let pattern =
-            SymbolicSparseColMatRef::new_checked(size, size, &self.starts, None, &self.rows);
-        let scratch = self
-            .symbolic
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| NoFactor::TooLarge)?;
-        let outcome = self.symbolic.factorize_numeric_llt(
-            &mut self.values,
-            SparseColMatRef::new(pattern, &self.entries),
-            Side::Upper,
-            Default::default(),
-            Par::Seq,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
-        match outcome {
-            Ok(_) => self.refuse_tiny_pivots(matrix),
-            Err(LltError::NonPositivePivot { index }) => Err(NoFactor::Indefinite {
-                displacement: self.free[index.min(size - 1)] as usize,
-            }),
-        }
+            matrix.blocks[source / 20][source % 20 / 4][source % 4]
+        }))?;
+        self.refuse_tiny_pivots(matrix)
     }
 
     /// Round-off can leave a zero pivot slightly positive.
     fn refuse_tiny_pivots(&self, matrix: &GridMatrix) -> Result<(), NoFactor> {
-        use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
-        use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
-        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
-            return Ok(());
-        };
-        let factor = SupernodalLltRef::new(symbolic, &self.values);
-        for node in 0..symbolic.n_supernodes() {
-            let part = factor.supernode(node);
-            let values = part.val();
-            for column in 0..values.ncols() {
-                let pivot = values[(column, column)];
-                let displacement = self.free[part.start() + column] as usize;
-                let ratio = pivot * pivot / matrix.diagonal(displacement);
-                if ratio < SINGULAR || ratio.is_nan() {
-                    return Err(NoFactor::Indefinite { displacement });
-                }
-            }
+        let tiny = self.factor.find_pivot(|displacement, pivot| {
+            let ratio = pivot / matrix.diagonal(displacement);
+            ratio < SINGULAR || ratio.is_nan()
+        });
+        match tiny {
+            Some(displacement) => Err(NoFactor::Indefinite { displacement }),
+            None => Ok(()),
         }
-        Ok(())
     }
 
-    /// Solves for the free displacements: reads the right-hand side there, and writes the solution
-    /// there; all others become 0.
+    /// As [`SparseCholesky::solve`].
     pub(crate) fn solve(&self, right: &[f64], solution: &mut [f64]) {
-        let mut column: Vec<f64> = self.free.iter().map(|&d| right[d as usize]).collect();
-        self.solve_free(&mut column, 1);
-        solution.fill(0.0);
-        for (&displacement, value) in self.free.iter().zip(&column) {
-            solution[displacement as usize] = *value;
-        }
+        self.factor.solve(right, solution);
     }
 
-    /// As [`Direct::solve`], of several right-hand sides at once, each of which becomes its
-    /// solution: one pass over the factor for all of them.
+    /// As [`SparseCholesky::solve_several`].
     pub(crate) fn solve_several(&self, columns: &mut [Vec<f64>]) {
-        let mut free = Vec::with_capacity(columns.len() * self.free.len());
-        for column in columns.iter() {
-            free.extend(self.free.iter().map(|&d| column[d as usize]));
-        }
-        self.solve_free(&mut free, columns.len());
-        for (column, solved) in columns.iter_mut().zip(free.chunks(self.free.len().max(1))) {
-            column.fill(0.0);
-            for (&displacement, value) in self.free.iter().zip(solved) {
-                column[displacement as usize] = *value;
-            }
-        }
-    }
-
-    /// Solves in place, columns one after the other.
-    fn solve_free(&self, columns: &mut [f64], count: usize) {
-        let scratch = self.symbolic.solve_in_place_scratch::<f64>(count, Par::Seq);
-        let mut memory = MemBuffer::new(scratch);
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(columns, self.free.len(), count),
-            Par::Seq,
-            MemStack::new(&mut memory),
-        );
+        self.factor.solve_several(columns);
     }
 }

@@ -157,11 +157,13 @@ fn worst(engine: &Engine, journal: &Journal) -> Worst {
 
 fn checks(report: &mut ReportBuilder, spec: &GranularScene, engine: &Engine, journal: &Journal) {
     let worst = worst(engine, journal);
-    report.check("largest_overlap_ratio", worst.overlap_ratio,
-                LARGEST_OVERLAP,
-                "1",
-                "Largest overlap of any step over the smaller radius: grains this soft are not stiff grains.",);
-
+    report.check(
+        "largest_overlap_ratio",
+        worst.overlap_ratio,
+        LARGEST_OVERLAP,
+        "1",
+        "Largest overlap of any step over the smaller radius: grains this soft are not stiff grains.",
+    );
     report.check(
         "step_over_critical",
         worst.step_ratio,
@@ -173,7 +175,6 @@ fn checks(report: &mut ReportBuilder, spec: &GranularScene, engine: &Engine, jou
         "1",
         &limit(spec, engine, &worst),
     );
-
     if !engine.model.has_driven_bodies {
         report.check(
             "created_energy_ratio",
@@ -188,14 +189,20 @@ fn checks(report: &mut ReportBuilder, spec: &GranularScene, engine: &Engine, jou
         );
     }
     if let Some([number, ratio]) = journal.driving.means() {
-        report.check("inertial_number", number,
-                LARGEST_INERTIAL_NUMBER,
-                "1",
-                "Mean over the looks at stages that drive, weighed by pressure: above the bound the bodies' inertia shows.",);
-        report.check("driven_unbalanced_force_ratio", ratio,
-                LARGEST_UNBALANCED,
-                "1",
-                "Mean resultant force on a body over the mean contact force, over the looks at stages that drive, weighed by pressure.",);
+        report.check(
+            "inertial_number",
+            number,
+            LARGEST_INERTIAL_NUMBER,
+            "1",
+            "Mean over the looks at stages that drive, weighed by pressure: above the bound the bodies' inertia shows.",
+        );
+        report.check(
+            "driven_unbalanced_force_ratio",
+            ratio,
+            LARGEST_UNBALANCED,
+            "1",
+            "Mean resultant force on a body over the mean contact force, over the looks at stages that drive, weighed by pressure.",
+        );
     }
 }
 

@@ -166,7 +166,6 @@ fn checks(report: &mut ReportBuilder, spec: &NonwovenTensile, state: &State) {
         "1",
         "Largest resultant of a free node over its limit, over all equilibria.",
     );
-
     report.check(
         "jaw_force_imbalance",
         relative_imbalance,
@@ -174,7 +173,6 @@ fn checks(report: &mut ReportBuilder, spec: &NonwovenTensile, state: &State) {
         "1",
         "Largest difference between the forces on the two jaws, over the maximum force.",
     );
-
     report.check(
         "overstepped_force",
         overstepped(state),
@@ -188,7 +186,6 @@ fn checks(report: &mut ReportBuilder, spec: &NonwovenTensile, state: &State) {
         "How far the force may have risen past where it fell, over its maximum: maximum force \
                  and its strain may be off by so much.",
     );
-
     report.check(
         "unconverged_steps",
         state.unconverged.len() as f64,

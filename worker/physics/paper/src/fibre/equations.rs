@@ -1,16 +1,8 @@
 //! The stiffness matrix of a tube's springs for the displacements that are free, and its factor.
 //!
 //! Points are eliminated ring by ring, as they are numbered: the matrix is a narrow band along the
-//! tube, for which no other order fills in less. `faer` factors supernodes on one thread.
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltError;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+//! tube, for which no other order fills in less.
+use loadframe_numerics::{NoFactor, SparseCholesky};
 
 use super::{Spring, Tube, TubeError};
 
@@ -45,25 +37,19 @@ impl Stiffness {
 /// Pattern of the matrix with its factor, made once for a tube and its supports.
 #[derive(Debug)]
 pub(super) struct Equations {
-    /// Free displacements, in order.
-    free: Vec<u32>,
-    starts: Vec<u32>,
-    rows: Vec<u32>,
     /// Where in `blocks` each entry comes from.
     sources: Vec<u32>,
     /// Blocks of a spring: of its lower point, of its higher, and between.
     of_spring: Vec<[u32; 3]>,
     blocks: Vec<[f64; 9]>,
-    symbolic: SymbolicCholesky<u32>,
-    entries: Vec<f64>,
-    values: Vec<f64>,
+    factor: SparseCholesky,
+    points: usize,
 }
 
 impl Equations {
     /// Analyses the pattern for the displacements that are not held.
     pub(super) fn new(tube: &Tube, held: &[bool]) -> Result<Self, TubeError> {
         let points = tube.places_um().len();
-        let too_large = TubeError::TooLarge { points };
         let mut below: Vec<Vec<u32>> = (0..points as u32).map(|point| vec![point]).collect();
         for spring in tube.springs() {
             below[spring.points[1] as usize].push(spring.points[0]);
@@ -106,28 +92,13 @@ impl Equations {
             }
             starts.push(rows.len() as u32);
         }
-        let pattern =
-            SymbolicSparseColMatRef::new_checked(free.len(), free.len(), &starts, None, &rows);
-        let symbolic = factorize_symbolic_cholesky(
-            pattern,
-            Side::Upper,
-            SymmetricOrdering::Identity,
-            CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-                ..Default::default()
-            },
-        )
-        .map_err(|_| too_large)?;
+        let factor = SparseCholesky::new(free, starts, rows);
         Ok(Self {
-            entries: vec![0.0; rows.len()],
-            values: vec![0.0; symbolic.len_val()],
-            free,
-            starts,
-            rows,
+            factor: factor.map_err(|error| told(error, points))?,
             sources,
             of_spring,
             blocks: vec![[0.0; 9]; blocks as usize],
-            symbolic,
+            points,
         })
     }
 
@@ -146,52 +117,26 @@ impl Equations {
                 }
             }
         }
-        for (entry, &source) in self.entries.iter_mut().zip(&self.sources) {
-            *entry = self.blocks[source as usize / 9][source as usize % 9];
-        }
-        let size = self.free.len();
-        if size == 0 {
-            return Ok(());
-        }
-        let pattern =
-            SymbolicSparseColMatRef::new_checked(size, size, &self.starts, None, &self.rows);
-        let scratch = self
-            .symbolic
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let too_large = TubeError::TooLarge { points: size / 3 };
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| too_large)?;
-        let outcome = self.symbolic.factorize_numeric_llt(
-            &mut self.values,
-            SparseColMatRef::new(pattern, &self.entries),
-            Side::Upper,
-            Default::default(),
-            Par::Seq,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
-        outcome
-            .map(|_| ())
-            .map_err(|LltError::NonPositivePivot { index }| TubeError::Unstable {
-                point: self.free[index.min(size - 1)] as usize / 3,
-            })
+        let entries = self.sources.iter().map(|&source| {
+            let source = source as usize;
+            self.blocks[source / 9][source % 9]
+        });
+        let outcome = self.factor.factor(entries);
+        outcome.map_err(|error| told(error, self.points))
     }
 
     /// Solves for the free displacements, reading forces and writing displacements there; all others
     /// become 0.
     pub(super) fn solve(&self, forces: &[f64], displacements: &mut [f64]) {
-        let mut column: Vec<f64> = self.free.iter().map(|&at| forces[at as usize]).collect();
-        let scratch = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        let mut memory = MemBuffer::new(scratch);
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(&mut column, self.free.len(), 1),
-            Par::Seq,
-            MemStack::new(&mut memory),
-        );
-        displacements.fill(0.0);
-        for (&at, value) in self.free.iter().zip(&column) {
-            displacements[at as usize] = *value;
-        }
+        self.factor.solve(forces, displacements);
+    }
+}
+
+/// What to tell of a tube that has no factor.
+fn told(error: NoFactor, points: usize) -> TubeError {
+    match error {
+        NoFactor::Indefinite { unknown } => TubeError::Unstable { point: unknown / 3 },
+        NoFactor::TooLarge => TubeError::TooLarge { points },
     }
 }
 

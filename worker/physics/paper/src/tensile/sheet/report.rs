@@ -286,7 +286,6 @@ fn checks(report: &mut ReportBuilder, measures: &PullMeasures) {
         "1",
         "Largest unbalanced force on a node over the largest force of a beam or bond, at any rest.",
     );
-
     report.check(
         "jaw_force_imbalance",
         measures.largest_jaw_imbalance,
@@ -294,7 +293,6 @@ fn checks(report: &mut ReportBuilder, measures: &PullMeasures) {
         "1",
         "Largest difference between the forces on the two jaws, over the maximum force.",
     );
-
     report.check(
         "energy_balance_error",
         measures.energy_error(),
