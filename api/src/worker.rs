@@ -128,11 +128,14 @@ pub struct ProgressReport {
     pub log: Vec<String>,
 }
 
+/// Columns that a curve may have.
+pub const MOST_CURVE_COLUMNS: usize = 200;
+
 /// Consecutive points of a curve.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CurveBlock {
-    #[schemars(length(min = 1, max = 200))]
+    #[schemars(length(min = 1, max = MOST_CURVE_COLUMNS))]
     pub columns: Vec<String>,
     /// Index of the first point; a block may repeat points already sent, never leave a gap.
     pub first: u64,

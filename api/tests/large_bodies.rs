@@ -9,7 +9,7 @@ use loadframe_api::{Calibration, JobKind, Limits, Submission, SubmissionError};
 use serde_json::{Value, json};
 
 /// Length of a body [bytes].
-const SIZE: usize = 200_000;
+const SIZE: usize = 100_000;
 /// Processor time that a body of this size may take [s]: a hundred times less than one whose lists
 /// are gone through in pairs. The dev profile is some ten times slower than a release.
 const LONGEST_S: f64 = 3.0;
@@ -206,7 +206,7 @@ fn crowds() -> Vec<Body> {
                "material": "steel", "position_m": [0, 0, 0]}}"#
         )
     };
-    all.push(scene("shapes of many members", |_| filled(0.012), RUN));
+    all.push(scene("shapes of many members", |_| filled(0.0125), RUN));
     all.push(scene("shapes of too many members", |_| filled(1e-9), RUN));
     let planes: Vec<String> = (0..1000)
         .map(|number| {

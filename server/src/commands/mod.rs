@@ -3,6 +3,7 @@
 //! `lab`, `serve` and `worker` are the service; `run`, `study`, `validate`, `kinds`, `example` and `schema`
 //! need no server; all others speak REST with one. What a command prints for people can be had as
 //! JSON with `--json`; how it ended is its exit code ([`failure::Code`]).
+mod backup;
 mod connection;
 mod engine;
 mod failure;
@@ -16,6 +17,7 @@ mod memory;
 mod progress;
 mod results;
 mod run;
+mod scrub;
 mod serve;
 mod signals;
 mod source;
@@ -85,6 +87,12 @@ enum Command {
     List(list::Arguments),
     /// Manage access tokens, beside the server
     Token(token::Arguments),
+    /// Copy a server's database and files to an empty folder, while it may be running
+    Backup(backup::BackupArguments),
+    /// Bring a backup to an empty folder
+    Restore(backup::RestoreArguments),
+    /// Hold every stored file against its SHA-256, beside a server that may be running
+    Scrub(scrub::Arguments),
     /// List the kinds of jobs
     Kinds(kinds::KindsArguments),
     /// Print an example job
@@ -131,6 +139,9 @@ async fn perform(command: Command) -> Result<(), Failure> {
         Command::Retry(arguments) => job::perform(arguments, "retry").await,
         Command::List(arguments) => list::perform(arguments).await,
         Command::Token(arguments) => token::perform(arguments).await,
+        Command::Backup(arguments) => backup::back_up(arguments).await,
+        Command::Restore(arguments) => backup::bring_back(arguments).await,
+        Command::Scrub(arguments) => scrub::perform(arguments).await,
         Command::Kinds(arguments) => kinds::list(arguments),
         Command::Example(arguments) => kinds::example(&arguments),
         Command::Schema(arguments) => kinds::schema(arguments),

@@ -37,6 +37,9 @@ pub(crate) struct ServerOptions {
     /// Seconds a silent worker keeps its job
     #[arg(long, value_name = "S", default_value_t = 30.0, value_parser = positive)]
     lease_s: f64,
+    /// Days that a stored file which no job names waits before it is removed
+    #[arg(long, value_name = "DAYS", default_value_t = 7.0, value_parser = positive)]
+    unnamed_days: f64,
     /// Most seconds of wall time for a job
     #[arg(long, value_name = "S", value_parser = positive)]
     job_time_limit_s: Option<f64>,
@@ -73,6 +76,7 @@ impl ServerOptions {
             store: StoreOptions {
                 lease: Duration::from_secs_f64(self.lease_s),
                 job_time_limit: self.job_time_limit_s.map(Duration::from_secs_f64),
+                unnamed_wait: Duration::from_secs_f64(86_400.0 * self.unnamed_days),
                 ..StoreOptions::new(&self.data)
             },
             limits: loadframe_api::Limits {

@@ -61,8 +61,8 @@ async fn download(State(state): State<AppState>, Path(id): Path<Uuid>) -> Result
         let mut zip = ZipWriter::new_stream(&mut out);
         let mut write = || -> io::Result<()> {
             for entry in &entries {
-                let path = runtime.block_on(state.store.file(id, &entry.name));
-                let (_, path) = path.map_err(io::Error::other)?;
+                let path = runtime.block_on(state.store.content(id, entry));
+                let path = path.map_err(io::Error::other)?;
                 add(
                     &mut zip,
                     &format!("{folder}/{}", entry.name),

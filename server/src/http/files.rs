@@ -56,6 +56,7 @@ async fn list(
                   (String = "application/xml"), (String = "text/csv"), (String = "text/plain"))),
               (status = 304, description = "You have it"),
               (status = 404, description = "There is no such job or file"),
+              (status = 500, description = "What was stored is missing or has changed; `detail` names job and file"),
               (status = 416, description = "The file has no such range", headers(("Content-Range" = String)))))]
 async fn read(
     State(state): State<AppState>,
@@ -65,11 +66,12 @@ async fn read(
 ) -> Result<Response> {
     let unknown = || ApiError::not_found(format_args!("file {name:?}"));
     check_file_name(&name).map_err(|_| unknown())?;
-    let (entry, path) = state.store.file(id, &name).await?;
+    let entry = state.store.file(id, &name).await?;
     let tag = EntityTag::strong(&entry.sha256);
     if tag.is_known(&headers) {
         return Ok(tag.not_modified());
     }
+    let path = state.store.content(id, &entry).await?;
     // only what concerns the range goes on: the tag of the file's content is known better here
     let mut request = Request::new(Body::empty());
     *request.method_mut() = method;

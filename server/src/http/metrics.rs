@@ -66,6 +66,14 @@ fn describe() {
         "Attempts that ended because their worker fell silent"
     );
     gauge!(
+        "loadframe_files_unnamed",
+        "Stored files that no job names, which wait before they are removed"
+    );
+    gauge!(
+        "loadframe_files_lost",
+        "Files that jobs name and that the last scrub found missing or changed"
+    );
+    gauge!(
         "loadframe_file_bytes",
         "Size of all stored result files and checkpoints"
     );
@@ -99,6 +107,8 @@ async fn read(State(state): State<AppState>) -> Result<Response> {
     metrics::gauge!("loadframe_workers_alive").set(counts.workers_alive as f64);
     metrics::gauge!("loadframe_attempts_lost").set(counts.attempts_lost as f64);
     metrics::gauge!("loadframe_file_bytes").set(counts.file_bytes as f64);
+    metrics::gauge!("loadframe_files_unnamed").set(counts.files_unnamed as f64);
+    metrics::gauge!("loadframe_files_lost").set(counts.files_lost as f64);
     let media_type = "text/plain; version=0.0.4; charset=utf-8";
     Ok(([(header::CONTENT_TYPE, media_type)], recorder.render()).into_response())
 }

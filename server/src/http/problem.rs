@@ -47,6 +47,7 @@ problem_kinds! {
     TOO_MANY_REQUESTS = 429, "too-many-requests", "Too many requests at once";
     TOO_MANY_GUESSES = 429, "too-many-guesses", "Too many wrong tokens";
     INTERNAL = 500, "internal", "The server failed";
+    FILE_LOST = 500, "file-lost", "A stored file is lost";
     BUSY = 503, "busy", "The server is busy";
 }
 
@@ -124,6 +125,10 @@ impl From<StoreError> for ApiError {
             StoreError::KeyReused => Self::new(KEY_REUSED, detail),
             StoreError::Invalid(_) => Self::new(INVALID, detail),
             StoreError::TooLarge { .. } => Self::new(TOO_LARGE, detail),
+            StoreError::Lost { .. } => {
+                tracing::error!(error = %detail, "a stored file is lost");
+                Self::new(FILE_LOST, detail)
+            }
             StoreError::Interrupted(_) => Self::new(BAD_REQUEST, detail),
             StoreError::Unavailable | StoreError::InUse(_) => Self::busy(&detail, 1),
             fault => Self::internal(&fault),

@@ -4,9 +4,12 @@
 //! folder made durable; only then may a row name it. Between the renaming and the commit of that
 //! row the bytes look forgotten, so whoever stores a file holds a [`FileGuard`] until its row is safe,
 //! and the collector removes nothing while anybody does.
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 use sqlx::SqlitePool;
 use tempfile::{NamedTempFile, TempPath};
@@ -14,32 +17,49 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use tokio::sync::{OwnedRwLockReadGuard, RwLock, mpsc, oneshot};
 use tokio::task::spawn_blocking;
 
-use super::encoding::json;
+use super::collector::{Collector, Faults, Garbage};
 use super::error::{Result, StoreError};
 
 /// Bytes read and written at a time.
 const CHUNK: usize = 256 << 10;
-/// Names looked up at a time.
-const NAMES_AT_ONCE: usize = 500;
+/// A file up to this many bytes is verified whenever it is given out; a larger one, which takes a
+/// moment, when it was not for a while.
+const SMALL: u64 = 64 << 20;
+const TRUSTED_FOR: Duration = Duration::from_secs(3600);
+/// Larger files whose verification is remembered.
+const REMEMBERED: usize = 10_000;
 
 /// The folder.
 #[derive(Clone, Debug)]
 pub(super) struct Blobs {
     root: PathBuf,
     incoming: PathBuf,
+    /// What is not what its name says is moved here.
+    set_aside: PathBuf,
     in_use: Arc<RwLock<()>>,
     garbage: mpsc::UnboundedSender<Garbage>,
+    pub(super) faults: Arc<Faults>,
+    /// When larger files were verified.
+    verified: Arc<Mutex<BTreeMap<String, Instant>>>,
 }
 
-/// Work for the collector.
-#[derive(Debug)]
-pub(super) enum Garbage {
-    /// These may be named by no row any more.
-    Perhaps(Vec<String>),
-    /// Any of all the files may be.
-    PerhapsAny,
-    /// Tell when all before is done.
-    Barrier(oneshot::Sender<()>),
+/// Why a stored file cannot be given out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Loss {
+    /// It is not there.
+    Missing,
+    /// It was not what its SHA-256 says, and has been set aside.
+    Changed,
+}
+
+impl std::fmt::Display for Loss {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Missing => "is missing from the folder of files",
+            Self::Changed => "is not what was stored; what was found is in the folder set-aside",
+        })
+    }
 }
 
 /// A file that has arrived whole, still under its temporary name.
@@ -60,8 +80,11 @@ impl Blobs {
         let blobs = Self {
             root: data.join("blobs"),
             incoming: data.join("incoming"),
+            set_aside: data.join("set-aside"),
             in_use: Arc::default(),
             garbage,
+            faults: Arc::default(),
+            verified: Arc::default(),
         };
         let (root, incoming) = (blobs.root.clone(), blobs.incoming.clone());
         blocking(data, move || {
@@ -76,7 +99,7 @@ impl Blobs {
         Ok(blobs)
     }
 
-    /// Removes what a crash left: half-received files now, stored ones without a row soon.
+    /// Removes half-received files that a crash left, and has stored ones without a row found.
     pub(super) async fn recover(&self) -> Result<()> {
         let incoming = self.incoming.clone();
         blocking(&self.incoming, move || {
@@ -86,8 +109,13 @@ impl Blobs {
             Ok(())
         })
         .await?;
-        let _ = self.garbage.send(Garbage::PerhapsAny);
+        self.look_through();
         Ok(())
+    }
+
+    /// The folder.
+    pub(super) fn root(&self) -> &Path {
+        &self.root
     }
 
     /// Where the bytes of `sha256` are.
@@ -140,7 +168,7 @@ impl Blobs {
             hash.update(&chunk[..count]);
             file.write_all(&chunk[..count]).await.map_err(failed())?;
         }
-        let found: String = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+        let found = hexadecimal(hash);
         if found != sha256 {
             let sentence = format!("the body's SHA-256 is {found}, the query says {sha256}");
             return Err(StoreError::Invalid(sentence));
@@ -158,16 +186,93 @@ impl Blobs {
     pub(super) async fn keep(&self, received: Received) -> Result<FileGuard> {
         let guard = FileGuard(self.in_use.clone().read_owned().await);
         let place = self.path(&received.sha256);
-        blocking(&self.path(&received.sha256), move || {
-            // the same content may be there already, and then it is as durable as this
-            if !place.exists() {
+        // the same content may be there already, and then it is as durable as this: if it still is
+        // what its name says
+        if self
+            .examine(&received.sha256, received.bytes)
+            .await?
+            .is_some()
+        {
+            blocking(&self.path(&received.sha256), move || {
                 received.path.persist(&place)?;
-                sync_folder(place.parent().unwrap_or(&place))?;
-            }
-            Ok(())
-        })
-        .await?;
+                sync_folder(place.parent().unwrap_or(&place))
+            })
+            .await?;
+        }
         Ok(guard)
+    }
+
+    /// Holds a stored file against its name and sets it aside if it is another; tells what is wrong.
+    pub(super) async fn examine(&self, sha256: &str, bytes: u64) -> Result<Option<Loss>> {
+        let place = self.path(sha256);
+        let expected = sha256.to_owned();
+        let found = blocking(&place.clone(), move || match hash_of(&place) {
+            Ok((found, length)) if found == expected && length == bytes => Ok(None),
+            Ok(_) => Ok(Some(Loss::Changed)),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Some(Loss::Missing)),
+            Err(error) => Err(error),
+        })
+        .await;
+        let found = match found {
+            Ok(found) => found,
+            // a disk that cannot read it back has lost it as well
+            Err(StoreError::File { path, source }) => {
+                tracing::error!(path = %path.display(), error = %source, "a stored file cannot be read");
+                Some(Loss::Changed)
+            }
+            Err(error) => return Err(error),
+        };
+        if found == Some(Loss::Changed) {
+            self.set_aside(sha256).await?;
+        }
+        Ok(found)
+    }
+
+    async fn set_aside(&self, sha256: &str) -> Result<()> {
+        let (place, folder) = (self.path(sha256), self.set_aside.clone());
+        let name = format!("{sha256}-{}", loadframe_api::Timestamp::now().as_millis());
+        tracing::error!(sha256, folder = %folder.display(), "a stored file is not what its name says; it is set aside");
+        blocking(&self.set_aside, move || {
+            std::fs::create_dir_all(&folder)?;
+            std::fs::rename(&place, folder.join(name))?;
+            sync_folder(place.parent().unwrap_or(&place))
+        })
+        .await
+    }
+
+    /// Where a stored file is, having held it against its name.
+    pub(super) async fn verified(&self, sha256: &str, bytes: u64) -> Result<Result<PathBuf, Loss>> {
+        let path = self.path(sha256);
+        if bytes <= SMALL {
+            let loss = self.examine(sha256, bytes).await?;
+            return Ok(loss.map_or(Ok(path), Err));
+        }
+        let known = self.remembered().get(sha256).copied();
+        let length = tokio::fs::metadata(&path)
+            .await
+            .map_or(0, |file| file.len());
+        if length == bytes && known.is_some_and(|since| since.elapsed() < TRUSTED_FOR) {
+            return Ok(Ok(path));
+        }
+        let loss = self.examine(sha256, bytes).await?;
+        let mut remembered = self.remembered();
+        if remembered.len() >= REMEMBERED {
+            remembered.clear();
+        }
+        match loss {
+            None => remembered.insert(sha256.to_owned(), Instant::now()),
+            Some(_) => remembered.remove(sha256),
+        };
+        Ok(loss.map_or(Ok(path), Err))
+    }
+
+    fn remembered(&self) -> MutexGuard<'_, BTreeMap<String, Instant>> {
+        self.verified.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Has the whole folder looked through for files without a row.
+    pub(super) fn look_through(&self) {
+        let _ = self.garbage.send(Garbage::PerhapsAny);
     }
 
     /// Reports files that may be named by no row.
@@ -184,99 +289,51 @@ impl Blobs {
         }
     }
 
-    /// Removes what no row names, as it is reported; ends with the last reporter.
+    /// The collector of this folder.
     pub(super) fn collector(
         &self,
         reads: SqlitePool,
-        mut reports: mpsc::UnboundedReceiver<Garbage>,
-    ) -> impl Future<Output = ()> + Send + use<> {
+        wait: Duration,
+        is_behind: bool,
+    ) -> Collector {
         // not the whole of `self`: that can report, and would keep the collector alive
-        let (root, in_use) = (self.root.clone(), self.in_use.clone());
-        async move {
-            while let Some(report) = reports.recv().await {
-                let names = match report {
-                    Garbage::Perhaps(names) => Ok(names),
-                    Garbage::PerhapsAny => every_name(&root).await,
-                    Garbage::Barrier(done) => {
-                        // whoever waited may have gone
-                        let _ = done.send(());
-                        continue;
-                    }
-                };
-                let removed = match names {
-                    Ok(names) => remove_unnamed(&root, &reads, &in_use, &names).await,
-                    Err(error) => Err(error),
-                };
-                if let Err(error) = removed {
-                    tracing::error!(%error, "files without a row stay for now");
-                }
-            }
+        Collector {
+            root: self.root.clone(),
+            in_use: self.in_use.clone(),
+            faults: self.faults.clone(),
+            reads,
+            wait,
+            is_behind,
         }
     }
 }
 
-/// Names of all files in the folder.
-async fn every_name(root: &Path) -> Result<Vec<String>> {
-    let folder = root.to_owned();
-    blocking(root, move || {
-        let mut names = Vec::new();
-        for folder in std::fs::read_dir(folder)? {
-            for file in std::fs::read_dir(folder?.path())? {
-                names.extend(file?.file_name().into_string());
-            }
+/// SHA-256 and length of a file.
+pub(super) fn hash_of(path: &Path) -> std::io::Result<(String, u64)> {
+    let mut file = std::fs::File::open(path)?;
+    let mut hash = Sha256::new();
+    let (mut chunk, mut length) = (vec![0; CHUNK], 0);
+    loop {
+        let count = std::io::Read::read(&mut file, &mut chunk)?;
+        if count == 0 {
+            return Ok((hexadecimal(hash), length));
         }
-        Ok(names)
-    })
-    .await
-}
-
-/// Removes those of the files that no row names.
-async fn remove_unnamed(
-    root: &Path,
-    reads: &SqlitePool,
-    in_use: &RwLock<()>,
-    names: &[String],
-) -> Result<()> {
-    for names in names.chunks(NAMES_AT_ONCE) {
-        let alone = in_use.write().await;
-        remove_unnamed_alone(root, reads, names).await?;
-        drop(alone);
+        hash.update(&chunk[..count]);
+        length += count as u64;
     }
-    Ok(())
 }
 
-/// The same while nobody stores a file.
-async fn remove_unnamed_alone(root: &Path, reads: &SqlitePool, names: &[String]) -> Result<()> {
-    let forgotten: Vec<String> = sqlx::query_scalar(
-        "SELECT value FROM json_each(?)
-         WHERE NOT EXISTS (SELECT 1 FROM attempt_files WHERE sha256 = value)
-           AND NOT EXISTS (SELECT 1 FROM checkpoint_files WHERE sha256 = value)
-           AND NOT EXISTS (SELECT 1 FROM checkpoints WHERE sha256 = value)",
-    )
-    .bind(json(&names)?)
-    .fetch_all(reads)
-    .await?;
-    let folder = root.to_owned();
-    blocking(root, move || {
-        for name in forgotten {
-            let path = folder.join(name.get(..2).unwrap_or_default()).join(name);
-            match std::fs::remove_file(path) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
-                _ => {}
-            }
-        }
-        Ok(())
-    })
-    .await
+pub(super) fn hexadecimal(hash: Sha256) -> String {
+    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// Makes the names in a folder durable.
-fn sync_folder(folder: &Path) -> std::io::Result<()> {
+pub(super) fn sync_folder(folder: &Path) -> std::io::Result<()> {
     std::fs::File::open(folder)?.sync_all()
 }
 
 /// Runs file work where it may block.
-async fn blocking<T: Send + 'static>(
+pub(super) async fn blocking<T: Send + 'static>(
     path: &Path,
     work: impl FnOnce() -> std::io::Result<T> + Send + 'static,
 ) -> Result<T> {

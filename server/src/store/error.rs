@@ -1,6 +1,10 @@
 //! What can go wrong in the store, by whose fault.
 use std::path::PathBuf;
 
+use uuid::Uuid;
+
+use super::blobs::Loss;
+
 /// What the store gives, or why not.
 pub(super) type Result<T, E = StoreError> = std::result::Result<T, E>;
 
@@ -37,6 +41,12 @@ pub enum StoreError {
     /// 503: the data folder belongs to a running server.
     #[error("{} is in use by another loadframe server", .0.display())]
     InUse(PathBuf),
+    /// The database and the folder of files are not those of one store.
+    #[error("{0}")]
+    NotTogether(String),
+    /// 500: a stored file is missing, or is not what was stored.
+    #[error("{file} of job {job} {loss}")]
+    Lost { job: Uuid, file: String, loss: Loss },
     /// 500: the database refused a statement.
     #[error("the database failed")]
     Database(#[from] sqlx::Error),

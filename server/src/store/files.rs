@@ -95,7 +95,8 @@ impl Store {
         Ok(info)
     }
 
-    /// The checkpoint of the lease's job, and where its bytes are.
+    /// The checkpoint of the lease's job, and where its bytes are. One that is missing or has changed is
+    /// forgotten, and the job's log tells that it begins anew.
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`]; [`StoreError::NotFound`] when there is none.
@@ -104,8 +105,24 @@ impl Store {
         let attempt = LeasedAttempt::live(&mut snapshot, key).await?;
         let info = checkpoint_of(&mut snapshot, attempt.seq).await?;
         let info = info.ok_or_else(|| StoreError::NotFound("checkpoint".to_owned()))?;
-        let path = self.blobs().path(&info.sha256);
-        Ok((info, path))
+        drop(snapshot);
+        match self.blobs().verified(&info.sha256, info.bytes).await? {
+            Ok(path) => Ok((info, path)),
+            Err(loss) => {
+                let why = format!("the checkpoint {loss}; the job begins anew");
+                tracing::error!(job_id = %attempt.job, "{why}");
+                self.write(move |change| {
+                    Box::pin(async move {
+                        let attempt = LeasedAttempt::live(&mut change.connection, key).await?;
+                        let job = LifecycleRow::of(&mut change.connection, attempt.job).await?;
+                        change.drop_checkpoint(job.seq).await?;
+                        change.append_log(&job, attempt.number, &[why]).await
+                    })
+                })
+                .await?;
+                Err(StoreError::NotFound("checkpoint any more".to_owned()))
+            }
+        }
     }
 
     /// Files of the job's result; none before it has succeeded.
@@ -127,11 +144,24 @@ impl Store {
         Ok(files.into_iter().map(entry).collect())
     }
 
-    /// A file of the job's result, and where its bytes are.
+    /// Where the bytes of a file of the job's result are, having held them against its SHA-256.
+    ///
+    /// # Errors
+    /// [`StoreError::Lost`] when they are missing or have changed.
+    pub async fn content(&self, id: Uuid, file: &FileEntry) -> Result<PathBuf> {
+        let verified = self.blobs().verified(&file.sha256, file.bytes).await?;
+        verified.map_err(|loss| StoreError::Lost {
+            job: id,
+            file: file.name.clone(),
+            loss,
+        })
+    }
+
+    /// A file of the job's result.
     ///
     /// # Errors
     /// [`StoreError::NotFound`].
-    pub async fn file(&self, id: Uuid, name: &str) -> Result<(FileEntry, PathBuf)> {
+    pub async fn file(&self, id: Uuid, name: &str) -> Result<FileEntry> {
         let found: Option<(String, i64, String)> = sqlx::query_as(
             "SELECT f.name, f.bytes, f.sha256
              FROM jobs j JOIN results r ON r.job = j.seq
@@ -145,9 +175,7 @@ impl Store {
         .await?;
         let found =
             found.ok_or_else(|| StoreError::NotFound(format!("file {name} of job {id}")))?;
-        let file = entry(found);
-        let path = self.blobs().path(&file.sha256);
-        Ok((file, path))
+        Ok(entry(found))
     }
 
     /// `outcome.json` of a succeeded job.

@@ -19,6 +19,7 @@ macro_rules! migrations {
 migrations! {
     1 "jobs" "0001_jobs.sql",
     2 "events workers tokens" "0002_events_workers_tokens.sql",
+    3 "store" "0003_store.sql",
 }
 
 pub(super) fn migrations() -> Migrator {
@@ -60,6 +61,9 @@ mod tests {
             })
             .collect();
         // the first bytes of `SELECT checksum FROM _sqlx_migrations` in a database of version 0.1
-        assert_eq!(first_bytes, ["113f34295d37f7b1", "7b1cc992a8fbe6cf"]);
+        assert_eq!(
+            first_bytes,
+            ["113f34295d37f7b1", "7b1cc992a8fbe6cf", "1279b1c9613624d6"]
+        );
     }
 }

@@ -2,7 +2,8 @@
 //! the system is in this folder; nothing outside it knows that there is a database.
 //!
 //! In `data` lie `loadframe.db` (SQLite: write-ahead log, durable at every commit), `blobs/` (files
-//! under their SHA-256), `incoming/` (files on their way) and `lock` (one server a folder).
+//! under their SHA-256, with the name of the store), `incoming/` (files on their way), `set-aside/` (files
+//! that were not what their names say) and `lock` (one server a folder).
 //!
 //! A change goes `Store::…` → [`writer`] (one connection, group commit) → the command's method on
 //! [`writer::Change`] → for steps of a job's lifecycle [`state`], which asks [`crate::queue`] → events →
@@ -10,20 +11,28 @@
 //!
 //! The worker's side in the order of a job: [`claim`], [`lease`] with [`curve`] and [`log`],
 //! [`files`] over [`blobs`], [`ending`]; if the worker falls silent, [`sweep`].
+//!
+//! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
+//! [`collector`] removes what no row names, [`scrub`] finds what is missing or has changed, and [`backup`]
+//! copies both in the right order.
+mod backup;
 mod blobs;
 mod claim;
+mod collector;
 mod curve;
 mod encoding;
 mod ending;
 mod error;
 mod events;
 mod files;
+mod identity;
 mod jobs;
 mod lease;
 mod log;
 mod migrations;
 mod open;
 mod row;
+mod scrub;
 mod state;
 mod submit;
 mod sweep;
@@ -40,9 +49,12 @@ use std::time::Duration;
 use sqlx::SqlitePool;
 use tokio::sync::watch;
 
+pub use backup::{BackupReport, backup, restore};
 use blobs::Blobs;
+pub use blobs::Loss;
 use error::Result;
 pub use error::StoreError;
+pub use scrub::{LostFile, ScrubReport};
 use token_cache::TokenCache;
 pub use types::*;
 use writer::{Change, Work, Writer};

@@ -10,6 +10,7 @@ use tokio::sync::{mpsc, watch};
 
 use super::blobs::Blobs;
 use super::error::{Result, StoreError};
+use super::identity::{Opening, identify};
 use super::migrations::migrations;
 use super::token_cache::TokenCache;
 use super::writer::{Announcements, Writer};
@@ -24,10 +25,11 @@ const LOG_KEPT: &str = "67108864";
 
 impl Store {
     /// Opens the store of a server, which has the folder for itself: brings the schema up to date,
-    /// gives running attempts a fresh lease, removes what a crash left half-written.
+    /// gives running attempts a fresh lease, removes files that a crash left half-received.
     ///
     /// # Errors
-    /// [`StoreError::InUse`] when another server has the folder; file and database errors.
+    /// [`StoreError::InUse`] when another server has the folder; [`StoreError::NotTogether`] when the
+    /// database and the files are not those of one store; file and database errors.
     pub async fn open(options: StoreOptions) -> Result<Self> {
         std::fs::create_dir_all(&options.data).map_err(StoreError::file(&options.data))?;
         let lock = lock(&options.data)?;
@@ -61,6 +63,17 @@ impl Store {
         migrations()
             .run_direct(None, &mut connection, false)
             .await?;
+        let opening = if lock.is_some() {
+            Opening::Server
+        } else {
+            Opening::Beside
+        };
+        let identity = identify(&mut connection, &options.data, opening).await?;
+        if identity.is_behind {
+            tracing::warn!(
+                "the database is older than its files, as one from a backup is: files that it does not know stay until `loadframe scrub --remove-unnamed`"
+            );
+        }
         let last: Option<i64> = sqlx::query_scalar("SELECT MAX(seq) FROM events")
             .fetch_one(&mut connection)
             .await?;
@@ -75,7 +88,9 @@ impl Store {
         let (queued, queued_receiver) = watch::channel(0);
         let (garbage, reports) = mpsc::unbounded_channel();
         let blobs = Blobs::open(&options.data, garbage.clone()).await?;
-        tokio::spawn(blobs.collector(reads.clone(), reports));
+        let wait = options.unnamed_wait;
+        let collector = blobs.collector(reads.clone(), wait, identity.is_behind);
+        tokio::spawn(collector.run(reports));
         let announcements = Announcements {
             last_event,
             queued,

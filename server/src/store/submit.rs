@@ -111,6 +111,11 @@ impl Store {
         Ok(())
     }
 
+    /// Waits until all files are removed, or found to wait, of which this was known before.
+    pub async fn settled_files(&self) {
+        self.blobs().collected().await;
+    }
+
     /// Asks something of a job. Asking for what is so already is fine.
     ///
     /// # Errors

@@ -90,10 +90,11 @@ impl Store {
             if let Err(error) = swept {
                 tracing::error!(%error, "the leases could not be swept");
             }
-            if step % STEPS_UNTIL_TIDY == 0
-                && let Err(error) = self.tidy().await
-            {
-                tracing::error!(%error, "old traces could not be removed");
+            if step % STEPS_UNTIL_TIDY == 0 {
+                self.blobs().look_through();
+                if let Err(error) = self.tidy().await {
+                    tracing::error!(%error, "old traces could not be removed");
+                }
             }
         }
     }

@@ -18,6 +18,8 @@ pub struct StoreOptions {
     pub lease: Duration,
     /// Longest wall time of a job over all attempts.
     pub job_time_limit: Option<Duration>,
+    /// How long a stored file that no job names waits before it is removed.
+    pub unnamed_wait: Duration,
 }
 
 impl StoreOptions {
@@ -27,6 +29,7 @@ impl StoreOptions {
             data: data.into(),
             lease: Duration::from_secs(30),
             job_time_limit: None,
+            unnamed_wait: Duration::from_secs(7 * 24 * 3600),
         }
     }
 }
@@ -147,4 +150,8 @@ pub struct Counts {
     pub attempts_lost: u64,
     /// Bytes of result files and checkpoints that jobs name.
     pub file_bytes: u64,
+    /// Stored files that no job names, which wait before they are removed.
+    pub files_unnamed: u64,
+    /// Files that jobs name and that were missing or had changed when last looked at.
+    pub files_lost: u64,
 }

@@ -1,4 +1,6 @@
 //! Worker processes: who is there, how fast they are, and the queue in numbers.
+use std::sync::atomic::Ordering;
+
 use loadframe_api::worker::ClaimRequest;
 use loadframe_api::{Calibration, Timestamp, WorkerView};
 use uuid::Uuid;
@@ -155,6 +157,9 @@ impl Store {
         counts.workers_alive = alive.unsigned_abs();
         counts.attempts_lost = lost.unsigned_abs();
         counts.file_bytes = bytes.unsigned_abs();
+        let faults = &self.blobs().faults;
+        counts.files_unnamed = faults.unnamed.load(Ordering::Relaxed);
+        counts.files_lost = faults.lost.load(Ordering::Relaxed);
         Ok(counts)
     }
 }

@@ -10,7 +10,7 @@ use sqlx::sqlite::SqliteConnection;
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
 
-use super::blobs::Garbage;
+use super::collector::Garbage;
 use super::error::{Result, StoreError};
 
 /// Commands in one commit; beyond this, the first of them would wait too long for the last.

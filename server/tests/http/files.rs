@@ -116,3 +116,34 @@ async fn lists_outcome_and_log_are_json() {
     let csv = lab.get(&format!("{job}/files/a.csv")).await;
     assert_eq!(csv.header("content-type"), "text/csv; charset=utf-8");
 }
+
+#[tokio::test]
+async fn a_file_that_has_changed_is_an_error_that_names_job_and_file() {
+    let (lab, path) = lab_with_file().await;
+    let sha256 = sha256_hex(CONTENT);
+    let stored = lab.state.store.options().data.join("blobs");
+    let stored = stored.join(&sha256[..2]).join(&sha256);
+    std::fs::write(&stored, b"0123456780").expect("it is there");
+    let problem = lab.get(&path).await.problem(500, "file-lost");
+    let detail = problem["detail"].as_str().expect("a sentence");
+    let id = path.split('/').nth(3).expect("an id");
+    assert!(
+        detail.contains(id) && detail.contains("snapshots/a.vtp"),
+        "{detail}"
+    );
+    // an archive breaks off rather than hold it
+    let archive = lab
+        .begin(crate::support::request(
+            "GET",
+            &format!("/v1/jobs/{id}/archive.zip"),
+            &[],
+            "",
+        ))
+        .await;
+    assert_eq!(archive.status(), 200);
+    assert!(
+        axum::body::to_bytes(archive.into_body(), 1 << 20)
+            .await
+            .is_err()
+    );
+}

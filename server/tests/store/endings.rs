@@ -38,7 +38,8 @@ async fn complete_publishes_files_outcome_and_summary() {
         published.iter().map(|file| &file.name).collect::<Vec<_>>(),
         names
     );
-    let (entry, path) = lab.file(id, "curve.csv").await.unwrap();
+    let entry = lab.file(id, "curve.csv").await.unwrap();
+    let path = lab.content(id, &entry).await.unwrap();
     assert_eq!(std::fs::read(path).unwrap(), b"a,b\n1,2\n");
     assert_eq!(entry.bytes, 8);
     let outcome = serde_json::from_str(&lab.outcome(id).await.unwrap()).unwrap();

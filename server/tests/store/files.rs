@@ -105,7 +105,8 @@ async fn an_upload_replaces_the_one_before_it() {
     let mut result = lab.result(&lease).await;
     result.files.push(second);
     lab.complete(key(&lease), &result).await.unwrap();
-    let (_, path) = lab.file(id, "notes.txt").await.unwrap();
+    let file = lab.file(id, "notes.txt").await.unwrap();
+    let path = lab.content(id, &file).await.unwrap();
     assert_eq!(std::fs::read(path).unwrap(), b"second");
 }
 
@@ -123,7 +124,7 @@ async fn the_same_content_uploaded_and_deleted_at_once_is_never_lost() {
         lab.finish(&lease).await;
         deleting.await.unwrap().unwrap();
         for file in lab.files(new).await.unwrap() {
-            let (_, path) = lab.file(new, &file.name).await.unwrap();
+            let path = lab.content(new, &file).await.unwrap();
             assert_eq!(
                 std::fs::metadata(path).unwrap().len(),
                 file.bytes,

@@ -1,5 +1,6 @@
 //! A store in a temporary folder, with users and workers that do as they are told.
 use std::ops::Deref;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use loadframe_api::worker::{CheckpointQuery, ClaimRequest, CompleteRequest, Lease};
@@ -100,12 +101,19 @@ impl Lab {
 
     /// How many blobs lie in the folder.
     pub(crate) async fn blobs(&self) -> usize {
-        let root = self.folder.path().join("blobs");
-        let folders = std::fs::read_dir(root).unwrap();
-        folders
-            .map(|folder| std::fs::read_dir(folder.unwrap().path()).unwrap().count())
-            .sum()
+        stored(self.folder.path()).len()
     }
+}
+
+/// All stored files of the store in `data`.
+pub(crate) fn stored(data: &Path) -> Vec<PathBuf> {
+    let folders = std::fs::read_dir(data.join("blobs")).unwrap();
+    let folders = folders.map(|folder| folder.unwrap().path());
+    let files = folders.filter(|folder| folder.is_dir()).flat_map(|folder| {
+        let files = std::fs::read_dir(folder).unwrap();
+        files.map(|file| file.unwrap().path())
+    });
+    files.collect()
 }
 
 pub(crate) fn options(folder: &TempDir, lease: Duration) -> StoreOptions {

@@ -8,6 +8,7 @@ mod files;
 mod lab;
 mod recovery;
 mod requests;
+mod safety;
 mod submissions;
 mod sweeping;
 mod tokens;

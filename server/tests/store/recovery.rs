@@ -1,5 +1,7 @@
 //! Servers that come and go.
-use loadframe_server::store::{IdempotencyKey, Store, StoreError};
+use std::time::Duration;
+
+use loadframe_server::store::{IdempotencyKey, Store, StoreError, StoreOptions};
 use tokio::runtime::Builder;
 
 use crate::lab::{LONG, Lab, NONE, is_lost, key, options, submission};
@@ -18,7 +20,7 @@ async fn a_lease_outlives_the_server() {
 }
 
 #[tokio::test]
-async fn a_start_removes_what_a_crash_left() {
+async fn a_start_removes_half_received_files_and_lets_those_without_a_row_wait() {
     let lab = Lab::open(LONG).await;
     let id = lab.submit().await;
     let lease = lab.lease().await;
@@ -29,16 +31,23 @@ async fn a_start_removes_what_a_crash_left() {
     std::fs::write(&orphan, b"renamed, but no row was committed").unwrap();
 
     let lab = lab.reopen(LONG).await;
-    // whatever is deleted now waits for the collector, which has the leftovers first
-    let other = lab.submit().await;
-    lab.delete(other).await.unwrap();
+    lab.settled_files().await;
+    assert!(orphan.exists());
+    assert_eq!(lab.counts().await.unwrap().files_unnamed, 1);
+    let incoming = std::fs::read_dir(lab.folder.path().join("incoming")).unwrap();
+    assert_eq!(incoming.count(), 0);
+
+    let Lab { store, folder } = lab;
+    drop(store);
+    let patient = StoreOptions {
+        unnamed_wait: Duration::ZERO,
+        ..options(&folder, LONG)
+    };
+    let store = Store::open(patient).await.unwrap();
+    let lab = Lab { store, folder };
+    lab.settled_files().await;
     assert!(!orphan.exists());
-    assert_eq!(
-        std::fs::read_dir(lab.folder.path().join("incoming"))
-            .unwrap()
-            .count(),
-        0
-    );
+    assert_eq!(lab.counts().await.unwrap().files_unnamed, 0);
     assert_eq!(lab.files(id).await.unwrap().len(), 2);
     assert_eq!(lab.blobs().await, 2);
 }

@@ -5,7 +5,7 @@ use super::{
     check_walls,
     part_checks::{check_clump, check_cohesive, check_material},
 };
-use crate::{Violation, Violations};
+use crate::{Violation, Violations, worker::MOST_CURVE_COLUMNS};
 
 /// Bodies may overlap by this part of the smaller radius at the start; more is a mistake, and
 /// would throw them apart.
@@ -174,6 +174,17 @@ fn check_recorded(spec: &GranularScene, violations: &mut Violations) {
     for (index, name) in spec.record.walls.iter().enumerate() {
         let pointer = format!("/record/walls/{index}");
         violations.extend(known.check_wall(pointer, name));
+    }
+    let columns = spec.curve_columns();
+    if columns > MOST_CURVE_COLUMNS {
+        let detail = "planes, walls, driven bodies and regions give the curve too many columns";
+        violations.push(
+            Violation::new("/record", "too_many_columns", detail)
+                .value(columns)
+                .allowed(format!(
+                    "at most {MOST_CURVE_COLUMNS} columns: 2 for a plane, 6 for a wall or body, 10 for a region"
+                )),
+        );
     }
     let (first, stages) = (spec.record.from_stage, spec.stages.len());
     if first >= stages {

@@ -300,6 +300,29 @@ impl Generate {
         self.expected_grains(density) * self.mean_volume() / self.region.volume()
     }
 
+    /// Places of the lattice that grains are put on, in the region's box, which are all listed; none for
+    /// random ones.
+    pub(super) fn places(&self) -> f64 {
+        let share = match self.arrangement {
+            Arrangement::Random => return 0.0,
+            Arrangement::Grid => 1.0,
+            Arrangement::Hexagonal => std::f64::consts::SQRT_2,
+        };
+        let [lower, upper] = self.region.bounds();
+        let spacing = 2.0 * self.largest_radius();
+        let rows = (0..3).map(|axis| ((upper[axis] - lower[axis]) / spacing).max(1.0));
+        share * rows.product::<f64>()
+    }
+
+    /// Radius of the largest grain [m]; that of a ball of its volume where it is a clump.
+    fn largest_radius(&self) -> f64 {
+        let of_template = |template: &Clump| (template.expected_volume() / ball(1.0)).cbrt();
+        match (&self.sizes, self.grain.template()) {
+            (Some(sizes), _) => sizes.range()[1],
+            (None, template) => template.map_or(f64::INFINITY, of_template),
+        }
+    }
+
     /// About how many spheres that makes.
     pub(super) fn expected_particles(&self, density: f64) -> u64 {
         let members = self.grain.template().map_or(1, Clump::expected_members);

@@ -9,6 +9,9 @@ use crate::{Violation, Violations};
 /// and the lattices. Random placing ends earlier, where depends on the sizes.
 const FULL: [f64; 3] = [0.64, std::f64::consts::FRAC_PI_6, 0.740_5];
 
+/// Places of a lattice, at most: half a gigabyte, twice what the largest scene needs.
+const MOST_PLACES: f64 = 2e7;
+
 pub(super) fn check(spec: &GranularScene, violations: &mut Violations) {
     for (index, import) in spec.import.iter().enumerate() {
         let pointer = format!("/import/{index}");
@@ -28,6 +31,9 @@ pub(super) fn check(spec: &GranularScene, violations: &mut Violations) {
     }
     for (pointer, generator) in spec.generators() {
         check_generator(spec, &pointer, generator, violations);
+    }
+    for (pointer, generator) in spec.generators() {
+        violations.extend(check_places(&pointer, generator));
     }
     for (index, generator) in spec.generate.iter().enumerate() {
         violations.extend(check_planes(spec, &format!("/generate/{index}"), generator));
@@ -161,6 +167,19 @@ fn check_planes(spec: &GranularScene, pointer: &str, generator: &Generate) -> Op
             ["x", "y", "z"][plane.axis.index()]
         )),
     )
+}
+
+/// Grains on a lattice in a region that has far more places than they take.
+fn check_places(pointer: &str, generator: &Generate) -> Option<Violation> {
+    let places = generator.places();
+    (places > MOST_PLACES).then(|| {
+        let detail = "the lattice has too many places in this region, which are all listed";
+        Violation::new(format!("{pointer}/region"), "too_large", detail)
+            .value(places)
+            .allowed(format!(
+                "at most {MOST_PLACES:e} places: a region for the grains that are made"
+            ))
+    })
 }
 
 /// Gradings that surely do not fit are refused before anything is tried.

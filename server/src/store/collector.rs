@@ -1,0 +1,232 @@
+//! Removing files that no row names.
+//!
+//! What a change of this database has just let go of is removed at once. What lies there without a row
+//! when the folder is looked through may be what a crash left, or what only another database knows: it
+//! waits, is counted, and is removed when nobody has claimed it for days. Beside an older database that
+//! was put back it waits until a person says so.
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use loadframe_api::Timestamp;
+use serde::{Deserialize, Serialize};
+use sqlx::SqlitePool;
+use tokio::sync::{RwLock, mpsc, oneshot};
+
+use super::blobs::blocking;
+use super::encoding::{json, parsed};
+use super::error::{Result, StoreError};
+use super::millis;
+
+/// Names looked up at a time.
+const NAMES_AT_ONCE: usize = 500;
+
+/// Work for the collector.
+#[derive(Debug)]
+pub(super) enum Garbage {
+    /// These may be named by no row any more.
+    Perhaps(Vec<String>),
+    /// Any of all the files may be.
+    PerhapsAny,
+    /// Tell when all before is done.
+    Barrier(oneshot::Sender<()>),
+}
+
+/// What was last found in the folder, for people.
+#[derive(Debug, Default)]
+pub(super) struct Faults {
+    pub(super) unnamed: AtomicU64,
+    pub(super) lost: AtomicU64,
+}
+
+/// How a file without a row waits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Waits {
+    /// Since this moment [ms since 1970].
+    Since(i64),
+    /// Until a person removes it.
+    ForAPerson,
+}
+
+/// The collector of a folder.
+#[derive(Debug)]
+pub(super) struct Collector {
+    pub(super) root: PathBuf,
+    pub(super) in_use: Arc<RwLock<()>>,
+    pub(super) faults: Arc<Faults>,
+    pub(super) reads: SqlitePool,
+    /// How long a file without a row waits.
+    pub(super) wait: Duration,
+    /// Whether what is found first waits for a person.
+    pub(super) is_behind: bool,
+}
+
+impl Collector {
+    /// Removes what no row names, as it is reported; ends with the last reporter.
+    pub(super) async fn run(mut self, mut reports: mpsc::UnboundedReceiver<Garbage>) {
+        while let Some(report) = reports.recv().await {
+            let removed = match report {
+                Garbage::Perhaps(names) => self.remove_unnamed(names).await,
+                Garbage::PerhapsAny => self.look_through().await,
+                Garbage::Barrier(done) => {
+                    // whoever waited may have gone
+                    let _ = done.send(());
+                    continue;
+                }
+            };
+            if let Err(error) = removed {
+                tracing::error!(%error, "files without a row stay for now");
+            }
+        }
+    }
+
+    /// Removes those of the files that no row names, other than those that wait.
+    async fn remove_unnamed(&self, mut names: Vec<String>) -> Result<()> {
+        let waiting = waiting(&self.root)?;
+        names.retain(|name| !waiting.contains_key(name));
+        for names in names.chunks(NAMES_AT_ONCE) {
+            // nobody stores a file meanwhile
+            let alone = self.in_use.write().await;
+            let unnamed = unnamed(&self.reads, names).await?;
+            remove(&self.root, unnamed).await?;
+            drop(alone);
+        }
+        Ok(())
+    }
+
+    /// Finds all files without a row, and removes those that have waited long enough.
+    async fn look_through(&mut self) -> Result<()> {
+        let names = every_name(&self.root).await?;
+        let known = waiting(&self.root)?;
+        let now = Timestamp::now().as_millis();
+        let (mut still, mut removed) = (BTreeMap::new(), 0);
+        for names in names.chunks(NAMES_AT_ONCE) {
+            let alone = self.in_use.write().await;
+            let mut over = Vec::new();
+            for name in unnamed(&self.reads, names).await? {
+                let first = if self.is_behind {
+                    Waits::ForAPerson
+                } else {
+                    Waits::Since(now)
+                };
+                match known.get(&name).copied().unwrap_or(first) {
+                    Waits::Since(since) if now - since >= millis(self.wait) => over.push(name),
+                    waits => {
+                        still.insert(name, waits);
+                    }
+                }
+            }
+            removed += over.len();
+            remove(&self.root, over).await?;
+            drop(alone);
+        }
+        if still != known {
+            keep_waiting(&self.root, &still)?;
+        }
+        self.is_behind = false;
+        self.faults
+            .unnamed
+            .store(still.len() as u64, Ordering::Relaxed);
+        if removed > 0 || !still.is_empty() {
+            let waits_s = self.wait.as_secs();
+            tracing::warn!(
+                removed,
+                waiting = still.len(),
+                waits_s,
+                "files that no job names"
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Of these names those that no row has.
+async fn unnamed(reads: &SqlitePool, names: &[String]) -> Result<Vec<String>> {
+    let unnamed = sqlx::query_scalar(
+        "SELECT value FROM json_each(?)
+         WHERE NOT EXISTS (SELECT 1 FROM attempt_files WHERE sha256 = value)
+           AND NOT EXISTS (SELECT 1 FROM checkpoint_files WHERE sha256 = value)
+           AND NOT EXISTS (SELECT 1 FROM checkpoints WHERE sha256 = value)",
+    );
+    Ok(unnamed.bind(json(&names)?).fetch_all(reads).await?)
+}
+
+/// Names of all files in the folder.
+async fn every_name(root: &Path) -> Result<Vec<String>> {
+    let folder = root.to_owned();
+    blocking(root, move || {
+        let mut names = Vec::new();
+        for folder in std::fs::read_dir(folder)? {
+            let folder = folder?;
+            if folder.file_type()?.is_dir() {
+                for file in std::fs::read_dir(folder.path())? {
+                    names.extend(file?.file_name().into_string());
+                }
+            }
+        }
+        Ok(names)
+    })
+    .await
+}
+
+async fn remove(root: &Path, names: Vec<String>) -> Result<()> {
+    let folder = root.to_owned();
+    blocking(root, move || {
+        for name in names {
+            let path = folder.join(name.get(..2).unwrap_or_default()).join(name);
+            match std::fs::remove_file(path) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
+                _ => {}
+            }
+        }
+        Ok(())
+    })
+    .await
+}
+
+/// The list of files that wait lies beside them: it outlives the database.
+fn list(root: &Path) -> PathBuf {
+    root.join("unnamed.json")
+}
+
+fn waiting(root: &Path) -> Result<BTreeMap<String, Waits>> {
+    match std::fs::read_to_string(list(root)) {
+        Ok(text) => parsed(&text, "list of files without a row"),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(BTreeMap::new()),
+        Err(error) => Err(StoreError::file(list(root))(error)),
+    }
+}
+
+fn keep_waiting(root: &Path, waiting: &BTreeMap<String, Waits>) -> Result<()> {
+    let text = json(waiting)?;
+    let write = || -> std::io::Result<()> {
+        let mut file = tempfile::NamedTempFile::new_in(root)?;
+        std::io::Write::write_all(&mut file, text.as_bytes())?;
+        file.as_file().sync_all()?;
+        file.persist(list(root))?;
+        Ok(())
+    };
+    write().map_err(StoreError::file(list(root)))
+}
+
+/// How many stored files no row names.
+pub(super) async fn count_unnamed(root: &Path, reads: &SqlitePool) -> Result<u64> {
+    let mut count = 0;
+    for names in every_name(root).await?.chunks(NAMES_AT_ONCE) {
+        count += unnamed(reads, names).await?.len() as u64;
+    }
+    Ok(count)
+}
+
+/// Ends the wait of all files that no row names.
+pub(super) async fn release(root: &Path, reads: &SqlitePool) -> Result<()> {
+    let mut over = BTreeMap::new();
+    for names in every_name(root).await?.chunks(NAMES_AT_ONCE) {
+        let unnamed = unnamed(reads, names).await?.into_iter();
+        over.extend(unnamed.map(|name| (name, Waits::Since(0))));
+    }
+    keep_waiting(root, &over)
+}
