@@ -31,6 +31,9 @@ pub(super) fn check(spec: &GranularScene, violations: &mut Vec<Violation>) {
     }
     check_laws(spec, violations);
     super::region::check(spec, violations);
+    if violations.is_empty() {
+        super::curve::check(spec, violations);
+    }
     // what follows looks up materials and shapes
     if violations.is_empty() {
         super::overlaps::check(spec, &bodies, largest_overlap(spec), violations);

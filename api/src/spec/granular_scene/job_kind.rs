@@ -1,5 +1,5 @@
 //! The granular scene as a kind of job.
-use super::{Accuracy, ContactLaw, GranularScene, checks, estimate, study};
+use super::{Accuracy, ContactLaw, GranularScene, checks, curve, estimate, study};
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violation, study::Knob};
 
@@ -20,6 +20,10 @@ impl Spec for GranularScene {
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
         estimate::estimate(self, calibration)
+    }
+
+    fn curve_columns(&self) -> Vec<String> {
+        curve::columns(self)
     }
 
     fn seed(&self) -> u64 {

@@ -17,6 +17,7 @@
 mod bodies;
 mod check_walls;
 mod checks;
+mod curve;
 mod drive;
 mod estimate;
 mod facets;

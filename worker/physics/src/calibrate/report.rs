@@ -120,7 +120,16 @@ fn fits(trials: &Trials<'_>, best: &Best, reports: &[Report]) -> IndexMap<String
         let residual = Quantity::new(*residual, "1", &words);
         fits.insert(format!("residual_of_{}", result.result), residual);
     }
-    if measured.curve.is_some() {
+    if let Some(curve) = &measured.curve {
+        let words = match &curve.read_as[..] {
+            [] => "Points of the measured curve.".to_owned(),
+            said => format!(
+                "Points of the measured curve, read so: {}.",
+                said.join("; ")
+            ),
+        };
+        let count = Quantity::new(curve.rows.len() as f64, "1", &words);
+        fits.insert("measured_points".to_owned(), count);
         let points = &residuals[measured.results.len()..];
         let square: f64 = points.iter().map(|residual| residual * residual).sum();
         let words = "Root mean square of simulated minus measured ordinates, over the largest \

@@ -33,6 +33,7 @@ pub(crate) fn polyester(points_per_row: u32, rows: u32, layers: u32) -> Nonwoven
             irregularity: [0.5; 3],
             jaws: Jaws::HalfBond,
             thickness_mm: None,
+            grammage_g_per_m2: None,
         }),
         bond: Bond {
             modulus_n: Some(0.399),
@@ -79,6 +80,7 @@ pub(crate) fn explicit(
             bonds,
             width_mm: Some(10.0),
             thickness_mm: None,
+            grammage_g_per_m2: None,
         }),
         bond,
         test: Test {

@@ -61,7 +61,7 @@ pub(super) fn conduct(
     progress: Option<Progress>,
     watch: &mut dyn Watch,
 ) -> Result<Tested, Halt> {
-    watch.columns(results::columns(model))?;
+    watch.columns(model.spec.columns())?;
     let (mut tested, supports, load) = whole(model)?;
     let strengths: Vec<MaterialStrength> = model
         .spec

@@ -25,7 +25,7 @@ pub(super) fn write(
 ) -> Result<(), SimulationError> {
     let (points, recorder) = (&recorded.points, &mut *recorded.recorder);
     recorder.file("curve.csv", &mut |out| {
-        csv::header(out, results::columns(model))?;
+        csv::header(out, model.spec.columns())?;
         points.iter().try_for_each(|point| csv::row(out, point))
     })?;
     write_points(model, tested, recorder)?;

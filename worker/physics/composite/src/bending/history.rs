@@ -93,7 +93,7 @@ pub(super) fn conduct(
         HistoryLoad::Sudden => deflection(&at_rest.displacements_mm, Face::Top),
         HistoryLoad::Released => 0.0,
     };
-    watch.columns(results::columns(model))?;
+    watch.columns(model.spec.columns())?;
     let mut swing = Swing::default();
     let mut written = 0;
     if let Some(Progress::History(state)) = progress {

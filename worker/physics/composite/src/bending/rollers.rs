@@ -16,7 +16,7 @@ pub(super) fn conduct(
 ) -> Result<Tested, Halt> {
     let options = StaticOptions::default();
     let knobs = model.spec.accuracy.knobs();
-    watch.columns(results::columns(model))?;
+    watch.columns(model.spec.columns())?;
     let done = match progress {
         Some(Progress::Rollers(done)) => done,
         _ => {

@@ -314,6 +314,19 @@ fn warnings(
             }
         })
         .collect();
+    let smooth = spec.materials.iter();
+    let smooth = smooth.filter(|(_, material)| material.friction_angle_rad.is_none());
+    let smooth: Vec<&str> = smooth.map(|(name, _)| name.as_str()).collect();
+    if !smooth.is_empty() {
+        warnings.push(Warning {
+            code: "friction_left_out".to_owned(),
+            detail: format!(
+                "no friction_angle_rad is given for {}: contacts with it are frictionless; 0 says that \
+                 this is meant",
+                smooth.join(", ")
+            ),
+        });
+    }
     for stage in &journal.unsettled_stages {
         warnings.push(Warning {
             code: "not_settled".to_owned(),

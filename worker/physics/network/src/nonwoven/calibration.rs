@@ -21,6 +21,7 @@ pub fn calibration_spec() -> JobSpec {
             irregularity: [0.5; 3],
             jaws: Jaws::HalfBond,
             thickness_mm: None,
+            grammage_g_per_m2: None,
         }),
         bond: Bond {
             modulus_n: Some(0.399),

@@ -25,6 +25,8 @@ const J_PER_M2: f64 = 1e3;
 const N_PER_M: f64 = 1e3;
 /// N/mm² in Pa.
 const PA: f64 = 1e6;
+/// N m/g in N/tex, with the tex of a gram per kilometre.
+const N_PER_TEX: f64 = 1e-3;
 /// N mm in J.
 const J: f64 = 1e-3;
 /// Strains listed in a warning before it only counts.
@@ -137,6 +139,27 @@ fn summary(specimen: &Specimen, state: &State) -> IndexMap<String, Quantity> {
             "Force at 10 % nominal strain over 0.1, width and thickness.",
         );
     }
+    if let Some(grammage) = specimen.grammage {
+        let index = |force: f64| per_width(force) / grammage;
+        add(
+            "tensile_index",
+            max_force.map(index),
+            "N m/g",
+            "Largest force per width over grammage.",
+        );
+        add(
+            "tenacity",
+            max_force.map(|force| N_PER_TEX * index(force)),
+            "N/tex",
+            "Largest force over the mass per length of the specimen.",
+        );
+        add(
+            "modulus_at_10_percent_per_tex",
+            secant.map(|force| N_PER_TEX * index(force)),
+            "N/tex",
+            "Force at 10 % nominal strain over 0.1 and the mass per length of the specimen.",
+        );
+    }
     if let Some(layers) = specimen.layers {
         add(
             "max_force_per_layer",
@@ -146,6 +169,24 @@ fn summary(specimen: &Specimen, state: &State) -> IndexMap<String, Quantity> {
              figures appear to count one layer.",
         );
     }
+    add(
+        "specimen_width",
+        Some(specimen.width),
+        "mm",
+        "Width that forces are related to.",
+    );
+    add(
+        "gauge_length",
+        Some(specimen.gauge_length),
+        "mm",
+        "Distance of the jaws before the test.",
+    );
+    add(
+        "mean_bond_strength",
+        Some(specimen.mean_strength()),
+        "N",
+        "Mean strength of the bonds that can break, as drawn or given.",
+    );
     let network = &specimen.network;
     for (name, count, description) in [
         ("broken_bonds", state.events.len(), "Bonds that broke."),

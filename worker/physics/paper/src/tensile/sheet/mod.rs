@@ -22,7 +22,7 @@ mod warnings;
 mod tests;
 
 use loadframe_api::Report;
-use loadframe_api::spec::paper_tensile::{Direction, PaperTensile};
+use loadframe_api::spec::paper_tensile::{Direction, PaperTensile, SHEET_CURVE};
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::plan::{
     Conclusion, Curve, CurveKeeper, Plan, SavedReport, Share, Tests, join_repeats, write_repeats,
@@ -32,7 +32,7 @@ use loadframe_numerics::Team;
 use serde::{Deserialize, Serialize};
 
 use crate::frame::{FrameError, PullTest};
-use course::{COLUMNS, Course, Kept};
+use course::{Course, Kept};
 use specimen::Specimen;
 
 /// Leading columns of the curve that are kept of every repeat: nominal strain and force.
@@ -165,7 +165,7 @@ fn run_one(
         stop_force_fraction: spec.test.stop_fraction(),
     };
     let mut course = Course::new(&specimen, test, kept)?;
-    recorder.columns(&COLUMNS)?;
+    recorder.columns(&SHEET_CURVE)?;
     let mut told = 0;
     let mut tell = |course: &Course<'_>, recorder: &mut dyn Recorder| {
         let mut points = course.kept.points.iter().skip(told);
