@@ -164,7 +164,8 @@ fn column(title: &str) -> Column {
     if let Some(symbol) = groups.iter().rev().find(|group| of_symbol(group).is_some()) {
         return of(outside(), symbol);
     }
-    for parting in ["/", " in ", ",", " ", "_"] {
+    // a slash comes last: it is part of `mm/mm` and `N/mm²`
+    for parting in [" ", ",", "_", " in ", "/"] {
         let Some((name, symbol)) = title.rsplit_once(parting) else {
             continue;
         };

@@ -2,15 +2,17 @@
 //!
 //! In the order in which [`read`] calls them: [`encoding`] makes text of a file's bytes; [`cells`]
 //! parts it into cells and finds the mark of decimals with the help of [`number`]; [`header`] finds
-//! the line of names, with its [`unit`]s; [`choice`] decides which columns are meant, and by what
-//! factor they become the job's; [`origin`] takes slack or preload off. What can be understood in two
+//! the line of names, with its [`unit`]s; [`choice`] decides which columns are meant, by their
+//! [`meaning`], and by what factor of [`conversion`] they become the job's; [`origin`] takes slack or preload off. What can be understood in two
 //! ways is refused with both, never decided; every line after the names is a point or refused.
 //!
 //! Nothing here knows of jobs: what is wanted is two [`Wanted`] columns by name.
 mod cells;
 mod choice;
+mod conversion;
 mod encoding;
 mod header;
+mod meaning;
 mod number;
 mod origin;
 #[cfg(test)]

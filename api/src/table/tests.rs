@@ -55,6 +55,8 @@ fn columns_are_found_by_name_and_unit_in_any_order() {
         "Time (s),Tensile strain (Strain 1) (%),Load (kN)\n1,10,0.00023\n2,20,0.00052\n",
         "Strain %,Force N\n10,0.23\n20,0.52\n",
         "Strain\tLoad/N\n0.1\t0.23\n0.2\t0.52\n",
+        "Dehnung;Kraft\n0,1;0,23\n0,2;0,52\n",
+        "Strain mm/mm\tWeg in m\tLoad N\n0.1\t2\t0.23\n0.2\t4\t0.52\n",
         "Strain   Load/N\n0.1   0.23\n0.2   0.52\n",
         "Síla (N);Poměrné prodloužení (%)\n0,23;10,0\n0,52;20,0\n",
     ] {
@@ -229,6 +231,8 @@ fn columns_that_may_be_several_or_none_are_refused() {
         ),
         ("Strain (%),Stress (MPa)\n1,2\n", Place::Column(1)),
         ("Time (s),Load (N)\n1,2\n", Place::Column(0)),
+        ("Extension,Load (N)\n1,2\n", Place::Unit(0)),
+        ("Elongation,Load\n1,2\n", Place::Unit(0)),
         ("Strain (%),Load\n1,2\n", Place::Unit(1)),
         ("Strain (%),Load (kg)\n1,2\n", Place::Unit(1)),
         ("Strain (%),Load (klb)\n1,2\n", Place::Unit(1)),

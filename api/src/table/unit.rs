@@ -95,7 +95,7 @@ pub(crate) fn of_symbol(symbol: &str) -> Option<Unit> {
 /// The unit in which a column of a job is, by the end of its name: `force_n`, `displacement_mm`;
 /// `None` where its name ends in none that measurements come in.
 pub(crate) fn of_column(name: &str) -> Option<Unit> {
-    const ENDS: [(&str, &str); 17] = [
+    const ENDS: [(&str, &str); 18] = [
         ("_n_per_m", "N/m"),
         ("_kn_per_m", "kN/m"),
         ("_per_mm", ""),
@@ -112,6 +112,7 @@ pub(crate) fn of_column(name: &str) -> Option<Unit> {
         ("_kpa", "kPa"),
         ("_mpa", "MPa"),
         ("_pa", "Pa"),
+        ("_j", "J"),
         ("strain", "1"),
     ];
     let (_, symbol) = ENDS.iter().find(|(end, _)| name.ends_with(end))?;

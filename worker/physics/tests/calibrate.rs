@@ -4,7 +4,7 @@
 mod scene;
 
 use loadframe_api::{
-    JobKind, JobSpec, Report, Submission,
+    JobKind, JobSpec, Report, Submission, result_units,
     spec::nonwoven_tensile::{Breaking, NonwovenTensile, Solver},
 };
 use loadframe_physics::{Ending, Interrupt, SimulationError, Uninterrupted};
@@ -451,4 +451,43 @@ fn the_machine_curve_of_a_job_is_read_by_a_calibration() {
         report.summary
     );
     assert!((value(&report, "bond_friction_modulus_n") - 3.0).abs() < 1e-5);
+}
+
+#[test]
+fn results_and_columns_are_those_that_a_spec_is_checked_against() {
+    use JobKind::{
+        BallastOedometer, CompositeBending, GranularScene, NonwovenTensile, PaperTensile,
+    };
+    let quick = [
+        (NonwovenTensile, 1),
+        (PaperTensile, 0),
+        (GranularScene, 0),
+        (CompositeBending, 0),
+    ];
+    for (kind, example) in quick {
+        let body = kind.examples()[example].body;
+        let spec = Submission::from_slice(body.as_bytes())
+            .expect("a valid example")
+            .spec;
+        let mut record = Record::default();
+        let ending = run_job(&spec, &mut record, &Uninterrupted, None, 2);
+        let report = finished(ending.expect("it runs"));
+        for (name, quantity) in &report.summary {
+            let units = result_units(kind, name);
+            assert!(
+                units.contains(&quantity.unit.as_str()),
+                "{kind}: {name} in {}",
+                quantity.unit
+            );
+        }
+        let columns = spec.curve_columns();
+        assert!(
+            columns.starts_with(&record.columns),
+            "{kind}: {:?}",
+            record.columns
+        );
+    }
+    // what a ballast test takes over from its scene
+    assert_eq!(result_units(BallastOedometer, "settlement"), ["mm"]);
+    assert_eq!(result_units(BallastOedometer, "total_mass"), ["kg"]);
 }

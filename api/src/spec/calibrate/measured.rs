@@ -68,7 +68,9 @@ pub struct MeasuredCurve {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CurveReading {
+    /// Where the abscissa stands; left out, found by what it means.
     pub abscissa: TableColumn,
+    /// Where the ordinate stands, likewise.
     pub ordinate: TableColumn,
     /// The mark before decimals; needed where every number has three of them: `1,027`.
     pub decimal: Option<DecimalMark>,

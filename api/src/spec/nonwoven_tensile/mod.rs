@@ -75,6 +75,7 @@ pub struct Bond {
     /// σ of the logarithm of strength, or of strength over its mean, by `strength_draw`.
     #[schemars(range(min = 0.0, max = 10.0), extend("x-unit" = "1"))]
     pub strength_sigma: f64,
+    /// Distribution that strengths are drawn from.
     #[serde(skip_serializing_if = "StrengthDraw::is_log_normal")]
     pub strength_draw: StrengthDraw,
 }

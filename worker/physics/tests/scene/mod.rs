@@ -41,6 +41,7 @@ pub(crate) fn polyester(points_per_row: u32, rows: u32, layers: u32) -> Nonwoven
             compression_stiffness_n: 0.157,
             mean_strength_n: Some(3.397),
             strength_sigma: 0.365,
+            strength_draw: Default::default(),
         },
         test: Test::default(),
         accuracy: solver(Solver::NewtonCg, 100.0),
