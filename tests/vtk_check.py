@@ -129,7 +129,7 @@ def check_tensile(folder: Path, spec: dict, counts: tuple[int, int] | None) -> s
     series = pyvista.get_reader(folder / "snapshots.pvd")
     strains = series.time_values
     check(len(strains) > 1, f"a series of {len(strains)}")
-    files = sorted((folder / "snapshots").iterdir())
+    files = sorted(folder.glob("snapshots/step_*.vtp"))
     check(len(files) == len(strains), f"{len(files)} files, {len(strains)} in the series")
     for strain, file in zip(strains, files, strict=True):
         series.set_active_time_value(strain)

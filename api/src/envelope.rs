@@ -8,10 +8,11 @@ use serde_json::value::RawValue;
 use uuid::Uuid;
 
 use crate::earlier::{Earlier, UNKNOWN_RESULTS};
+use crate::json::{parse, typed};
 use crate::kind_schemas::spec_violations;
 use crate::kinds::{JobKind, JobSpec, SpecVisitor};
 use crate::problem::{Problem, Violation};
-use crate::schema::{Checker, escape};
+use crate::schema::Checker;
 use crate::spec_trait::Spec;
 use crate::violations::{LISTED, Violations};
 
@@ -87,7 +88,7 @@ impl Submission {
         if !violations.is_empty() {
             return Err(SubmissionError::Invalid(violations));
         }
-        // the schema is content, so what the types refuse now is rare: duplicate keys, 1.0 for 1
+        // the schema is content, so what the types refuse now is rare: 1.0 for 1
         let envelope: Envelope = typed(body, "")?;
         let spec = envelope.kind.visit(ReadSpec {
             text: envelope.spec.get(),
@@ -228,80 +229,4 @@ fn envelope_violations(body: &Value) -> Vec<Violation> {
 fn within_spec(mut violation: Violation) -> Violation {
     violation.pointer.insert_str(0, "/spec");
     violation
-}
-
-/// Most values in a body: a network of about 300 000 bonds, each with its strength. A value takes
-/// about 70 bytes once read, so that the memory a body takes is bounded beyond its length.
-const MOST_VALUES: usize = 4_000_000;
-
-/// How many values the text can hold at most, judged by the marks that begin one.
-fn values(text: &[u8]) -> usize {
-    let (mut count, mut is_text, mut is_escaped) = (1, false, false);
-    for byte in text {
-        match byte {
-            _ if is_escaped => is_escaped = false,
-            b'\\' if is_text => is_escaped = true,
-            b'"' => is_text = !is_text,
-            b',' | b'[' | b'{' if !is_text => count += 1,
-            _ => {}
-        }
-    }
-    count
-}
-
-pub(crate) fn parse(body: &[u8]) -> Result<Value, SubmissionError> {
-    if body.len() > MOST_VALUES && values(body) > MOST_VALUES {
-        let violation = Violation::new("", "too_large", "the body holds too many values")
-            .allowed(format!("at most {MOST_VALUES} values"));
-        return Err(SubmissionError::Invalid(vec![violation]));
-    }
-    let mut reader = serde_json::Deserializer::from_slice(body);
-    let value = serde_path_to_error::deserialize(&mut reader)
-        .map_err(|error| syntax(pointer(error.path()), error.inner()))?;
-    reader
-        .end()
-        .map_err(|error| syntax(String::new(), &error))?;
-    Ok(value)
-}
-
-fn syntax(pointer: String, error: &serde_json::Error) -> SubmissionError {
-    let code = if error.is_eof() {
-        "truncated"
-    } else {
-        "syntax"
-    };
-    let violation = Violation::new(pointer, code, error.to_string())
-        .value(format!("line {}, column {}", error.line(), error.column()))
-        .allowed("JSON (RFC 8259): finite numbers within ±1.8e308, at most 127 levels deep");
-    SubmissionError::Syntax(Box::new(violation))
-}
-
-/// Parses into `T`; what is refused is said with its pointer under `prefix`.
-pub(crate) fn typed<'de, T: Deserialize<'de>>(
-    text: &'de [u8],
-    prefix: &str,
-) -> Result<T, SubmissionError> {
-    let mut reader = serde_json::Deserializer::from_slice(text);
-    serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-        let place = format!("{prefix}{}", pointer(error.path()));
-        let detail = error.inner().to_string();
-        let code = if detail.starts_with("duplicate field") {
-            "duplicate_field"
-        } else {
-            "wrong_type"
-        };
-        SubmissionError::Invalid(vec![Violation::new(place, code, detail)])
-    })
-}
-
-fn pointer(path: &serde_path_to_error::Path) -> String {
-    use serde_path_to_error::Segment;
-    path.iter()
-        .filter_map(|segment| match segment {
-            Segment::Seq { index } => Some(format!("/{index}")),
-            Segment::Map { key } => Some(format!("/{}", escape(key))),
-            Segment::Enum { variant } => Some(format!("/{}", escape(variant))),
-            Segment::Unknown => None,
-        })
-        .collect()
 }

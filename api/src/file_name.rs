@@ -1,5 +1,8 @@
 //! Names of result files.
 
+/// The folder in which a failed job has what it had until then: no result.
+pub const PARTIAL_FOLDER: &str = "partial/";
+
 /// Why a name is not a result file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(

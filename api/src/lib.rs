@@ -18,18 +18,22 @@ pub mod fibre;
 mod file_name;
 pub mod filling;
 mod job;
+mod json;
 mod kind_schemas;
 pub mod kinds;
 mod limits;
 mod message;
 mod outcome;
 mod problem;
+mod results;
 mod schema;
 pub mod section;
+mod signature;
 pub mod spec;
 mod spec_trait;
 pub mod study;
 pub mod surface;
+pub mod table;
 mod timestamp;
 mod violations;
 pub mod worker;
@@ -43,7 +47,7 @@ pub use earlier::{Earlier, EarlierJob};
 pub use envelope::{Envelope, Submission, SubmissionError};
 pub use event::{Event, JobDeleted, PointsReady, ProgressNow};
 pub use examples::UnknownExample;
-pub use file_name::{FileNameError, check_file_name};
+pub use file_name::{FileNameError, PARTIAL_FOLDER, check_file_name};
 pub use job::{
     AttemptEnd, AttemptView, CurveView, JobLinks, JobOutcome, JobStatus, JobView, LogLine, Page,
     ReasonCode, WorkerView,
@@ -57,6 +61,7 @@ pub use outcome::{
     Provenance, QualityCheck, Quantity, Report, Warning,
 };
 pub use problem::{Problem, Violation};
+pub use results::{result_names, result_units};
 pub use schema::{answer_schemas, body_schemas};
 pub use spec_trait::{Spec, Studied};
 pub use timestamp::Timestamp;

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 
-use crate::envelope::{parse, typed};
+use crate::json::{parse, typed};
 use crate::schema::Checker;
 use crate::study::ParameterStudy;
 use crate::worker::{ClaimRequest, CompleteRequest, FailRequest, ProgressReport, ReleaseRequest};

@@ -22,6 +22,15 @@ pub trait Spec: Studied + Sized + Serialize + for<'de> Deserialize<'de> + JsonSc
     /// What the job will take on a machine of the measured speed.
     fn estimate(&self, calibration: &Calibration) -> Estimate;
 
+    /// Names of the columns of its curve, in order; the last ones may be missing where what they tell
+    /// cannot be measured.
+    fn curve_columns(&self) -> Vec<String>;
+
+    /// The largest abscissa of that curve, where it is a strain and the spec says how far it goes.
+    fn largest_strain(&self) -> Option<f64> {
+        None
+    }
+
     /// Seed of the random streams.
     fn seed(&self) -> u64;
 }

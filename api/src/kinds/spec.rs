@@ -42,6 +42,17 @@ macro_rules! specs {
                 match self { $(Self::$kind(spec) => spec.estimate(calibration),)+ }
             }
 
+            /// Names of the columns of its curve, in order; the last ones may be missing where what
+            /// they tell cannot be measured.
+            pub fn curve_columns(&self) -> Vec<String> {
+                match self { $(Self::$kind(spec) => spec.curve_columns(),)+ }
+            }
+
+            /// The largest abscissa of that curve, where it is a strain and the spec says it.
+            pub(crate) fn largest_strain(&self) -> Option<f64> {
+                match self { $(Self::$kind(spec) => spec.largest_strain(),)+ }
+            }
+
             /// Seed of the random streams.
             pub fn seed(&self) -> u64 {
                 match self { $(Self::$kind(spec) => spec.seed(),)+ }

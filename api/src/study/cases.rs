@@ -5,7 +5,7 @@ use serde_json::value::RawValue;
 
 use super::ParameterStudy;
 use super::apply::put;
-use crate::envelope::{parse, typed};
+use crate::json::{parse, typed};
 use crate::schema::escape;
 use crate::{Envelope, Example, JobKind, JobSpec, SubmissionError, Violation};
 

@@ -125,7 +125,8 @@ impl Store {
         }
     }
 
-    /// Files of the job's result; none before it has succeeded.
+    /// Files of the job's result, or of the failure that ended it, which are in a folder that says
+    /// so; none before its end.
     ///
     /// # Errors
     /// [`StoreError::NotFound`] when there is no such job.
@@ -134,9 +135,11 @@ impl Store {
         let job = LifecycleRow::of(&mut snapshot, id).await?;
         let files: Vec<(String, i64, String)> = sqlx::query_as(
             "SELECT f.name, f.bytes, f.sha256
-             FROM results r JOIN attempts a ON a.job = r.job AND a.number = r.attempt
+             FROM jobs j LEFT JOIN results r ON r.job = j.seq
+             JOIN attempts a ON a.job = j.seq
+                AND a.number = COALESCE(r.attempt, CASE WHEN j.outcome IN ('failed', 'timed_out') THEN j.attempt END)
              JOIN attempt_files f ON f.attempt = a.seq
-             WHERE r.job = ? ORDER BY f.name",
+             WHERE j.seq = ? ORDER BY f.name",
         )
         .bind(job.seq)
         .fetch_all(&mut *snapshot)
@@ -157,15 +160,16 @@ impl Store {
         })
     }
 
-    /// A file of the job's result.
+    /// One of these files.
     ///
     /// # Errors
     /// [`StoreError::NotFound`].
     pub async fn file(&self, id: Uuid, name: &str) -> Result<FileEntry> {
         let found: Option<(String, i64, String)> = sqlx::query_as(
             "SELECT f.name, f.bytes, f.sha256
-             FROM jobs j JOIN results r ON r.job = j.seq
-             JOIN attempts a ON a.job = r.job AND a.number = r.attempt
+             FROM jobs j LEFT JOIN results r ON r.job = j.seq
+             JOIN attempts a ON a.job = j.seq
+                AND a.number = COALESCE(r.attempt, CASE WHEN j.outcome IN ('failed', 'timed_out') THEN j.attempt END)
              JOIN attempt_files f ON f.attempt = a.seq
              WHERE j.id = ? AND f.name = ?",
         )

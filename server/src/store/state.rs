@@ -3,7 +3,7 @@
 //!
 //! Every update carries its condition, so that a stale writer changes nothing: the job's row must
 //! still have the version that was read, and an attempt that ends must be live under its token.
-use loadframe_api::{AttemptEnd, JobOutcome, JobStatus, ReasonCode};
+use loadframe_api::{AttemptEnd, JobOutcome, JobStatus, PARTIAL_FOLDER, ReasonCode};
 use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
@@ -138,8 +138,8 @@ impl Change {
         Ok(step)
     }
 
-    /// Ends an attempt that is live under its token; of what it leaves, only a checkpoint and a
-    /// completed result stay.
+    /// Ends an attempt that is live under its token; of what it leaves, only a checkpoint, a
+    /// completed result and what a failed one had until then stay.
     async fn end_attempt(
         &mut self,
         job: &LifecycleRow,
@@ -162,7 +162,9 @@ impl Change {
             return Err(StoreError::LeaseLost);
         }
         let completed = end == AttemptEnd::Completed;
-        if !completed {
+        if matches!(end, AttemptEnd::Failed | AttemptEnd::TimedOut) {
+            self.mark_partial(ending.attempt).await?;
+        } else if !completed {
             let files: Vec<String> =
                 sqlx::query_scalar("DELETE FROM attempt_files WHERE attempt = ? RETURNING sha256")
                     .bind(ending.attempt)
@@ -174,6 +176,16 @@ impl Change {
             let result = completed.then_some(ending.attempt);
             self.keep_one_curve(job.seq, result).await?;
         }
+        Ok(())
+    }
+
+    /// Puts the files of a failed attempt, which are no result, in a folder that says so.
+    async fn mark_partial(&mut self, attempt: i64) -> Result<()> {
+        sqlx::query("UPDATE attempt_files SET name = ?1 || name WHERE attempt = ?2")
+            .bind(PARTIAL_FOLDER)
+            .bind(attempt)
+            .execute(&mut self.connection)
+            .await?;
         Ok(())
     }
 

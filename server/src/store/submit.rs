@@ -231,6 +231,15 @@ impl Change {
             .bind(job.seq)
             .execute(&mut self.connection)
             .await?;
+        // what the failure left; a job that has a result is not tried again
+        let files: Vec<String> = sqlx::query_scalar(
+            "DELETE FROM attempt_files
+             WHERE attempt IN (SELECT seq FROM attempts WHERE job = ?) RETURNING sha256",
+        )
+        .bind(job.seq)
+        .fetch_all(&mut self.connection)
+        .await?;
+        self.garbage(files);
         Ok(())
     }
 }

@@ -209,3 +209,53 @@ async fn a_wrong_token_is_as_good_as_no_lease() {
     assert!(is_lost(lab.release(forged, ReleaseReason::Shutdown).await));
     lab.heartbeat(key(&lease)).await.unwrap();
 }
+
+#[tokio::test]
+async fn a_failed_job_keeps_what_it_had_in_a_folder_that_says_so() {
+    let lab = Lab::open(LONG).await;
+    let id = lab.submit().await;
+    let lease = lab.lease().await;
+    lab.put(&lease, "curve.csv", b"a,b\n1,2\n").await;
+    lab.put(&lease, "snapshots/0.vtp", b"x").await;
+    assert!(
+        lab.files(id).await.unwrap().is_empty(),
+        "published too early"
+    );
+    let failure = FailRequest {
+        code: FailCode::SimulationError,
+        reason: "it diverged".to_owned(),
+    };
+    // a stale worker publishes nothing
+    let stale = LeaseKey {
+        token: Uuid::new_v4(),
+        ..key(&lease)
+    };
+    assert!(is_lost(lab.fail(stale, &failure).await));
+    assert!(lab.files(id).await.unwrap().is_empty());
+    lab.fail(key(&lease), &failure).await.unwrap();
+    let names: Vec<String> = lab
+        .files(id)
+        .await
+        .unwrap()
+        .into_iter()
+        .map(|file| file.name)
+        .collect();
+    assert_eq!(names, ["partial/curve.csv", "partial/snapshots/0.vtp"]);
+    let file = lab.file(id, "partial/curve.csv").await.unwrap();
+    let path = lab.content(id, &file).await.unwrap();
+    assert_eq!(std::fs::read(path).unwrap(), b"a,b\n1,2\n");
+    assert!(is_missing(lab.file(id, "curve.csv").await));
+    assert!(is_missing(lab.outcome(id).await));
+    // tried again it begins with nothing, and a result takes the place of what failed
+    lab.request(id, UserAction::Retry).await.unwrap();
+    assert!(lab.files(id).await.unwrap().is_empty());
+    let lease = lab.lease().await;
+    assert!(lab.files(id).await.unwrap().is_empty());
+    let request = lab.finish(&lease).await;
+    lab.complete(key(&lease), &request).await.unwrap();
+    let files = lab.files(id).await.unwrap();
+    assert!(
+        files.iter().all(|file| !file.name.starts_with("partial/")),
+        "{files:?}"
+    );
+}

@@ -5,7 +5,7 @@ mod scene;
 use loadframe_api::{
     Report,
     spec::nonwoven_tensile::{
-        Accuracy, Bond, Breaking, Jaw, Knobs, NetworkBond, NonwovenTensile, Preset,
+        Accuracy, Bond, Breaking, Jaw, Knobs, NetworkBond, NonwovenTensile, Preset, StrengthDraw,
     },
 };
 use scene::{bond, explicit, polyester, run, value};
@@ -21,6 +21,7 @@ fn law(modulus: f64) -> Bond {
         compression_stiffness_n: 0.0,
         mean_strength_n: Some(1.0),
         strength_sigma: 0.0,
+        strength_draw: StrengthDraw::LogNormal,
     }
 }
 

@@ -3,7 +3,7 @@
 mod scene;
 
 use loadframe_api::spec::nonwoven_tensile::{
-    Accuracy, Bond, Breaking, Fabric, Jaw, Knobs, NetworkBond, NonwovenTensile,
+    Accuracy, Bond, Breaking, Fabric, Jaw, Knobs, NetworkBond, NonwovenTensile, StrengthDraw,
 };
 use scene::{bond, explicit, run, value};
 
@@ -13,6 +13,7 @@ const LAW: Bond = Bond {
     compression_stiffness_n: 0.5,
     mean_strength_n: None,
     strength_sigma: 0.0,
+    strength_draw: StrengthDraw::LogNormal,
 };
 /// Forces follow from strains by a few operations, strains from displacements near round-off.
 const NEAR_ROUND_OFF: f64 = 1e-13;

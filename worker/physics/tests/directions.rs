@@ -104,6 +104,7 @@ fn turned_by_hand(spec: &NonwovenTensile) -> NonwovenTensile {
         bonds: bonds.collect(),
         width_mm: Some(f64::from(sizes.rows) * sizes.spacing_mm[1]),
         thickness_mm: None,
+        grammage_g_per_m2: None,
     });
     network
 }

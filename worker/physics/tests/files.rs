@@ -28,6 +28,7 @@ fn a_run_leaves_its_tables_and_snapshots() {
         "force_histogram.csv",
         "poisson_ratio.csv",
         "snapshots.pvd",
+        "snapshots/peak.vtp",
         "snapshots/step_00000.vtp",
         "snapshots/step_00002.vtp",
         "snapshots/step_00004.vtp",

@@ -1,7 +1,9 @@
 //! What holds for any network: results follow when it is turned, scaled or renumbered.
 mod scene;
 
-use loadframe_api::spec::nonwoven_tensile::{Bond, Jaw, NetworkBond, NonwovenTensile};
+use loadframe_api::spec::nonwoven_tensile::{
+    Bond, Jaw, NetworkBond, NonwovenTensile, StrengthDraw,
+};
 use proptest::prelude::*;
 use scene::{bond, explicit, run};
 
@@ -14,6 +16,7 @@ const LAW: Bond = Bond {
     compression_stiffness_n: 0.3,
     mean_strength_n: None,
     strength_sigma: 0.0,
+    strength_draw: StrengthDraw::LogNormal,
 };
 
 type Nodes = Vec<([f64; 3], Jaw)>;

@@ -9,7 +9,7 @@ use loadframe_api::{FileEntry, JobSpec, Outcome};
 use super::engine::Engine;
 use super::execute::{Ended, Plan, RunError, execute};
 use super::outcome::OUTCOME_FILE;
-use super::recording::{Destination, Progress};
+use super::recording::{Destination, FAILURE_FILE, Progress};
 use super::result_files::sha256_of_file;
 use super::saved_run::{SavedRun, SavedRunError};
 use super::stop::StopSwitch;
@@ -111,6 +111,8 @@ pub fn run_to_directory(
     match execute(spec, saved, plan, &mut destination)? {
         Ended::Finished { outcome, .. } => {
             std::fs::remove_file(folder.join(CHECKPOINT_FILE)).map_err(unusable)?;
+            // of an earlier run that failed
+            let _ = std::fs::remove_file(folder.join(FAILURE_FILE));
             Ok(DirectoryEnd::Finished(outcome))
         }
         Ended::Suspended | Ended::Cancelled => Ok(DirectoryEnd::Suspended),

@@ -104,9 +104,15 @@ fn execute_from<D: Destination>(
         interrupt: plan.switch,
         checkpoint: saved.state(),
     };
-    // after a panic nothing of the recording is used any more
+    // a panic is one of physics, between its calls of the recording
     let call = AssertUnwindSafe(|| simulate(spec, context, &mut recording));
-    let ending = catch_unwind(call).map_err(|panic| RunError::Bug(message(panic.as_ref())))?;
+    let ending = match catch_unwind(call) {
+        Ok(ending) => ending,
+        Err(panic) => {
+            let error = RunError::Bug(message(panic.as_ref()));
+            return Err(failed(recording, spec, error));
+        }
+    };
     match ending {
         Ok(Ending::Finished(report)) => {
             let finished = recording.finish(spec, plan.threads, report);
@@ -120,8 +126,25 @@ fn execute_from<D: Destination>(
         Ok(Ending::Suspended) => Ok(Ended::Suspended),
         Err(SimulationError::Recorder(error)) => Err(RunError::Results(error)),
         Err(error @ SimulationError::Threads { .. }) => Err(RunError::Machine(error)),
-        Err(error) => Err(RunError::Simulation(error)),
+        // the run begins anew
+        Err(error @ SimulationError::Checkpoint(_)) => Err(RunError::Simulation(error)),
+        Err(error) => Err(failed(recording, spec, RunError::Simulation(error))),
     }
+}
+
+/// Keeps what a failed run had.
+fn failed<D: Destination>(
+    recording: Recording<'_, D>,
+    spec: &JobSpec,
+    error: RunError,
+) -> RunError {
+    let chain = std::iter::successors(Some(&error as &dyn std::error::Error), |error| {
+        error.source()
+    });
+    let reason: Vec<String> = chain.map(ToString::to_string).collect();
+    // why the run failed matters more than what cannot be kept of it
+    let _ = recording.fail(spec, &reason.join(": "));
+    error
 }
 
 fn message(panic: &(dyn Any + Send)) -> String {

@@ -22,6 +22,7 @@ mod outcome;
 mod recording;
 mod result_files;
 mod saved_run;
+mod spool;
 mod stop;
 
 pub use calibration::calibrate;

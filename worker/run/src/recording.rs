@@ -12,9 +12,14 @@ use super::eta::TimeToGo;
 use super::outcome::{Circumstances, OUTCOME_FILE, assemble};
 use super::result_files::ResultFiles;
 use super::saved_run::SavedRun;
+use super::spool::Spool;
 
 /// Name of the file that keeps the log.
 const LOG_FILE: &str = "log.jsonl";
+/// Name of the curve's file, as engines write it at the end.
+const CURVE_FILE: &str = "curve.csv";
+/// Name of the file that marks the others as those of a run without result.
+pub(crate) const FAILURE_FILE: &str = "failure.json";
 
 /// How far a run is.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,6 +57,7 @@ pub(crate) struct Recording<'a, D> {
     time_to_go: TimeToGo,
     files: ResultFiles,
     log: Vec<String>,
+    curve: Option<Spool>,
     checkpoint_every: Duration,
     last_checkpoint: Instant,
     destination: &'a mut D,
@@ -74,6 +80,7 @@ impl<'a, D: Destination> Recording<'a, D> {
             time_to_go: TimeToGo::default(),
             files: ResultFiles::open(folder, saved.files()),
             log: saved.log().to_vec(),
+            curve: None,
             checkpoint_every,
             last_checkpoint: Instant::now(),
             destination,
@@ -88,14 +95,7 @@ impl<'a, D: Destination> Recording<'a, D> {
         threads: usize,
         report: Report,
     ) -> io::Result<(Outcome, Vec<FileEntry>)> {
-        let log = std::mem::take(&mut self.log);
-        self.file(LOG_FILE, &mut |out| {
-            for message in &log {
-                let line = serde_json::json!({ "message": message });
-                writeln!(out, "{line}")?;
-            }
-            Ok(())
-        })?;
+        self.write_log()?;
         let circumstances = Circumstances {
             engine: self.engine,
             threads,
@@ -109,14 +109,60 @@ impl<'a, D: Destination> Recording<'a, D> {
         })?;
         Ok((outcome, self.files.entries()))
     }
+
+    /// Writes what a run that failed had until then, beside the files it has written: the curve, the
+    /// log, and a file that says why there is no result.
+    pub(crate) fn fail(mut self, spec: &JobSpec, reason: &str) -> io::Result<()> {
+        let is_written = |file: &FileEntry| file.name == CURVE_FILE;
+        if let Some(mut curve) = self.curve.take()
+            && !self.files.entries().iter().any(is_written)
+        {
+            self.file(CURVE_FILE, &mut |out| curve.write(out))?;
+        }
+        self.log.push(format!("failed: {reason}"));
+        self.write_log()?;
+        let failure = serde_json::json!({
+            "kind": spec.kind(),
+            "status": "failed",
+            "reason": reason,
+            "files": self.files.entries(),
+            "spec_sha256": self.spec_sha256,
+            "engine_version": self.engine.version,
+            "note": "These files are what the run had until it failed; they are no result.",
+        });
+        self.file(FAILURE_FILE, &mut |out| {
+            serde_json::to_writer_pretty(&mut *out, &failure)?;
+            writeln!(out)
+        })
+    }
+
+    fn write_log(&mut self) -> io::Result<()> {
+        let log = std::mem::take(&mut self.log);
+        self.file(LOG_FILE, &mut |out| {
+            for message in &log {
+                let line = serde_json::json!({ "message": message });
+                writeln!(out, "{line}")?;
+            }
+            Ok(())
+        })
+    }
 }
 
 impl<D: Destination> Recorder for Recording<'_, D> {
     fn columns(&mut self, names: &[&str]) -> io::Result<()> {
+        // without room for it the run can still come to its end
+        self.curve = Spool::begin(self.files.folder(), names).ok();
         self.destination.columns(names)
     }
 
     fn point(&mut self, values: &[f64]) -> io::Result<()> {
+        if self
+            .curve
+            .as_mut()
+            .is_some_and(|curve| curve.point(values).is_err())
+        {
+            self.curve = None;
+        }
         self.destination.point(values)
     }
 

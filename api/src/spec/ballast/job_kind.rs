@@ -2,7 +2,8 @@
 use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
 
-use super::{Apparatus, Ballast, checks, estimate};
+use super::super::granular_scene::Grain;
+use super::{Apparatus, Ballast, checks, curve_columns, estimate};
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violations};
 
@@ -22,6 +23,12 @@ where
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
         estimate::estimate(self, calibration)
+    }
+
+    fn curve_columns(&self) -> Vec<String> {
+        let is_breakable = matches!(self.grains.shape, Grain::Breakable(_));
+        let names = curve_columns(is_breakable).into_iter();
+        names.map(str::to_owned).collect()
     }
 
     fn seed(&self) -> u64 {

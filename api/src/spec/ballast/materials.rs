@@ -27,7 +27,7 @@ fn wall(aggregate: &Material, [density, factor, ratio, friction]: [f64; 4]) -> M
         density_kg_per_m3: density,
         youngs_modulus_pa: factor * aggregate.youngs_modulus_pa,
         stiffness_ratio: ratio,
-        friction_angle_rad: friction,
+        friction_angle_rad: Some(friction),
         normal_cohesion_pa: 0.0,
         shear_cohesion_pa: 0.0,
         ..aggregate.clone()

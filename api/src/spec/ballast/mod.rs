@@ -101,6 +101,26 @@ impl Default for Laws {
     }
 }
 
+/// Columns of the curve.
+fn curve_columns(is_breakable: bool) -> Vec<&'static str> {
+    let mut columns = vec![
+        "time_s",
+        "force_kn",
+        "displacement_mm",
+        "cycle",
+        "unloading",
+        "inertial_number",
+        "unbalanced_force_ratio",
+        "coordination_number",
+        "bed_mean_stress_kpa",
+        "step_over_critical",
+    ];
+    if is_breakable {
+        columns.push("broken_bonds");
+    }
+    columns
+}
+
 fn one() -> u64 {
     1
 }

@@ -1,17 +1,18 @@
 //! What the JSON Schema cannot say: a job that is valid wherever its parameters may go, and
 //! measurements it can be held against.
-use super::{Calibrate, FreeParameter, Measured, Scale, Template};
-use crate::{JobKind, Violation, Violations};
+use super::{Calibrate, CurveReading, FreeParameter, Measured, MeasuredResult, Scale, Template};
+use crate::{JobKind, JobSpec, Violation, Violations, result_names, result_units};
 
 /// Seeds beyond 2⁵³ − 1 are not exact in every language's JSON.
 const LARGEST_SEED: u64 = (1 << 53) - 1;
+/// Points of a measured curve, as many as `rows` may have.
+const MOST_POINTS: usize = 100_000;
 /// Bytes that are read to check one job, at most.
 const MOST_READ: usize = 16 << 20;
 /// Parameters named where one is unknown.
 const LISTED: usize = 30;
 
 pub(super) fn check(spec: &Calibrate, violations: &mut Violations) {
-    check_measured(&spec.measured, violations);
     check_counts(spec, violations);
     if spec.job.kind == JobKind::Calibrate {
         let violation = Violation::new(
@@ -20,12 +21,14 @@ pub(super) fn check(spec: &Calibrate, violations: &mut Violations) {
             "a calibration cannot be calibrated",
         );
         violations.push(violation.value("calibrate").allowed("every other kind"));
+        check_measured(&spec.measured, None, violations);
         return;
     }
     if let Some(violation) = check_length(spec) {
         violations.push(violation);
         return;
     }
+    check_measured(&spec.measured, spec.job.read().ok().as_ref(), violations);
     match Template::new(&spec.job) {
         Ok(template) => check_free(spec, &template, violations),
         Err(inner) => violations.extend(inner.into_iter().map(|mut violation| {
@@ -188,7 +191,7 @@ fn at_value(
     .value(numbers[index].1)
 }
 
-fn check_measured(measured: &Measured, violations: &mut Violations) {
+fn check_measured(measured: &Measured, job: Option<&JobSpec>, violations: &mut Violations) {
     if measured.results.is_empty() && measured.curve.is_none() {
         let detail = "nothing was measured";
         let violation = Violation::new("/measured", "missing_field", detail);
@@ -206,6 +209,9 @@ fn check_measured(measured: &Measured, violations: &mut Violations) {
             let detail = "differences cannot be told as parts of 0; give a deviation";
             violations.push(no_scale(format!("{place}/deviation"), detail));
         }
+        if let Some(job) = job {
+            check_result(index, result, job, violations);
+        }
     }
     let Some(curve) = &measured.curve else {
         return;
@@ -216,25 +222,77 @@ fn check_measured(measured: &Measured, violations: &mut Violations) {
         violations.push(violation.allowed("rows or csv, one of them"));
         return;
     }
-    match curve.points() {
-        Err(line) => {
-            let detail = format!("line {line} has no two numbers");
-            let violation = Violation::new("/measured/curve/csv", "syntax", detail);
-            violations.push(violation.allowed("two numbers a line, such as 0.1,8.5"));
+    if let (None, Some(_)) = (&curve.csv, &curve.reading) {
+        let detail = "rows are not read from text";
+        let violation = Violation::new("/measured/curve/reading", "not_together", detail);
+        violations.push(violation.allowed("reading beside csv"));
+    }
+    if let Some(reading) = &curve.reading {
+        check_reading(reading, violations);
+    }
+    let points = job.map(|job| match &curve.csv {
+        Some(text) => curve.read(text, job).map(|reading| reading.points),
+        None => curve.wanted(job).map(|_| curve.rows.clone()),
+    });
+    match points {
+        Some(Err(mut violation)) => {
+            violation.pointer.insert_str(0, "/measured/curve");
+            violations.push(violation);
         }
-        Ok(points) if points.is_empty() => {
-            let detail = "the text has no points";
-            violations.push(Violation::new(
-                "/measured/curve/csv",
-                "wrong_length",
-                detail,
-            ));
+        Some(Ok(points)) if points.len() > MOST_POINTS => {
+            let detail = "the text has too many points";
+            let violation = Violation::new("/measured/curve/csv", "wrong_length", detail);
+            violations.push(
+                violation
+                    .value(points.len())
+                    .allowed(format!("at most {MOST_POINTS}")),
+            );
         }
-        Ok(points) if curve.deviation.is_none() && points.iter().all(|[_, y]| *y == 0.0) => {
+        Some(Ok(points)) if curve.deviation.is_none() && points.iter().all(|[_, y]| *y == 0.0) => {
             let detail = "all ordinates are 0; give a deviation";
             violations.push(no_scale("/measured/curve/deviation".to_owned(), detail));
         }
-        Ok(_) => {}
+        // without a valid job nothing is known of its columns
+        None | Some(Ok(_)) => {}
+    }
+}
+
+/// A result must be one that the job may have, in its unit.
+fn check_result(index: usize, result: &MeasuredResult, job: &JobSpec, violations: &mut Violations) {
+    let units = result_units(job.kind(), &result.result);
+    let place = format!("/measured/results/{index}");
+    if units.is_empty() {
+        let detail = format!("a {} has no result of this name", job.kind());
+        let violation = Violation::new(format!("{place}/result"), "not_allowed", detail);
+        let allowed = format!("one of: {}", result_names(job.kind()).join(", "));
+        violations.push(violation.value(result.result.as_str()).allowed(allowed));
+    } else if let Some(unit) = result.unit.as_deref().filter(|unit| !units.contains(unit)) {
+        let detail = format!("{} is given in another unit", result.result);
+        let violation = Violation::new(format!("{place}/unit"), "not_allowed", detail);
+        violations.push(violation.value(unit).allowed(units.join(" or ")));
+    }
+}
+
+fn check_reading(reading: &CurveReading, violations: &mut Violations) {
+    if let Some([low, high]) = reading.slack_between
+        && low >= high
+    {
+        let detail = "no part of the curve lies between these ordinates";
+        let violation = Violation::new(
+            "/measured/curve/reading/slack_between",
+            "out_of_range",
+            detail,
+        );
+        violations.push(
+            violation
+                .value(vec![low, high])
+                .allowed("the smaller first"),
+        );
+    }
+    if reading.slack_between.is_some() && reading.preload.is_some() {
+        let detail = "both say where the abscissa begins to count";
+        let violation = Violation::new("/measured/curve/reading/preload", "not_together", detail);
+        violations.push(violation.allowed("preload or slack_between, one of them"));
     }
 }
 

@@ -17,13 +17,15 @@ impl Spec for Calibrate {
     }
 
     fn normalise(&mut self) {
+        if let Ok(job) = self.job.read() {
+            self.measured.normalise(&job);
+        }
         if let Ok(template) = Template::new(&self.job) {
             self.job.spec = template.text();
             for free in &mut self.free {
                 free.start = free.start.or_else(|| template.number(&free.parameter));
             }
         }
-        self.measured.normalise();
     }
 
     /// An upper bound: all trials, of which most searches need a part.
@@ -39,6 +41,11 @@ impl Spec for Calibrate {
             disk_mb: 1.0 + kept,
             calibrated: false,
         }
+    }
+
+    /// Those of the job it calibrates.
+    fn curve_columns(&self) -> Vec<String> {
+        Vec::new()
     }
 
     fn seed(&self) -> u64 {

@@ -16,7 +16,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use inner::{InnerJob, SpecText, Template};
-pub use measured::{Measured, MeasuredCurve, MeasuredResult};
+pub use measured::{CurveReading, Measured, MeasuredCurve, MeasuredResult, TableColumn};
 
 /// Parameters of a job, fitted to measured results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -23,6 +23,13 @@ impl Spec for CompositeBending {
         estimate::estimate(self, calibration)
     }
 
+    fn curve_columns(&self) -> Vec<String> {
+        self.columns()
+            .iter()
+            .map(|name| (*name).to_owned())
+            .collect()
+    }
+
     fn seed(&self) -> u64 {
         self.seed
     }

@@ -236,6 +236,39 @@ impl CompositeBending {
         })
     }
 
+    /// Names of the curve's columns.
+    pub fn columns(&self) -> &'static [&'static str] {
+        if self.test.breaking.is_some() {
+            &["deflection_mm", "force_n", "events", "dissipated_n_mm"]
+        } else if self.test.history.is_some() {
+            &[
+                "time_s",
+                "mean_top_deflection_mm",
+                "mean_bottom_deflection_mm",
+                "kinetic_energy_n_mm",
+                "strain_energy_n_mm",
+            ]
+        } else if self.test.way().is_some_and(|way| way.flexure().is_some()) {
+            &[
+                "deflection_mm",
+                "force_n",
+                "load_fraction",
+                "roller_displacement_mm",
+                "flexural_strain",
+                "flexural_stress_mpa",
+            ]
+        } else {
+            &[
+                "deflection_mm",
+                "force_n",
+                "load_fraction",
+                "mean_top_deflection_mm",
+                "mean_bottom_deflection_mm",
+                "strain_energy_n_mm",
+            ]
+        }
+    }
+
     /// Particles of the lattice, those of a graded grid as far as they can be foreseen.
     pub fn particles(&self) -> u64 {
         let [columns, rows] = self.grid().cells.map(u64::from);

@@ -16,6 +16,11 @@ impl Spec for CompositeCell {
         estimate::estimate(self, calibration)
     }
 
+    /// It has no curve.
+    fn curve_columns(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     fn seed(&self) -> u64 {
         self.seed
     }

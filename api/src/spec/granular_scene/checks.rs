@@ -36,6 +36,9 @@ pub(super) fn check(spec: &GranularScene, violations: &mut Violations) {
     }
     check_laws(spec, violations);
     super::region::check(spec, violations);
+    if violations.is_empty() {
+        super::curve::check(spec, violations);
+    }
     // what follows looks up materials and shapes
     if violations.is_empty() {
         super::overlaps::check(spec, &bodies, largest_overlap(spec), violations);
@@ -175,7 +178,7 @@ fn check_recorded(spec: &GranularScene, violations: &mut Violations) {
         let pointer = format!("/record/walls/{index}");
         violations.extend(known.check_wall(pointer, name));
     }
-    let columns = spec.curve_columns();
+    let columns = spec.curve_columns().len();
     if columns > MOST_CURVE_COLUMNS {
         let detail = "planes, walls, driven bodies and regions give the curve too many columns";
         violations.push(

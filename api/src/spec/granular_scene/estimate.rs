@@ -1,5 +1,5 @@
 //! What a granular scene takes: particle steps over measured speed.
-use super::record::EVERY_SCENE_COLUMNS;
+use super::curve;
 use super::{Body, Grain, GranularScene, Insert, Stage, TimeStep};
 use crate::{Calibration, Estimate};
 
@@ -169,7 +169,7 @@ pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estim
     };
     let tables = rows
         * (CURVE_ROW_MB
-            + CURVE_NUMBER_MB * (spec.curve_columns() as f64 - EVERY_SCENE_COLUMNS as f64)
+            + CURVE_NUMBER_MB * ((spec.curve_columns().len() - curve::EVERY_SCENE) as f64)
             + BODY_ROW_MB * spec.recorded_bodies(spec.particles() as usize).len() as f64
             + CONTACT_ROW_MB * contacts);
     let snapshots = match spec.record.snapshot_every_steps {

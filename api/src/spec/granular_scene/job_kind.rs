@@ -22,6 +22,10 @@ impl Spec for GranularScene {
         estimate::estimate(self, calibration)
     }
 
+    fn curve_columns(&self) -> Vec<String> {
+        Self::curve_columns(self)
+    }
+
     fn seed(&self) -> u64 {
         self.seed
     }

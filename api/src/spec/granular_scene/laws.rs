@@ -34,10 +34,11 @@ pub struct Material {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
     pub shear_restitution: Option<f64>,
-    /// φ; a contact slides at tan φ of the smoother material. 0 is frictionless.
-    #[serde(default)]
+    /// φ; a contact slides at tan φ of the smoother material. 0 is frictionless; left out, it is 0 too,
+    /// and the results warn of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1.570_795_5), extend("x-unit" = "rad"))]
-    pub friction_angle_rad: f64,
+    pub friction_angle_rad: Option<f64>,
     /// c_N: spheres that touch at the start are bonded when both materials have cohesion; the bond
     /// breaks at a tension of c_N min(r)², the weaker material's.
     #[serde(default)]
@@ -139,6 +140,11 @@ impl Default for TimeStep {
 }
 
 impl Material {
+    /// φ [rad], 0 where it is left out.
+    pub fn friction_angle(&self) -> f64 {
+        self.friction_angle_rad.unwrap_or(0.0)
+    }
+
     /// Whether its spheres can be bonded.
     pub fn is_cohesive(&self) -> bool {
         self.normal_cohesion_pa > 0.0 || self.shear_cohesion_pa > 0.0

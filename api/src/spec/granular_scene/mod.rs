@@ -18,6 +18,7 @@ mod accuracy;
 mod bodies;
 mod check_walls;
 mod checks;
+mod curve;
 mod drive;
 mod estimate;
 mod facets;

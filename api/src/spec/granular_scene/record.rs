@@ -2,7 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Material, Region};
+use super::Region;
 
 /// What is written, and how often. A row that names a step holds the state after that step; its
 /// contacts are those whose forces moved the bodies in that step.
@@ -43,14 +43,6 @@ pub struct Record {
     pub snapshot_every_steps: u64,
 }
 
-/// Columns of the curve that every scene has: step, time, stage and six readings of the whole.
-pub(super) const EVERY_SCENE_COLUMNS: usize = 9;
-/// Columns of a plane's displacement and force along its axis, of a wall's or body's as vectors, and of
-/// what is measured in a region.
-const PLANE_COLUMNS: usize = 2;
-const WALL_COLUMNS: usize = 6;
-const REGION_COLUMNS: usize = 10;
-
 /// Fewer bodies than this are written without being asked for.
 pub(super) const FEW_BODIES: usize = 1000;
 
@@ -78,16 +70,6 @@ impl super::GranularScene {
             None if count < FEW_BODIES => (0..count as u32).collect(),
             None => Vec::new(),
         }
-    }
-
-    /// Columns of the curve.
-    pub fn curve_columns(&self) -> usize {
-        let cohesive = self.materials.values().any(Material::is_cohesive);
-        EVERY_SCENE_COLUMNS
-            + PLANE_COLUMNS * self.record.planes.len()
-            + WALL_COLUMNS * (self.recorded_walls().len() + self.driven_bodies().len())
-            + REGION_COLUMNS * self.record.regions.len()
-            + usize::from(cohesive)
     }
 
     /// Whether the outcome describes every body of `count`.

@@ -189,11 +189,7 @@ impl GranularScene {
     /// 2/ω of two spheres in contact [s]; infinite when neither moves.
     fn critical_step(&self, a: &Partner<'_>, b: &Partner<'_>, speed: f64) -> f64 {
         let inverse_mass = a.inverse_mass + b.inverse_mass;
-        let is_rough = a
-            .material
-            .friction_angle_rad
-            .min(b.material.friction_angle_rad)
-            > 0.0;
+        let is_rough = a.material.friction_angle().min(b.material.friction_angle()) > 0.0;
         let [normal, shear] = match self.laws.contact {
             ContactLaw::Linear | ContactLaw::Logarithmic => linear_stiffness(a, b),
             ContactLaw::HertzMindlin => hertz_stiffness(a, b, inverse_mass, speed),

@@ -1,7 +1,7 @@
 //! What the stages of a scene say about its walls and bodies.
 use std::collections::BTreeSet;
 
-use super::{Drive, GranularScene, Stage};
+use super::{Drive, GranularScene, Material, Stage};
 
 impl GranularScene {
     /// The `drive` stages.
@@ -37,6 +37,11 @@ impl GranularScene {
     pub fn wall_names(&self) -> impl Iterator<Item = &str> {
         let planes = self.planes.iter().map(|plane| plane.name.as_str());
         planes.chain(self.facets.iter().map(|mesh| mesh.name.as_str()))
+    }
+
+    /// Whether bodies of some material are bonded.
+    pub fn is_cohesive(&self) -> bool {
+        self.materials.values().any(Material::is_cohesive)
     }
 
     /// Whether bodies may sit in each other at the start.

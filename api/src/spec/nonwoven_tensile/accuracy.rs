@@ -29,6 +29,11 @@ pub struct Knobs {
     /// between two of them is not seen.
     #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
     pub break_precision: Option<f64>,
+    /// Farthest a node may move at once on the way to equilibrium, in mean rest lengths of bonds. A node
+    /// thrown farther passes through its neighbours. Left out, 2: about two row spacings.
+    #[schemars(range(min = 1e-3, max = 1e3), extend("x-unit" = "1"))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_move: Option<f64>,
 }
 
 /// The way to equilibrium.
@@ -66,6 +71,7 @@ impl accuracy::Knobs for Knobs {
             iteration_limit: None,
             relaxation_factor: 0.6,
             break_precision: Some(break_precision),
+            largest_move: None,
         }
     }
 }

@@ -27,7 +27,10 @@ pub struct Lattice {
     #[serde(default = "one_layer")]
     #[schemars(range(min = 1, max = 10_000))]
     pub layers: u32,
-    /// Spacing along x, y, z.
+    /// Spacing along x, y, z. It sets the specimen's size: `points_per_row` times the first is its width,
+    /// which strength per width and energy per area are related to, `rows` times the second about its
+    /// gauge length. Choose it so that they are those of the sample that was measured; forces do not
+    /// depend on it.
     #[schemars(inner(range(min = 1e-6, max = 1e6)), extend("x-unit" = "mm"))]
     pub spacing_mm: [f64; 3],
     /// I_r along x, y, z: free nodes move by (U(0, I_r) − I_r/2) times the spacing. The rest
@@ -41,6 +44,11 @@ pub struct Lattice {
     #[serde(default)]
     #[schemars(range(min = 1e-6, max = 1e6), extend("x-unit" = "mm"))]
     pub thickness_mm: Option<f64>,
+    /// Mass per area of the fabric, if known: strength and stiffness are then also given per mass, as
+    /// N m/g and N/tex.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-3, max = 1e6), extend("x-unit" = "g/m2"))]
+    pub grammage_g_per_m2: Option<f64>,
 }
 
 /// How the fabric is held.
@@ -48,7 +56,8 @@ pub struct Lattice {
 #[serde(rename_all = "snake_case")]
 pub enum Jaws {
     /// The thesis' jaws: the diagonals beyond the end rows are cut in half, and all layers meet in
-    /// 2 n_x points in the mid-plane, half a bond outside.
+    /// 2 n_x points in the mid-plane, half a bond outside. These half bonds are part of the grip: they
+    /// stretch like others but never break, so the fabric does not tear at its jaws.
     #[default]
     HalfBond,
     /// The end rows themselves are held.
@@ -79,6 +88,11 @@ pub struct Network {
     #[serde(default)]
     #[schemars(range(min = 1e-6, max = 1e6), extend("x-unit" = "mm"))]
     pub thickness_mm: Option<f64>,
+    /// Mass per area of the fabric, if known: strength and stiffness are then also given per mass, as
+    /// N m/g and N/tex.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-3, max = 1e6), extend("x-unit" = "g/m2"))]
+    pub grammage_g_per_m2: Option<f64>,
 }
 
 /// What holds a node.

@@ -16,6 +16,19 @@ use serde::{Deserialize, Serialize};
 pub use accuracy::{Accuracy, Knobs, Solver};
 pub use fabric::{Fabric, Jaw, Jaws, Lattice, Network, NetworkBond};
 
+/// Columns of the curve; the last two only where the width can be measured.
+pub const CURVE_COLUMNS: [&str; 9] = [
+    "nominal_strain",
+    "force_n",
+    "force_bottom_jaw_n",
+    "broken_bonds",
+    "residual_ratio",
+    "rounds",
+    "stored_energy_n_mm",
+    "width_strain",
+    "poisson_ratio",
+];
+
 /// A virtual tensile test of a nonwoven fabric.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -54,13 +67,36 @@ pub struct Bond {
     /// r_c, force per unit bond strain in compression; 0 makes bonds buckle freely.
     #[schemars(range(min = 0.0, max = 1e12), extend("x-unit" = "N"))]
     pub compression_stiffness_n: f64,
-    /// s_bave, scale of the log-normal strength s_bave exp(σ N(0,1)). Needed unless nothing breaks
-    /// or every bond of an explicit network gives its own.
+    /// s_bave, scale of the strength that is drawn, see `strength_draw`. Of `log_normal` it is, despite
+    /// its name, the median before factors above 2 are drawn again; the mean of what is drawn is
+    /// exp(σ²/2) Φ(c − σ)/Φ(c) times it with c = ln 2/σ, 1.032 times at σ = 0.365, and comes back as
+    /// `mean_bond_strength`. Of `normal` it is the mean. Needed unless nothing breaks or every bond of
+    /// an explicit network gives its own.
     #[schemars(range(min = 0.0, max = 1e12), extend("x-unit" = "N"))]
     pub mean_strength_n: Option<f64>,
-    /// σ of the logarithm of strength; factors above 2 are drawn again.
+    /// σ of the logarithm of strength, or of strength over its mean, by `strength_draw`.
     #[schemars(range(min = 0.0, max = 10.0), extend("x-unit" = "1"))]
     pub strength_sigma: f64,
+    /// Distribution that strengths are drawn from.
+    #[serde(skip_serializing_if = "StrengthDraw::is_log_normal")]
+    pub strength_draw: StrengthDraw,
+}
+
+/// How the strength of a bond is drawn: the two readings of [Zilka2022] section 1.2.3.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StrengthDraw {
+    /// s_bave exp(σ N(0,1)), factors above 2 drawn again.
+    #[default]
+    LogNormal,
+    /// s_bave (1 + σ N(0,1)), factors below 0 and above 2 drawn again.
+    Normal,
+}
+
+impl StrengthDraw {
+    fn is_log_normal(&self) -> bool {
+        *self == Self::LogNormal
+    }
 }
 
 /// What is done to the specimen.
@@ -121,7 +157,8 @@ pub enum Breaking {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// A snapshot (`.vtp`) and a force histogram every so many strain steps; 0 writes none.
+    /// A snapshot (`.vtp`) and a force histogram every so many strain steps; 0 writes none. Whatever the
+    /// interval, there are snapshots of the largest force (`peak.vtp`) and of the end.
     #[schemars(range(min = 0, max = 1_000_000_000))]
     pub snapshot_every_steps: u32,
     /// Bins of the bond force histograms, and of those of breaking events.

@@ -1,5 +1,5 @@
 //! The tensile test of paper as a kind of job.
-use super::{PaperTensile, checks, estimate};
+use super::{PaperTensile, SHEET_CURVE, Specimen, checks, estimate};
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violations};
 
@@ -15,6 +15,18 @@ impl Spec for PaperTensile {
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
         estimate::estimate(self, calibration)
+    }
+
+    fn curve_columns(&self) -> Vec<String> {
+        let names: &[&str] = match &self.specimen {
+            Specimen::SingleFibre(fibre) => fibre.load.curve_columns(),
+            _ => &SHEET_CURVE,
+        };
+        names.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    fn largest_strain(&self) -> Option<f64> {
+        Some(self.test.max_strain)
     }
 
     fn seed(&self) -> u64 {

@@ -64,6 +64,29 @@ pub struct PaperTensile {
     pub output: Output,
 }
 
+/// Columns of the curve of a sheet.
+pub const SHEET_CURVE: [&str; 7] = [
+    "nominal_strain",
+    "force_n",
+    "force_bottom_jaw_n",
+    "broken_bonds",
+    "residual_ratio",
+    "broken_segments",
+    "stored_energy_n_mm",
+];
+
+impl SingleFibreLoad {
+    /// Columns of the curve of a fibre; tension, and moments that act with the turn, are positive.
+    pub fn curve_columns(self) -> &'static [&'static str] {
+        match self {
+            // as far as a sheet's go
+            Self::Pull | Self::Buckle => &SHEET_CURVE[..5],
+            Self::Twist => &["twist_rad_per_mm", "torque_n_mm", "residual_ratio"],
+            Self::Bend => &["curvature_per_mm", "moment_n_mm", "residual_ratio"],
+        }
+    }
+}
+
 /// What is written beside the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]

@@ -50,6 +50,9 @@ pub(crate) fn run(
             spec.realisations,
             spec.max_trials
         ));
+        for words in spec.measured.curve.iter().flat_map(|curve| &curve.read_as) {
+            recorder.log(&format!("measured curve: {words}"));
+        }
     }
     let mut trials = Trials::new(setting, context, recorder)?;
     match carry_out(&mut trials) {

@@ -108,7 +108,15 @@ fn fits(report: &mut ReportBuilder, trials: &Trials<'_>, best: &Best, reports: &
         let name = format!("residual_of_{}", result.result);
         report.result(&name, *residual, "1", &words);
     }
-    if measured.curve.is_some() {
+    if let Some(curve) = &measured.curve {
+        let words = match &curve.read_as[..] {
+            [] => "Points of the measured curve.".to_owned(),
+            said => format!(
+                "Points of the measured curve, read so: {}.",
+                said.join("; ")
+            ),
+        };
+        report.count("measured_points", curve.rows.len(), &words);
         let points = &residuals[measured.results.len()..];
         let square: f64 = points.iter().map(|residual| residual * residual).sum();
         let words = "Root mean square of simulated minus measured ordinates, over the largest \

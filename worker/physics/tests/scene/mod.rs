@@ -33,6 +33,7 @@ pub(crate) fn polyester(points_per_row: u32, rows: u32, layers: u32) -> Nonwoven
             irregularity: [0.5; 3],
             jaws: Jaws::HalfBond,
             thickness_mm: None,
+            grammage_g_per_m2: None,
         }),
         bond: Bond {
             modulus_n: Some(0.399),
@@ -40,6 +41,7 @@ pub(crate) fn polyester(points_per_row: u32, rows: u32, layers: u32) -> Nonwoven
             compression_stiffness_n: 0.157,
             mean_strength_n: Some(3.397),
             strength_sigma: 0.365,
+            strength_draw: Default::default(),
         },
         test: Test::default(),
         accuracy: solver(Solver::NewtonCg, 100.0),
@@ -79,6 +81,7 @@ pub(crate) fn explicit(
             bonds,
             width_mm: Some(10.0),
             thickness_mm: None,
+            grammage_g_per_m2: None,
         }),
         bond,
         test: Test {

@@ -1,4 +1,5 @@
 //! What an apparatus adds to a script: walls, layers of grains, the wall that loads.
+use super::super::curve_columns;
 use super::{
     super::super::granular_scene::{
         Axis, Body, Clump, Cut, DegreeOfFreedom, FacetMesh, Generate, Grain, Insert, Place, Plane,
@@ -241,5 +242,10 @@ impl Script {
     /// Whether grains break.
     pub fn is_breakable(&self) -> bool {
         matches!(self.template.grain, Grain::Breakable(_))
+    }
+
+    /// Names of the curve's columns.
+    pub fn columns(&self) -> Vec<&'static str> {
+        curve_columns(self.is_breakable())
     }
 }

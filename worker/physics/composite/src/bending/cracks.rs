@@ -7,7 +7,7 @@ use loadframe_api::spec::composite_bending::Breaking as Given;
 use serde::{Deserialize, Serialize};
 
 use super::model::{Model, drive};
-use super::results::{self, Tested};
+use super::results::Tested;
 use super::{Halt, Progress, Watch};
 use crate::breaking::{
     Advance, Breaking, BreakingOptions, BreakingState, Control, EndReason, Event, Machine,
@@ -61,7 +61,7 @@ pub(super) fn conduct(
     progress: Option<Progress>,
     watch: &mut dyn Watch,
 ) -> Result<Tested, Halt> {
-    watch.columns(results::columns(model))?;
+    watch.columns(model.spec.columns())?;
     let (mut tested, supports, load) = whole(model)?;
     let strengths: Vec<MaterialStrength> = model
         .spec

@@ -7,7 +7,7 @@ use super::comparison::Fineness;
 use super::cracks::Broken;
 use super::errors::Finding;
 use super::model::Model;
-use super::results::{self, Measured, Tested};
+use super::results::{Measured, Tested};
 use crate::breaking::{BrokenPart, Mode};
 use crate::lattice::{Geometry, gather};
 use crate::measure::{mean_gradient, point_mm};
@@ -26,7 +26,7 @@ pub(super) fn write(
 ) -> Result<(), SimulationError> {
     let (points, recorder) = (&recorded.points, &mut *recorded.recorder);
     recorder.file("curve.csv", &mut |out| {
-        csv::header(out, results::columns(model))?;
+        csv::header(out, model.spec.columns())?;
         points.iter().try_for_each(|point| csv::row(out, point))
     })?;
     write_points(model, tested, recorder)?;

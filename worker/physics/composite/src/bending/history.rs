@@ -3,7 +3,7 @@ use loadframe_api::spec::composite_bending::{History, HistoryLoad};
 use serde::{Deserialize, Serialize};
 
 use super::model::Model;
-use super::results::{self, Tested};
+use super::results::Tested;
 use super::{Halt, Progress, Watch};
 use crate::measure::face_mean_mm;
 use crate::motion::{Damping, Motion, MotionOptions, MotionState, Scheme};
@@ -93,7 +93,7 @@ pub(super) fn conduct(
         HistoryLoad::Sudden => deflection(&at_rest.displacements_mm, Face::Top),
         HistoryLoad::Released => 0.0,
     };
-    watch.columns(results::columns(model))?;
+    watch.columns(model.spec.columns())?;
     let mut swing = Swing::default();
     let mut written = 0;
     if let Some(Progress::History(state)) = progress {

@@ -240,7 +240,7 @@ fn conduct(
     watch: &mut dyn Watch,
 ) -> Result<Tested, Halt> {
     if let Some(Progress::Done(done)) = progress {
-        watch.columns(results::columns(model))?;
+        watch.columns(model.spec.columns())?;
         return Ok(done.0);
     }
     if let Some(given) = &model.spec.test.breaking {

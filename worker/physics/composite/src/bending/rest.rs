@@ -35,7 +35,7 @@ pub(super) fn conduct(
         _ => None,
     };
     let is_new = state.is_none();
-    watch.columns(results::columns(model))?;
+    watch.columns(model.spec.columns())?;
     if is_new {
         watch.point(&[0.0; 6])?;
     }

@@ -170,39 +170,6 @@ impl Tested {
     }
 }
 
-/// Names of the curve's columns.
-pub(super) fn columns(model: &Model<'_>) -> &'static [&'static str] {
-    if model.spec.test.breaking.is_some() {
-        &["deflection_mm", "force_n", "events", "dissipated_n_mm"]
-    } else if model.spec.test.history.is_some() {
-        &[
-            "time_s",
-            "mean_top_deflection_mm",
-            "mean_bottom_deflection_mm",
-            "kinetic_energy_n_mm",
-            "strain_energy_n_mm",
-        ]
-    } else if model.flexure().is_some() {
-        &[
-            "deflection_mm",
-            "force_n",
-            "load_fraction",
-            "roller_displacement_mm",
-            "flexural_strain",
-            "flexural_stress_mpa",
-        ]
-    } else {
-        &[
-            "deflection_mm",
-            "force_n",
-            "load_fraction",
-            "mean_top_deflection_mm",
-            "mean_bottom_deflection_mm",
-            "strain_energy_n_mm",
-        ]
-    }
-}
-
 /// A point of the curve of a section at rest under a share of its load.
 pub(super) fn point(model: &Model<'_>, rest: &Equilibrium, share: f64) -> [f64; 6] {
     let [deflection, force] = drive(model, rest, share);

@@ -2,7 +2,7 @@
 use loadframe_api::spec::composite_bending as spec;
 
 use super::model::{Model, drive};
-use super::results::{self, Tested};
+use super::results::Tested;
 use super::{Halt, Progress, Watch};
 use crate::flexure::{Flexure, FlexureResult};
 use crate::solve::StaticOptions;
@@ -16,7 +16,7 @@ pub(super) fn conduct(
 ) -> Result<Tested, Halt> {
     let options = StaticOptions::default();
     let knobs = model.spec.accuracy.knobs();
-    watch.columns(results::columns(model))?;
+    watch.columns(model.spec.columns())?;
     let done = match progress {
         Some(Progress::Rollers(done)) => done,
         _ => {

@@ -12,26 +12,6 @@ use super::{
 };
 use crate::output::fragments;
 
-/// Columns of the curve.
-pub(super) fn curve_columns(script: &Script) -> Vec<&'static str> {
-    let mut columns = vec![
-        "time_s",
-        "force_kn",
-        "displacement_mm",
-        "cycle",
-        "unloading",
-        "inertial_number",
-        "unbalanced_force_ratio",
-        "coordination_number",
-        "bed_mean_stress_kpa",
-        "step_over_critical",
-    ];
-    if script.is_breakable() {
-        columns.push("broken_bonds");
-    }
-    columns
-}
-
 /// A row of the curve; `start` is where the cycles begin, time [s] and height [m].
 pub(super) fn curve_row(script: &Script, row: &Row, start: (f64, f64)) -> Vec<f64> {
     let time = row.time - start.0;
@@ -63,7 +43,7 @@ pub(super) fn write(
     let script = heard.script;
     let (rows, start) = heard.loading();
     let rows: Vec<Vec<f64>> = rows.map(|row| curve_row(script, row, start)).collect();
-    table(recorder, "curve.csv", &curve_columns(script), &rows)?;
+    table(recorder, "curve.csv", &script.columns(), &rows)?;
     let rows: Vec<Vec<f64>> = (1..)
         .zip(cycles)
         .map(|(number, cycle)| cycle.row(number))

@@ -142,8 +142,7 @@ impl Recorder for Tester<'_> {
             broken_bonds: place("broken_bonds"),
         };
         self.heard.clear();
-        self.recorder
-            .columns(&tables::curve_columns(self.heard.script))
+        self.recorder.columns(&self.heard.script.columns())
     }
 
     fn point(&mut self, values: &[f64]) -> io::Result<()> {

@@ -75,7 +75,7 @@ fn normals_follow(spec: &GranularScene) -> bool {
 /// The law for smooth or that for rough materials, with the dashpots that there are.
 fn law_for<Smooth: Law, Rough: Law>(spec: &GranularScene) -> Chosen {
     let mut materials = spec.materials.values();
-    let is_rough = materials.any(|material| material.friction_angle_rad > 0.0);
+    let is_rough = materials.any(|material| material.friction_angle() > 0.0);
     match (is_rough, spec.is_viscous()) {
         (false, [false, _]) => Chosen::of::<Smooth>(),
         (false, [true, _]) => Chosen::of::<Viscous<Smooth, Along>>(),

@@ -54,7 +54,7 @@ impl Surface {
             youngs_modulus: material.youngs_modulus_pa,
             stiffness_ratio: material.stiffness_ratio,
             poisson_ratio: material.poisson_ratio(),
-            friction: material.friction_angle_rad.tan(),
+            friction: material.friction_angle().tan(),
             cohesion: [material.normal_cohesion_pa, material.shear_cohesion_pa],
             damping_ratios: material.damping_ratios(),
         }

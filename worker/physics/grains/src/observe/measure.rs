@@ -27,20 +27,6 @@ use crate::{
     step::engine::Engine,
 };
 
-/// Quantities of a region and their units, as columns of the curve.
-pub(crate) const COLUMNS: [&str; 10] = [
-    "porosity",
-    "coordination_number",
-    "inertial_number",
-    "mean_stress_pa",
-    "stress_xx_pa",
-    "stress_yy_pa",
-    "stress_zz_pa",
-    "stress_xy_pa",
-    "stress_xz_pa",
-    "stress_yz_pa",
-];
-
 /// Parts of the largest principal spread below which centres have none in that direction.
 const FLAT: f64 = 1e-12;
 
@@ -87,7 +73,7 @@ impl Measure {
         (pressure > 0.0).then(|| self.shear_rate * self.inertia / pressure.sqrt())
     }
 
-    /// The numbers of [`COLUMNS`], given the solid volume in the box [m³]; unknown ones are left at 0.
+    /// The numbers of a region's columns in the curve, given the solid volume in the box [m³]; unknown ones are left at 0.
     pub(crate) fn row(&self, solid: f64) -> [f64; 10] {
         let stress = &self.stress;
         let porosity = if self.volume > 0.0 {

@@ -284,6 +284,19 @@ fn warn(
             ),
         );
     }
+    let smooth = spec.materials.iter();
+    let smooth = smooth.filter(|(_, material)| material.friction_angle_rad.is_none());
+    let smooth: Vec<&str> = smooth.map(|(name, _)| name.as_str()).collect();
+    if !smooth.is_empty() {
+        report.warn(
+            "friction_left_out",
+            format!(
+                "no friction_angle_rad is given for {}: contacts with it are frictionless; 0 says that \
+                 this is meant",
+                smooth.join(", ")
+            ),
+        );
+    }
     for stage in &journal.unsettled_stages {
         report.warn(
             "not_settled",

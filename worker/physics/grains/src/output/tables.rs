@@ -1,7 +1,7 @@
 //! The tables a run leaves behind.
 use std::io;
 
-use loadframe_api::spec::granular_scene::{GranularScene, Material};
+use loadframe_api::spec::granular_scene::GranularScene;
 use loadframe_harness::Recorder;
 
 use super::{
@@ -11,10 +11,7 @@ use super::{
     table::write_table,
 };
 use crate::{
-    motion::clump::Clump,
-    numbers::Vector,
-    observe::{contact::Contact, measure},
-    step::engine::Engine,
+    motion::clump::Clump, numbers::Vector, observe::contact::Contact, step::engine::Engine,
 };
 
 const BODY_COLUMNS: [&str; 16] = [
@@ -52,54 +49,6 @@ const CONTACT_COLUMNS: [&str; 14] = [
     "fs_z_n",
     "bonded",
 ];
-
-/// Columns of the curve that every scene has.
-const READINGS: [&str; 6] = [
-    "kinetic_energy_j",
-    "elastic_energy_j",
-    "contacts",
-    "coordination_number",
-    "unbalanced_force_ratio",
-    "step_over_critical",
-];
-
-/// Columns of the curve: place in the run, recorded planes, walls and driven bodies, readings,
-/// regions.
-pub(crate) fn curve_columns(spec: &GranularScene) -> Vec<String> {
-    let place = ["step", "time_s", "stage"].map(str::to_owned);
-    let planes = spec.record.planes.iter().flat_map(|plane| {
-        [
-            format!("{plane}_displacement_m"),
-            format!("{plane}_force_n"),
-        ]
-    });
-    let walls = spec.recorded_walls().into_iter().map(str::to_owned);
-    let bodies = spec.driven_bodies().into_iter();
-    let driven = walls.chain(bodies.map(|body| format!("body_{body}")));
-    let driven = driven.flat_map(|name| {
-        let along = |what: &str, unit: &str| {
-            ["x", "y", "z"].map(|axis| format!("{name}_{what}_{axis}_{unit}"))
-        };
-        [along("displacement", "m"), along("force", "n")].concat()
-    });
-    let regions = spec.record.regions.iter().flat_map(|region| {
-        let name = &region.name;
-        measure::COLUMNS.map(|column| format!("{name}_{column}"))
-    });
-    let bonds = is_cohesive(spec).then(|| "broken_bonds".to_owned());
-    place
-        .into_iter()
-        .chain(planes)
-        .chain(driven)
-        .chain(READINGS.map(str::to_owned))
-        .chain(regions)
-        .chain(bonds)
-        .collect()
-}
-
-fn is_cohesive(spec: &GranularScene) -> bool {
-    spec.materials.values().any(Material::is_cohesive)
-}
 
 /// A row of the curve. Unknown readings are left at 0.
 pub(crate) fn curve_row(
@@ -154,7 +103,7 @@ pub(crate) fn curve_row(
         let solid = engine.solid(&cuboid, only);
         row.extend(engine.measure(&cuboid, only, &points, contacts).row(solid));
     }
-    if is_cohesive(spec) {
+    if spec.is_cohesive() {
         row.push(engine.broken_bonds(reading) as f64);
     }
     row
@@ -257,7 +206,7 @@ pub(crate) fn write(
     journal: &Journal,
     recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
-    let columns = curve_columns(spec);
+    let columns = spec.curve_columns();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     write_table(recorder, "curve.csv", &columns, &journal.curve)?;
     if !journal.bodies.is_empty() {

@@ -96,8 +96,7 @@ impl Model {
                 motion: WallMotion::default(),
             },
         });
-        let rough =
-            |material: &Material| material.friction_angle_rad > 0.0 || material.is_cohesive();
+        let rough = |material: &Material| material.friction_angle() > 0.0 || material.is_cohesive();
         let surfaces: Vec<Surface> = spec.materials.values().map(Surface::new).collect();
         Self {
             surfaces: surfaces.clone(),

@@ -16,7 +16,7 @@ pub(crate) fn run(
     if let Some(bytes) = context.checkpoint {
         runner.resume(bytes)?;
     }
-    let columns = tables::curve_columns(spec);
+    let columns = spec.curve_columns();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     recorder.columns(&columns)?;
     for row in runner.journal.curve.chunks_exact(columns.len()) {

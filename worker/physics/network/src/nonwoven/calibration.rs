@@ -21,6 +21,7 @@ pub fn calibration_spec() -> JobSpec {
             irregularity: [0.5; 3],
             jaws: Jaws::HalfBond,
             thickness_mm: None,
+            grammage_g_per_m2: None,
         }),
         bond: Bond {
             modulus_n: Some(0.399),
@@ -28,6 +29,7 @@ pub fn calibration_spec() -> JobSpec {
             compression_stiffness_n: 0.157,
             mean_strength_n: Some(3.397),
             strength_sigma: 0.365,
+            strength_draw: Default::default(),
         },
         test: Test {
             strain_step: 0.01,

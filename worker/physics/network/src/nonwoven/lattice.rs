@@ -239,6 +239,7 @@ mod tests {
             irregularity: [0.5; 3],
             jaws,
             thickness_mm: None,
+            grammage_g_per_m2: None,
         }
     }
 

@@ -142,6 +142,7 @@ fn run_one(
         experiment.state.events.len()
     ));
     experiment.state.work = meter.work;
+    snapshot::take_peak(&experiment, recorder)?;
     tables::write(spec, &experiment.specimen, &experiment.state, recorder)?;
     recorder.progress(1.0, "finished");
     let report = report::report(spec, &experiment.specimen, &experiment.state, stop_reason);

@@ -24,6 +24,8 @@ const J_PER_M2: f64 = 1e3;
 const N_PER_M: f64 = 1e3;
 /// N/mm² in Pa.
 const PA: f64 = 1e6;
+/// N m/g in N/tex, with the tex of a gram per kilometre.
+const N_PER_TEX: f64 = 1e-3;
 /// N mm in J.
 const J: f64 = 1e-3;
 /// Strains listed in a warning before it only counts.
@@ -128,6 +130,27 @@ fn results(report: &mut ReportBuilder, specimen: &Specimen, state: &State) {
             "Force at 10 % nominal strain over 0.1, width and thickness.",
         );
     }
+    if let Some(grammage) = specimen.grammage {
+        let index = |force: f64| per_width(force) / grammage;
+        report.result(
+            "tensile_index",
+            max_force.map(index),
+            "N m/g",
+            "Largest force per width over grammage.",
+        );
+        report.result(
+            "tenacity",
+            max_force.map(|force| N_PER_TEX * index(force)),
+            "N/tex",
+            "Largest force over the mass per length of the specimen.",
+        );
+        report.result(
+            "modulus_at_10_percent_per_tex",
+            secant.map(|force| N_PER_TEX * index(force)),
+            "N/tex",
+            "Force at 10 % nominal strain over 0.1 and the mass per length of the specimen.",
+        );
+    }
     if let Some(layers) = specimen.layers {
         report.result(
             "max_force_per_layer",
@@ -137,6 +160,24 @@ fn results(report: &mut ReportBuilder, specimen: &Specimen, state: &State) {
              figures appear to count one layer.",
         );
     }
+    report.result(
+        "specimen_width",
+        specimen.width,
+        "mm",
+        "Width that forces are related to.",
+    );
+    report.result(
+        "gauge_length",
+        specimen.gauge_length,
+        "mm",
+        "Distance of the jaws before the test.",
+    );
+    report.result(
+        "mean_bond_strength",
+        specimen.mean_strength(),
+        "N",
+        "Mean strength of the bonds that can break, as drawn or given.",
+    );
     let network = &specimen.network;
     for (name, count, description) in [
         ("broken_bonds", state.events.len(), "Bonds that broke."),

@@ -11,10 +11,11 @@ use loadframe_harness::{
 };
 
 use super::{
-    experiment::Experiment,
+    experiment::{Experiment, Loaded},
+    specimen::Specimen,
     state::{HistogramBin, State},
 };
-use crate::Hold;
+use crate::{Hold, Vector, configuration::Configuration};
 
 /// Bond quantities of a snapshot; zero for broken and unloaded bonds.
 struct Fields {
@@ -29,12 +30,60 @@ fn name(step: u64) -> String {
     format!("snapshots/step_{step:05}.vtp")
 }
 
+/// Name of the snapshot of the largest force.
+const PEAK: &str = "snapshots/peak.vtp";
+
 /// Writes the snapshot of the step just recorded and keeps its force histogram.
 pub(super) fn take(experiment: &mut Experiment<'_>, recorder: &mut dyn Recorder) -> io::Result<()> {
     let step = experiment.state.step;
-    let fields = fields(experiment);
-    let network = &experiment.specimen.network;
+    let settled = experiment.settled.as_ref();
+    let fields = fields(
+        &experiment.specimen,
+        &experiment.loaded,
+        settled.map(|settled| &settled.configuration),
+    );
     let displacements = &experiment.state.displacements;
+    write(
+        &name(step),
+        &experiment.specimen,
+        displacements,
+        &fields,
+        recorder,
+    )?;
+    let bins = histogram(experiment);
+    experiment.state.histogram.extend(bins);
+    let nominal_strain = experiment.nominal_strain();
+    experiment.state.snapshots.push((step, nominal_strain));
+    Ok(())
+}
+
+/// Writes the snapshot of the largest force, whichever steps have theirs.
+pub(super) fn take_peak(
+    experiment: &Experiment<'_>,
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
+    let Some(peak) = &experiment.state.peak else {
+        return Ok(());
+    };
+    let (loaded, configuration) = experiment.at(peak);
+    let fields = fields(&experiment.specimen, &loaded, Some(&configuration));
+    write(
+        PEAK,
+        &experiment.specimen,
+        &peak.displacements,
+        &fields,
+        recorder,
+    )
+}
+
+fn write(
+    name: &str,
+    specimen: &Specimen,
+    displacements: &[Vector],
+    fields: &Fields,
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
+    let network = &specimen.network;
     let moved = network.positions.iter().zip(displacements);
     let points: Vec<[f64; 3]> = moved
         .map(|(position, moved)| (position + moved).into())
@@ -63,12 +112,7 @@ pub(super) fn take(experiment: &mut Experiment<'_>, recorder: &mut dyn Recorder)
             Array::bytes("broken", &fields.broken),
         ],
     };
-    recorder.file(&name(step), &mut |out| lines.write(out))?;
-    let bins = histogram(experiment);
-    experiment.state.histogram.extend(bins);
-    let nominal_strain = experiment.nominal_strain();
-    experiment.state.snapshots.push((step, nominal_strain));
-    Ok(())
+    recorder.file(name, &mut |out| lines.write(out))
 }
 
 /// The series of all snapshots, played over nominal strain.
@@ -78,8 +122,7 @@ pub(super) fn series(out: &mut dyn Write, state: &State) -> io::Result<()> {
     Series { entries }.write(out)
 }
 
-fn fields(experiment: &Experiment<'_>) -> Fields {
-    let loaded = &experiment.loaded;
+fn fields(specimen: &Specimen, loaded: &Loaded, configuration: Option<&Configuration>) -> Fields {
     let bonds = loaded.intact.len();
     let mut fields = Fields {
         strain: vec![0.0; bonds],
@@ -91,11 +134,10 @@ fn fields(experiment: &Experiment<'_>) -> Fields {
             .map(|intact| u8::from(!intact))
             .collect(),
     };
-    let strengths = &experiment.specimen.network.bonds.strengths;
-    let Some(settled) = &experiment.settled else {
+    let strengths = &specimen.network.bonds.strengths;
+    let Some(configuration) = configuration else {
         return fields;
     };
-    let configuration = &settled.configuration;
     for (bond, (strength, slot)) in strengths.iter().zip(loaded.assembly.slots()).enumerate() {
         let state = configuration.bond(&loaded.assembly, slot);
         fields.strain[bond] = state.strain;

@@ -27,6 +27,8 @@ pub(super) struct Specimen {
     pub(super) width: f64,
     /// Thickness that stresses are related to [mm].
     pub(super) thickness: Option<f64>,
+    /// Mass per area that strengths are related to [g/m²].
+    pub(super) grammage: Option<f64>,
     /// Layers of a lattice.
     pub(super) layers: Option<u32>,
     /// How lateral contraction is measured, where it can be.
@@ -79,6 +81,7 @@ impl Specimen {
             bottom: jaw_height(&network, Hold::Bottom)?,
             width: points.width,
             thickness: lattice.thickness_mm,
+            grammage: lattice.grammage_g_per_m2,
             layers: Some(lattice.layers),
             width_gauge,
             mean_law: law,
@@ -142,6 +145,7 @@ impl Specimen {
             bottom,
             width: given.width_mm.unwrap_or_else(|| extent(&network.positions)),
             thickness: given.thickness_mm,
+            grammage: given.grammage_g_per_m2,
             layers: None,
             width_gauge,
             mean_law,
@@ -158,6 +162,16 @@ impl Specimen {
         let ends = network.bonds.ends.iter();
         ends.filter(|ends| !carries_load(network, &parts, **ends))
             .count()
+    }
+
+    /// Mean strength of the bonds that can break [N]; NaN where none can.
+    pub(super) fn mean_strength(&self) -> f64 {
+        let strengths = self.network.bonds.strengths.iter();
+        let breakable = strengths.filter(|strength| strength.is_finite());
+        let (sum, count) = breakable.fold((0.0, 0.0), |(sum, count), strength| {
+            (sum + strength, count + 1.0)
+        });
+        sum / count
     }
 
     /// Strain at which a weak bond of the mean law along the pulling direction breaks: about where
@@ -233,6 +247,7 @@ fn distribution(spec: &NonwovenTensile) -> Option<StrengthDistribution> {
     Some(StrengthDistribution::new(
         scale,
         spec.bond.strength_sigma,
+        spec.bond.strength_draw,
         spec.seed,
     ))
 }

@@ -28,6 +28,10 @@ pub(super) struct State {
     pub(super) before_breaking: Option<Point>,
     /// Worst residual ratio and verdict among the equilibria of this step.
     pub(super) worst_of_step: Worst,
+    /// Displacements of that state where it may be the one of the largest force, which is pictured.
+    pub(super) may_be_peak: Option<Vec<Vector>>,
+    /// The recorded state of the largest force, where it is pictured.
+    pub(super) peak: Option<Peak>,
     pub(super) points: Vec<Point>,
     /// Largest recorded force [N].
     pub(super) max_force: f64,
@@ -56,6 +60,15 @@ pub(super) struct State {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Increment {
     pub(super) jaw: f64,
+    pub(super) displacements: Vec<Vector>,
+}
+
+/// The state of the largest force.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Peak {
+    pub(super) nominal_strain: f64,
+    /// Events until then.
+    pub(super) events: usize,
     pub(super) displacements: Vec<Vector>,
 }
 
@@ -178,6 +191,8 @@ impl State {
             displacements: vec![Vector::zeros(); nodes],
             last_increment: None,
             before_breaking: None,
+            may_be_peak: None,
+            peak: None,
             worst_of_step: Worst::default(),
             points: Vec::new(),
             max_force: 0.0,

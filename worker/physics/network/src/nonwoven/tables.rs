@@ -1,7 +1,7 @@
 //! The tables a test leaves behind.
 use std::io::{self, Write};
 
-use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
+use loadframe_api::spec::nonwoven_tensile::{CURVE_COLUMNS, NonwovenTensile};
 use loadframe_harness::{Recorder, csv};
 
 use super::{
@@ -11,22 +11,9 @@ use super::{
     state::{HistogramBin, Point, State},
 };
 
-/// Columns of the curve; the last two only where the width can be measured.
-const COLUMNS: [&str; 9] = [
-    "nominal_strain",
-    "force_n",
-    "force_bottom_jaw_n",
-    "broken_bonds",
-    "residual_ratio",
-    "rounds",
-    "stored_energy_n_mm",
-    "width_strain",
-    "poisson_ratio",
-];
-
 /// Columns of the curve.
 pub(super) fn columns(has_width: bool) -> &'static [&'static str] {
-    &COLUMNS[..COLUMNS.len() - 2 * usize::from(!has_width)]
+    &CURVE_COLUMNS[..CURVE_COLUMNS.len() - 2 * usize::from(!has_width)]
 }
 
 /// A point in the order of the columns.

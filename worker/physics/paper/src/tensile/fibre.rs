@@ -93,17 +93,7 @@ impl<'a> Specimen<'a> {
 
     /// Columns of the curve; tension, and moments that act with the turn, are positive.
     pub(super) fn columns(&self) -> &'static [&'static str] {
-        match self.single.load {
-            SingleFibreLoad::Pull | SingleFibreLoad::Buckle => &[
-                "nominal_strain",
-                "force_n",
-                "force_bottom_jaw_n",
-                "broken_bonds",
-                "residual_ratio",
-            ],
-            SingleFibreLoad::Twist => &["twist_rad_per_mm", "torque_n_mm", "residual_ratio"],
-            SingleFibreLoad::Bend => &["curvature_per_mm", "moment_n_mm", "residual_ratio"],
-        }
+        self.single.load.curve_columns()
     }
 
     /// Does what the spec says.

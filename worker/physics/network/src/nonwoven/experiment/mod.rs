@@ -12,7 +12,7 @@ use loadframe_numerics::Team;
 
 use super::{
     specimen::Specimen,
-    state::{Event, Increment, Point, Retreat, Search, State, Worst},
+    state::{Event, Increment, Peak, Point, Retreat, Search, State, Worst},
 };
 use crate::{
     assembly::Assembly,
@@ -20,10 +20,11 @@ use crate::{
     equilibrium::{Method, Settled, Workspace, work::Meter},
     rupture::{BreakingRule, Candidate, breaking, over_strength},
 };
-use loaded::Loaded;
+pub(super) use loaded::Loaded;
 pub(super) use search::LARGEST_OVERSTEP;
 
-/// Farthest a node may move at once, in mean rest lengths: about two row spacings. A node thrown
+/// Farthest a node may move at once where the spec does not say, in mean rest lengths: about two row
+/// spacings. A node thrown
 /// farther passes through its neighbours and settles on the wrong side of them.
 const STEP_CAP: f64 = 2.0;
 
@@ -86,7 +87,8 @@ impl<'a> Experiment<'a> {
             spec,
             team,
             knobs: spec.accuracy.knobs(),
-            step_cap: STEP_CAP * network.bonds.mean_rest_length(),
+            step_cap: spec.accuracy.knobs().largest_move.unwrap_or(STEP_CAP)
+                * network.bonds.mean_rest_length(),
             loaded,
             settled: None,
             workspace,
@@ -164,6 +166,8 @@ impl<'a> Experiment<'a> {
         let point = self.point(jaw_forces, settled.configuration.energy);
         if self.is_first() {
             self.state.before_breaking = Some(point);
+            let may_be_peak = self.snapshot_every() > 0 && point.force > self.state.max_force;
+            self.state.may_be_peak = may_be_peak.then(|| self.state.displacements.clone());
             if !over.is_empty() && !self.is_resolved(&over, point.force) {
                 let found = Search {
                     strain: self.state.strain,
@@ -325,6 +329,9 @@ impl<'a> Experiment<'a> {
     }
 
     fn record(&mut self, point: Point) {
+        if self.snapshot_every() > 0 && point.force > self.state.max_force {
+            self.keep_peak(&point);
+        }
         let state = &mut self.state;
         let worst = std::mem::take(&mut state.worst_of_step);
         if worst.is_unconverged {
@@ -334,6 +341,34 @@ impl<'a> Experiment<'a> {
         }
         state.max_force = state.max_force.max(point.force);
         state.points.push(point);
+    }
+
+    /// Keeps the state of `point`: the present one, or that before bonds broke at this strain.
+    fn keep_peak(&mut self, point: &Point) {
+        let state = &mut self.state;
+        let events = point.broken as usize;
+        let before = state.may_be_peak.take();
+        let displacements = match before {
+            Some(before) if events < state.events.len() => before,
+            _ => state.displacements.clone(),
+        };
+        state.peak = Some(Peak {
+            nominal_strain: point.nominal_strain,
+            events,
+            displacements,
+        });
+    }
+
+    /// What is loaded at a peak, and how.
+    pub(super) fn at(&self, peak: &Peak) -> (Loaded, Configuration) {
+        let network = &self.specimen.network;
+        let mut intact = vec![true; network.bonds.len()];
+        for event in &self.state.events[..peak.events] {
+            intact[event.bond as usize] = false;
+        }
+        let loaded = Loaded::new(network, intact);
+        let configuration = Configuration::of(&loaded.assembly, &peak.displacements, &self.team);
+        (loaded, configuration)
     }
 
     fn stop_reason(&self) -> Option<StopReason> {

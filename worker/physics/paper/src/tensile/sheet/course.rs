@@ -3,6 +3,7 @@
 //! A machine drives the displacement: within an avalanche the force falls at one strain, between
 //! avalanches the curve is a straight line towards zero, for the rest of a network of small displacements
 //! is in proportion. So two points for each avalanche, before and after, are the whole curve.
+use loadframe_api::spec::paper_tensile::SHEET_CURVE;
 use serde::{Deserialize, Serialize};
 
 use super::specimen::Specimen;
@@ -21,19 +22,8 @@ const BROKEN_SHARE: f64 = 0.5;
 /// A test that has broken so many and goes on is nearly done.
 const NEARLY: f64 = 0.95;
 
-/// Columns of the curve.
-pub(super) const COLUMNS: [&str; 7] = [
-    "nominal_strain",
-    "force_n",
-    "force_bottom_jaw_n",
-    "broken_bonds",
-    "residual_ratio",
-    "broken_segments",
-    "stored_energy_n_mm",
-];
-
-/// A point of the curve, in the order of [`COLUMNS`].
-pub(super) type Point = [f64; COLUMNS.len()];
+/// A point of the curve, in the order of [`SHEET_CURVE`].
+pub(super) type Point = [f64; SHEET_CURVE.len()];
 
 /// A break, and its place in its avalanche.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

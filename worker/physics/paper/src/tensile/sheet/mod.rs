@@ -20,7 +20,7 @@ mod warnings;
 #[cfg(test)]
 mod tests;
 
-use loadframe_api::spec::paper_tensile::PaperTensile;
+use loadframe_api::spec::paper_tensile::{PaperTensile, SHEET_CURVE};
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::plan::{Compared, Place, Specimens, test_specimens};
 use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
@@ -28,7 +28,7 @@ use loadframe_numerics::Team;
 use serde::{Deserialize, Serialize};
 
 use crate::frame::{FrameError, PullTest};
-use course::{COLUMNS, Course, Kept};
+use course::{Course, Kept};
 use specimen::Specimen;
 
 /// Leading columns of the curve that are kept of every repeat: nominal strain and force.
@@ -104,7 +104,7 @@ fn run_one(
         stop_force_fraction: spec.test.stop_fraction(),
     };
     let mut course = Course::new(&specimen, test, kept)?;
-    recorder.columns(&COLUMNS)?;
+    recorder.columns(&SHEET_CURVE)?;
     let mut told = 0;
     let mut tell = |course: &Course<'_>, recorder: &mut dyn Recorder| {
         let mut points = course.kept.points.iter().skip(told);

@@ -1,9 +1,10 @@
 //! The tables that the test of a sheet leaves behind.
 use std::io;
 
+use loadframe_api::spec::paper_tensile::SHEET_CURVE;
 use loadframe_harness::{Recorder, csv};
 
-use super::course::{COLUMNS, Kept, Mode};
+use super::course::{Kept, Mode};
 use super::specimen::Specimen;
 use crate::frame::{Bore, Broken};
 
@@ -37,7 +38,7 @@ pub(super) fn write(
     recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
     recorder.file("curve.csv", &mut |out| {
-        csv::header(out, &COLUMNS)?;
+        csv::header(out, &SHEET_CURVE)?;
         kept.points
             .iter()
             .try_for_each(|point| csv::row(out, point))

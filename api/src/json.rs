@@ -1,0 +1,240 @@
+//! JSON, read so that every error keeps its place and no key is given twice.
+use serde::Deserialize;
+use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Number, Value};
+
+use crate::SubmissionError;
+use crate::problem::Violation;
+use crate::schema::escape;
+use crate::signature;
+
+/// Most values in a body: a network of about 300 000 bonds, each with its strength. A value takes
+/// about 70 bytes once read, so that the memory a body takes is bounded beyond its length.
+const MOST_VALUES: usize = 4_000_000;
+
+/// How many values the text can hold at most, judged by the marks that begin one.
+fn values(text: &[u8]) -> usize {
+    let (mut count, mut is_text, mut is_escaped) = (1, false, false);
+    for byte in text {
+        match byte {
+            _ if is_escaped => is_escaped = false,
+            b'\\' if is_text => is_escaped = true,
+            b'"' => is_text = !is_text,
+            b',' | b'[' | b'{' if !is_text => count += 1,
+            _ => {}
+        }
+    }
+    count
+}
+
+/// Doubled keys that are listed before it is left at those.
+const LISTED: usize = 20;
+
+/// The value of a text.
+///
+/// # Errors
+/// When it is not JSON, or an object in it has a key more than once.
+pub(crate) fn parse(body: &[u8]) -> Result<Value, SubmissionError> {
+    if body.len() > MOST_VALUES && values(body) > MOST_VALUES {
+        let violation = Violation::new("", "too_large", "the body holds too many values")
+            .allowed(format!("at most {MOST_VALUES} values"));
+        return Err(SubmissionError::Invalid(vec![violation]));
+    }
+    if let Some(other) = signature::of(body) {
+        let violation = Violation::new("", "syntax", format!("this is no JSON text: it {other}"));
+        let violation = violation.allowed("JSON (RFC 8259) in UTF-8 without a byte-order mark");
+        return Err(SubmissionError::Syntax(Box::new(violation)));
+    }
+    let mut doubled = Vec::new();
+    let mut reader = serde_json::Deserializer::from_slice(body);
+    let mut track = serde_path_to_error::Track::new();
+    let within = serde_path_to_error::Deserializer::new(&mut reader, &mut track);
+    let unique = Unique {
+        path: &mut String::new(),
+        doubled: &mut doubled,
+    };
+    let value = match unique.deserialize(within) {
+        Ok(value) => value,
+        Err(error) => return Err(syntax(pointer(&track.path()), &error)),
+    };
+    reader
+        .end()
+        .map_err(|error| syntax(String::new(), &error))?;
+    if doubled.is_empty() {
+        Ok(value)
+    } else {
+        Err(SubmissionError::Invalid(doubled))
+    }
+}
+
+/// Reads a value and notes the keys that an object has more than once, of which JSON readers keep the
+/// last without a word.
+struct Unique<'a> {
+    /// Pointer of the value.
+    path: &'a mut String,
+    doubled: &'a mut Vec<Violation>,
+}
+
+impl Unique<'_> {
+    /// For what stands at a key or index of this.
+    fn below<T>(&mut self, name: &str, read: impl FnOnce(Unique<'_>) -> T) -> T {
+        let length = self.path.len();
+        self.path.push('/');
+        self.path.push_str(&escape(name));
+        let found = read(Unique {
+            path: self.path,
+            doubled: self.doubled,
+        });
+        self.path.truncate(length);
+        found
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Unique<'_> {
+    type Value = Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Unique<'_> {
+    type Value = Value;
+
+    fn expecting(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str("a JSON value")
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(Value::Bool(value))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        Ok(Number::from_f64(value).map_or(Value::Null, Value::Number))
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_string<E>(self, value: String) -> Result<Value, E> {
+        Ok(Value::String(value))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(mut self, mut entries: A) -> Result<Value, A::Error> {
+        let mut list = Vec::new();
+        while let Some(entry) = {
+            let index = list.len().to_string();
+            self.below(&index, |below| entries.next_element_seed(below))?
+        } {
+            list.push(entry);
+        }
+        Ok(Value::Array(list))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(mut self, mut entries: A) -> Result<Value, A::Error> {
+        let mut fields = Map::new();
+        while let Some(key) = entries.next_key::<String>()? {
+            let value = self.below(&key, |below| entries.next_value_seed(below))?;
+            if fields.contains_key(&key) && self.doubled.len() < LISTED {
+                let detail = format!("duplicate field `{key}`");
+                let violation = Violation::new(self.path.as_str(), "duplicate_field", detail);
+                let violation = violation.value(key.as_str()).allowed("every key once");
+                self.doubled.push(violation);
+            }
+            fields.insert(key, value);
+        }
+        Ok(Value::Object(fields))
+    }
+}
+
+fn syntax(pointer: String, error: &serde_json::Error) -> SubmissionError {
+    let code = if error.is_eof() {
+        "truncated"
+    } else {
+        "syntax"
+    };
+    let violation = Violation::new(pointer, code, error.to_string())
+        .value(format!("line {}, column {}", error.line(), error.column()))
+        .allowed("JSON (RFC 8259): finite numbers within ±1.8e308, at most 127 levels deep");
+    SubmissionError::Syntax(Box::new(violation))
+}
+
+/// Parses into `T`; what is refused is said with its pointer under `prefix`.
+pub(crate) fn typed<'de, T: Deserialize<'de>>(
+    text: &'de [u8],
+    prefix: &str,
+) -> Result<T, SubmissionError> {
+    let mut reader = serde_json::Deserializer::from_slice(text);
+    serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+        let place = format!("{prefix}{}", pointer(error.path()));
+        let detail = error.inner().to_string();
+        SubmissionError::Invalid(vec![Violation::new(place, "wrong_type", detail)])
+    })
+}
+
+fn pointer(path: &serde_path_to_error::Path) -> String {
+    use serde_path_to_error::Segment;
+    path.iter()
+        .filter_map(|segment| match segment {
+            Segment::Seq { index } => Some(format!("/{index}")),
+            Segment::Map { key } => Some(format!("/{}", escape(key))),
+            Segment::Enum { variant } => Some(format!("/{}", escape(variant))),
+            Segment::Unknown => None,
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn violations(text: &[u8]) -> Vec<Violation> {
+        parse(text).expect_err("it is refused").violations()
+    }
+
+    #[test]
+    fn values_are_those_of_the_text() {
+        let text = r#"{"a": [1, -2, 1.5, 1e300, true, null, "x\u00e9"], "b": {"c": {}}, "d": 18446744073709551615}"#;
+        let expected: Value = serde_json::from_str(text).expect("JSON");
+        assert_eq!(parse(text.as_bytes()).expect("JSON"), expected);
+    }
+
+    #[test]
+    fn doubled_keys_are_refused_wherever_they_stand() {
+        let found =
+            violations(br#"{"a": {"x": 1, "x": 2}, "b": [{}, {"y/z": {"k": 1, "k": 1}}], "a": 3}"#);
+        let places: Vec<_> = found
+            .iter()
+            .map(|v| (v.pointer.as_str(), v.value.as_ref().and_then(Value::as_str)))
+            .collect();
+        let expected = [("/a", Some("x")), ("/b/1/y~1z", Some("k")), ("", Some("a"))];
+        assert_eq!(places, expected);
+        assert!(found.iter().all(|v| v.code == "duplicate_field"));
+    }
+
+    #[test]
+    fn what_is_no_json_text_says_what_it_is() {
+        for (text, word) in [
+            (&b"\x1f\x8b\x08\x00"[..], "gzip"),
+            (b"\xef\xbb\xbf{}", "byte-order mark"),
+            (b"\xff\xfe{\0}\0", "UTF-16"),
+            (b"PK\x03\x04", "ZIP"),
+        ] {
+            let found = violations(text);
+            assert!(found[0].detail.contains(word), "{found:?}");
+        }
+    }
+}

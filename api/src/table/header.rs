@@ -1,0 +1,251 @@
+//! The line of names above the numbers, and what stands above it.
+use super::{
+    Place, Refusal,
+    cells::{Line, Sheet, no_points},
+    unit::{Unit, of_column, of_symbol},
+};
+
+/// A column by its title.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Column {
+    /// As it stands in the text, with its unit.
+    pub(super) title: String,
+    /// Its words without unit, in small letters without accents.
+    pub(super) words: Vec<String>,
+    /// Its unit as it stands there.
+    pub(super) symbol: Option<String>,
+    /// That unit, where it is known.
+    pub(super) unit: Option<Unit>,
+}
+
+/// What the lines of a sheet are.
+#[derive(Clone, Debug)]
+pub(super) struct Header {
+    /// Line of the names, and the columns; empty where the text has no names.
+    pub(super) line: u64,
+    pub(super) columns: Vec<Column>,
+    /// Index of the first line of numbers.
+    pub(super) first: usize,
+    /// Lines above the names.
+    pub(super) above: usize,
+}
+
+impl Header {
+    /// # Errors
+    /// When numbers stand above the names, or there are more of them than names.
+    pub(super) fn find(sheet: &Sheet) -> Result<Self, Refusal> {
+        let lines = &sheet.lines;
+        let last = lines.iter().rposition(|line| line.numbers() > 1);
+        let Some(last) = last else {
+            return Err(no_points("no line of the text has two numbers"));
+        };
+        let is_text = |line: &Line| {
+            let filled = line.cells.iter().filter(|cell| !cell.is_empty());
+            line.numbers() == 0 && filled.count() > 1
+        };
+        let header = match lines[..last].iter().rposition(is_text) {
+            None => Self {
+                line: 0,
+                columns: Vec::new(),
+                first: 0,
+                above: 0,
+            },
+            Some(at) if are_units(&lines[at]) && at > 0 && is_text(&lines[at - 1]) => {
+                Self::over(lines, at - 1, Some(at))
+            }
+            Some(at) if lines.get(at + 1).is_some_and(are_units) => {
+                Self::over(lines, at, Some(at + 1))
+            }
+            Some(at) => Self::over(lines, at, None),
+        };
+        header.check(lines)?;
+        Ok(header)
+    }
+
+    fn over(lines: &[Line], names: usize, units: Option<usize>) -> Self {
+        let titles = &lines[names].cells;
+        let below = units.map_or(&[][..], |units| &lines[units].cells);
+        let columns = titles.iter().enumerate().map(|(index, title)| {
+            let symbol = below
+                .get(index)
+                .map(|cell| bare(cell))
+                .filter(|s| !s.is_empty());
+            match symbol {
+                Some(symbol) => Column {
+                    title: format!("{title} [{symbol}]"),
+                    words: words(title),
+                    unit: of_symbol(symbol),
+                    symbol: Some(symbol.to_owned()),
+                },
+                None => column(title),
+            }
+        });
+        Self {
+            line: lines[names].number,
+            columns: columns.collect(),
+            first: units.unwrap_or(names) + 1,
+            above: names,
+        }
+    }
+
+    fn check(&self, lines: &[Line]) -> Result<(), Refusal> {
+        let early = lines[..self.above]
+            .iter()
+            .find(|line| line.numbers() > 1 && line.numbers() == line.cells.len());
+        if let Some(early) = early {
+            let detail = format!(
+                "line {} holds numbers above the names in line {}: one table at a time",
+                early.number, self.line
+            );
+            let allowed = "one line of names, lines of numbers below it, and no other table";
+            return Err(Refusal::new(Place::Text, "ambiguous", detail, allowed));
+        }
+        let width = match self.columns.len() {
+            0 => lines[0].cells.len(),
+            width => width,
+        };
+        let Some(wide) = lines[self.first..]
+            .iter()
+            .find(|line| line.cells.len() > width)
+        else {
+            return Ok(());
+        };
+        let detail = if self.columns.is_empty() {
+            format!(
+                "line {} has {} cells, the first line {width}",
+                wide.number,
+                wide.cells.len()
+            )
+        } else {
+            format!(
+                "line {} has {} cells, but line {} names {width} columns",
+                wide.number,
+                wide.cells.len(),
+                self.line
+            )
+        };
+        let allowed =
+            "as many cells in each line as columns; a comma parts either cells or decimals";
+        Err(Refusal::new(Place::Text, "ambiguous", detail, allowed))
+    }
+}
+
+/// Whether every cell of a line is a unit, not all of them numbers.
+fn are_units(line: &Line) -> bool {
+    let filled = || line.cells.iter().filter(|cell| !cell.is_empty());
+    filled().count() > 0
+        && filled().all(|cell| of_symbol(bare(cell)).is_some())
+        && line.numbers() < filled().count()
+}
+
+/// A unit without brackets.
+fn bare(cell: &str) -> &str {
+    let open = ['(', '[', '{', '<'];
+    cell.trim()
+        .trim_start_matches(open)
+        .trim_end_matches([')', ']', '}', '>'])
+        .trim()
+}
+
+/// A title taken apart: `Load (mN)`, `Kraft [N]`, `F / N`, `Kraft in N`, `Load, N`, `Load N`,
+/// `force_n`. The last of several brackets that holds a unit counts.
+fn column(title: &str) -> Column {
+    let of = |name: &str, symbol: &str| Column {
+        title: title.to_owned(),
+        words: words(name),
+        unit: of_symbol(symbol),
+        symbol: Some(symbol.to_owned()),
+    };
+    let groups = brackets(title);
+    let outside = || {
+        let cut = title.find(['(', '[', '{', '<']).unwrap_or(title.len());
+        &title[..cut]
+    };
+    if let Some(symbol) = groups.iter().rev().find(|group| of_symbol(group).is_some()) {
+        return of(outside(), symbol);
+    }
+    // a slash comes last: it is part of `mm/mm` and `N/mm²`
+    for parting in [" ", ",", "_", " in ", "/"] {
+        let Some((name, symbol)) = title.rsplit_once(parting) else {
+            continue;
+        };
+        // `in` and `h` are words of their own where nothing parts them but a space
+        let is_sure = parting != " " || !["in", "h", "m", "s", "-", "1"].contains(&symbol);
+        if is_sure && !name.trim().is_empty() && of_symbol(symbol).is_some() {
+            return of(name, symbol.trim());
+        }
+    }
+    let mut plain = Column {
+        title: title.to_owned(),
+        words: words(title),
+        symbol: groups.last().map(|group| (*group).to_owned()),
+        unit: None,
+    };
+    if groups.is_empty() {
+        if let Some(unit) = of_symbol(title) {
+            plain.unit = Some(unit);
+            plain.symbol = Some(title.to_owned());
+            plain.words.clear();
+        } else if is_own_name(title) {
+            plain.unit = of_column(title);
+            plain.symbol = plain.unit.map(|_| "its name".to_owned());
+        }
+    }
+    plain
+}
+
+/// Whether a title is written as this program writes columns: `force_n`.
+fn is_own_name(title: &str) -> bool {
+    title.contains('_')
+        && title
+            .bytes()
+            .all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
+}
+
+/// What stands in brackets, innermost, in order.
+fn brackets(title: &str) -> Vec<&str> {
+    let mut found = Vec::new();
+    let mut open = None;
+    for (at, c) in title.char_indices() {
+        match c {
+            '(' | '[' | '{' | '<' => open = Some(at + 1),
+            ')' | ']' | '}' | '>' => found.extend(open.take().map(|from| title[from..at].trim())),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Words in small letters without accents.
+pub(super) fn words(text: &str) -> Vec<String> {
+    let folded: String = text
+        .chars()
+        .flat_map(char::to_lowercase)
+        .map(fold)
+        .collect();
+    folded
+        .split(|c: char| !c.is_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .map(str::to_owned)
+        .collect()
+}
+
+/// A letter without its accent.
+fn fold(letter: char) -> char {
+    match letter {
+        'á' | 'à' | 'â' | 'ä' | 'ã' | 'å' => 'a',
+        'č' | 'ç' | 'ć' => 'c',
+        'ď' => 'd',
+        'é' | 'è' | 'ê' | 'ë' | 'ě' => 'e',
+        'í' | 'ì' | 'î' | 'ï' => 'i',
+        'ň' | 'ñ' => 'n',
+        'ó' | 'ò' | 'ô' | 'ö' | 'õ' => 'o',
+        'ř' => 'r',
+        'š' => 's',
+        'ť' => 't',
+        'ú' | 'ù' | 'û' | 'ü' | 'ů' => 'u',
+        'ý' => 'y',
+        'ž' => 'z',
+        other => other,
+    }
+}
