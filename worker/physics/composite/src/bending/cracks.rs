@@ -7,7 +7,7 @@ use loadframe_api::spec::composite_bending::Breaking as Given;
 use serde::{Deserialize, Serialize};
 
 use super::model::{Model, drive};
-use super::results::{self, Tested};
+use super::results::Tested;
 use super::{Halt, Progress, Watch};
 use crate::breaking::{
     Advance, Breaking, BreakingOptions, BreakingState, Control, EndReason, Event, Machine,

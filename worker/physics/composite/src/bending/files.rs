@@ -6,7 +6,7 @@ use super::Recorded;
 use super::cracks::Broken;
 use super::errors::Finding;
 use super::model::{Fineness, Model};
-use super::results::{self, Measured, Tested};
+use super::results::{Measured, Tested};
 use crate::breaking::{BrokenPart, Mode};
 use crate::lattice::{Geometry, gather};
 use crate::measure::{mean_gradient, point_mm};

@@ -3,7 +3,7 @@ use loadframe_api::spec::composite_bending::{History, HistoryLoad};
 use serde::{Deserialize, Serialize};
 
 use super::model::Model;
-use super::results::{self, Tested};
+use super::results::Tested;
 use super::{Halt, Progress, Watch};
 use crate::measure::face_mean_mm;
 use crate::motion::{Damping, Motion, MotionOptions, MotionState, Scheme};

@@ -2,7 +2,7 @@
 use loadframe_api::spec::composite_bending as spec;
 
 use super::model::{Model, drive};
-use super::results::{self, Tested};
+use super::results::Tested;
 use super::{Halt, Progress, Watch};
 use crate::flexure::{Flexure, FlexureResult};
 use crate::solve::StaticOptions;

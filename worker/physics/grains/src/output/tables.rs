@@ -1,7 +1,7 @@
 //! The tables a run leaves behind.
 use std::io;
 
-use loadframe_api::spec::granular_scene::{GranularScene, Material};
+use loadframe_api::{Spec, spec::granular_scene::GranularScene};
 use loadframe_harness::Recorder;
 
 use super::{
@@ -11,10 +11,7 @@ use super::{
     table::write_table,
 };
 use crate::{
-    motion::clump::Clump,
-    numbers::Vector,
-    observe::{contact::Contact, measure},
-    step::engine::Engine,
+    motion::clump::Clump, numbers::Vector, observe::contact::Contact, step::engine::Engine,
 };
 
 const BODY_COLUMNS: [&str; 16] = [

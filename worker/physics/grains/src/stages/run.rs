@@ -1,4 +1,5 @@
 //! A run: steps, what is observed on the way, until the end of the last of its stages.
+use loadframe_api::Spec;
 use loadframe_api::spec::granular_scene::{GranularScene, Stage};
 use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
 use loadframe_numerics::Team;
