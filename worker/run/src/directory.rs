@@ -308,4 +308,51 @@ mod tests {
         assert!(matches!(end, Err(DirectoryError::Occupied(_))), "{end:?}");
         assert_eq!(folder.path().read_dir().expect("a folder").count(), 1);
     }
+
+    /// A sphere that falls under 10⁶ m/s² and becomes too fast for its step.
+    fn falls_too_fast() -> JobSpec {
+        let body = serde_json::json!({"kind": "granular_scene", "spec": {
+            "version": 1, "gravity_m_per_s2": [0, 0, -1e6],
+            "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e8,
+                                    "stiffness_ratio": 0.3, "friction_angle_rad": 0.5}},
+            "bodies": [{"sphere": {"radius_m": 0.01}, "material": "stone", "position_m": [0, 0, 1]}],
+            "planes": [{"name": "base", "axis": "z", "position_m": 0, "facing": 1, "material": "stone"}],
+            "time_step_s": 1e-5,
+            "stages": [{"run": {"steps": 1000}}],
+            "record": {"every_steps": 1},
+        }});
+        let submission = Submission::from_slice(body.to_string().as_bytes());
+        submission.expect("a valid scene").spec
+    }
+
+    #[test]
+    fn a_run_that_fails_leaves_what_it_had_and_says_that_it_is_no_result() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let switch = StopSwitch::default();
+        let options = DirectoryOptions {
+            engine: ENGINE,
+            threads: 1,
+            checkpoint_every: Duration::from_secs(3600),
+            switch: &switch,
+        };
+        let end = run_to_directory(&falls_too_fast(), folder.path(), options, &mut |_| {});
+        assert!(
+            matches!(end, Err(DirectoryError::Run(RunError::Simulation(_)))),
+            "{end:?}"
+        );
+        let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect(name);
+        let curve = read("curve.csv");
+        assert!(curve.starts_with("step,time_s,stage,"), "{curve}");
+        let rows: Vec<&str> = curve.lines().skip(1).collect();
+        // 10 m/s more with every step of 10 µs
+        assert!(rows.len() > 2 && rows.len() < 1000, "{} rows", rows.len());
+        assert!(
+            rows[0].starts_with("0,0,") && rows[1].starts_with("1,0.00001,"),
+            "{rows:?}"
+        );
+        assert!(read("log.jsonl").contains("failed: the simulation has no result"));
+        let failure: serde_json::Value = serde_json::from_str(&read(FAILURE_FILE)).expect("JSON");
+        assert_eq!(failure["status"], "failed");
+        assert!(!folder.path().join(OUTCOME_FILE).exists());
+    }
 }
