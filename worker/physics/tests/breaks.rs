@@ -5,7 +5,7 @@ mod scene;
 use loadframe_api::{
     Report,
     spec::nonwoven_tensile::{
-        Accuracy, Bond, Breaking, Jaw, Knobs, NetworkBond, NonwovenTensile, Preset, StrengthDraw,
+        Accuracy, Bond, Breaking, Jaw, Knobs, NetworkBond, NonwovenTensile, StrengthDraw,
     },
 };
 use scene::{bond, explicit, polyester, run, value};
@@ -153,7 +153,7 @@ fn a_brittle_lattice_does_not_know_its_strain_step() {
         spec.bond.friction_modulus_n = 0.0;
         spec.bond.compression_stiffness_n = 10.0;
         spec.test.strain_step = strain_step;
-        spec.accuracy = Accuracy::Preset(Preset::Standard);
+        spec.accuracy = Accuracy::default();
         let (report, _) = run(&spec);
         // two peaks of nearly one height follow each other: their strain is not compared
         let strain = value(&report, "strain_at_max_force");
