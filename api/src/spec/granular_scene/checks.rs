@@ -241,7 +241,7 @@ fn check_time_step(spec: &GranularScene, violations: &mut Vec<Violation>) {
     };
     let samples = spec.samples();
     if let Some(critical) =
-        spec.critical_step_of_one_contact(&samples, GranularScene::first_speed(&samples))
+        spec.critical_step_of_one_contact(&samples, GranularScene::first_speed(&samples), &spec.plates())
         && step > critical.step
         && !spec.allow_unstable
     {

@@ -107,7 +107,7 @@ impl GranularScene {
         }
         let samples = self.samples();
         let speed = Self::first_speed(&samples);
-        let critical = self.critical_step_of_one_contact(&samples, speed);
+        let critical = self.critical_step_of_one_contact(&samples, speed, &self.plates());
         let of_spheres = critical.map(|critical| critical.step);
         let steps = of_spheres.into_iter().chain(self.steps_of_clumps(&samples));
         let fraction = self.accuracy.knobs().critical_step_fraction;

@@ -40,6 +40,7 @@ mod stages;
 mod stiffen;
 mod study;
 mod supply_checks;
+mod touching;
 mod vibrate;
 
 use std::{borrow::Cow, collections::BTreeMap};
@@ -68,6 +69,7 @@ pub use stability::{CriticalStep, series_stiffness, step_with_dashpot};
 pub use stages::{LoadPlane, MovePlane, Run, Settle, Stage};
 pub use stiffen::Stiffen;
 pub(crate) use supply_checks::check_grain;
+pub use touching::Touching;
 pub use vibrate::Vibrate;
 
 /// A scene of bodies in contact.

@@ -177,12 +177,15 @@ fn behind_planes(
     largest_ratio: f64,
 ) -> Vec<Overlap> {
     let mut overlaps = Vec::new();
+    let is_held = |particle: &Particle| bodies[particle.body].is_held();
     for plane in &spec.planes {
+        // a plate is thrown off bodies that are held, too
+        let mass = spec.mass_of_wall(&plane.name);
         for particle in particles {
             let height = particle.centre[plane.axis.index()] - plane.position_m;
             let overlap = particle.radius - height * f64::from(plane.facing);
             let ratio = overlap / particle.radius;
-            if ratio > largest_ratio && !bodies[particle.body].is_held() {
+            if ratio > largest_ratio && !(is_held(particle) && mass.is_none()) {
                 overlaps.push(Overlap {
                     body: particle.body,
                     number: particle.number,
@@ -209,6 +212,7 @@ fn in_facets(
     let widest = 2.0 * radii.fold(0.0, f64::max);
     let mut overlaps = Vec::new();
     for mesh in &spec.facets {
+        let mass = spec.mass_of_wall(&mesh.name);
         for (number, triangle) in mesh.triangles().unwrap_or_default().iter().enumerate() {
             let [lower, upper] = bounds(triangle);
             let first = particles.partition_point(|particle| low(particle) < lower[0] - widest);
@@ -218,7 +222,7 @@ fn in_facets(
                     let [centre, radius] = [particle.centre[axis], particle.radius];
                     centre - radius > upper[axis] || centre + radius < lower[axis]
                 });
-                if is_apart || bodies[particle.body].is_held() {
+                if is_apart || bodies[particle.body].is_held() && mass.is_none() {
                     continue;
                 }
                 let closest = closest_point(triangle, &particle.centre).position;

@@ -20,9 +20,11 @@ pub fn series_stiffness(first: f64, second: f64) -> f64 {
 }
 
 /// Critical step with a dashpot of damping ratio β, over that without:
-/// √(1 + β²) − β, since the velocity that damps is that of half a step ago.
+/// √(1 + 4β²) − 2β, since the velocity that damps is carried on to the middle of the step, with weights
+/// 3/2 and −1/2, from those of half a step and one and a half ago.
 pub fn step_with_dashpot(damping_ratio: f64) -> f64 {
-    (1.0 + damping_ratio * damping_ratio).sqrt() - damping_ratio
+    let twice = 2.0 * damping_ratio;
+    (1.0 + twice * twice).sqrt() - twice
 }
 
 /// r²/I over 1/m for a sphere: I = 2/5 m r².
@@ -83,10 +85,13 @@ impl GranularScene {
     /// may come to pass between `bodies`: each sphere against the planes, the stiffest and the
     /// lightest other. Rigid clumps are left out: their mass is not known here. `None` when nothing
     /// can touch. Under Hertz's law the bodies meet at `speed` [m/s]; linear springs do not ask.
+    /// `plates` are 1/m of the walls [1/kg], planes before meshes, where forces move them; walls that are
+    /// left out stand.
     pub fn critical_step_of_one_contact(
         &self,
         bodies: &[Body],
         speed: f64,
+        plates: &[f64],
     ) -> Option<CriticalStep> {
         let mut spheres: Vec<Partner<'_>> = Vec::new();
         let mut number = 0;
@@ -126,12 +131,12 @@ impl GranularScene {
             let planes = self.planes.iter().map(|plane| (&plane.material, 1.0));
             let facets = self.facets.iter();
             let facets = facets.map(|mesh| (&mesh.material, self.laws.facet_radius_ratio()));
-            for (material, radius_ratio) in planes.chain(facets) {
+            for (number, (material, radius_ratio)) in planes.chain(facets).enumerate() {
                 if let Some(material) = self.materials.get(material) {
                     let wall = Partner {
                         material,
                         curvature: 0.0,
-                        inverse_mass: 0.0,
+                        inverse_mass: plates.get(number).copied().unwrap_or_default(),
                         radius: radius_ratio * sphere.radius,
                         ..*sphere
                     };

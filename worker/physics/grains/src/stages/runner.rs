@@ -33,10 +33,9 @@ impl<'a> Runner<'a> {
         let engine = Engine::new(spec, law(spec), &specimen, team);
         let speed = GranularScene::first_speed(&specimen.bodies);
         let foreseen = engine.foreseen(spec, &specimen.bodies, speed);
-        let movable = specimen.bodies.iter().filter(|body| !body.is_held());
-        let smallest_radius = movable
-            .map(|body| body.smallest_radius())
-            .fold(f64::INFINITY, f64::min);
+        // also of bodies that are held: others, and walls, may pass through them
+        let radii = specimen.bodies.iter().map(|body| body.smallest_radius());
+        let smallest_radius = radii.fold(f64::INFINITY, f64::min);
         let automatic = match spec.time_step_s {
             TimeStep::Given(_) => None,
             TimeStep::Automatic(_) => Some(spec.accuracy.knobs().critical_step_fraction),

@@ -5,7 +5,7 @@ use loadframe_api::spec::granular_scene::GranularScene;
 use loadframe_numerics::Team;
 
 use super::{
-    alone::Seen,
+    alone::{Seen, Through},
     listing::{self, Listing, memories::Memories},
     patch::{BodyLoad, Patch, on_wall},
     shares::{share, shares},
@@ -286,6 +286,15 @@ impl Engine {
         state.speed_bound = speed_square.sqrt();
         for patch in &mut state.patches {
             (state.seen).see(&self.law, patch.deepest, &mut patch.shortest, time_step);
+            for passage in patch.passed.drain(..) {
+                let body = state.particles.owners[passage.particle as usize];
+                let through = state.through.entry(passage.wall).or_insert(Through {
+                    passages: 0,
+                    body,
+                    step: state.step + 1,
+                });
+                through.passages += 1;
+            }
         }
         let mut wall_way = 0.0_f64;
         for (plane, face) in state.faces.iter_mut().enumerate() {
@@ -357,7 +366,7 @@ impl Engine {
 
     /// What the contacts of the last step remember.
     pub(crate) fn memories(&self) -> Memories {
-        if self.model.is_rough {
+        if self.model.is_rough || self.model.is_viscous {
             Memories::of(&self.team, &self.contact_lists, &self.state.particles)
         } else {
             Memories::default()
@@ -371,6 +380,7 @@ impl Engine {
     }
 
     pub(crate) fn list_with(&mut self, memories: &Memories) {
+        let plates = self.plates();
         let state = &mut self.state;
         // in the old order, as the way is measured from
         state.skin.renew(&state.particles.centres);
@@ -386,6 +396,7 @@ impl Engine {
         let listing = Listing {
             law: &self.law,
             model: &self.model,
+            plates: &plates,
             faces: &state.faces,
             poses: &state.poses,
             search: &self.search,
