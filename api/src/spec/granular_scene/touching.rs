@@ -90,7 +90,9 @@ impl GranularScene {
     /// that never do.
     pub(super) fn plates(&self) -> Vec<f64> {
         let masses = self.wall_names().map(|wall| self.mass_of_wall(wall));
-        masses.map(|mass| mass.map_or(0.0, |mass| 1.0 / mass)).collect()
+        masses
+            .map(|mass| mass.map_or(0.0, |mass| 1.0 / mass))
+            .collect()
     }
 
     /// Smallest mass that a stage gives a wall to follow forces with [kg]; `None` for one that never does.

@@ -275,10 +275,18 @@ impl Engine {
         found
     }
 
-    /// Smallest critical step of any one contact that may come at this speed [s].
-    pub(crate) fn foreseen(&self, spec: &GranularScene, bodies: &[Body], speed: f64) -> f64 {
-        let of_spheres = spec.critical_step_of_one_contact(bodies, speed, &self.plates());
-        let of_clumps = self.critical_step_of_clumps(speed);
+    /// Smallest critical step of any one contact that may come at this speed [s]; `plates` as of
+    /// [`GranularScene::critical_step_of_one_contact`].
+    pub(crate) fn foreseen(
+        &self,
+        spec: &GranularScene,
+        bodies: &[Body],
+        speed: f64,
+        plates: &[f64],
+    ) -> f64 {
+        let of_spheres = spec.critical_step_of_one_contact(bodies, speed, plates);
+        let plate = plates.iter().copied().fold(0.0, f64::max);
+        let of_clumps = self.critical_step_of_clumps(speed, plate);
         of_spheres
             .map(|critical| critical.step)
             .into_iter()
@@ -287,9 +295,8 @@ impl Engine {
     }
 
     /// The critical step of any one contact of a clump's member with its like, at this `speed`
-    /// [m/s]; `None` without clumps that move.
-    fn critical_step_of_clumps(&self, speed: f64) -> Option<f64> {
-        let plate = self.plates().into_iter().fold(0.0, f64::max);
+    /// [m/s], beside a plate of this 1/m [1/kg]; `None` without clumps that move.
+    fn critical_step_of_clumps(&self, speed: f64, plate: f64) -> Option<f64> {
         let all = [
             (&self.state.particles, &self.state.clumps),
             (&self.reserve.particles, &self.reserve.clumps),

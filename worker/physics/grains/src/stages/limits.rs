@@ -21,8 +21,8 @@ impl Runner<'_> {
         let walls = self.engine.moving_walls().map(|(_, speed, _)| speed);
         let speed = speed + walls.fold(0.0, f64::max);
         let way = 0.5 * self.longest_way() / speed;
-        let step = stable.min(way).min(self.step_at_plates(speed));
-        if step.is_finite() { step } else { FREE_STEP }
+        let step = stable.min(self.step_at_plates(speed));
+        way.min(if step.is_finite() { step } else { FREE_STEP })
     }
 
     /// Way in a step, at most [m].
@@ -34,7 +34,7 @@ impl Runner<'_> {
     fn step_at_plates(&self, speed: f64) -> f64 {
         let [square, damped] = self.engine.plate_that_meets();
         if square > 0.0 {
-            let alone = 2.0 / self.foreseen_at(speed);
+            let alone = 2.0 / self.foreseen_with(speed, 1, &[]);
             self.automatic.unwrap_or(1.0) * critical_step(square + alone * alone, damped)
         } else {
             f64::INFINITY
@@ -44,7 +44,10 @@ impl Runner<'_> {
     /// What a stage that begins changes in the steps it may take.
     pub(super) fn begin_step(&mut self) {
         let speed = GranularScene::first_speed(&self.bodies);
-        self.foreseen = self.engine.foreseen(self.spec, &self.bodies, speed);
+        let plates = self.engine.plates();
+        let foreseen =
+            |plates: &[f64]| (self.engine).foreseen(self.spec, &self.bodies, speed, plates);
+        self.foreseen = [foreseen(&plates), foreseen(&[])];
         if self.journal.stage_steps == 0 {
             self.limit_step();
         }
@@ -123,8 +126,13 @@ impl Runner<'_> {
 
     /// Critical step of contacts that may come before the next look [s], at this speed [m/s].
     pub(super) fn foreseen_at(&self, speed: f64) -> f64 {
+        self.foreseen_with(speed, 0, &self.engine.plates())
+    }
+
+    /// The same with these plates, which `known` is the place of.
+    fn foreseen_with(&self, speed: f64, known: usize, plates: &[f64]) -> f64 {
         if self.spec.laws.contact != ContactLaw::HertzMindlin {
-            return self.foreseen / self.engine.state.stiffness_factor.sqrt();
+            return self.foreseen[known] / self.engine.state.stiffness_factor.sqrt();
         }
         let walls = self.engine.moving_walls().map(|(_, speed, _)| speed);
         let wall = walls.fold(0.0, f64::max);
@@ -136,7 +144,7 @@ impl Runner<'_> {
             * STEPS_PER_LOOK as f64
             * self.journal.time_step;
         let speed = 2.0 * (speed + gained) + wall;
-        self.engine.foreseen(self.spec, &self.bodies, speed)
+        self.engine.foreseen(self.spec, &self.bodies, speed, plates)
     }
 
     /// Makes an automatic step small enough for bodies that came in.

@@ -60,6 +60,9 @@ impl Runner<'_> {
     ) -> Result<(), SimulationError> {
         self.engine.push_still();
         let survey = self.engine.survey(true);
+        if self.has_automatic_step() {
+            self.journal.time_step = self.automatic_step(survey.critical);
+        }
         self.show(survey, recorder)
     }
 
@@ -95,7 +98,8 @@ impl Runner<'_> {
     }
 
     /// Keeps what an observation says about the quality of the run.
-    pub(super) fn judge(&mut self, survey: &Survey) -> Result<(), SimulationError> {
+    /// `work` is that of the walls until the middle of the step [J], where energies are known.
+    pub(super) fn judge(&mut self, survey: &Survey, work: f64) -> Result<(), SimulationError> {
         self.check_finite()?;
         let journal = &mut self.journal;
         let largest = survey.sums.overlap_ratio;
@@ -148,7 +152,7 @@ impl Runner<'_> {
         }
         journal
             .balance
-            .add(&journal.last, self.engine.state.wall_work, self.engine.state.step);
+            .add(&journal.last, work, self.engine.state.step);
         let created = journal.balance.created_ratio();
         if created > RUNAWAY && !self.spec.allow_unstable {
             return Err(SimulationError::EnergyGrowth {

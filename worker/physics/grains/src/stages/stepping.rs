@@ -164,11 +164,13 @@ impl Runner<'_> {
         self.engine.push(time_step);
         let mut survey = self.engine.survey(self.needs_contacts(reason));
         let before = self.engine.body_sums();
+        let work_before = self.engine.state.wall_work;
         self.engine.advance(time_step);
         self.journal.stage_steps += 1;
         let contacts_before = self.journal.last.contacts;
         self.journal.last = self.engine.reading(&survey.sums, &before);
-        self.judge(&survey)?;
+        let work = 0.5 * (work_before + self.engine.state.wall_work);
+        self.judge(&survey, work)?;
         let is_last =
             is_last || (self.journal.is_settled && (self.is_last_stage() || records_ends));
         let is_recorded = is_recorded || is_last;

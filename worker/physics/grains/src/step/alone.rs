@@ -79,7 +79,10 @@ pub(super) fn at_wall(law: &Chosen, is_rough: bool, radius: f64, springs: &Sprin
     };
     let [normal, shear] = (law.tangents)(&spring);
     let [along, across] = springs.dashpots;
-    [normal.max(shear), (law.dashpot)(&spring) * along.max(across)]
+    [
+        normal.max(shear),
+        (law.dashpot)(&spring) * along.max(across),
+    ]
 }
 
 /// The worst that all steps so far had, contact by contact.

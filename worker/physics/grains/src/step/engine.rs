@@ -299,9 +299,10 @@ impl Engine {
         let mut wall_way = 0.0_f64;
         for (plane, face) in state.faces.iter_mut().enumerate() {
             let force = on_wall(&state.patches, plane);
+            let before = face.motion.velocity;
             face.motion
                 .accelerate(&drive, &[force[0], force[1], force[2]]);
-            state.wall_work -= work(&force, &face.motion.velocity) * time_step;
+            state.wall_work -= work(&force, &before, &face.motion.velocity) * time_step;
             face.motion.advance(time_step);
             // along itself a plane comes no closer to anything
             let way = time_step * face.motion.velocity[face.axis];
@@ -312,9 +313,10 @@ impl Engine {
         for (wall, (pose, mesh)) in (state.faces.len()..).zip(meshes) {
             if pose.motion.is_moving() || pose.is_turning() {
                 let force = on_wall(&state.patches, wall);
+                let before = pose.motion.velocity;
                 pose.motion
                     .accelerate(&drive, &[force[0], force[1], force[2]]);
-                let power = work(&force, &pose.motion.velocity) + force[3];
+                let power = work(&force, &before, &pose.motion.velocity) + force[3];
                 state.wall_work -= power * time_step;
                 wall_way = wall_way.max(time_step * pose.speed(mesh));
                 pose.advance(time_step);
@@ -427,7 +429,10 @@ impl Engine {
     }
 }
 
-/// F·v [W].
-fn work(force: &[f64; 4], velocity: &[f64; 3]) -> f64 {
-    force[0] * velocity[0] + force[1] * velocity[1] + force[2] * velocity[2]
+/// F·v [W] with the mean of the velocities half a step before and after the force: on a plate that swings
+/// on a spring nothing is left over then, step by step.
+fn work(force: &[f64; 4], before: &[f64; 3], after: &[f64; 3]) -> f64 {
+    let axes = 0..3;
+    axes.map(|axis| force[axis] * 0.5 * (before[axis] + after[axis]))
+        .sum()
 }

@@ -39,21 +39,29 @@ impl Engine {
     pub(crate) fn plates(&self) -> Vec<f64> {
         let walls = 0..self.wall_count();
         let loads = walls.map(|wall| self.motion_of(wall).load);
-        loads.map(|load| load.map_or(0.0, |load| 1.0 / load.mass)).collect()
+        loads
+            .map(|load| load.map_or(0.0, |load| 1.0 / load.mass))
+            .collect()
     }
 
     /// ω_p² [1/s²] and D_p [1/s] (G.26) of the worst plate, if all touched it that are listed.
     pub(crate) fn plate_that_meets(&self) -> [f64; 2] {
         let plates = self.plates();
         let of_wall = |wall: usize| {
-            let found = self.state.patches.iter().filter_map(|patch| patch.at_plates.get(wall));
+            let found = self
+                .state
+                .patches
+                .iter()
+                .filter_map(|patch| patch.at_plates.get(wall));
             found.fold([0.0; 2], |sum: [f64; 2], part| {
                 [0, 1].map(|of: usize| sum[of] + plates[wall] * part[of])
             })
         };
-        (0..plates.len()).map(of_wall).fold([0.0; 2], |most, found| {
-            [0, 1].map(|of: usize| f64::max(most[of], found[of]))
-        })
+        (0..plates.len())
+            .map(of_wall)
+            .fold([0.0; 2], |most, found| {
+                [0, 1].map(|of: usize| f64::max(most[of], found[of]))
+            })
     }
 
     /// A wall that moves: its number, its largest speed towards anything [m/s] and its acceleration [m/s²]
@@ -62,7 +70,8 @@ impl Engine {
         let pushed = |motion: &WallMotion, axes: std::ops::Range<usize>| {
             motion.load.map_or(0.0, |load| {
                 let free = axes.filter(|axis| load.free[*axis]);
-                free.map(|axis| load.force[axis].abs() / load.mass).fold(0.0, f64::hypot)
+                free.map(|axis| load.force[axis].abs() / load.mass)
+                    .fold(0.0, f64::hypot)
             })
         };
         let faces = self.state.faces.iter().enumerate();
@@ -76,9 +85,11 @@ impl Engine {
         let meshes = self.state.poses.iter().zip(&self.model.facets.meshes);
         let meshes = (planes..).zip(meshes);
         let meshes = meshes.filter(|(_, (pose, _))| pose.motion.is_moving() || pose.is_turning());
-        faces.chain(meshes.map(move |(wall, (pose, mesh))| {
-            (wall, pose.speed(mesh), pushed(&pose.motion, 0..3))
-        }))
+        faces.chain(
+            meshes.map(move |(wall, (pose, mesh))| {
+                (wall, pose.speed(mesh), pushed(&pose.motion, 0..3))
+            }),
+        )
     }
 
     /// Name of a wall, planes before meshes.

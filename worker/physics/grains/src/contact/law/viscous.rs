@@ -147,7 +147,8 @@ impl Dashpot for Along {
         let is_known = none.below(Lanes::load(simd, &self.touched, part));
         let velocity = now.only_if(is_known, first);
         known.store(&mut self.velocity, part);
-        one.only_if(touch.is_touching, none).store(&mut self.touched, part);
+        one.only_if(touch.is_touching, none)
+            .store(&mut self.touched, part);
         let drag = constant * velocity;
         let drag = (-drag).only_if(touch.is_touching, none);
         drag.store(&mut self.force, part);
@@ -202,7 +203,8 @@ impl Dashpot for Across {
         let is_known = none.below(Lanes::load(simd, &self.touched, part));
         let change = change.only_if(is_known, Vectors::zero(simd));
         slip.velocity.store(&mut self.velocity, part);
-        one.only_if(touch.is_touching, none).store(&mut self.touched, part);
+        one.only_if(touch.is_touching, none)
+            .store(&mut self.touched, part);
         let drag = (slip.velocity + change).scaled(constant);
         let shear = cut(simd, push.shear - drag, push.limit);
         let shear = shear.only_if(touch.is_touching, Vectors::zero(simd));

@@ -320,7 +320,8 @@ impl Listing<'_> {
             near.clear();
             near.extend(found.iter().map(|facet| {
                 let mesh = &facets.meshes[facets.facets[*facet as usize].mesh as usize];
-                let freedom = self.freedom_of(wall_of(facets.facets[*facet as usize].mesh as usize));
+                let freedom =
+                    self.freedom_of(wall_of(facets.facets[*facet as usize].mesh as usize));
                 let mut wall = own.wall(self.model.surfaces[mesh.surface], freedom);
                 wall.radius *= facets.radius_ratio;
                 let springs = (self.law.springs)(&own, &wall);
