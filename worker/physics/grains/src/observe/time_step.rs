@@ -306,7 +306,9 @@ impl Engine {
             .flat_map(|(particles, clumps)| clumps.iter().map(move |clump| (particles, clump)))
             .filter(|(_, clump)| self.model.is_movable[clump.body as usize]);
         let steps = clumps.flat_map(|(particles, clump)| {
-            clump.members().map(move |member| {
+            // by offsets, whose bits no turn changes: a run that is resumed finds the same
+            let members = clump.members().zip(&clump.offsets);
+            members.map(move |(member, offset)| {
                 let radius = particles.centres[member].0[3];
                 let surface = self.model.surfaces[usize::from(particles.surfaces[member])];
                 let own = Side {
@@ -316,7 +318,7 @@ impl Engine {
                     inverse_mass: 1.0 / clump.mass,
                 };
                 let stiffness = (self.law.foreseen)(&own, speed);
-                let freedom = own.inverse_mass + clump.turning(&particles.centres[member]) + plate;
+                let freedom = own.inverse_mass + clump.turning_by(offset, radius) + plate;
                 let step = 2.0 / (stiffness * freedom).sqrt();
                 surface.damped_step(step, clump.mass * freedom)
             })
