@@ -60,6 +60,55 @@ def yade_statistics(folder: Path) -> list[list[str]]:
     return rows
 
 
+# ── restitution ─────────────────────────────────────────────────────────────────────────────────────
+
+PRESETS = ("draft", "standard", "reference")
+ASKED = (0.05, 0.1, 0.3, 0.5, 0.7, 0.9)
+# Places of the first touch in the raster of steps.
+PHASES = 100
+IMPACT_M_PER_S = 0.5
+# Longer than the way of any preset's step.
+WAY_M = 2e-5
+
+
+def impact(asked: float, preset: str, phase: int) -> dict:
+    """A sphere of 1 mm that flies at a plane."""
+    material = {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e8, "restitution": asked}
+    height = 1e-3 + WAY_M * (1 + (phase + 0.5) / PHASES)
+    spec = {
+        "version": 1, "gravity_m_per_s2": [0, 0, 0], "materials": {"g": material}, "accuracy": preset,
+        "bodies": [{"sphere": {"radius_m": 1e-3}, "material": "g", "position_m": [0, 0, height], "velocity_m_per_s": [0, 0, -IMPACT_M_PER_S]}],
+        "planes": [{"name": "floor", "axis": "z", "position_m": 0, "facing": 1, "material": "g"}],
+        "stages": [{"run": {"time_s": 4e-4}}], "record": {"every_steps": 1_000_000},
+    }
+    return {"kind": "granular_scene", "name": "impact", "spec": spec}
+
+
+def measure_restitution(folder: Path) -> dict:
+    found = {}
+    for preset in PRESETS:
+        for asked in ASKED:
+            speeds = []
+            for phase in range(PHASES):
+                place = folder / f"{preset}-{asked}-{phase}"
+                run(impact(asked, preset, phase), place)
+                with (place / "bodies.csv").open() as table:
+                    last = list(csv.DictReader(table))[-1]
+                speeds.append(float(last["vz_m_per_s"]) / IMPACT_M_PER_S)
+            found[f"{preset} {asked}"] = speeds
+    (folder / "restitution.json").write_text(json.dumps(found))
+    return {"commit": commit_of_executable()}
+
+
+def restitution(folder: Path) -> list[list[str]]:
+    found = json.loads((folder / "restitution.json").read_text())
+    rows = [["asked", *(f"found, `{preset}`: mean (least to largest)" for preset in PRESETS)]]
+    for asked in ASKED:
+        cells = [found[f"{preset} {asked}"] for preset in PRESETS]
+        rows.append([f"{asked}", *(f"{statistics.mean(one):.3f} ({min(one):.3f} to {max(one):.3f})" for one in cells)])
+    return rows
+
+
 # ── beds at rest ────────────────────────────────────────────────────────────────────────────────────
 
 # Spheres: edge of the square box [m], timed steps.
@@ -189,6 +238,7 @@ def features(folder: Path) -> list[list[str]]:
 
 
 TABLES = {
+    "granular_restitution": Table("2 min of processor time", measure_restitution, restitution),
     "granular_yade_statistics": Table("3 min of processor time; needs yade", measure_statistics, yade_statistics),
     "granular_peers": Table("20 min of processor time, beds included; needs lammps and yade", measure_peers, peers),
     "granular_threads": Table("8 min of two cores, beds included", measure_threads, threads),

@@ -10,8 +10,6 @@ use crate::{Violation, Violations, worker::MOST_CURVE_COLUMNS};
 /// Bodies may overlap by this part of the smaller radius at the start; more is a mistake, and
 /// would throw them apart.
 const LARGEST_OVERLAP: f64 = 0.05;
-/// Way of a body in one step over its radius, at most: faster ones pass through walls.
-pub const LARGEST_WAY: f64 = 0.1;
 /// At most this many violations of one sort are listed.
 const LISTED: usize = 20;
 /// More spheres than this are refused: about 4 GB.
@@ -267,9 +265,11 @@ fn check_time_step(spec: &GranularScene, violations: &mut Violations) {
         return;
     };
     let samples = spec.samples();
-    if let Some(critical) =
-        spec.critical_step_of_one_contact(&samples, GranularScene::first_speed(&samples))
-        && step > critical.step
+    if let Some(critical) = spec.critical_step_of_one_contact(
+        &samples,
+        GranularScene::first_speed(&samples),
+        &spec.plates(),
+    ) && step > critical.step
         && !spec.allow_unstable
     {
         let partner = match critical.partner {
@@ -291,30 +291,5 @@ fn check_time_step(spec: &GranularScene, violations: &mut Violations) {
                 .unit("s"),
         );
     }
-    let too_fast = |(index, body): (usize, &Body)| {
-        let radius = body.smallest_radius();
-        let speed = body
-            .velocity_m_per_s
-            .iter()
-            .map(|v| v * v)
-            .sum::<f64>()
-            .sqrt();
-        (speed * step > LARGEST_WAY * radius && !body.is_held()).then(|| {
-            Violation::new(
-                format!("/bodies/{index}/velocity_m_per_s"),
-                "too_fast",
-                "the body would move more than a tenth of its radius in a step, and could pass \
-                 through others unseen",
-            )
-            .value(speed)
-            .allowed(format!(
-                "≤ {:e} at this time step, or a step ≤ {:e} s",
-                LARGEST_WAY * radius / step,
-                LARGEST_WAY * radius / speed
-            ))
-            .unit("m/s")
-        })
-    };
-    let bodies = spec.bodies.iter().enumerate();
-    violations.extend(bodies.filter_map(too_fast).take(LISTED));
+    super::speeds::check(spec, step, violations);
 }

@@ -1,6 +1,5 @@
 //! What a granular scene takes: particle steps over measured speed.
-use super::curve;
-use super::{Body, Grain, GranularScene, Insert, Stage, TimeStep};
+use super::{Body, Grain, GranularScene, Insert, LARGEST_WAY, Stage, TimeStep};
 use crate::{Calibration, Estimate};
 
 /// Particle steps in the time of one evaluation of a bond of the calibrating fabric. A step of a
@@ -65,7 +64,10 @@ impl GranularScene {
         let is_automatic = matches!(self.time_step_s, TimeStep::Automatic(_));
         let is_bed = self.generators().next().is_some();
         let packed = if is_automatic && is_bed { PACKED } else { 1.0 };
-        let mut step = packed * self.expected_step();
+        let mut usual = packed * self.expected_step();
+        let samples = self.samples();
+        let radii = samples.iter().map(Body::smallest_radius);
+        let smallest = radii.fold(f64::INFINITY, f64::min);
         self.stages.iter().map(move |stage| {
             let duration = stage.duration();
             let likely = match stage {
@@ -75,11 +77,18 @@ impl GranularScene {
             };
             let time = duration.time_s;
             let time = time.map(|longest| longest.min(likely.max(LEAST_OF_LIMIT * longest)));
+            let walls = stage.wall_speeds(self).into_iter();
+            let fastest = walls.map(|(_, speed)| speed).fold(0.0, f64::max);
+            let step = if is_automatic {
+                usual.min(0.5 * LARGEST_WAY * smallest / fastest)
+            } else {
+                usual
+            };
             let by_time = time.map(|time| (time / step).ceil().max(1.0));
             let given = duration.steps.map(|steps| steps as f64);
             if let (Stage::Stiffen(stiffen), true) = (stage, is_automatic) {
                 // Δt ∝ 1/√k
-                step /= stiffen.factor.sqrt();
+                usual /= stiffen.factor.sqrt();
             }
             given.or(by_time).unwrap_or(0.0)
         })
@@ -119,7 +128,7 @@ impl GranularScene {
         }
         let samples = self.samples();
         let speed = Self::first_speed(&samples);
-        let critical = self.critical_step_of_one_contact(&samples, speed);
+        let critical = self.critical_step_of_one_contact(&samples, speed, &self.plates());
         let of_spheres = critical.map(|critical| critical.step);
         let steps = of_spheres.into_iter().chain(self.steps_of_clumps(&samples));
         let fraction = self.accuracy.knobs().critical_step_fraction;
@@ -169,7 +178,7 @@ pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estim
     };
     let tables = rows
         * (CURVE_ROW_MB
-            + CURVE_NUMBER_MB * ((spec.curve_columns().len() - curve::EVERY_SCENE) as f64)
+            + CURVE_NUMBER_MB * ((spec.curve_columns().len() - super::curve::EVERY_SCENE) as f64)
             + BODY_ROW_MB * spec.recorded_bodies(spec.particles() as usize).len() as f64
             + CONTACT_ROW_MB * contacts);
     let snapshots = match spec.record.snapshot_every_steps {

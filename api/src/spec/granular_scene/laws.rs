@@ -22,7 +22,8 @@ pub struct Material {
     #[schemars(range(min = -0.99, max = 0.5), extend("x-unit" = "1"))]
     pub poisson_ratio: Option<f64>,
     /// e, speed after over speed before a head-on impact: contacts have a dashpot along the normal.
-    /// Between two materials the smaller one counts; left out, there is none, as with 1.
+    /// Between two materials the smaller one counts; left out, there is none, as with 1. What steps
+    /// leave of it is in the guide, by presets of accuracy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
     pub restitution: Option<f64>,

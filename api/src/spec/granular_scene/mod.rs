@@ -36,6 +36,7 @@ mod rate;
 mod record;
 mod region;
 mod relax;
+mod speeds;
 mod sphere_tree;
 mod stability;
 mod staged;
@@ -43,6 +44,7 @@ mod stages;
 mod stiffen;
 mod study;
 mod supply_checks;
+mod touching;
 mod vibrate;
 
 use std::{borrow::Cow, collections::BTreeMap};
@@ -52,7 +54,6 @@ use serde::{Deserialize, Serialize};
 
 pub use accuracy::{Accuracy, Knobs};
 pub use bodies::{Axis, Body, Clump, DegreeOfFreedom, Member, Plane, Sphere};
-pub use checks::LARGEST_WAY;
 pub use drive::{BodyDrive, BodyForce, BodyVelocity, Drive, Sine, Turn, WallDrive, WallForce};
 pub use facets::{FacetError, FacetMesh};
 pub use generate::{Arrangement, Generate, Grain, SieveFraction, Sizes, Volume};
@@ -67,10 +68,12 @@ pub use place::Place;
 pub use record::Record;
 pub use region::Region;
 pub use relax::Relax;
+pub use speeds::LARGEST_WAY;
 pub use stability::{CriticalStep, series_stiffness, step_with_dashpot};
 pub use stages::{LoadPlane, MovePlane, Run, Settle, Stage};
 pub use stiffen::Stiffen;
 pub(crate) use supply_checks::check_grain;
+pub use touching::Touching;
 pub use vibrate::Vibrate;
 
 /// A scene of bodies in contact.

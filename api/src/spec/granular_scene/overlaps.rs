@@ -265,24 +265,28 @@ fn rests_in_a_bond(spec: &GranularScene, bodies: [&Body; 2]) -> bool {
     spec.laws.bond_rest_length == BondRestLength::Initial && bodies.into_iter().all(is_cohesive)
 }
 
-/// Of planes that face the same way, the one that stands farthest that way: who is behind another is
-/// behind this one.
-fn tightest_planes(spec: &GranularScene) -> impl Iterator<Item = &Plane> {
-    let mut tightest: BTreeMap<(usize, i8), &Plane> = BTreeMap::new();
+/// Of planes that face the same way, plates apart from walls, the one that stands farthest that way: who is
+/// behind another is behind this one. And whether it is a plate, which is thrown off bodies that are held
+/// too.
+fn tightest_planes(spec: &GranularScene) -> impl Iterator<Item = (&Plane, bool)> {
+    let mut tightest: BTreeMap<(usize, i8, bool), &Plane> = BTreeMap::new();
     let reach = |plane: &Plane| plane.position_m * f64::from(plane.facing);
     for plane in &spec.planes {
-        let way = (plane.axis.index(), plane.facing);
+        let is_plate = spec.mass_of_wall(&plane.name).is_some();
+        let way = (plane.axis.index(), plane.facing, is_plate);
         let known = tightest.entry(way).or_insert(plane);
         if reach(plane) > reach(known) {
             *known = plane;
         }
     }
-    tightest.into_values()
+    let tightest = tightest.into_iter();
+    tightest.map(|((.., is_plate), plane)| (plane, is_plate))
 }
 
 fn behind_planes(spec: &GranularScene, tree: &SphereTree, largest_ratio: f64, worst: &mut Worst) {
-    for plane in tightest_planes(spec) {
-        for particle in tree.particles.iter().filter(|particle| !particle.is_held) {
+    for (plane, is_plate) in tightest_planes(spec) {
+        let feels = |particle: &&Particle| is_plate || !particle.is_held;
+        for particle in tree.particles.iter().filter(feels) {
             let height = particle.centre[plane.axis.index()] - plane.position_m;
             let overlap = particle.radius - height * f64::from(plane.facing);
             let ratio = overlap / particle.radius;
@@ -322,13 +326,14 @@ fn in_facets(
         return ControlFlow::Continue(());
     }
     for mesh in &spec.facets {
+        let is_plate = spec.mass_of_wall(&mesh.name).is_some();
         let triangles = mesh.triangles().unwrap_or_default();
         let mut looks = Looks::for_each_of(triangles.len() + tree.particles.len());
         for (number, triangle) in triangles.iter().enumerate() {
             let searched = tree.visit(None, reaches(triangle), |place| {
                 looks.take()?;
                 let particle = &tree.particles[place];
-                if particle.is_held {
+                if particle.is_held && !is_plate {
                     return ControlFlow::Continue(());
                 }
                 let closest = closest_point(triangle, &particle.centre).position;

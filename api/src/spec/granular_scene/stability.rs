@@ -22,9 +22,11 @@ pub fn series_stiffness(first: f64, second: f64) -> f64 {
 }
 
 /// Critical step with a dashpot of damping ratio β, over that without:
-/// √(1 + β²) − β, since the velocity that damps is that of half a step ago.
+/// √(1 + 4β²) − 2β, since the velocity that damps is carried on to the middle of the step, with weights
+/// 3/2 and −1/2, from those of half a step and one and a half ago.
 pub fn step_with_dashpot(damping_ratio: f64) -> f64 {
-    (1.0 + damping_ratio * damping_ratio).sqrt() - damping_ratio
+    let twice = 2.0 * damping_ratio;
+    (1.0 + twice * twice).sqrt() - twice
 }
 
 /// r²/I over 1/m for a sphere: I = 2/5 m r².
@@ -85,10 +87,13 @@ impl GranularScene {
     /// may come to pass between `bodies`: each sphere against the planes, the stiffest and the
     /// lightest other. Rigid clumps are left out: their mass is not known here. `None` when nothing
     /// can touch. Under Hertz's law the bodies meet at `speed` [m/s]; linear springs do not ask.
+    /// `plates` are 1/m of the walls [1/kg], planes before meshes, where forces move them; walls that are
+    /// left out stand.
     pub fn critical_step_of_one_contact(
         &self,
         bodies: &[Body],
         speed: f64,
+        plates: &[f64],
     ) -> Option<CriticalStep> {
         let mut spheres: Vec<Partner<'_>> = Vec::new();
         let mut number = 0;
@@ -126,13 +131,13 @@ impl GranularScene {
                 }
             }
         }
-        let walls = self.distinct_walls();
-        for sphere in smallest_of_each_material(&spheres) {
-            for (material, radius_ratio) in &walls {
+        let walls = self.distinct_walls(plates);
+        for sphere in extremes_of_each_material(&spheres) {
+            for (material, radius_ratio, inverse_mass) in &walls {
                 let wall = Partner {
                     material,
                     curvature: 0.0,
-                    inverse_mass: 0.0,
+                    inverse_mass: *inverse_mass,
                     radius: radius_ratio * sphere.radius,
                     ..*sphere
                 };
@@ -142,15 +147,20 @@ impl GranularScene {
         smallest
     }
 
-    /// Materials of walls, each once for every ratio of radii.
-    fn distinct_walls(&self) -> Vec<(&Material, f64)> {
+    /// Materials of walls, ratios of radii, and 1/m [1/kg], each once; `plates` as above.
+    fn distinct_walls(&self, plates: &[f64]) -> Vec<(&Material, f64, f64)> {
         let planes = self.planes.iter().map(|plane| (&plane.material, 1.0));
         let ratio = self.laws.facet_radius_ratio();
         let facets = self.facets.iter().map(|mesh| (&mesh.material, ratio));
+        let inverse_masses = plates.iter().copied().chain(std::iter::repeat(0.0));
+        let walls = planes.chain(facets).zip(inverse_masses);
         let mut seen = BTreeSet::new();
-        let walls = planes.chain(facets);
-        let walls = walls.filter(|(name, ratio)| seen.insert((*name, ratio.to_bits())));
-        let walls = walls.filter_map(|(name, ratio)| Some((self.materials.get(name)?, ratio)));
+        let walls = walls.filter(|((name, ratio), inverse_mass)| {
+            seen.insert((*name, ratio.to_bits(), inverse_mass.to_bits()))
+        });
+        let walls = walls.filter_map(|((name, ratio), inverse_mass)| {
+            Some((self.materials.get(name)?, ratio, inverse_mass))
+        });
         walls.collect()
     }
 
@@ -210,19 +220,32 @@ impl GranularScene {
 }
 
 /// Of the spheres of a material that move, the first of the smallest, which a wall shakes fastest:
-/// k ∝ r under every law and m ∝ r³, so that ω ∝ 1/r.
-fn smallest_of_each_material<'p, 'a>(spheres: &'p [Partner<'a>]) -> Vec<&'p Partner<'a>> {
+/// k ∝ r under every law and m ∝ r³, so that ω ∝ 1/r. A plate that moves is shaken most by the largest,
+/// for k ∝ r: that of the spheres that move and of those that are held, which are as stiff.
+fn extremes_of_each_material<'p, 'a>(spheres: &'p [Partner<'a>]) -> Vec<&'p Partner<'a>> {
     let mut smallest: BTreeMap<*const Material, &Partner<'a>> = BTreeMap::new();
-    for sphere in spheres.iter().filter(|sphere| sphere.inverse_mass > 0.0) {
+    let mut largest: BTreeMap<(*const Material, bool), &Partner<'a>> = BTreeMap::new();
+    for sphere in spheres {
+        let moves = sphere.inverse_mass > 0.0;
+        let known = largest.entry((sphere.material, moves)).or_insert(sphere);
+        if sphere.radius > known.radius {
+            *known = sphere;
+        }
+        if !moves {
+            continue;
+        }
         let known = smallest.entry(sphere.material).or_insert(sphere);
         if sphere.radius < known.radius {
             *known = sphere;
         }
     }
-    let mut smallest: Vec<_> = smallest.into_values().collect();
+    let mut extremes: Vec<_> = smallest
+        .into_values()
+        .chain(largest.into_values())
+        .collect();
     // addresses say nothing, numbers do
-    smallest.sort_by_key(|sphere| sphere.body);
-    smallest
+    extremes.sort_by_key(|sphere| sphere.body);
+    extremes
 }
 
 /// K_N and K_T [N/m].

@@ -69,7 +69,8 @@ pub struct LoadPlane {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Settle {
-    /// At rest: the mean resultant force on a body over the mean contact force is below this.
+    /// At rest: the mean resultant force on a body over the mean contact force is below this, and for every
+    /// plate the resultant, and the force that would stop it, over its load.
     #[serde(default = "unbalanced")]
     #[schemars(range(min = 1e-12, max = 1.0), extend("x-unit" = "1"))]
     pub unbalanced_force_ratio: f64,
@@ -93,7 +94,8 @@ impl LoadPlane {
     }
 }
 
-/// How long bodies move: `steps` or `time_s`, exactly one of the two.
+/// How long bodies move: `steps` or `time_s`, exactly one of the two. A stage ends at its time: the last
+/// step is as short as that needs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Run {

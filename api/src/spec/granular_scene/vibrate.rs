@@ -6,7 +6,8 @@ use super::Axis;
 
 /// Shakes the scene as if everything in it, walls too, stood on a vibrating table: gravity and the
 /// sine acceleration A sin 2πft, along one axis at a time, for `steps` or for `time_s`, exactly one
-/// of the two. Planes stay where they are.
+/// of the two. Places are told as seen from the table: walls stay where they are, but for plates that were
+/// set down with a mass, which are shaken along the axis that they are free to follow.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Vibrate {

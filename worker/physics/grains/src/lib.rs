@@ -43,7 +43,8 @@
 //! in [`contact::chosen`]; behind [`Lists`](contact::lists::Lists) nothing else knows of it. A scene
 //! without cohesion has no bonds, one without restitution no dashpots, a frictionless one has
 //! contacts without memory and particles without spin. Bodies without a degree of freedom have
-//! no contacts among themselves, scenes without clumps or planes have empty lists of them.
+//! contacts only with what follows its force or tells it, a plate for one; scenes without clumps or
+//! planes have empty lists of them.
 //!
 //! **To add.** A law is a file with an `impl Law` and an `impl Lanewise`, and a line in
 //! [`contact::chosen`]. A shape of wall is a list beside those of planes and facets, a stage a variant

@@ -50,14 +50,16 @@ pub enum SimulationError {
     },
     /// A given time step is beyond the critical one.
     #[error(
-        "the time step {given_s:e} s is beyond the critical step {critical_s:e} s that the contacts \
-         of body {body}, the stiffest with {partner}, allow: choose a smaller one or \"auto\""
+        "after step {step} the time step {given_s:e} s is beyond the critical step {critical_s:e} s \
+         that the contacts of {body}, the stiffest with {partner}, allow as they are pressed now: \
+         choose a smaller one, {better:e} s or \"auto\"", better = 0.2 * critical_s
     )]
     Unstable {
         given_s: f64,
         critical_s: f64,
-        body: usize,
-        partner: usize,
+        step: u64,
+        body: String,
+        partner: String,
     },
     /// A body would jump over what it should touch.
     #[error(
@@ -68,6 +70,16 @@ pub enum SimulationError {
         body: usize,
         step: u64,
         speed_m_per_s: f64,
+        largest_step_s: f64,
+    },
+    /// A wall would jump over what it should touch.
+    #[error(
+        "wall {wall:?} moves more than a tenth of the smallest radius in the time step after step \
+         {step}: choose a time step of at most {largest_step_s:e} s or \"auto\""
+    )]
+    WallTooFast {
+        wall: String,
+        step: u64,
         largest_step_s: f64,
     },
     /// A plane is too soft for what presses on it.

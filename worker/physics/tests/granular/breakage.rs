@@ -137,7 +137,7 @@ fn grains_that_are_poured_are_bonded_when_they_come() {
     let rows = record.table("fragments.csv");
     let poured = rows
         .iter()
-        .rfind(|row| row[2] == 0.0)
+        .rfind(|row| row[2] == 1.0)
         .expect("the end of the first stage");
     assert_eq!(poured[3], 11.0);
     let last = &rows[rows.len() - 1];

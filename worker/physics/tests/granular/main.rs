@@ -16,11 +16,14 @@ mod facets;
 mod flow;
 mod friction;
 mod impacts;
+mod judgement;
 mod laws;
+mod moving_walls;
 mod observables;
 mod peers;
 mod placing;
 mod refusals;
+mod restitution;
 mod rotation;
 mod shear_dashpot;
 mod specimens;
@@ -50,6 +53,19 @@ fn job(spec: &Value) -> JobSpec {
     submission(spec).unwrap_or_else(|violations| panic!("{violations:#?}"))
 }
 
+/// Pointer and code of each violation.
+fn codes(spec: &Value) -> Vec<(String, String)> {
+    let violations = submission(spec).expect_err("this must be refused");
+    let codes = violations.into_iter();
+    codes
+        .map(|violation| (violation.pointer, violation.code))
+        .collect()
+}
+
+fn one(pointer: &str, code: &str) -> Vec<(String, String)> {
+    vec![(pointer.to_owned(), code.to_owned())]
+}
+
 /// Runs a scene to its end on `threads`.
 fn run_on(spec: &Value, threads: usize) -> (Report, Record) {
     let mut record = Record::default();
@@ -59,7 +75,7 @@ fn run_on(spec: &Value, threads: usize) -> (Report, Record) {
     }
 }
 
-fn run(spec: &Value) -> (Report, Record) {
+pub(crate) fn run(spec: &Value) -> (Report, Record) {
     run_on(spec, 1)
 }
 

@@ -43,7 +43,7 @@ fn an_overlap_shrinks_as_the_modulus_grows_and_the_force_stays() {
         .column("stage")
         .into_iter()
         .zip(record.column("step"));
-    let first = stages.rev().find(|(stage, _)| *stage < 0.5);
+    let first = stages.rev().find(|(stage, _)| *stage < 1.5);
     let (_, first) = first.expect("rows of the first stage");
     let (first, _) = contact(&record, first as u64, [0, 1]).expect("it rests on the floor");
     assert_close(first / overlap, 100.0, 1e-3);

@@ -2,7 +2,7 @@
 use loadframe_physics::SimulationError;
 use serde_json::{Value, json};
 
-use super::{body, failure, run, sphere, submission};
+use super::{body, codes, failure, one, run, sphere, submission};
 
 fn scene(bodies: &[Value]) -> Value {
     json!({
@@ -13,18 +13,6 @@ fn scene(bodies: &[Value]) -> Value {
         "laws": {"local_damping": 0.3},
         "stages": [{"run": {"steps": 1000}}]
     })
-}
-
-fn codes(spec: &Value) -> Vec<(String, String)> {
-    let violations = submission(spec).expect_err("this must be refused");
-    violations
-        .into_iter()
-        .map(|violation| (violation.pointer, violation.code))
-        .collect()
-}
-
-fn one(pointer: &str, code: &str) -> Vec<(String, String)> {
-    vec![(pointer.to_owned(), code.to_owned())]
 }
 
 #[test]

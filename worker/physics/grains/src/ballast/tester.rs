@@ -76,7 +76,8 @@ impl<'a> Tester<'a> {
             / self.boxes.last().copied().unwrap_or(f64::NAN);
         Row {
             time: values[places.time],
-            stage: values[places.stage] as usize,
+            // people count from 1
+            stage: (values[places.stage] as usize).saturating_sub(1),
             height,
             force: values[places.force] - self.heard.script.weight,
             coordination: values[places.coordination],

@@ -52,7 +52,7 @@ fn heard<'a>(script: &'a Script, recorder: &'a mut Unrecorded) -> Tester<'a> {
         let displacement = 0.2 - way - script.wall_height;
         let row = [
             time,
-            stage as f64,
+            (stage + 1) as f64,
             displacement,
             force,
             4.0,

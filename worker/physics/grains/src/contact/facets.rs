@@ -13,12 +13,12 @@
 //! soon as all spheres in it were looked at.
 //!
 //! Source: of (G.20) Yade's `Ig2_Facet_Sphere_ScGeom`.
-use loadframe_api::surface::{Point, along, dot};
+use loadframe_api::surface::{Point, along, dot, minus};
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Deepest, Scenery, Slip, Touch,
+    Deepest, Passage, Scenery, Slip, Touch,
     blocks::{Before, Block, Blocks, Ends},
     law::{Law, Past},
     stiffness::Springs,
@@ -76,6 +76,12 @@ impl Ends for Visits {
     }
 }
 
+/// Centres farther from a facet than this part of their radius are not asked whether they went through it:
+/// in a step nothing moves by more than a tenth.
+const NEAR_PASSING: f64 = 0.25;
+/// |n·n_facet| of a centre that is before the face of a triangle, and not beside its edge.
+const ON_FACE: f64 = 0.999;
+
 /// A facet near a sphere, what they are made of, and what they remember.
 pub(crate) type FacetCandidate = (u32, Springs, Option<Past>);
 
@@ -89,6 +95,7 @@ pub(super) struct Sides<'a> {
     /// On each mesh [N]; the fourth number is the power of its turning [W].
     pub(super) on_meshes: &'a mut [[f64; 4]],
     pub(super) deepest: &'a mut Deepest,
+    pub(super) passed: &'a mut Vec<Passage>,
 }
 
 /// The facets of a block that are touched, as the law wants them.
@@ -165,7 +172,7 @@ impl<F: Law> FacetList<F> {
             return;
         }
         let (particles, facets) = (block.ends.particles, block.ends.facets);
-        let touched = scenery.touched(&particles, &self.reached[..end]);
+        let touched = scenery.touched(&particles, &self.reached[..end], sides.passed);
         *touching = block.advance(
             simd,
             scenery,
@@ -239,8 +246,13 @@ fn hand_over<F: Law>(near: &[Near], blocks: &mut [FacetBlock<F>], touching: &mut
 }
 
 impl Scenery<'_> {
-    /// What a block's particles touch.
-    fn touched(&self, particles: &[u32; LANES], reached: &[Near]) -> Touched {
+    /// What a block's particles touch, and which of them went through it in the last step.
+    fn touched(
+        &self,
+        particles: &[u32; LANES],
+        reached: &[Near],
+        passed: &mut Vec<Passage>,
+    ) -> Touched {
         let mut touched = Touched::default();
         for near in reached {
             let lane = near.slot as usize % LANES;
@@ -259,12 +271,38 @@ impl Scenery<'_> {
             } else {
                 pose.motion.velocity
             };
+            if near.distance < NEAR_PASSING * radius
+                && self.has_passed(particles[lane], near, &velocity)
+            {
+                let mesh = self.facets.facets[near.facet as usize].mesh;
+                let wall = self.faces.len() as u32 + mesh;
+                passed.push(Passage {
+                    particle: particles[lane],
+                    wall,
+                });
+            }
             for (axis, velocity) in velocity.into_iter().enumerate() {
                 touched.normal[axis][lane] = near.normal[axis];
                 touched.velocity[axis][lane] = velocity;
             }
         }
         touched
+    }
+}
+
+impl Scenery<'_> {
+    /// Whether a sphere's centre went through the face of a facet in the last step; the wall has this
+    /// velocity there [m/s]. A centre that goes by outside an edge has its normal along the triangle.
+    #[cold]
+    fn has_passed(&self, particle: u32, near: &Near, wall: &Point) -> bool {
+        let facet = &self.facets.facets[near.facet as usize];
+        let upward = self.poses[facet.mesh as usize].direction(&facet.normal);
+        let facing = -dot(&near.normal, &upward);
+        let [x, y, z, _] = self.kinematics.velocities[particle as usize].0;
+        let parting = dot(&minus(&[x, y, z], wall), &upward);
+        let height = facing * near.distance;
+        let before = height - self.kinematics.last_step * parting;
+        facing.abs() > ON_FACE && height * before < 0.0
     }
 }
 

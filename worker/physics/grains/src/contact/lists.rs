@@ -9,7 +9,7 @@ use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Deepest, Scenery,
+    Deepest, Passage, Scenery,
     facets::{FacetCandidate, FacetList, Sides},
     law::{Law, Past},
     pairs::PairList,
@@ -32,6 +32,8 @@ pub(crate) struct Acting<'a> {
     pub(crate) on_walls: &'a mut [[f64; 4]],
     /// Of all its contacts.
     pub(crate) deepest: &'a mut Deepest,
+    /// What went through walls.
+    pub(crate) passed: &'a mut Vec<Passage>,
 }
 
 /// Candidates for contact of a patch's particles, and what they remember.
@@ -202,19 +204,22 @@ impl<F: Law> WithSimd for Push<'_, F> {
             halo,
             on_walls,
             deepest,
+            passed,
         } = acting;
         (lists.inner).push_inner(simd, kinematics, first, wrenches, deepest);
         (lists.outer).push_outer(simd, kinematics, first, wrenches, halo, deepest);
         let (on_planes, on_meshes) = on_walls.split_at_mut(scenery.faces.len());
         let planes = lists.walls.iter_mut().zip(scenery.faces).zip(on_planes);
-        for ((list, face), on_plane) in planes {
+        for (wall, ((list, face), on_plane)) in (0..).zip(planes) {
             *on_plane = list.push(simd, face, kinematics, first, wrenches, deepest);
+            list.see_passages(face, kinematics, wall, deepest, passed);
         }
         let sides = Sides {
             first,
             wrenches,
             on_meshes,
             deepest,
+            passed,
         };
         (lists.facets).push(simd, scenery, sides);
     }

@@ -127,6 +127,14 @@ pub(crate) struct Push<S: Simd> {
     pub(crate) acts: S::m64s,
 }
 
+/// A particle whose centre went through a wall in the last step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Passage {
+    pub(crate) particle: u32,
+    /// Planes before meshes.
+    pub(crate) wall: u32,
+}
+
 /// Largest compression over the smaller radius that contacts had, step by step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Deepest {

@@ -11,7 +11,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Deepest, Kinematics, Slip, Touch,
+    Deepest, Kinematics, Passage, Slip, Touch,
     blocks::{Before, Block, Blocks, Ends},
     law::Law,
 };
@@ -86,6 +86,34 @@ impl<F: Law> WallList<F> {
             );
         }
         on_plane
+    }
+
+    /// Adds the particles whose centres went behind the plane in the last step; `wall` is its number. Only
+    /// where a contact of the patch was ever as deep is there anything to look for.
+    pub(super) fn see_passages(
+        &self,
+        face: &Face,
+        kinematics: Kinematics<'_>,
+        wall: u32,
+        deepest: &Deepest,
+        passed: &mut Vec<Passage>,
+    ) {
+        if deepest.ratio < 1.0 {
+            return;
+        }
+        let blocks = self.list.blocks.iter().zip(&self.list.touching);
+        for (block, bits) in blocks {
+            for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+                let particle = block.ends.0[lane];
+                let height = face.height(&kinematics.centres[particle as usize].0);
+                let velocity = kinematics.velocities[particle as usize].0[face.axis];
+                let parting = (velocity - face.motion.velocity[face.axis]) * face.facing;
+                let before = height - kinematics.last_step * parting;
+                if height < 0.0 && before >= 0.0 {
+                    passed.push(Passage { particle, wall });
+                }
+            }
+        }
     }
 }
 

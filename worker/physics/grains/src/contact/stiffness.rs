@@ -90,13 +90,14 @@ impl Surface {
 }
 
 impl Side {
-    /// A wall of this surface, where this sphere touches it.
-    pub(crate) fn wall(&self, surface: Surface) -> Self {
+    /// A wall of this surface, where this sphere touches it; 1/m [1/kg] is 0 for one that no force
+    /// moves.
+    pub(crate) fn wall(&self, surface: Surface, inverse_mass: f64) -> Self {
         Self {
             surface,
             radius: self.radius,
             is_flat: true,
-            inverse_mass: 0.0,
+            inverse_mass,
         }
     }
 

@@ -63,8 +63,12 @@ impl Clump {
 
     /// Arm² over inertia of a contact of a member, at most [1/kg].
     pub(crate) fn turning(&self, member: &Row) -> f64 {
-        let arm = (member.vector() - self.centre).norm() + member.0[3];
-        arm.powi(2) / self.inertia.min()
+        self.turning_by(&(member.vector() - self.centre), member.0[3])
+    }
+
+    /// The same of a member at this offset with this radius [m].
+    pub(crate) fn turning_by(&self, offset: &Vector, radius: f64) -> f64 {
+        (offset.norm() + radius).powi(2) / self.inertia.min()
     }
 
     /// Inertia in the global frame [kg m²].

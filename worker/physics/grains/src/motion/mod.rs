@@ -37,10 +37,10 @@ impl Wrenches {
 }
 
 /// The largest stable step [s] of a body whose ω² [1/s²] and damping over mass D [1/s] are these: the
-/// root of ω² Δt² + 2 D Δt = 4 (G.19).
+/// root of ω² Δt² + 4 D Δt = 4 (G.19).
 pub(crate) fn critical_step(square: f64, damped: f64) -> f64 {
     if damped > 0.0 {
-        4.0 / (damped + (damped * damped + 4.0 * square).sqrt())
+        2.0 / (damped + (damped * damped + square).sqrt())
     } else {
         2.0 / square.sqrt()
     }

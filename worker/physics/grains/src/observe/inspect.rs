@@ -63,26 +63,14 @@ impl Engine {
         speeds.fold(0.0, f64::max)
     }
 
-    /// Largest speed of a plane [m/s].
-    pub(crate) fn fastest_plane(&self) -> f64 {
-        let faces = self.state.faces.iter();
-        faces.fold(0.0, |most: f64, face| most.max(face.motion.speed()))
-    }
-
-    /// Largest speed of any point of a mesh [m/s].
-    pub(crate) fn fastest_mesh(&self) -> f64 {
-        let meshes = self.state.poses.iter().zip(&self.model.facets.meshes);
-        meshes.fold(0.0, |most: f64, (pose, mesh)| most.max(pose.speed(mesh)))
-    }
-
-    /// A movable body that moves more than `part` of its radius in a step: its number, speed
+    /// A body that moves more than `part` of its radius in a step: its number, speed
     /// [m/s] and radius [m].
     pub(crate) fn first_jump(&self, time_step: f64, part: f64) -> Option<(usize, f64, f64)> {
         let particles = &self.state.particles;
         for (particle, velocity) in particles.velocities.iter().enumerate() {
             let body = particles.owners[particle] as usize;
             let (speed, radius) = (velocity.vector().norm(), particles.centres[particle].0[3]);
-            if speed * time_step > part * radius && self.model.is_movable[body] {
+            if speed * time_step > part * radius {
                 return Some((body, speed, radius));
             }
         }
@@ -125,7 +113,8 @@ impl Engine {
         faces.position(|face| face.height(&centre.0) < 0.0)
     }
 
-    /// Movable bodies behind a plane, or farther from the box of the scene than its diagonal.
+    /// Movable bodies behind a plane, or farther from the box of the scene than its diagonal. A plane has no
+    /// end: what gravity keeps on one may roll along it as far as it likes.
     pub(crate) fn escaped_bodies(&self) -> Vec<u32> {
         let particles = &self.state.particles;
         let (low, high) = self.box_of_walls();
@@ -134,7 +123,13 @@ impl Engine {
         for (centre, body) in particles.centres.iter().zip(&particles.owners) {
             let place = centre.vector();
             let is_behind = self.plane_before(centre).is_some();
-            let is_far = (0..3).any(|axis| {
+            let mut faces = self.state.faces.iter();
+            let ground = faces.find(|face| {
+                let down = self.model.gravity[face.axis] * face.facing;
+                down < 0.0 && face.height(&centre.0) >= 0.0
+            });
+            let axes = ground.map_or(0..3, |face| face.axis..face.axis + 1);
+            let is_far = axes.into_iter().any(|axis| {
                 place[axis] < low[axis] - margin[axis] || place[axis] > high[axis] + margin[axis]
             });
             if (is_behind || is_far) && self.model.is_movable[*body as usize] {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     contact::Contact,
-    time_step::{Critical, PatchRows},
+    time_step::{Critical, PatchRows, Plates},
 };
 use crate::{
     numbers::Vector,
@@ -37,8 +37,10 @@ pub(crate) struct BodySums {
     pub(crate) bodies: u64,
     /// Of half-step velocities [J].
     pub(crate) kinetic: f64,
-    /// −m g·x [J].
+    /// −m g·x from the middle of the scene at the start [J].
     pub(crate) gravitational: f64,
+    /// What rounding a position may change in that [J].
+    pub(crate) rounding: f64,
     /// Of the sizes of resultant forces in the last step, along what is free [N].
     pub(crate) resultant: f64,
 }
@@ -49,6 +51,7 @@ pub(crate) struct Survey {
     pub(crate) sums: Sums,
     /// `None` when no contact moves anything.
     pub(crate) critical: Option<Critical>,
+    pub(crate) plates: Plates,
     /// In the order of patches, if they were asked for.
     pub(crate) contacts: Vec<Contact>,
 }
@@ -59,6 +62,10 @@ pub(crate) struct Reading {
     pub(crate) kinetic: f64,
     pub(crate) elastic: f64,
     pub(crate) gravitational: f64,
+    /// What rounding the positions once may change in that [J].
+    pub(crate) rounding: f64,
+    /// That move.
+    pub(crate) bodies: u64,
     pub(crate) contacts: u64,
     /// Intact bonds.
     pub(crate) bonds: u64,
@@ -100,6 +107,7 @@ impl BodySums {
         self.bodies += part.bodies;
         self.kinetic += part.kinetic;
         self.gravitational += part.gravitational;
+        self.rounding += part.rounding;
         self.resultant += part.resultant;
     }
 }
@@ -110,7 +118,7 @@ impl Engine {
         let work = self.state.patches.iter().zip(&self.contact_lists);
         let seen = self.team.map(work.collect(), |(patch, lists)| {
             let mut sums = Sums::default();
-            let mut rows = PatchRows::new(patch);
+            let mut rows = PatchRows::new(patch, self.wall_count());
             let mut contacts = Vec::new();
             lists.see(&mut |touching| {
                 let Some(contact) = self.contact(&touching) else {
@@ -132,9 +140,11 @@ impl Engine {
             rows.push(of_patch);
             contacts.extend(some);
         }
+        let plates = self.plates_with(&rows);
         Survey {
             sums,
-            critical: self.critical_step(rows),
+            critical: self.critical_step(rows, &plates),
+            plates,
             contacts,
         }
     }
@@ -162,7 +172,8 @@ impl Engine {
             sums.join(&BodySums {
                 bodies: 1,
                 kinetic: 0.5 * motion,
-                gravitational: -mass * model.gravity.dot(centre),
+                gravitational: -mass * model.gravity.dot(&(centre - model.middle)),
+                rounding: mass * f64::EPSILON * model.gravity.component_mul(centre).abs().sum(),
                 resultant: force.norm(),
             });
         };
@@ -216,6 +227,8 @@ impl Engine {
             kinetic: 0.5 * (before.kinetic + after.kinetic),
             elastic: sums.elastic,
             gravitational: before.gravitational,
+            rounding: before.rounding,
+            bodies: after.bodies,
             contacts: sums.contacts,
             bonds: sums.bonds,
             unbalanced: (after.bodies > 0 && mean_force > 0.0)

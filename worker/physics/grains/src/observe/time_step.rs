@@ -9,9 +9,21 @@
 //! where m' is the mass of the other body and the terms with it are left out when that body cannot
 //! move; a single contact with a wall then gives 2√(m/K), and a pair of equal spheres √(2m/K),
 //! which is exact. T takes the diagonal alone (3.36-3.39), Yade too, which is up to √2 less safe.
-//! Stiffnesses are tangents at the present overlap. With dashpots, whose damping matrix over the
-//! masses has the bound D, built from them as ω² is from the springs, the step must satisfy
-//! ω² Δt² + 2 D Δt < 4 (G.19), since the velocities that damp are those of half a step ago.
+//! Stiffnesses are tangents at the present overlap.
+//!
+//! A plate, a wall of mass m_p that forces move, touches many bodies at once. With (x − y)² ≤
+//! (1 + t) x² + (1 + 1/t) y² for any t > 0, its bodies move as against a wall that stands and is 1 + t
+//! times as stiff, and it as against bodies that stand; the best t gives
+//!
+//!   ω² ≤ ω_b² + ω_p², ω_p² = Σ_c (k_N n_i² + k_T (1 − n_i²))/m_p (G.26)
+//!
+//! with ω_b² that of (G.10), (G.11) beside a wall that stands, and the largest ω_p² of all plates
+//! along an axis that they follow. With one body it is exact.
+//!
+//! With dashpots, whose damping matrix over the masses has the bound D, built from them as ω² is from
+//! the springs, the step must satisfy ω² Δt² + 4 D Δt < 4 (G.19), since the velocity that damps is
+//! carried on from those of half a step and of one and a half ago (see
+//! [`viscous`](crate::contact::law)).
 use loadframe_api::spec::granular_scene::{Body, GranularScene};
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +40,7 @@ use crate::{
 pub(crate) struct Critical {
     /// [s].
     pub(crate) step: f64,
-    /// Body whose frequency is the highest.
+    /// Body whose frequency is the highest; walls are numbered after the bodies.
     pub(crate) body: u32,
     /// Its stiffest contact.
     pub(crate) partner: u32,
@@ -53,6 +65,15 @@ pub(crate) struct PatchRows {
     own: Vec<Rows>,
     /// Of particles of later patches that it acts on.
     others: Vec<Rows>,
+    /// Of walls.
+    walls: Vec<Rows>,
+}
+
+/// Plates with what touches them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Plates {
+    /// Of each wall: 1/m times its rows along the axes that it follows; nothing for one that stands.
+    rows: Vec<Rows>,
 }
 
 impl Rows {
@@ -85,21 +106,26 @@ impl Rows {
         }
     }
 
-    /// The critical step of a body [s] whose rows, over its mass, these are; `None` for one that
-    /// nothing holds.
-    fn critical_step(&self) -> Option<f64> {
+    /// ω² [1/s²] and D [1/s] of a body whose rows, over its mass, these are.
+    fn bounds(&self) -> [f64; 2] {
         let most = |rows: &[f64]| rows.iter().copied().fold(0.0, f64::max);
         let square = most(&self.along).max(most(&self.about));
-        let damped = most(self.damped.as_flattened());
-        (square > 0.0).then(|| critical_step(square, damped))
+        [square, most(self.damped.as_flattened())]
+    }
+
+    /// The critical step of a body [s] beside plates of these bounds; `None` for one that nothing holds.
+    fn critical_step(&self, [plate_square, plate_damped]: [f64; 2]) -> Option<f64> {
+        let [square, damped] = self.bounds();
+        (square > 0.0).then(|| critical_step(square + plate_square, damped + plate_damped))
     }
 }
 
 impl PatchRows {
-    pub(crate) fn new(patch: &Patch) -> Self {
+    pub(crate) fn new(patch: &Patch, walls: usize) -> Self {
         Self {
             own: vec![Rows::default(); patch.particles.len()],
             others: vec![Rows::default(); patch.others.len()],
+            walls: vec![Rows::default(); walls],
         }
     }
 
@@ -107,6 +133,9 @@ impl PatchRows {
     pub(crate) fn add(&mut self, contact: &Contact, patch: &Patch, model: &Model) {
         let [a, b] = contact.bodies;
         let (particle, other) = contact.particles;
+        if let Some(wall) = (b as usize).checked_sub(model.masses.len()) {
+            self.walls[wall].add(contact, 1.0, a);
+        }
         for (body, partner, particle) in [(a, b, Some(particle)), (b, a, other)] {
             let Some(particle) = particle.filter(|_| model.can_move(body)) else {
                 continue;
@@ -128,10 +157,47 @@ impl PatchRows {
     }
 }
 
+impl Plates {
+    /// ω_p² [1/s²] of a wall along the axes that it follows.
+    pub(crate) fn square(&self, wall: usize) -> f64 {
+        self.rows[wall].bounds()[0]
+    }
+
+    /// The wall of the largest ω_p², and its bounds.
+    fn worst(&self) -> (usize, [f64; 2]) {
+        let bounds = self.rows.iter().map(Rows::bounds).enumerate();
+        bounds.fold((0, [0.0; 2]), |(wall, most), (other, bounds)| {
+            let worst = if bounds[0] > most[0] { other } else { wall };
+            (worst, [0, 1].map(|of: usize| most[of].max(bounds[of])))
+        })
+    }
+}
+
 impl Engine {
+    /// What the rows of all patches make of the plates.
+    pub(crate) fn plates_with(&self, rows: &[PatchRows]) -> Plates {
+        let walls = (0..self.wall_count()).map(|wall| {
+            let mut own = Rows::default();
+            let Some(load) = self.motion_of(wall).load else {
+                return own;
+            };
+            for patch in rows {
+                own.join(&patch.walls[wall], 1.0 / load.mass, 0.0);
+            }
+            for axis in (0..3).filter(|axis| !load.free[*axis]) {
+                (own.along[axis], own.damped[0][axis]) = (0.0, 0.0);
+            }
+            own
+        });
+        Plates {
+            rows: walls.collect(),
+        }
+    }
+
     /// The critical step of the contacts that these are the rows of; `None` when none of them moves
     /// anything.
-    pub(crate) fn critical_step(&self, rows: Vec<PatchRows>) -> Option<Critical> {
+    pub(crate) fn critical_step(&self, rows: Vec<PatchRows>, plates: &Plates) -> Option<Critical> {
+        let (wall, plate) = plates.worst();
         let rows = rows.into_iter().map(|rows| (rows.own, rows.others));
         let (own, others): (Vec<_>, Vec<_>) = rows.unzip();
         let work = self.state.patches.iter().zip(own);
@@ -142,13 +208,25 @@ impl Engine {
                     own[*particle as usize].join(row, 1.0, 1.0);
                 }
             }
-            self.critical_steps(patch, &own)
+            self.critical_steps(patch, &own, plate)
         });
         let found = || found.iter().flatten();
         let order = |a: &&Critical, b: &&Critical| {
             (a.step.total_cmp(&b.step)).then_with(|| a.body.cmp(&b.body))
         };
-        let critical = found().min_by(order)?;
+        let of_plate = || {
+            let [square, damped] = plate;
+            let body = (self.model.masses.len() + wall) as u32;
+            (square > 0.0).then(|| Critical {
+                step: critical_step(square, damped),
+                body,
+                partner: plates.rows[wall].stiffest.1,
+                median: None,
+            })
+        };
+        let Some(critical) = found().min_by(order) else {
+            return of_plate();
+        };
         let mut steps: Vec<f64> = found().map(|body| body.step).collect();
         let middle = steps.len() / 2;
         Some(Critical {
@@ -158,13 +236,14 @@ impl Engine {
     }
 
     /// Of each body of a patch that moves and touches something, given the rows of its particles.
-    fn critical_steps(&self, patch: &Patch, rows: &[Rows]) -> Vec<Critical> {
+    /// `plate` are the bounds of the worst plate.
+    fn critical_steps(&self, patch: &Patch, rows: &[Rows], plate: [f64; 2]) -> Vec<Critical> {
         let (model, particles) = (&self.model, &self.state.particles);
         let first = patch.particles.start;
         let clumps = &self.state.clumps[patch.clumps.clone()];
         let mut found = Vec::with_capacity(rows.len());
         let mut add = |body: u32, row: &Rows| {
-            found.extend(row.critical_step().map(|step| Critical {
+            found.extend(row.critical_step(plate).map(|step| Critical {
                 step,
                 body,
                 partner: row.stiffest.1,
@@ -196,10 +275,18 @@ impl Engine {
         found
     }
 
-    /// Smallest critical step of any one contact that may come at this speed [s].
-    pub(crate) fn foreseen(&self, spec: &GranularScene, bodies: &[Body], speed: f64) -> f64 {
-        let of_spheres = spec.critical_step_of_one_contact(bodies, speed);
-        let of_clumps = self.critical_step_of_clumps(speed);
+    /// Smallest critical step of any one contact that may come at this speed [s]; `plates` as of
+    /// [`GranularScene::critical_step_of_one_contact`].
+    pub(crate) fn foreseen(
+        &self,
+        spec: &GranularScene,
+        bodies: &[Body],
+        speed: f64,
+        plates: &[f64],
+    ) -> f64 {
+        let of_spheres = spec.critical_step_of_one_contact(bodies, speed, plates);
+        let plate = plates.iter().copied().fold(0.0, f64::max);
+        let of_clumps = self.critical_step_of_clumps(speed, plate);
         of_spheres
             .map(|critical| critical.step)
             .into_iter()
@@ -208,8 +295,8 @@ impl Engine {
     }
 
     /// The critical step of any one contact of a clump's member with its like, at this `speed`
-    /// [m/s]; `None` without clumps that move.
-    fn critical_step_of_clumps(&self, speed: f64) -> Option<f64> {
+    /// [m/s], beside a plate of this 1/m [1/kg]; `None` without clumps that move.
+    fn critical_step_of_clumps(&self, speed: f64, plate: f64) -> Option<f64> {
         let all = [
             (&self.state.particles, &self.state.clumps),
             (&self.reserve.particles, &self.reserve.clumps),
@@ -219,7 +306,9 @@ impl Engine {
             .flat_map(|(particles, clumps)| clumps.iter().map(move |clump| (particles, clump)))
             .filter(|(_, clump)| self.model.is_movable[clump.body as usize]);
         let steps = clumps.flat_map(|(particles, clump)| {
-            clump.members().map(move |member| {
+            // by offsets, whose bits no turn changes: a run that is resumed finds the same
+            let members = clump.members().zip(&clump.offsets);
+            members.map(move |(member, offset)| {
                 let radius = particles.centres[member].0[3];
                 let surface = self.model.surfaces[usize::from(particles.surfaces[member])];
                 let own = Side {
@@ -229,7 +318,7 @@ impl Engine {
                     inverse_mass: 1.0 / clump.mass,
                 };
                 let stiffness = (self.law.foreseen)(&own, speed);
-                let freedom = own.inverse_mass + clump.turning(&particles.centres[member]);
+                let freedom = own.inverse_mass + clump.turning_by(offset, radius) + plate;
                 let step = 2.0 / (stiffness * freedom).sqrt();
                 surface.damped_step(step, clump.mass * freedom)
             })

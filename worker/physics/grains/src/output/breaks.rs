@@ -46,7 +46,7 @@ pub(crate) fn add_rows(engine: &Engine, journal: &mut Journal, mut held: Vec<[u3
         journal.breaks.extend([
             state.step as f64,
             state.time,
-            journal.stage as f64,
+            journal.number() as f64,
             middle.x,
             middle.y,
             middle.z,

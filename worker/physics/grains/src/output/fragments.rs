@@ -98,7 +98,7 @@ impl FragmentRow {
         [
             self.step as f64,
             self.time,
-            self.stage as f64,
+            (self.stage + 1) as f64,
             self.grains as f64,
             self.whole as f64,
             self.fragments as f64,

@@ -16,6 +16,10 @@ pub(crate) struct Journal {
     pub(crate) stage_steps: u64,
     /// Whether the bodies have come to rest in a stage that waits for it.
     pub(crate) is_settled: bool,
+    /// Stages in which the largest overlap and the largest step over the critical one were.
+    pub(crate) worst_stages: [usize; 2],
+    /// The worst when that was last asked.
+    pub(crate) noted: Worst,
     /// Stages that waited for rest in vain.
     pub(crate) unsettled_stages: Vec<usize>,
     /// When it began [s].
@@ -71,7 +75,8 @@ const ROUND_OFF: f64 = 1e-12;
 ///
 /// E − W, with the energy E of the bodies and the work W of driven planes, can only fall: friction
 /// and damping take energy, nothing gives. What it rises above its lowest value so far was made
-/// by the integration. While a scene is shaken nothing is added: that work is not measured.
+/// by the integration. While a scene is shaken nothing is added: that work is not measured. Far from the
+/// origin places are coarse: what their rounding in every step so far may have made is no sign.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Balance {
     /// Looks that were added.
@@ -94,13 +99,21 @@ pub(crate) struct Driving {
     unbalanced: f64,
 }
 
+impl Journal {
+    /// Of the stage, as people count.
+    pub(crate) fn number(&self) -> usize {
+        self.stage + 1
+    }
+}
+
 impl Balance {
-    pub(crate) fn add(&mut self, reading: &Reading, work: f64) {
+    pub(crate) fn add(&mut self, reading: &Reading, work: f64, steps: u64) {
         self.looks += 1;
+        let rounding = reading.rounding * steps as f64;
         let left = reading.kinetic + reading.elastic + reading.gravitational - work;
         let lowest = self.lowest.map_or(left, |lowest| lowest.min(left));
         self.lowest = Some(lowest);
-        self.created = self.created.max(left - lowest);
+        self.created = self.created.max(left - lowest - rounding);
         self.scale = self
             .scale
             .max(reading.kinetic + reading.elastic)

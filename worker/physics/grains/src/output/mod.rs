@@ -2,7 +2,7 @@
 //!
 //! The [`journal`] is filled on the way: rows of [`tables`], [`fragments`] and [`breaks`], the worst
 //! that was seen. A [`snapshot`] is written at once. At the end the tables become files ([`table`](self::table)) and
-//! the [`report`] says whether to believe them. Below: [`observe`](crate::observe).
+//! the [`report`] says whether to believe them, and [`warnings`](self::warnings) what would help. Below: [`observe`](crate::observe).
 pub(crate) mod breaks;
 pub(crate) mod fragments;
 pub(crate) mod journal;
@@ -10,3 +10,4 @@ pub(crate) mod report;
 pub(crate) mod snapshot;
 mod table;
 pub(crate) mod tables;
+mod warnings;

@@ -59,7 +59,7 @@ pub(crate) fn curve_row(
     step_ratio: f64,
 ) -> Vec<f64> {
     let state = &engine.state;
-    let mut row = vec![state.step as f64, state.time, journal.stage as f64];
+    let mut row = vec![state.step as f64, state.time, journal.number() as f64];
     for name in &spec.record.planes {
         let plane = engine
             .model

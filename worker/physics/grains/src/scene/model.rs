@@ -1,6 +1,6 @@
 //! From spec to model: what a scene is made of, resolved and in SI, and the state it starts from.
 use loadframe_api::spec::granular_scene::{
-    Body, BondRestLength, Convention, GranularScene, Material,
+    Body, BondRestLength, Convention, GranularScene, Material, Touching,
 };
 use nalgebra::UnitQuaternion;
 
@@ -29,7 +29,7 @@ pub(crate) struct Model {
     /// Whether anything has friction or cohesion.
     pub(crate) is_rough: bool,
     /// Whether contacts have dashpots.
-    is_viscous: bool,
+    pub(crate) is_viscous: bool,
     /// Whether a bond rests where it is made, and not where its spheres just touch.
     pub(crate) bonds_rest_as_made: bool,
     pub(crate) gravity: Vector,
@@ -39,8 +39,10 @@ pub(crate) struct Model {
     pub(crate) facets: Facets,
     /// Mass of each body by its number, also of those that wait [kg].
     pub(crate) masses: Vec<f64>,
-    /// Whether each body has a degree of freedom.
+    /// Whether forces move each body.
     pub(crate) is_movable: Vec<bool>,
+    /// Which bodies and walls have contacts with each other.
+    pub(crate) touching: Touching,
     /// Inertia of each sphere body about its centre [kg m²]; 0 for clumps, which know their own.
     pub(crate) sphere_inertias: Vec<f64>,
     /// Whether a body is driven by a stage, or moved at a velocity of its own along a fixed degree of
@@ -50,6 +52,8 @@ pub(crate) struct Model {
     pub(crate) driven: Vec<DrivenBody>,
     /// Box of all bodies and walls at the start [m].
     pub(crate) first_box: (Vector, Vector),
+    /// Its middle, from which potential energy is measured [m].
+    pub(crate) middle: Vector,
     /// Orientation of each clump's principal axes at the start; none for spheres.
     pub(crate) orientations: Vec<UnitQuaternion<f64>>,
     /// Spin that each body starts with [rad/s].
@@ -97,6 +101,7 @@ impl Model {
             },
         });
         let rough = |material: &Material| material.friction_angle() > 0.0 || material.is_cohesive();
+        let first_box = first_box(spec, specimen);
         let surfaces: Vec<Surface> = spec.materials.values().map(Surface::new).collect();
         Self {
             surfaces: surfaces.clone(),
@@ -114,11 +119,13 @@ impl Model {
             facets: Facets::new(spec),
             masses: Vec::new(),
             is_movable: Vec::new(),
+            touching: spec.touching(&specimen.bodies),
             sphere_inertias: Vec::new(),
             has_driven_bodies: specimen.bodies.iter().any(is_driven)
                 || !spec.driven_bodies().is_empty(),
             driven: Vec::new(),
-            first_box: first_box(spec, specimen),
+            middle: middle(first_box),
+            first_box,
             orientations: Vec::new(),
             spins: Vec::new(),
             grains: Vec::new(),
@@ -312,7 +319,8 @@ impl Builder {
         model.masses.push(mass);
         model.sphere_inertias.push(sphere_inertia);
         model.orientations.push(orientation);
-        model.is_movable.push(!body.is_held());
+        let number = model.is_movable.len();
+        model.is_movable.push(model.touching.is_free(number));
         let spin = Vector::from(body.angular_velocity_rad_per_s);
         model.spins.push(spin);
     }
@@ -352,6 +360,16 @@ fn is_driven(body: &Body) -> bool {
         .chain(&body.angular_velocity_rad_per_s);
     let mut pairs = fixed(body).into_iter().zip(velocities);
     pairs.any(|(fixed, velocity)| fixed && *velocity != 0.0)
+}
+
+/// Of a box [m]; the origin where it is none.
+fn middle((low, high): (Vector, Vector)) -> Vector {
+    let middle = 0.5 * (low + high);
+    if middle.iter().all(|part| part.is_finite()) {
+        middle
+    } else {
+        Vector::zeros()
+    }
 }
 
 fn first_box(spec: &GranularScene, specimen: &Specimen<'_>) -> (Vector, Vector) {

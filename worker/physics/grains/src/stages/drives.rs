@@ -17,6 +17,7 @@ impl Runner<'_> {
     /// was begun goes on at the speeds it had.
     pub(crate) fn begin_drives(&mut self, stage: &Stage) {
         let goes_on = self.journal.stage_steps > 0;
+        let plates = self.engine.plates();
         for wall in 0..self.engine.wall_count() {
             let motion = self.engine.wall_motion(wall);
             motion.load = None;
@@ -45,6 +46,10 @@ impl Runner<'_> {
             Stage::LoadPlane(load) => self.begin_load(load),
             Stage::Drive(drive) => self.begin_drive(drive),
             _ => {}
+        }
+        if self.engine.plates() != plates {
+            // contacts are told what follows their forces when they are listed
+            self.engine.drop_lists();
         }
     }
 
@@ -113,7 +118,7 @@ impl Runner<'_> {
             }
             Stage::Drive(drive) => {
                 for wall in &drive.walls {
-                    self.drive_wall(wall, time);
+                    self.drive_wall(stage, wall, time);
                 }
                 self.engine.loads.clear();
                 let loads = drive.bodies.iter().filter_map(|drive| load_on(drive, time));
@@ -123,8 +128,8 @@ impl Runner<'_> {
         }
     }
 
-    fn drive_wall(&mut self, wall: &WallDrive, time: f64) {
-        let time_step = self.journal.time_step;
+    fn drive_wall(&mut self, stage: &Stage, wall: &WallDrive, time: f64) {
+        let time_step = self.next_step(stage);
         let Some(number) = self.engine.wall(&wall.name) else {
             return;
         };

@@ -2,10 +2,10 @@
 use loadframe_api::spec::granular_scene::{Stage, TimeStep};
 use loadframe_harness::{Recorder, SimulationError};
 
-use super::{limits::unstable, runner::Runner, stepping::MOST_HALVINGS};
+use super::{runner::Runner, stepping::MOST_HALVINGS};
 use crate::{
-    observe::{contact::put_in_order, survey::Survey},
-    output::{breaks, fragments::FragmentRow, snapshot, tables},
+    observe::{contact::put_in_order, survey::Survey, time_step::Critical},
+    output::{breaks, fragments::FragmentRow, journal::Worst, snapshot, tables},
 };
 
 /// Created energy over the scale beyond which a run is not worth going on with.
@@ -19,12 +19,8 @@ impl Runner<'_> {
         let critical = survey.critical;
         self.journal.time_step = match self.spec.time_step_s {
             TimeStep::Given(step) => {
-                if let Some(critical) = critical
-                    && step > critical.step
-                    && !self.spec.allow_unstable
-                {
-                    return Err(unstable(step, critical));
-                }
+                self.journal.time_step = step;
+                self.check_critical(critical)?;
                 step
             }
             TimeStep::Automatic(_) => {
@@ -43,6 +39,20 @@ impl Runner<'_> {
         self.show(survey, recorder)
     }
 
+    /// Whether a given step is beyond what the contacts of a body together allow.
+    fn check_critical(&self, critical: Option<Critical>) -> Result<(), SimulationError> {
+        match critical {
+            Some(critical)
+                if !self.has_automatic_step()
+                    && !self.spec.allow_unstable
+                    && self.journal.time_step > critical.step =>
+            {
+                Err(self.unstable(critical.step, [critical.body, critical.partner]))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Reads off and records a scene between two steps, after something was done to it.
     pub(crate) fn observe_still(
         &mut self,
@@ -50,6 +60,9 @@ impl Runner<'_> {
     ) -> Result<(), SimulationError> {
         self.engine.push_still();
         let survey = self.engine.survey(true);
+        if self.has_automatic_step() {
+            self.journal.time_step = self.automatic_step(survey.critical);
+        }
         self.show(survey, recorder)
     }
 
@@ -85,14 +98,22 @@ impl Runner<'_> {
     }
 
     /// Keeps what an observation says about the quality of the run.
-    pub(super) fn judge(&mut self, survey: &Survey) -> Result<(), SimulationError> {
+    /// `work` is that of the walls until the middle of the step [J], where energies are known.
+    pub(super) fn judge(&mut self, survey: &Survey, work: f64) -> Result<(), SimulationError> {
         self.check_finite()?;
         let journal = &mut self.journal;
         let largest = survey.sums.overlap_ratio;
         journal.worst.see_step(journal.time_step, survey.critical);
         if let Some(Stage::Settle(settle)) = self.spec.stages.get(journal.stage) {
-            let ratio = journal.last.unbalanced;
-            journal.is_settled = ratio.is_some_and(|ratio| ratio <= settle.unbalanced_force_ratio);
+            let bound = settle.unbalanced_force_ratio;
+            let plates = self.engine.unrest_of_plates(&survey.plates);
+            let bodies = match (journal.last.unbalanced, journal.last.bodies, plates) {
+                (Some(ratio), ..) => ratio <= bound,
+                // nothing but plates moves
+                (None, 0, Some(_)) => true,
+                (None, ..) => false,
+            };
+            journal.is_settled = bodies && plates.is_none_or(|ratio| ratio <= bound);
         }
         let stage = self.spec.stages.get(journal.stage);
         if let Some(Stage::Relax(relax)) = stage {
@@ -111,6 +132,9 @@ impl Runner<'_> {
             });
         }
         journal.worst = journal.worst.with(&self.engine.state.seen);
+        self.note_worst();
+        self.check_critical(survey.critical)?;
+        let journal = &mut self.journal;
         if stage.is_some_and(Stage::is_quasi_static) {
             let scene = self.engine.cuboid([None; 2]);
             let scene = self
@@ -128,7 +152,7 @@ impl Runner<'_> {
         }
         journal
             .balance
-            .add(&journal.last, self.engine.state.wall_work);
+            .add(&journal.last, work, self.engine.state.step);
         let created = journal.balance.created_ratio();
         if created > RUNAWAY && !self.spec.allow_unstable {
             return Err(SimulationError::EnergyGrowth {
@@ -138,6 +162,20 @@ impl Runner<'_> {
             });
         }
         Ok(())
+    }
+
+    /// Keeps in which stage what was worst so far.
+    pub(super) fn note_worst(&mut self) {
+        let journal = &mut self.journal;
+        let before = journal.noted;
+        let now = journal.worst.with(&self.engine.state.seen);
+        let figures = |worst: &Worst| [worst.overlap_ratio, worst.step_ratio];
+        for (of, (now, before)) in figures(&now).into_iter().zip(figures(&before)).enumerate() {
+            if now > before {
+                journal.worst_stages[of] = journal.stage;
+            }
+        }
+        journal.noted = now;
     }
 
     /// Adds the rows of this moment. The curve's is summed before contacts that are to be listed are put

@@ -5,6 +5,9 @@ use loadframe_harness::Recorder;
 use super::runner::Runner;
 use crate::numbers::Vector;
 
+/// A hair of a step is round-off.
+const HAIR: f64 = 1e-6;
+
 impl Runner<'_> {
     pub(crate) fn is_stage_done(&self, stage: &Stage) -> bool {
         self.journal.is_settled || self.steps_left(stage) <= 0.0
@@ -19,18 +22,27 @@ impl Runner<'_> {
         self.is_last_stage() && last.is_some_and(|stage| self.steps_left(stage) <= 1.0)
     }
 
+    /// Time that a stage still takes [s], if it is told by a time.
+    fn time_left(&self, stage: &Stage) -> Option<f64> {
+        let time = stage.duration().time_s?;
+        Some(self.journal.stage_start + time - self.engine.state.time)
+    }
+
+    /// Δt of the next step [s]: a stage ends at its time, so that its last step may be shorter.
+    pub(crate) fn next_step(&self, stage: &Stage) -> f64 {
+        let step = self.journal.time_step;
+        match self.time_left(stage) {
+            Some(left) if left < step * (1.0 + HAIR) => left,
+            _ => step,
+        }
+    }
+
     /// Steps that a stage still takes with the present time step.
     fn steps_left(&self, stage: &Stage) -> f64 {
-        let duration = stage.duration();
-        let steps_of = |time: f64| {
-            // a hair of a step is round-off
-            (time / self.journal.time_step - 1e-6).ceil()
-        };
-        let latest = match (duration.steps, duration.time_s) {
+        let steps_of = |time: f64| (time / self.journal.time_step - HAIR).ceil();
+        let latest = match (stage.duration().steps, self.time_left(stage)) {
             (Some(steps), _) => steps.saturating_sub(self.journal.stage_steps) as f64,
-            (None, Some(time)) => {
-                steps_of(self.journal.stage_start + time - self.engine.state.time)
-            }
+            (None, Some(time)) => steps_of(time),
             (None, None) => 0.0,
         };
         match stage {
@@ -49,13 +61,22 @@ impl Runner<'_> {
         });
     }
 
-    /// Gravity of this moment.
+    /// Gravity of this moment, for plates too.
     pub(crate) fn shake(&mut self, stage: &Stage) {
         let engine = &mut self.engine;
         engine.gravity = engine.model.gravity;
         if let Stage::Vibrate(vibrate) = stage {
             let time = engine.state.time - self.journal.stage_start;
             engine.gravity += Vector::from(vibrate.acceleration_at(time));
+            let gravity = engine.gravity;
+            for wall in 0..engine.wall_count() {
+                // in such a stage the only loads are weights of plates that were set down
+                if let Some(load) = &mut engine.wall_motion(wall).load {
+                    for axis in (0..3).filter(|axis| load.free[*axis]) {
+                        load.force[axis] = load.mass * gravity[axis];
+                    }
+                }
+            }
         }
     }
 

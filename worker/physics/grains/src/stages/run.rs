@@ -29,6 +29,7 @@ pub(crate) fn run(
     while let Some(stage) = spec.stages.get(runner.journal.stage) {
         runner.begin_drives(stage);
         runner.rub(stage);
+        runner.begin_step();
         if let Stage::Cut(cut) = stage {
             runner.cut(cut, recorder)?;
         }
@@ -56,14 +57,15 @@ pub(crate) fn run(
                     runner.keep(recorder)?;
                 }
             }
-            runner.prepare_step(stage);
+            runner.prepare_step(stage)?;
             runner.supply(stage, recorder);
-            runner.step(recorder)?;
+            runner.step(stage, recorder)?;
         }
         let waits = matches!(stage, Stage::Settle(_) | Stage::Relax(_));
         if waits && !runner.journal.is_settled {
             runner.journal.unsettled_stages.push(runner.journal.stage);
         }
+        runner.note_worst();
         runner.end_supply(stage);
         runner.end_stiffening(stage);
         runner.journal.is_settled = false;

@@ -21,8 +21,9 @@ pub(crate) struct Runner<'a> {
     pub(super) recorded: Vec<u32>,
     /// Part of the critical step that an automatic one takes; `None` when the step is given.
     pub(super) automatic: Option<f64>,
-    /// Critical step of contacts that may come, whether there are any now [s].
-    pub(super) foreseen: f64,
+    /// Critical step of contacts that may come, whether there are any now [s]: with the plates that there
+    /// are now, and with walls that stand.
+    pub(super) foreseen: [f64; 2],
     pub(super) smallest_radius: f64,
     pub(super) fingerprint: Fingerprint,
 }
@@ -32,11 +33,10 @@ impl<'a> Runner<'a> {
         let specimen = Specimen::new(spec)?;
         let engine = Engine::new(spec, law(spec), &specimen, team);
         let speed = GranularScene::first_speed(&specimen.bodies);
-        let foreseen = engine.foreseen(spec, &specimen.bodies, speed);
-        let movable = specimen.bodies.iter().filter(|body| !body.is_held());
-        let smallest_radius = movable
-            .map(|body| body.smallest_radius())
-            .fold(f64::INFINITY, f64::min);
+        let foreseen = [engine.foreseen(spec, &specimen.bodies, speed, &[]); 2];
+        // also of bodies that are held: others, and walls, may pass through them
+        let radii = specimen.bodies.iter().map(|body| body.smallest_radius());
+        let smallest_radius = radii.fold(f64::INFINITY, f64::min);
         let automatic = match spec.time_step_s {
             TimeStep::Given(_) => None,
             TimeStep::Automatic(_) => Some(spec.accuracy.knobs().critical_step_fraction),

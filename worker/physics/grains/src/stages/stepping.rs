@@ -49,11 +49,17 @@ impl Runner<'_> {
             .max(LEAST_STEPS_PER_INTERRUPT_LOOK * step)
     }
 
-    /// What a stage does to the scene of this moment.
-    pub(super) fn prepare_step(&mut self, stage: &Stage) {
-        self.drive(stage);
-        self.shake(stage);
+    /// What a stage does to the scene of this moment, and how large a step that allows.
+    pub(super) fn prepare_step(&mut self, stage: &Stage) -> Result<(), SimulationError> {
         self.stiffen(stage);
+        self.shake(stage);
+        self.meet_plates();
+        self.drive(stage);
+        if self.limit_walls()? {
+            // what swings is brought to another place
+            self.drive(stage);
+        }
+        Ok(())
     }
 
     /// Does steps until the next that is looked at, that a stage may change in more than its drives, or
@@ -75,17 +81,17 @@ impl Runner<'_> {
                 && work + done + self.work_of_step() <= self.work_uninterrupted()
             {
                 done += self.work_of_step();
-                self.prepare_step(stage);
-                self.plain_step()?;
+                self.prepare_step(stage)?;
+                self.plain_step(stage)?;
             }
             Ok(done)
         })
     }
 
     /// A step that nobody looks at.
-    fn plain_step(&mut self) -> Result<(), SimulationError> {
+    fn plain_step(&mut self, stage: &Stage) -> Result<(), SimulationError> {
         let seen = self.engine.state.seen;
-        self.engine.step(self.journal.time_step);
+        self.engine.step(self.next_step(stage));
         self.journal.stage_steps += 1;
         self.end_step(seen)
     }
@@ -99,6 +105,7 @@ impl Runner<'_> {
             self.engine.unsee(seen);
             return Ok(());
         }
+        self.check_step()?;
         self.check_speed()
     }
 
@@ -138,9 +145,13 @@ impl Runner<'_> {
             || may_end && (has_rows || has_pictures)
     }
 
-    pub(super) fn step(&mut self, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
+    pub(super) fn step(
+        &mut self,
+        stage: &Stage,
+        recorder: &mut dyn Recorder,
+    ) -> Result<(), SimulationError> {
         let Some(reason) = self.reason_to_look() else {
-            return self.plain_step();
+            return self.plain_step(stage);
         };
         let Reason {
             is_recorded,
@@ -148,16 +159,18 @@ impl Runner<'_> {
             is_last,
             records_ends,
         } = reason;
-        let time_step = self.journal.time_step;
+        let time_step = self.next_step(stage);
         let seen = self.engine.state.seen;
         self.engine.push(time_step);
         let mut survey = self.engine.survey(self.needs_contacts(reason));
         let before = self.engine.body_sums();
+        let work_before = self.engine.state.wall_work;
         self.engine.advance(time_step);
         self.journal.stage_steps += 1;
         let contacts_before = self.journal.last.contacts;
         self.journal.last = self.engine.reading(&survey.sums, &before);
-        self.judge(&survey)?;
+        let work = 0.5 * (work_before + self.engine.state.wall_work);
+        self.judge(&survey, work)?;
         let is_last =
             is_last || (self.journal.is_settled && (self.is_last_stage() || records_ends));
         let is_recorded = is_recorded || is_last;

@@ -29,6 +29,14 @@ pub(super) struct Mobility {
     root: f64,
 }
 
+/// What a body of a candidate meets.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Other {
+    Body(Mobility),
+    /// 1/m [1/kg]; 0 of a wall that no force moves.
+    Wall(f64),
+}
+
 /// A contact of two bodies, as if they had no other.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Alone {
@@ -51,6 +59,32 @@ pub(crate) struct Shortest {
     asked: [f64; 2],
 }
 
+/// A wall that bodies went through.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Through {
+    /// How often one did.
+    pub(crate) passages: u64,
+    /// The first of them, and when.
+    pub(crate) body: u32,
+    pub(crate) step: u64,
+}
+
+/// Stiffness [N/m] and dashpot [N s/m] that a candidate at a wall has, for stiff grains.
+pub(super) fn at_wall(law: &Chosen, is_rough: bool, radius: f64, springs: &Springs) -> [f64; 2] {
+    let spring = Spring {
+        constant: springs.normal,
+        shear_ratio: f64::from(u8::from(is_rough)) * springs.ratio,
+        overlap: COMPARED_AT * radius,
+        reach: 2.0 * radius,
+    };
+    let [normal, shear] = (law.tangents)(&spring);
+    let [along, across] = springs.dashpots;
+    [
+        normal.max(shear),
+        (law.dashpot)(&spring) * along.max(across),
+    ]
+}
+
 /// The worst that all steps so far had, contact by contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Seen {
@@ -70,6 +104,11 @@ impl Mobility {
             about,
             root: 1.0 / mass.sqrt(),
         }
+    }
+
+    /// 1/m and 1/m + r²/I of both together, at a wall of this 1/m [1/kg] (G.26).
+    fn at_wall(&self, wall: f64) -> [f64; 2] {
+        [self.along + wall, self.along + self.about + wall]
     }
 
     /// 1/m and 1/m + r²/I times (1 + √(m/m')), beside another body.
@@ -126,13 +165,19 @@ impl<'a> Candidates<'a> {
     pub(super) fn add(
         &mut self,
         bodies: [u32; 2],
-        mobilities: [&Mobility; 2],
+        own: &Mobility,
+        other: &Other,
         radius: f64,
         springs: &Springs,
     ) {
-        let [a, b] = mobilities;
-        let (own, other) = (a.beside(b), b.beside(a));
-        let is_first = own[1] >= other[1];
+        let (is_first, mobility) = match other {
+            Other::Body(other) => {
+                let (own, other) = (own.beside(other), other.beside(own));
+                let most = [0, 1].map(|way: usize| own[way].max(other[way]));
+                (own[1] >= other[1], most)
+            }
+            Other::Wall(wall) => (own.along >= *wall, own.at_wall(*wall)),
+        };
         let is_rough = f64::from(u8::from(self.model.is_rough));
         let alone = Alone {
             bodies: if is_first {
@@ -144,7 +189,7 @@ impl<'a> Candidates<'a> {
             shear_ratio: is_rough * springs.ratio,
             dashpots: [springs.dashpots[0], is_rough * springs.dashpots[1]],
             radius,
-            mobility: [0, 1].map(|way: usize| own[way].max(other[way])),
+            mobility,
         };
         let step = alone.critical_step(self.law, COMPARED_AT);
         // the lower numbers where several are alike

@@ -5,7 +5,7 @@ use loadframe_api::spec::granular_scene::GranularScene;
 use loadframe_numerics::Team;
 
 use super::{
-    alone::Seen,
+    alone::{Seen, Through},
     listing::{self, Listing, memories::Memories},
     patch::{BodyLoad, Patch, on_wall},
     shares::{share, shares},
@@ -286,13 +286,23 @@ impl Engine {
         state.speed_bound = speed_square.sqrt();
         for patch in &mut state.patches {
             (state.seen).see(&self.law, patch.deepest, &mut patch.shortest, time_step);
+            for passage in patch.passed.drain(..) {
+                let body = state.particles.owners[passage.particle as usize];
+                let through = state.through.entry(passage.wall).or_insert(Through {
+                    passages: 0,
+                    body,
+                    step: state.step + 1,
+                });
+                through.passages += 1;
+            }
         }
         let mut wall_way = 0.0_f64;
         for (plane, face) in state.faces.iter_mut().enumerate() {
             let force = on_wall(&state.patches, plane);
+            let before = face.motion.velocity;
             face.motion
                 .accelerate(&drive, &[force[0], force[1], force[2]]);
-            state.wall_work -= work(&force, &face.motion.velocity) * time_step;
+            state.wall_work -= work(&force, &before, &face.motion.velocity) * time_step;
             face.motion.advance(time_step);
             // along itself a plane comes no closer to anything
             let way = time_step * face.motion.velocity[face.axis];
@@ -303,9 +313,10 @@ impl Engine {
         for (wall, (pose, mesh)) in (state.faces.len()..).zip(meshes) {
             if pose.motion.is_moving() || pose.is_turning() {
                 let force = on_wall(&state.patches, wall);
+                let before = pose.motion.velocity;
                 pose.motion
                     .accelerate(&drive, &[force[0], force[1], force[2]]);
-                let power = work(&force, &pose.motion.velocity) + force[3];
+                let power = work(&force, &before, &pose.motion.velocity) + force[3];
                 state.wall_work -= power * time_step;
                 wall_way = wall_way.max(time_step * pose.speed(mesh));
                 pose.advance(time_step);
@@ -357,7 +368,7 @@ impl Engine {
 
     /// What the contacts of the last step remember.
     pub(crate) fn memories(&self) -> Memories {
-        if self.model.is_rough {
+        if self.model.is_rough || self.model.is_viscous {
             Memories::of(&self.team, &self.contact_lists, &self.state.particles)
         } else {
             Memories::default()
@@ -371,6 +382,7 @@ impl Engine {
     }
 
     pub(crate) fn list_with(&mut self, memories: &Memories) {
+        let plates = self.plates();
         let state = &mut self.state;
         // in the old order, as the way is measured from
         state.skin.renew(&state.particles.centres);
@@ -386,6 +398,7 @@ impl Engine {
         let listing = Listing {
             law: &self.law,
             model: &self.model,
+            plates: &plates,
             faces: &state.faces,
             poses: &state.poses,
             search: &self.search,
@@ -416,7 +429,10 @@ impl Engine {
     }
 }
 
-/// F·v [W].
-fn work(force: &[f64; 4], velocity: &[f64; 3]) -> f64 {
-    force[0] * velocity[0] + force[1] * velocity[1] + force[2] * velocity[2]
+/// F·v [W] with the mean of the velocities half a step before and after the force: on a plate that swings
+/// on a spring nothing is left over then, step by step.
+fn work(force: &[f64; 4], before: &[f64; 3], after: &[f64; 3]) -> f64 {
+    let axes = 0..3;
+    axes.map(|axis| force[axis] * 0.5 * (before[axis] + after[axis]))
+        .sum()
 }

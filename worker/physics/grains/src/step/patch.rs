@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::alone::Shortest;
 use crate::{
     contact::{
-        Deepest, Scenery,
+        Deepest, Passage, Scenery,
         lists::{Acting, Lists},
     },
     motion::{
@@ -45,6 +45,12 @@ pub(crate) struct Patch {
     /// Of its contacts since they were listed.
     pub(crate) deepest: Deepest,
     pub(crate) shortest: Shortest,
+    /// Stiffness [N/m] and dashpots [N s/m] of all its candidates at each wall together; empty where no wall
+    /// follows forces.
+    pub(crate) at_plates: Vec<[f64; 2]>,
+    /// What went through walls in the last step.
+    #[serde(skip)]
+    pub(crate) passed: Vec<Passage>,
 }
 
 /// The part of a halo that acts on particles of a patch.
@@ -85,6 +91,7 @@ impl Patch {
         is_rough: bool,
     ) {
         self.wrenches.clear(self.particles.len(), is_rough);
+        self.passed.clear();
         self.wall_forces.clear();
         let walls = scenery.faces.len() + scenery.poses.len();
         self.wall_forces.resize(walls, [0.0; 4]);
@@ -99,6 +106,7 @@ impl Patch {
             halo,
             on_walls: &mut self.wall_forces,
             deepest: &mut self.deepest,
+            passed: &mut self.passed,
         };
         lists.push(scenery, acting);
     }

@@ -1,7 +1,12 @@
 //! All that changes during a run, bodies, walls and time.
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
-use super::{alone::Seen, patch::Patch};
+use super::{
+    alone::{Seen, Through},
+    patch::Patch,
+};
 use crate::{
     geometry::neighbours::skin::Skin,
     motion::clump::Clump,
@@ -20,7 +25,7 @@ pub(crate) struct State {
     pub(crate) patches: Vec<Patch>,
     pub(super) skin: Skin,
     /// Whether the lists hold for the next step.
-    pub(super) is_listed: bool,
+    pub(crate) is_listed: bool,
     /// Steps done.
     pub(crate) step: u64,
     /// [s].
@@ -37,6 +42,8 @@ pub(crate) struct State {
     pub(crate) bonds_removed: u64,
     /// Of all steps that count.
     pub(crate) seen: Seen,
+    /// By number of the wall, planes before meshes.
+    pub(crate) through: BTreeMap<u32, Through>,
     /// Upper bound of the speeds after the last step [m/s].
     pub(crate) speed_bound: f64,
     /// What tan φ is multiplied with.

@@ -43,6 +43,10 @@ pub(crate) struct Past {
     pub(crate) root: f64,
     /// The bond between the bodies, also after it broke.
     pub(crate) bond: Bond,
+    /// v_N in the middle of the last step [m/s], where a dashpot works along the normal.
+    pub(crate) approach: Option<f64>,
+    /// v_T of b then [m/s], where one works across it.
+    pub(crate) slip: Option<Vector>,
 }
 
 /// What a contact does, as observers see it.
@@ -163,6 +167,7 @@ impl Past {
         Self {
             normal: -self.normal,
             shear: -self.shear,
+            slip: self.slip.map(|slip| -slip),
             ..*self
         }
     }

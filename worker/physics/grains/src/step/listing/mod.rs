@@ -8,7 +8,7 @@ use loadframe_numerics::Team;
 use memories::Memories;
 
 use super::{
-    alone::{self, Mobility},
+    alone::{self, Mobility, Other},
     patch::{Incoming, Patch},
 };
 use crate::{
@@ -95,6 +95,8 @@ pub(crate) struct Listing<'a> {
     pub(crate) search: &'a Search,
     pub(crate) particles: &'a Particles,
     pub(crate) memories: &'a Memories,
+    /// 1/m of each wall that follows forces now [1/kg], 0 of the others.
+    pub(crate) plates: &'a [f64],
     /// Distance of surfaces below which bodies are listed [m].
     pub(crate) skin: f64,
 }
@@ -106,6 +108,7 @@ struct Filling<'a> {
     /// Of all particles.
     mobilities: &'a [Mobility],
     alone: alone::Candidates<'a>,
+    at_plates: Vec<[f64; 2]>,
 }
 
 impl Filling<'_> {
@@ -118,16 +121,23 @@ impl Filling<'_> {
         radius: f64,
         springs: &Springs,
     ) {
+        if let Some(wall) = wall.filter(|wall| listing.plates[*wall] > 0.0) {
+            self.at_plates.resize(listing.plates.len(), [0.0; 2]);
+            let found = alone::at_wall(listing.law, listing.model.is_rough, radius, springs);
+            for (sum, part) in self.at_plates[wall].iter_mut().zip(found) {
+                *sum += part;
+            }
+        }
         let owner = |particle: u32| listing.particles.owners[particle as usize];
         let own = &self.mobilities[a as usize];
         let (partner, other) = match wall {
             Some(wall) => {
                 let number = listing.model.masses.len() + wall;
-                (number as u32, &Mobility::default())
+                (number as u32, Other::Wall(listing.plates[wall]))
             }
-            None => (owner(b), &self.mobilities[b as usize]),
+            None => (owner(b), Other::Body(self.mobilities[b as usize])),
         };
-        (self.alone).add([owner(a), partner], [own, other], radius, springs);
+        (self.alone).add([owner(a), partner], own, &other, radius, springs);
     }
 }
 
@@ -178,14 +188,16 @@ impl Listing<'_> {
                 lists: lists.as_mut(),
                 mobilities: &mobilities,
                 alone: alone::Candidates::new(self.law, self.model),
+                at_plates: Vec::new(),
             };
             self.fill_pairs(&others, &candidates, &mut filling);
             self.fill_walls(&mut filling);
             self.fill_facets(&mut filling);
-            let shortest = filling.alone.shortest();
+            let (shortest, at_plates) = (filling.alone.shortest(), filling.at_plates);
             lists.finish(self.faces.len());
             let patch = Patch {
                 shortest,
+                at_plates,
                 others,
                 partly_fixed: partly_fixed(self.particles, particles.clone()),
                 particles,
@@ -199,9 +211,23 @@ impl Listing<'_> {
         (patches, contact_lists)
     }
 
+    /// 1/m of a wall at a dashpot [1/kg].
+    fn freedom_of(&self, wall: usize) -> f64 {
+        if self.model.is_viscous {
+            self.plates[wall]
+        } else {
+            0.0
+        }
+    }
+
+    fn may_touch_wall(&self, body: usize, wall: usize) -> bool {
+        let wall = self.model.masses.len() + wall;
+        self.model.touching.may_touch(body, wall)
+    }
+
     fn may_touch(&self, a: usize, b: usize) -> bool {
         let [a, b] = [a, b].map(|particle| self.particles.owners[particle] as usize);
-        a != b && (self.model.is_movable[a] || self.model.is_movable[b])
+        a != b && self.model.touching.may_touch(a, b)
     }
 
     /// Adds the pairs whose first particle is one of these.
@@ -259,11 +285,11 @@ impl Listing<'_> {
                 let centre = &self.particles.centres[particle].0;
                 let radius = centre[3];
                 let owner = self.particles.owners[particle] as usize;
-                if face.height(centre) > radius + self.skin || !self.model.is_movable[owner] {
+                if face.height(centre) > radius + self.skin || !self.may_touch_wall(owner, number) {
                     continue;
                 }
                 let own = self.side(particle);
-                let wall = own.wall(self.model.surfaces[plane.surface]);
+                let wall = own.wall(self.model.surfaces[plane.surface], self.freedom_of(number));
                 let springs = (self.law.springs)(&own, &wall);
                 let past = (self.memories).wall(self.particles.numbers[particle], number as u32);
                 let particle = particle as u32;
@@ -280,24 +306,29 @@ impl Listing<'_> {
         }
         let (mut found, mut near) = (Vec::new(), Vec::new());
         for particle in filling.range.clone() {
-            if !self.model.is_movable[self.particles.owners[particle] as usize] {
+            let owner = self.particles.owners[particle] as usize;
+            let wall_of = |mesh: usize| self.faces.len() + mesh;
+            let may_touch = |mesh: usize| self.may_touch_wall(owner, wall_of(mesh));
+            if !(0..facets.meshes.len()).any(may_touch) {
                 continue;
             }
             let sphere = &self.particles.centres[particle];
             (self.search).near(facets, self.poses, sphere, self.skin, &mut found);
+            found.retain(|facet| may_touch(facets.facets[*facet as usize].mesh as usize));
             let own = self.side(particle);
             let number = self.particles.numbers[particle];
             near.clear();
             near.extend(found.iter().map(|facet| {
                 let mesh = &facets.meshes[facets.facets[*facet as usize].mesh as usize];
-                let mut wall = own.wall(self.model.surfaces[mesh.surface]);
+                let freedom =
+                    self.freedom_of(wall_of(facets.facets[*facet as usize].mesh as usize));
+                let mut wall = own.wall(self.model.surfaces[mesh.surface], freedom);
                 wall.radius *= facets.radius_ratio;
                 let springs = (self.law.springs)(&own, &wall);
                 (*facet, springs, self.memories.facet(number, *facet))
             }));
             for (facet, springs, _) in &near {
-                let mesh = facets.facets[*facet as usize].mesh as usize;
-                let wall = Some(self.faces.len() + mesh);
+                let wall = Some(wall_of(facets.facets[*facet as usize].mesh as usize));
                 filling.see(self, [particle as u32; 2], wall, sphere.0[3], springs);
             }
             filling.lists.add_facets(particle as u32, &near);

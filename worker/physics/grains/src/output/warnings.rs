@@ -1,0 +1,223 @@
+//! What to look at in a run, and which fields of its spec and which of its stages would help. Stages count
+//! from 1, fields are JSON pointers into the spec.
+use loadframe_api::{
+    QualityCheck,
+    spec::granular_scene::{GranularScene, Stage, TimeStep},
+};
+use loadframe_harness::ReportBuilder;
+
+use super::{journal::Journal, report::worst};
+use crate::step::engine::Engine;
+
+/// Escaped bodies, walls and stages named in a warning.
+const LISTED: usize = 5;
+
+/// Adds the warnings to a report whose checks are made.
+pub(super) fn warn(
+    report: &mut ReportBuilder,
+    spec: &GranularScene,
+    engine: &Engine,
+    journal: &Journal,
+    escaped: &[u32],
+) {
+    let checks = report.checks().filter(|(_, check)| !check.ok);
+    let failed: Vec<(String, QualityCheck)> = checks
+        .map(|(name, check)| (name.to_owned(), check.clone()))
+        .collect();
+    for (name, check) in failed {
+        let advice = match name.as_str() {
+            "largest_overlap_ratio" => harder(spec, journal),
+            "inertial_number" | "driven_unbalanced_force_ratio" => slower(spec),
+            _ => smaller_step(spec, engine, journal),
+        };
+        let detail = format!(
+            "{} is {:.3e}, beyond {}: {advice}",
+            name.replace('_', " "),
+            check.value,
+            check.bound
+        );
+        report.warn(&name, detail);
+    }
+    if let Some(detail) = frictionless(spec) {
+        report.warn("friction_left_out", detail);
+    }
+    if let Some(detail) = through_walls(spec, engine) {
+        report.warn("passed_through", detail);
+    }
+    for stage in &journal.unsettled_stages {
+        let detail = format!(
+            "stage {} ended before the bodies were as it waits for: give it more {}",
+            stage + 1,
+            duration(spec, *stage)
+        );
+        report.warn("not_settled", detail);
+    }
+    for (stage, left) in &journal.not_inserted {
+        let detail = format!(
+            "stage {} ended before {left} of its grains found room: give it more {} or a larger \
+             /stages/{stage}/insert/bodies/region",
+            stage + 1,
+            duration(spec, *stage)
+        );
+        report.warn("not_inserted", detail);
+    }
+    if !escaped.is_empty() {
+        let listed: Vec<String> = escaped.iter().take(LISTED).map(u32::to_string).collect();
+        let more = if escaped.len() > LISTED { ", ..." } else { "" };
+        let detail = format!(
+            "{} bodies left the scene: {}{more}",
+            escaped.len(),
+            listed.join(", ")
+        );
+        report.warn("escaped_bodies", detail);
+    }
+}
+
+/// Materials whose friction is not given.
+fn frictionless(spec: &GranularScene) -> Option<String> {
+    let smooth = spec.materials.iter();
+    let smooth = smooth.filter(|(_, material)| material.friction_angle_rad.is_none());
+    let smooth: Vec<&str> = smooth.map(|(name, _)| name.as_str()).collect();
+    (!smooth.is_empty()).then(|| {
+        format!(
+            "no friction_angle_rad is given for {}: contacts with it are frictionless; 0 says that this \
+             is meant",
+            smooth.join(", ")
+        )
+    })
+}
+
+/// The field that says how long a stage lasts.
+fn duration(spec: &GranularScene, stage: usize) -> String {
+    let found = spec.stages.get(stage);
+    let name = found.map_or("", Stage::name);
+    let has_steps = found.is_some_and(|stage| stage.duration().steps.is_some());
+    let field = if has_steps { "steps" } else { "time_s" };
+    format!("/stages/{stage}/{name}/{field}")
+}
+
+/// For contacts that were pressed too far.
+fn harder(spec: &GranularScene, journal: &Journal) -> String {
+    let materials = spec.materials.iter();
+    let softest = materials
+        .min_by(|(_, a), (_, b)| a.youngs_modulus_pa.total_cmp(&b.youngs_modulus_pa))
+        .map_or("", |(name, _)| name);
+    let stage = journal.worst_stages[0];
+    let load = match spec.stages.get(stage) {
+        Some(Stage::LoadPlane(load)) => {
+            let field = match load.peak_force_n {
+                Some(peak) if peak.abs() > load.force_n.abs() => "peak_force_n",
+                _ => "force_n",
+            };
+            format!(", or a smaller /stages/{stage}/load_plane/{field}")
+        }
+        Some(Stage::MovePlane(_)) => {
+            format!(", or a shorter or slower /stages/{stage}/move_plane")
+        }
+        Some(Stage::Drive(_)) => format!(", or a weaker /stages/{stage}/drive"),
+        _ => String::new(),
+    };
+    format!(
+        "it was so in stage {}; choose a higher /materials/{softest}/youngs_modulus_pa{load}",
+        stage + 1
+    )
+}
+
+/// For stages that drive too fast.
+fn slower(spec: &GranularScene) -> String {
+    let stages = spec.stages.iter().enumerate();
+    let driving = stages.filter(|(_, stage)| stage.is_quasi_static());
+    let mut fields = driving.flat_map(|(number, stage)| {
+        let at = format!("/stages/{number}/{}", stage.name());
+        let fields: Vec<String> = match stage {
+            Stage::MovePlane(_) => vec![format!("a smaller {at}/velocity_m_per_s")],
+            Stage::LoadPlane(load) if load.period_s.is_some() => {
+                vec![format!("a longer {at}/period_s")]
+            }
+            Stage::LoadPlane(_) => vec![format!("a smaller {at}/force_n")],
+            Stage::Drive(drive) => {
+                let walls = drive.walls.iter().enumerate().map(|(wall, drive)| {
+                    let at = format!("{at}/walls/{wall}");
+                    match (&drive.force, drive.velocity_m_per_s, drive.sine) {
+                        (Some(force), ..) if force.period_s.is_some() => {
+                            format!("a longer {at}/force/period_s")
+                        }
+                        (Some(_), ..) => format!("a smaller {at}/force/force_n"),
+                        (_, Some(_), _) => format!("a smaller {at}/velocity_m_per_s"),
+                        (.., Some(_)) => format!("a smaller {at}/sine/frequency_hz"),
+                        _ => format!("a smaller {at}/turn/angular_velocity_rad_per_s"),
+                    }
+                });
+                let bodies = drive.bodies.iter().enumerate().map(|(body, drive)| {
+                    let at = format!("{at}/bodies/{body}");
+                    match &drive.force {
+                        Some(force) if force.period_s.is_some() => {
+                            format!("a longer {at}/force/period_s")
+                        }
+                        Some(_) => format!("a smaller {at}/force/force_n"),
+                        None => format!("a smaller {at}/velocity/velocity_m_per_s"),
+                    }
+                });
+                walls.chain(bodies).collect()
+            }
+            _ => Vec::new(),
+        };
+        fields
+            .into_iter()
+            .map(move |field| format!("{field} (stage {})", number + 1))
+    });
+    let listed: Vec<String> = fields.by_ref().take(LISTED).collect();
+    let more = if fields.next().is_some() { ", ..." } else { "" };
+    format!("drive more slowly: {}{more}", listed.join(", "))
+}
+
+/// For steps that integrate badly.
+fn smaller_step(spec: &GranularScene, engine: &Engine, journal: &Journal) -> String {
+    let field = match spec.time_step_s {
+        TimeStep::Given(_) => "/time_step_s",
+        TimeStep::Automatic(_) => "/accuracy/critical_step_fraction",
+    };
+    match worst(engine, journal).critical {
+        Some(critical) => format!(
+            "choose a smaller {field}; the smallest critical step seen was {:e} s in stage {}, set by \
+             {} and its contact with {}",
+            critical.step,
+            journal.worst_stages[1] + 1,
+            engine.name_of(critical.body),
+            engine.name_of(critical.partner)
+        ),
+        None => format!("choose a smaller {field}"),
+    }
+}
+
+/// Walls that bodies went through.
+fn through_walls(spec: &GranularScene, engine: &Engine) -> Option<String> {
+    let through = &engine.state.through;
+    if through.is_empty() {
+        return None;
+    }
+    let planes = spec.planes.len();
+    let told = through.iter().take(LISTED).map(|(wall, through)| {
+        let wall = *wall as usize;
+        let material = match wall.checked_sub(planes) {
+            None => &spec.planes[wall].material,
+            Some(mesh) => &spec.facets[mesh].material,
+        };
+        let name = engine.name_of((engine.model.masses.len() + wall) as u32);
+        let times = match through.passages {
+            1 => "once".to_owned(),
+            count => format!("{count} times"),
+        };
+        format!(
+            "{name} {times}, first body {} in step {} (choose a higher \
+             /materials/{material}/youngs_modulus_pa)",
+            through.body, through.step
+        )
+    });
+    let told: Vec<String> = told.collect();
+    let more = if through.len() > LISTED { "; ..." } else { "" };
+    Some(format!(
+        "centres of bodies went through walls, which are too soft for what pressed or met them: {}{more}",
+        told.join("; ")
+    ))
+}
