@@ -14,9 +14,9 @@ use crate::problem::Violation;
 use crate::violations::{Violations, shorten};
 
 /// What a validator is asked to list everything of: so many values, so many bytes of text at most.
-/// An error takes about half a kilobyte.
-const SMALL_VALUES: usize = 10_000;
-const SMALL_TEXT: usize = 1 << 20;
+/// An error takes about half a kilobyte, and one of several forms a copy of the value for each.
+const SMALL_VALUES: usize = 1_000;
+const SMALL_TEXT: usize = 64 << 10;
 
 /// A part of a schema, and where in a value it is asked for.
 pub(super) struct Place<'a> {

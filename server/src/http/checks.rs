@@ -18,7 +18,7 @@ use super::access::bearer;
 use super::problem::{ApiError, Result, TOO_MANY_REQUESTS};
 
 /// Bodies of one client that are checked or wait for it.
-const A_CLIENT: usize = 64;
+const A_CLIENT: usize = 256;
 /// How long a body waits for its turn: several of the longest checks.
 const LONGEST_WAIT: Duration = Duration::from_secs(20);
 /// When to come again [s].

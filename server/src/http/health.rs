@@ -1,13 +1,19 @@
 //! Whether the service is well, and which one it is.
+use std::time::Duration;
+
 use axum::Json;
 use axum::extract::State;
 use schemars::JsonSchema;
 use serde::Serialize;
+use tokio::time::timeout;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::AppState;
 use super::problem::{ApiError, Result};
+
+/// A store that takes longer to write is not ready.
+const LONGEST_WRITE: Duration = Duration::from_secs(2);
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
@@ -39,18 +45,24 @@ async fn alive() -> Json<Health> {
 
 /// Does the service take requests?
 ///
-/// 503 while it stops, or when the store does not answer.
+/// 503 while it stops, or when the store takes no writes.
 #[utoipa::path(get, operation_id = "check_ready", path = "/readyz", tag = "Service",
     responses((status = 200, description = "It does", body = ref("#/components/schemas/Health"))))]
 async fn ready(State(state): State<AppState>) -> Result<Json<Health>> {
     if state.stopping.is_cancelled() {
         return Err(ApiError::busy("the server is stopping", 5));
     }
-    if let Err(error) = state.store.jobs_version().await {
-        tracing::error!(%error, "the store does not answer");
-        return Err(ApiError::busy("the store does not answer", 5));
+    match timeout(LONGEST_WRITE, state.store.try_write()).await {
+        Ok(Ok(())) => Ok(Json(Health { status: "ready" })),
+        Ok(Err(error)) => {
+            tracing::error!(%error, "the store takes no writes");
+            Err(ApiError::busy("the store takes no writes", 5))
+        }
+        Err(_) => {
+            tracing::error!("the store takes no writes in time");
+            Err(ApiError::busy("the store takes no writes", 5))
+        }
     }
-    Ok(Json(Health { status: "ready" }))
 }
 
 /// Which version is this?

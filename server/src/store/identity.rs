@@ -70,6 +70,22 @@ impl Mark {
     }
 }
 
+/// Refuses to make a database where there are files: theirs was lost. Nothing is written, so that it can
+/// be put back.
+///
+/// # Errors
+/// [`StoreError::NotTogether`].
+pub(super) fn refuse_new_beside_files(data: &Path) -> Result<()> {
+    let length = std::fs::metadata(data.join("loadframe.db")).map_or(0, |file| file.len());
+    if length == 0 && has_files(&data.join("blobs"))? {
+        return Err(refuse(
+            data,
+            "the database is missing or empty, and there are files",
+        ));
+    }
+    Ok(())
+}
+
 /// Holds the database against the folder of files in `data`, and gives both a name where they have
 /// none.
 ///

@@ -10,7 +10,7 @@ use tokio::sync::{mpsc, watch};
 
 use super::blobs::Blobs;
 use super::error::{Result, StoreError};
-use super::identity::{Opening, identify};
+use super::identity::{Opening, identify, refuse_new_beside_files};
 use super::migrations::migrations;
 use super::token_cache::TokenCache;
 use super::writer::{Announcements, Writer};
@@ -49,6 +49,7 @@ impl Store {
     }
 
     async fn connect(options: StoreOptions, lock: Option<File>) -> Result<Self> {
+        refuse_new_beside_files(&options.data)?;
         let database = SqliteConnectOptions::new()
             .filename(options.data.join("loadframe.db"))
             .create_if_missing(true)

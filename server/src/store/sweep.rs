@@ -53,10 +53,10 @@ impl Store {
         .bind(limit)
         .fetch_all(self.reads())
         .await?;
-        let mut ended = 0;
+        let (mut ended, lease) = (0, self.lease_millis());
         for attempt in overdue {
             let swept = self
-                .write(move |change| Box::pin(async move { change.sweep(attempt).await }))
+                .write(move |change| Box::pin(async move { change.sweep(attempt, lease).await }))
                 .await;
             match swept {
                 Ok(()) => ended += 1,
@@ -114,13 +114,34 @@ impl Store {
         .await
     }
 
+    /// Writes something that changes nothing, to find out whether a write works.
+    ///
+    /// # Errors
+    /// [`StoreError::Unavailable`] and the database's.
+    pub async fn try_write(&self) -> Result<()> {
+        self.write(|change| {
+            Box::pin(async move {
+                sqlx::query("UPDATE store SET starts = starts")
+                    .execute(&mut change.connection)
+                    .await?;
+                Ok(())
+            })
+        })
+        .await
+    }
+
     async fn tidy(&self) -> Result<()> {
         self.write(|change| Box::pin(change.tidy())).await
     }
 }
 
 impl Change {
-    async fn sweep(&mut self, attempt: Overdue) -> Result<()> {
+    async fn sweep(&mut self, attempt: Overdue, lease: i64) -> Result<()> {
+        // while the database could not be written no worker could be heard of: each has a whole lease
+        // from then on
+        if attempt.expired && self.now.as_millis().saturating_sub(self.last_trouble) < lease {
+            return Err(StoreError::LeaseLost);
+        }
         let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
         let input = if attempt.expired {
             Input::Lose

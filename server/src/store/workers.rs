@@ -14,6 +14,8 @@ use super::{Counts, Store};
 const SEEN_EVERY: i64 = 2_000;
 /// The same for a working one, whose heartbeats come oftener.
 const HEARD_EVERY: i64 = 1_000;
+/// Speeds that a core can have [bond evaluations/s]: a hundredth to a hundred times a core of 2020.
+const SPEEDS: std::ops::RangeInclusive<f64> = 1e6..=1e10;
 /// A worker is taken for gone when it was silent for a lease and this long [ms].
 const GRACE: i64 = 5_000;
 
@@ -33,6 +35,8 @@ impl Change {
     /// Notes that a worker asks for a job. One that asks again and again costs no commit each time.
     pub(super) async fn register_worker(&mut self, worker: &ClaimRequest) -> Result<()> {
         let speed = worker.calibration.map(|speed| speed.bond_evaluations_per_s);
+        // what no machine can be is not believed
+        let speed = speed.filter(|speed| SPEEDS.contains(speed));
         sqlx::query(
             "INSERT INTO workers (id, name, host, threads, engine_version, bond_evaluations_per_s,
                                   last_seen_at)
@@ -98,7 +102,8 @@ impl Store {
         Ok(rows.into_iter().map(view).collect())
     }
 
-    /// Speed of the slowest live worker, else of the one seen last.
+    /// The median of the speeds of live workers, of two the slower, so that one that measured wrongly
+    /// among others prices no job; where none lives, the speed of the one seen last.
     ///
     /// # Errors
     /// The database's.
@@ -107,7 +112,8 @@ impl Store {
             "SELECT bond_evaluations_per_s FROM workers WHERE bond_evaluations_per_s IS NOT NULL
              ORDER BY last_seen_at >= ?1 DESC,
                 CASE WHEN last_seen_at >= ?1 THEN bond_evaluations_per_s ELSE -last_seen_at END
-             LIMIT 1",
+             LIMIT 1 OFFSET (SELECT MAX(COUNT(*) - 1, 0) / 2 FROM workers
+                WHERE bond_evaluations_per_s IS NOT NULL AND last_seen_at >= ?1)",
         )
         .bind(self.alive_since())
         .fetch_optional(self.reads())

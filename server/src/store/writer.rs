@@ -4,6 +4,7 @@
 //! commands that are waiting, runs each in a savepoint of its own inside one transaction, commits
 //! once, and only then answers. A command alone does not wait for company.
 use std::pin::Pin;
+use std::time::{Duration, Instant};
 
 use loadframe_api::Timestamp;
 use sqlx::sqlite::SqliteConnection;
@@ -15,6 +16,9 @@ use super::error::{Result, StoreError};
 
 /// Commands in one commit; beyond this, the first of them would wait too long for the last.
 const LARGEST_BATCH: usize = 256;
+
+/// A transaction that waits longer to begin finds the database held by somebody else.
+const LONG_WAIT: Duration = Duration::from_secs(1);
 
 /// A future of a command, which borrows the change it works on.
 pub(super) type Work<'c, T> = Pin<Box<dyn Future<Output = Result<T>> + Send + 'c>>;
@@ -36,6 +40,9 @@ pub(super) struct Change {
     pub(super) connection: SqliteConnection,
     /// The moment at which the command happens.
     pub(super) now: Timestamp,
+    /// When a transaction last failed, or waited long to begin [ms since 1970]: nobody could be heard
+    /// of until then.
+    pub(super) last_trouble: i64,
     effects: Effects,
 }
 
@@ -119,6 +126,7 @@ impl Writer {
         let change = Change {
             connection,
             now: Timestamp::now(),
+            last_trouble: i64::MIN,
             effects: Effects::default(),
         };
         tokio::spawn(run(change, waiting, announcements));
@@ -173,6 +181,7 @@ async fn run(
             // the answers are dropped, which tells every caller that nothing was kept
             Err(error) => {
                 tracing::error!(%error, "a transaction was rolled back");
+                change.last_trouble = Timestamp::now().as_millis();
                 change.effects = Effects::default();
                 // the database may have rolled back by itself, and then there is nothing to undo
                 let _ = statement(&mut change, "ROLLBACK").await;
@@ -188,7 +197,11 @@ async fn commit(
 ) -> Result<(Effects, Vec<Deliver>)> {
     let mut effects = Effects::default();
     let mut answers = Vec::new();
+    let start = Instant::now();
     statement(change, "BEGIN IMMEDIATE").await?;
+    if start.elapsed() > LONG_WAIT {
+        change.last_trouble = Timestamp::now().as_millis();
+    }
     for command in batch {
         statement(change, "SAVEPOINT command").await?;
         change.now = Timestamp::now();

@@ -147,7 +147,14 @@ impl AttemptContext {
         if lease.checkpoint.is_none() {
             return Ok(None);
         }
-        let bytes = client.checkpoint().await.map_err(AttemptError::Server)?;
+        let bytes = match client.checkpoint().await {
+            Ok(bytes) => bytes,
+            // the server has found it missing or changed, and forgotten it
+            Err(ServerError::Refused(problem)) if problem.status == 404 => {
+                return Ok(Some(Err(problem.detail)));
+            }
+            Err(error) => return Err(AttemptError::Server(error)),
+        };
         let saved = SavedRun::from_bytes(&bytes, self.engine, &lease.spec_sha256);
         Ok(Some(saved.map_err(|error| error.to_string())))
     }
