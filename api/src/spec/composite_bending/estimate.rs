@@ -19,8 +19,10 @@ const REST_XPBD: f64 = 600.0;
 const STEP: f64 = 6.0;
 /// The automatic time step over the time a wave takes through a cell.
 const STEP_OVER_CROSSING: f64 = 0.5;
-/// The same test on half the cells, in that on all of them.
-const HALF_IN_TIME: f64 = 1.125;
+/// The same test on half and on a quarter of the cells with it, in that on all of them: in as many steps
+/// of the time step that is given, or in half and a quarter of them.
+const OTHERS_OF_ONE_STEP: f64 = 1.31;
+const OTHERS_OF_LONGER_STEPS: f64 = 1.14;
 /// Rounds of contact and of Newton's method in a step of the load.
 const CONTACT_ROUNDS: f64 = 6.0;
 const NEWTON_ROUNDS: f64 = 4.0;
@@ -62,7 +64,14 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
     let longest = f64::from(grid.cells.into_iter().max().unwrap_or(1));
     let sweeps = f64::from(knobs.iterations);
     let moved = match (&spec.test.history, knobs.solver) {
-        (Some(history), _) => STEP * HALF_IN_TIME * time_steps(spec, history.duration_s),
+        (Some(history), _) => {
+            let others = if knobs.time_step_s.is_some() {
+                OTHERS_OF_ONE_STEP
+            } else {
+                OTHERS_OF_LONGER_STEPS
+            };
+            STEP * others * time_steps(spec, history.duration_s)
+        }
         (None, Solver::Static) => 0.0,
         (None, Solver::Verlet) => REST_VERLET * longest,
         (None, Solver::Pbd) => REST_PBD * sweeps * longest,
@@ -90,11 +99,17 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
     }
 }
 
+/// Density of what is only brought to rest, where none is given [kg/m³].
+const ANY_DENSITY: f64 = 1_000.0;
+
 /// Time steps in a time, as many as the stiffest and the lightest material and the smallest cells ask for.
 fn time_steps(spec: &CompositeBending, duration_s: f64) -> f64 {
-    if let Some(step_s) = spec.accuracy.knobs().time_step_s {
-        return duration_s / step_s;
-    }
+    let given = spec.accuracy.knobs().time_step_s;
+    duration_s / given.unwrap_or_else(|| automatic_step_s(spec))
+}
+
+/// The automatic time step [s], about.
+pub(super) fn automatic_step_s(spec: &CompositeBending) -> f64 {
     let modulus = |material: &Material| {
         let isotropic = material
             .isotropic
@@ -107,12 +122,10 @@ fn time_steps(spec: &CompositeBending, duration_s: f64) -> f64 {
     let materials = || spec.materials.values();
     let stiffest = materials().map(modulus).fold(0.0, f64::max);
     let lightest = materials()
-        .filter_map(|material| material.density_kg_per_m3)
+        .map(|material| material.density_kg_per_m3.unwrap_or(ANY_DENSITY))
         .fold(f64::INFINITY, f64::min);
-    let sides = [spec.section.length_mm, spec.section.height_mm];
-    let cells = spec.grid().cells.map(f64::from);
-    let smallest = (sides[0] / cells[0]).min(sides[1] / cells[1]);
+    let smallest = spec.smallest_side_mm();
     // MPa over kg/m3 gives (km/s)²; a km/s is 1e6 mm/s
     let wave_mm_per_s = 1e6 * (stiffest / lightest).sqrt();
-    duration_s * wave_mm_per_s / (STEP_OVER_CROSSING * smallest)
+    STEP_OVER_CROSSING * smallest / wave_mm_per_s
 }

@@ -1,4 +1,5 @@
 //! What an accuracy study varies in a test of a section.
+use super::estimate;
 use super::{
     Accuracy, BondStiffness, CompositeBending, Exact, Geometry, Grid, Knobs, Lattice, Paper, Solver,
 };
@@ -47,7 +48,7 @@ pub(super) fn knobs(spec: &CompositeBending) -> Vec<Knob> {
             keeps_specimen: true,
         });
     }
-    if spec.test.history.is_none() && spec.test.way().is_some_and(|way| way.flexure().is_none()) {
+    if spec.test.history.is_none() && !is_bent(spec) {
         knobs.push(Knob {
             name: "solver",
             description: "the way to rest: static, verlet, pbd or xpbd",
@@ -69,7 +70,36 @@ pub(super) fn knobs(spec: &CompositeBending) -> Vec<Knob> {
             keeps_specimen: true,
         });
     }
+    if moves(spec) {
+        knobs.push(Knob {
+            name: "time_step",
+            description: "time step in that of the spec, or where it gives none in half of the time \
+                          that a wave takes through a cell, about the automatic one",
+            present: "1".to_owned(),
+            grid: words(&["0.5", "0.25"]),
+            reference: vec![("time_step", "0.125".to_owned())],
+            keeps_specimen: true,
+        });
+    } else if accuracy.geometry == Geometry::Large || is_bent(spec) {
+        knobs.push(Knob {
+            name: "load_steps",
+            description: "equal steps of the load",
+            present: accuracy.load_steps.to_string(),
+            grid: words(&["1", "2", "4"]),
+            reference: vec![("load_steps", "16".to_owned())],
+            keeps_specimen: true,
+        });
+    }
     knobs
+}
+
+/// Whether particles move in time steps.
+fn moves(spec: &CompositeBending) -> bool {
+    spec.test.history.is_some() || spec.accuracy.knobs().solver != Solver::Static
+}
+
+fn is_bent(spec: &CompositeBending) -> bool {
+    spec.test.way().is_some_and(|way| way.flexure().is_some())
 }
 
 /// Sets a knob; `None` when the value is not one it takes. Ranges are left to the schema.
@@ -114,6 +144,19 @@ pub(super) fn turn(spec: &mut CompositeBending, knob: &str, value: &str) -> Opti
                 _ => return None,
             };
             change_knobs(spec, |knobs| knobs.geometry = geometry);
+        }
+        "time_step" => {
+            let factor: f64 = value.parse().ok().filter(|factor| *factor > 0.0)?;
+            let step = match spec.accuracy.knobs().time_step_s {
+                Some(given) => Some(factor * given),
+                None if value == "1" => None,
+                None => Some(factor * estimate::automatic_step_s(spec)),
+            };
+            change_knobs(spec, |knobs| knobs.time_step_s = step);
+        }
+        "load_steps" => {
+            let steps = value.parse().ok()?;
+            change_knobs(spec, |knobs| knobs.load_steps = steps);
         }
         _ => return None,
     }

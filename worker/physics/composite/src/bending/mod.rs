@@ -214,6 +214,7 @@ fn test(
     let finest = Fineness {
         grid: spec.grid(),
         contact_cells: CONTACT_CELLS,
+        shrinks_to_corners: spec.shrinks_to_corners(),
     };
     let model = Model::new(spec, finest)?;
     if recorded.context.checkpoint.is_none() {

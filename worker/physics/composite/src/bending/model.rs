@@ -26,6 +26,8 @@ pub(super) struct Fineness {
     pub(super) grid: spec::Grid,
     /// Cells through half the width of a roller's contact, in a graded grid.
     pub(super) contact_cells: usize,
+    /// Whether the cells of a graded grid shrink towards the corners of what is held.
+    pub(super) shrinks_to_corners: bool,
 }
 
 /// A section ready for its test.
@@ -93,7 +95,15 @@ impl<'a> Model<'a> {
         names: &[&String],
         refinements: &[Refinement],
     ) -> Result<Self, CompositeError> {
-        let layout = section.layout_refined(division(spec, fineness.grid), refinements)?;
+        let layout = section.layout_refined(
+            division(spec, fineness.grid),
+            refinements,
+            &if fineness.shrinks_to_corners {
+                spec.held_corners()
+            } else {
+                Default::default()
+            },
+        )?;
         let lattice = match &spec.lattice {
             spec::Lattice::Exact(_) => Lattice::exact(&layout),
             spec::Lattice::Paper(paper) => Lattice::paper(&section, &layout, rule(*paper))?,

@@ -1,6 +1,6 @@
 //! The report of a test: results with their errors, what tells whether to believe them, warnings.
 use indexmap::IndexMap;
-use loadframe_api::{QualityCheck, Quantity, Report, Warning};
+use loadframe_api::{ErrorBasis, ErrorPart, QualityCheck, Quantity, Report, Warning};
 
 use super::errors::{self, Comparison, Finding};
 use super::model::Model;
@@ -24,6 +24,34 @@ const SMALL: f64 = 0.1;
 /// Fewer particles than this under a roller do not know its contact.
 const LEAST_TOUCHING: usize = 3;
 
+/// Limits of results on ever finer grids: their names, and what of.
+const LIMITS: [(&str, &str, &str); 4] = [
+    (
+        "mean_top_deflection_limit",
+        "mean_top_deflection",
+        "What the mean deflection of the top face tends to on ever finer grids, from the three that were \
+         tried (Richardson).",
+    ),
+    (
+        "mean_bottom_deflection_limit",
+        "mean_bottom_deflection",
+        "What the mean deflection of the bottom face tends to on ever finer grids, from the three that \
+         were tried (Richardson).",
+    ),
+    (
+        "effective_modulus_limit",
+        "effective_modulus",
+        "What the effective modulus tends to on ever finer grids, from the three that were tried \
+         (Richardson).",
+    ),
+    (
+        "effective_shear_modulus_limit",
+        "effective_shear_modulus",
+        "What the effective shear modulus tends to on ever finer grids, from the three that were tried \
+         (Richardson).",
+    ),
+];
+
 pub(super) fn report(
     model: &Model<'_>,
     tested: &Tested,
@@ -35,6 +63,19 @@ pub(super) fn report(
         let quantity = Quantity::new(one.value, one.unit, one.description);
         let quantity = quantity.with_error(finding.parts(one, model.comparison()));
         summary.insert(one.name.to_owned(), quantity);
+    }
+    for (name, of, about) in LIMITS {
+        let of = measured.iter().find(|one| one.name == of);
+        let found = of.and_then(|of| Some((of, finding.limit(of, model.comparison())?)));
+        if let Some((of, [value, error])) = found {
+            let part = ErrorPart {
+                source: "grid".to_owned(),
+                value: error,
+                basis: ErrorBasis::TwoGrids,
+            };
+            let quantity = Quantity::new(value, of.unit, about).with_error(vec![part]);
+            summary.insert(name.to_owned(), quantity);
+        }
     }
     if let Some(stiffer) = finding.stiffer(measured) {
         let about =
