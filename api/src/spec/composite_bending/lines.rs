@@ -1,5 +1,5 @@
 //! Lines of particles of a spec's grid, as far as the spec alone tells them.
-use super::{Axis, CompositeBending, Grips, Lattice, Solver, Support, SupportWord, Way};
+use super::{Axis, CompositeBending, Grid, Grips, Lattice, Solver, Support, SupportWord, Way};
 use crate::section::fibre::{Band, Fibre};
 use crate::section::lines::{Fine, Towards, even_lines, fitted_lines, graded_lines, pass_through};
 
@@ -42,26 +42,68 @@ impl CompositeBending {
     /// Particles of the lattice, those of a graded grid as far as they can be foreseen: without what
     /// rollers add, and of very many fibres or plies those of even cells.
     pub fn particles(&self) -> u64 {
-        let [columns, rows] = self.lines_mm().map(|lines| lines.len() as u64);
-        columns * rows
+        self.laid_on(self.grid()).particles
     }
 
-    /// The smallest side of a cell [mm], as far as it can be foreseen.
-    pub(super) fn smallest_side_mm(&self) -> f64 {
-        let smallest = |lines: &[f64]| {
-            let sides = lines.windows(2).map(|pair| pair[1] - pair[0]);
-            sides.fold(f64::INFINITY, f64::min)
+    /// The grid and the others on which the same test is done to know its error, as far as they can be
+    /// foreseen.
+    pub(super) fn laid(&self) -> Vec<Laid> {
+        let grid = self.grid();
+        let first = self.laid_on(grid);
+        if matches!(self.lattice, Lattice::Paper(_)) {
+            // with the exact lattice beside it
+            return vec![first, first];
+        }
+        let half = Grid {
+            cells: grid.cells.map(|count| count.div_ceil(2)),
+            ..grid
         };
-        let [x, y] = self.lines_mm();
-        smallest(&x).min(smallest(&y))
+        if self.is_cut(grid) || self.is_cut(half) {
+            // a graded grid stands for the truth there
+            let graded = self.laid_on(Grid {
+                equal_cells: false,
+                graded_cells_per_fibre: Some(2),
+                ..grid
+            });
+            return vec![first, graded, graded.halved()];
+        }
+        vec![first, first.halved(), first.halved().halved()]
+    }
+
+    fn laid_on(&self, grid: Grid) -> Laid {
+        let lines = self.lines_mm(grid);
+        let sides = lines.iter().flat_map(|lines| lines.windows(2));
+        Laid {
+            particles: lines.iter().map(|lines| lines.len() as u64).product(),
+            smallest_mm: sides
+                .map(|pair| pair[1] - pair[0])
+                .fold(f64::INFINITY, f64::min),
+            is_graded: grid.graded_cells_per_fibre.is_some(),
+        }
+    }
+
+    /// Whether faces along an axis cut cells of a grid.
+    fn is_cut(&self, grid: Grid) -> bool {
+        let lines = self.lines_mm(grid);
+        let mut both = self.fine(1).into_iter().zip(lines);
+        self.is_counted()
+            && both.any(|(fine, lines)| {
+                let faces: Vec<f64> = fine.iter().flat_map(|fine| fine.between).collect();
+                !pass_through(&lines, &faces)
+            })
+    }
+
+    /// Whether there are few enough fibres and plies to lay lines through their faces.
+    fn is_counted(&self) -> bool {
+        self.fibres.len() + self.plies.len() <= MOST_COUNTED
     }
 
     /// Lines of particles along x and along y [mm].
-    fn lines_mm(&self) -> [Vec<f64>; 2] {
-        let (sides, grid) = (self.sides_mm(), self.grid());
+    fn lines_mm(&self, grid: Grid) -> [Vec<f64>; 2] {
+        let sides = self.sides_mm();
         let even = |axis: usize| even_lines(sides[axis], grid.cells[axis] as usize);
         let keeps = grid.equal_cells || matches!(self.lattice, Lattice::Paper(_));
-        if keeps || self.fibres.len() + self.plies.len() > MOST_COUNTED {
+        if keeps || !self.is_counted() {
             return [0, 1].map(even);
         }
         let across = grid.graded_cells_per_fibre;
@@ -114,6 +156,26 @@ impl CompositeBending {
             below = above;
         }
         fine
+    }
+}
+
+/// What of a grid decides how long a test on it takes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Laid {
+    pub(super) particles: u64,
+    /// The smallest side of a cell [mm].
+    pub(super) smallest_mm: f64,
+    pub(super) is_graded: bool,
+}
+
+impl Laid {
+    /// With half of the cells along both sides.
+    fn halved(self) -> Self {
+        Self {
+            particles: (self.particles / 4).max(4),
+            smallest_mm: 2.0 * self.smallest_mm,
+            ..self
+        }
     }
 }
 

@@ -150,7 +150,10 @@ pub(super) fn turn(spec: &mut CompositeBending, knob: &str, value: &str) -> Opti
             let step = match spec.accuracy.knobs().time_step_s {
                 Some(given) => Some(factor * given),
                 None if value == "1" => None,
-                None => Some(factor * estimate::automatic_step_s(spec)),
+                None => {
+                    let smallest_mm = spec.laid().first()?.smallest_mm;
+                    Some(factor * estimate::automatic_step_s(spec, smallest_mm))
+                }
             };
             change_knobs(spec, |knobs| knobs.time_step_s = step);
         }
