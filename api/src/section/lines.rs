@@ -236,14 +236,14 @@ mod tests {
             reach_mm: 4.0,
         };
         let lines = graded_lines(8.0, &[], 1.0, &towards);
-        // ∫ dx / √(x / 4) over 4 is 8, and 4 more cells of the full size
+        // ∫ dx / √(x / 4) is 4 √x: 8 over the reach, less 1/4 beside the corner, where cells stay at 1/16
+        // up to x = 1/64; and 4 cells of the full size. 11.75 make 12 cells
         assert_eq!(lines.len(), 13);
-        // equal steps of 2 √(4 x) are squares: x = n²/16
-        for (n, line) in lines.iter().take(9).enumerate() {
-            let square = (n * n) as f64 / 16.0;
-            assert!((line - square).abs() < 0.02, "{line} {square}");
+        for (n, line) in lines.iter().enumerate().take(8).skip(1) {
+            let expected = ((n as f64 * 11.75 / 12.0 + 0.25) / 4.0).powi(2);
+            assert!((line - expected).abs() < 1e-3, "{line} {expected}");
         }
         let after = &sizes(&lines)[8..];
-        assert!(after.iter().all(|size| (size - 1.0).abs() < 0.01));
+        assert!(after.iter().all(|size| (size - 11.75 / 12.0).abs() < 1e-3));
     }
 }
