@@ -28,6 +28,11 @@ pub struct Knobs {
     pub cells_per_fibre: u32,
 }
 
+/// Cells of the grid along the longer side, in all, that `standard` takes at most.
+const STANDARD_SIDE: f64 = 768.0;
+/// What `standard` keeps through the thinnest fibre even so.
+const STANDARD_LEAST: u32 = 16;
+
 const CELLS: [(Preset, u32); 3] = [
     (Preset::Draft, 16),
     (Preset::Standard, 48),
@@ -57,6 +62,20 @@ impl Accuracy {
                     cells_per_fibre: found.map_or(48, |(_, cells)| *cells),
                 }
             }
+        }
+    }
+
+    /// The knobs for a cell whose longer side is so many times its thinnest fibre. `standard` chooses by
+    /// cost: a dilute cell would take minutes with as many grid cells through its fibre as a dense one.
+    pub(super) fn knobs_for(&self, fibres_along: f64) -> Knobs {
+        let knobs = self.knobs();
+        if !matches!(self, Self::Preset(Preset::Standard)) {
+            return knobs;
+        }
+        let affordable = (STANDARD_SIDE / fibres_along).floor();
+        let affordable = (affordable as u32).max(STANDARD_LEAST);
+        Knobs {
+            cells_per_fibre: knobs.cells_per_fibre.min(affordable),
         }
     }
 }

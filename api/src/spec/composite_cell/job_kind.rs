@@ -9,7 +9,7 @@ impl Spec for CompositeCell {
     }
 
     fn normalise(&mut self) {
-        self.accuracy = Accuracy::Knobs(self.accuracy.knobs());
+        self.accuracy = Accuracy::Knobs(self.knobs());
     }
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
