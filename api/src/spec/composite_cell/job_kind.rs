@@ -9,7 +9,7 @@ impl Spec for CompositeCell {
     }
 
     fn normalise(&mut self) {
-        self.accuracy = Accuracy::Knobs(self.knobs());
+        self.accuracy = Accuracy::Knobs(self.chosen_knobs());
     }
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {

@@ -12,7 +12,7 @@ pub(super) fn knobs(spec: &CompositeCell) -> Vec<Knob> {
     let mut knobs = vec![Knob {
         name: "cells_per_fibre",
         description: "cells of the grid through the thinnest fibre, a whole number from 2",
-        present: spec.knobs().cells_per_fibre.to_string(),
+        present: spec.chosen_knobs().cells_per_fibre.to_string(),
         grid: words(&CELLS),
         reference: vec![("cells_per_fibre", FINEST.to_owned())],
         keeps_specimen: true,
