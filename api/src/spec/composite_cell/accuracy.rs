@@ -79,3 +79,23 @@ impl Accuracy {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn standard_puts_fewer_cells_through_fibres_that_are_far_apart_and_others_never() {
+        let chosen = |preset, along| Accuracy::Preset(preset).knobs_for(along).cells_per_fibre;
+        // 768 / 16 = 48
+        assert_eq!(chosen(Preset::Standard, 16.0), 48);
+        assert_eq!(chosen(Preset::Standard, 32.0), 24);
+        assert_eq!(chosen(Preset::Standard, 1000.0), 16);
+        assert_eq!(chosen(Preset::Draft, 1000.0), 16);
+        assert_eq!(chosen(Preset::Reference, 1000.0), 128);
+        let given = Accuracy::Knobs(Knobs {
+            cells_per_fibre: 48,
+        });
+        assert_eq!(given.knobs_for(1000.0).cells_per_fibre, 48);
+    }
+}
