@@ -1,5 +1,4 @@
 //! The JSON Schema of each kind's spec, and specs held against it.
-use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use serde_json::Value;
@@ -48,14 +47,10 @@ fn kind_checker(kind: JobKind) -> &'static Checker {
             Checker::of::<T>()
         }
     }
-    static CHECKERS: OnceLock<BTreeMap<&'static str, Checker>> = OnceLock::new();
-    let all = CHECKERS.get_or_init(|| {
-        JobKind::ALL
-            .iter()
-            .map(|kind| (kind.name(), kind.visit(Compile)))
-            .collect()
-    });
-    &all[kind.name()]
+    // each by itself: a job needs the schema of its own kind only, and they take milliseconds each
+    static CHECKERS: [OnceLock<Checker>; JobKind::ALL.len()] =
+        [const { OnceLock::new() }; JobKind::ALL.len()];
+    CHECKERS[kind as usize].get_or_init(|| kind.visit(Compile))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Fibres: bands through a point at an angle.
 use crate::section::error::{CompositeError, finite, positive};
+use crate::section::lines::Fine;
 use crate::section::polygon::Polygon;
 use crate::section::stiffness::direction;
 
@@ -96,6 +97,14 @@ impl Band {
             [low.min(one), high.max(one)]
         });
         low >= self.half_thickness_mm || high <= -self.half_thickness_mm
+    }
+
+    /// The stretch of an axis that it fills with so many cells, where it lies across that axis.
+    pub fn fine_across(&self, axis: usize, across: u32) -> Option<Fine> {
+        let middle = self.through_mm[axis];
+        let half = self.half_thickness_mm;
+        (self.axis[axis].abs() < f64::EPSILON)
+            .then(|| Fine::through([middle - half, middle + half], across))
     }
 
     /// The part of it inside the section.

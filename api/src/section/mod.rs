@@ -2,9 +2,10 @@
 //! taken, and what the engine builds on.
 //!
 //! [`material`] turns elastic constants into plane [`stiffness`]; [`fibre`] makes bands of fibres as
-//! [`polygon`]s and finds those that overlap; [`error`] says what is wrong.
+//! [`polygon`]s and finds those that overlap; [`lines`] are those of particles, [`error`] says what is wrong.
 pub mod error;
 pub mod fibre;
+pub mod lines;
 pub mod material;
 pub mod polygon;
 pub mod stiffness;

@@ -3,12 +3,13 @@
 //! Work is counted in evaluations of one bond of the calibrating fabric. The factors follow some twenty
 //! runs of 400 to a million cells at rest by each solver, on rollers and in time, all within a factor of
 //! two.
-use super::{CompositeBending, Geometry, Lattice, Material, Solver, Way};
+use super::lines::Laid;
+use super::{CompositeBending, Geometry, Material, Solver};
 use crate::{Calibration, Estimate};
 
 /// One particle in a solution of the equations of 10 000 particles, and the power of the number of
 /// particles with which that grows.
-const SOLUTION: f64 = 920.0;
+const SOLUTION: f64 = 700.0;
 const SOLUTION_POWER: f64 = 0.2;
 /// One particle on its way to rest, for each cell along the longer side; of `pbd` and `xpbd` for each
 /// sweep of a time step.
@@ -19,8 +20,6 @@ const REST_XPBD: f64 = 600.0;
 const STEP: f64 = 6.0;
 /// The automatic time step over the time a wave takes through a cell.
 const STEP_OVER_CROSSING: f64 = 0.5;
-/// The same test on half the cells, in that on all of them.
-const HALF_IN_TIME: f64 = 1.125;
 /// Rounds of contact and of Newton's method in a step of the load.
 const CONTACT_ROUNDS: f64 = 6.0;
 const NEWTON_ROUNDS: f64 = 4.0;
@@ -29,7 +28,7 @@ const NEWTON_ROUNDS: f64 = 4.0;
 /// that cracks everywhere has more.
 const EVENT: f64 = 80.0;
 const EVENTS: f64 = 0.9;
-/// Particles of a graded grid with rollers over those of its even cells.
+/// Particles of a graded grid with rollers over those without.
 const AT_ROLLERS: f64 = 2.4;
 /// Memory of the process itself and of a particle [MB], by a factor and without one.
 const PROCESS_MB: f64 = 20.0;
@@ -44,43 +43,56 @@ const START_S: f64 = 0.02;
 
 pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Estimate {
     let knobs = spec.accuracy.knobs();
-    let grid = spec.grid();
     let is_bent = spec.test.way().is_some_and(|way| way.flexure().is_some());
-    let is_refined = is_bent && grid.graded_cells_per_fibre.is_some();
-    let particles = spec.particles() as f64 * if is_refined { AT_ROLLERS } else { 1.0 };
+    let laid = spec.laid();
     let steps = f64::from(knobs.load_steps);
-    let rounds = match spec.test.way() {
-        Some(Way::ThreePoint(_) | Way::FourPoint(_) | Way::ShortBeam(_)) => CONTACT_ROUNDS * steps,
-        _ if knobs.geometry == Geometry::Large => NEWTON_ROUNDS * steps,
-        _ => 1.0,
+    let rounds = if is_bent {
+        CONTACT_ROUNDS * steps
+    } else if knobs.geometry == Geometry::Large {
+        NEWTON_ROUNDS * steps
+    } else {
+        1.0
     };
-    let lattices = match spec.lattice {
-        Lattice::Exact(_) => 1.0,
-        Lattice::Paper(_) => 2.0,
+    let particles_of = |laid: &Laid| {
+        let is_refined = is_bent && laid.is_graded;
+        laid.particles as f64 * if is_refined { AT_ROLLERS } else { 1.0 }
     };
-    let one = particles * SOLUTION * (particles / 1e4).powf(SOLUTION_POWER);
-    let longest = f64::from(grid.cells.into_iter().max().unwrap_or(1));
+    let on_grids: f64 = laid
+        .iter()
+        .map(|laid| {
+            let particles = particles_of(laid);
+            let one = SOLUTION * (particles / 1e4).powf(SOLUTION_POWER);
+            let moved = spec.test.history.as_ref().map_or(0.0, |history| {
+                STEP * history.duration_s / time_step_s(spec, laid)
+            });
+            particles * (rounds * one + moved)
+        })
+        .sum();
+    let particles = laid.first().map_or(0.0, particles_of);
+    let longest = spec.grid().cells.into_iter().max();
+    let longest = f64::from(longest.unwrap_or(1));
     let sweeps = f64::from(knobs.iterations);
-    let moved = match (&spec.test.history, knobs.solver) {
-        (Some(history), _) => STEP * HALF_IN_TIME * time_steps(spec, history.duration_s),
-        (None, Solver::Static) => 0.0,
-        (None, Solver::Verlet) => REST_VERLET * longest,
-        (None, Solver::Pbd) => REST_PBD * sweeps * longest,
-        (None, Solver::Xpbd) => REST_XPBD * sweeps * longest,
+    let to_rest = match knobs.solver {
+        Solver::Static => 0.0,
+        Solver::Verlet if spec.test.history.is_some() => 0.0,
+        Solver::Verlet => REST_VERLET * longest,
+        Solver::Pbd => REST_PBD * sweeps * longest,
+        Solver::Xpbd => REST_XPBD * sweeps * longest,
     };
     let events = spec.test.breaking.as_ref().map_or(0.0, |breaking| {
         let expected = EVENTS * f64::from(breaking.teeth) * particles.sqrt();
         expected.min(breaking.max_events as f64)
     });
-    let work = lattices * rounds * one + particles * (moved + EVENT * events);
-    let of_particle = if particles > MOST_FACTORED {
+    let work = on_grids + particles * (to_rest + EVENT * events);
+    let most = laid.iter().map(particles_of).fold(0.0, f64::max);
+    let of_particle = if most > MOST_FACTORED {
         ITERATED_MB
     } else {
         FACTORED_MB
     };
     Estimate {
         wall_s: START_S + work / calibration.bond_evaluations_per_s,
-        memory_mb: PROCESS_MB + particles * of_particle,
+        memory_mb: PROCESS_MB + most * of_particle,
         disk_mb: if spec.output.picture {
             particles * DISK_MB
         } else {
@@ -90,11 +102,17 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
     }
 }
 
-/// Time steps in a time, as many as the stiffest and the lightest material and the smallest cells ask for.
-fn time_steps(spec: &CompositeBending, duration_s: f64) -> f64 {
-    if let Some(step_s) = spec.accuracy.knobs().time_step_s {
-        return duration_s / step_s;
-    }
+/// Density of what is only brought to rest, where none is given [kg/m³].
+const ANY_DENSITY: f64 = 1_000.0;
+
+/// Time step on a grid [s].
+fn time_step_s(spec: &CompositeBending, laid: &Laid) -> f64 {
+    let given = spec.accuracy.knobs().time_step_s;
+    given.unwrap_or_else(|| automatic_step_s(spec, laid.smallest_mm))
+}
+
+/// The automatic time step of a grid whose smallest side of a cell is `smallest_mm`, about [s].
+pub(super) fn automatic_step_s(spec: &CompositeBending, smallest_mm: f64) -> f64 {
     let modulus = |material: &Material| {
         let isotropic = material
             .isotropic
@@ -107,12 +125,9 @@ fn time_steps(spec: &CompositeBending, duration_s: f64) -> f64 {
     let materials = || spec.materials.values();
     let stiffest = materials().map(modulus).fold(0.0, f64::max);
     let lightest = materials()
-        .filter_map(|material| material.density_kg_per_m3)
+        .map(|material| material.density_kg_per_m3.unwrap_or(ANY_DENSITY))
         .fold(f64::INFINITY, f64::min);
-    let sides = [spec.section.length_mm, spec.section.height_mm];
-    let cells = spec.grid().cells.map(f64::from);
-    let smallest = (sides[0] / cells[0]).min(sides[1] / cells[1]);
     // MPa over kg/m3 gives (km/s)²; a km/s is 1e6 mm/s
     let wave_mm_per_s = 1e6 * (stiffest / lightest).sqrt();
-    duration_s * wave_mm_per_s / (STEP_OVER_CROSSING * smallest)
+    STEP_OVER_CROSSING * smallest_mm / wave_mm_per_s
 }

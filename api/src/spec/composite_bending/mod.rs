@@ -11,6 +11,7 @@ pub(super) mod checks;
 mod estimate;
 mod job_kind;
 mod learned;
+mod lines;
 mod material;
 mod study;
 mod test;
@@ -267,12 +268,6 @@ impl CompositeBending {
                 "strain_energy_n_mm",
             ]
         }
-    }
-
-    /// Particles of the lattice, those of a graded grid as far as they can be foreseen.
-    pub fn particles(&self) -> u64 {
-        let [columns, rows] = self.grid().cells.map(u64::from);
-        (columns + 1) * (rows + 1)
     }
 }
 

@@ -1,4 +1,5 @@
 //! What an accuracy study varies in a test of a section.
+use super::estimate;
 use super::{
     BondStiffness, CompositeBending, Exact, Geometry, Grid, Knobs, Lattice, Paper, Solver,
 };
@@ -46,8 +47,7 @@ impl Studied for CompositeBending {
                 "exact",
             ));
         }
-        if self.test.history.is_none() && self.test.way().is_some_and(|way| way.flexure().is_none())
-        {
+        if self.test.history.is_none() && !is_bent(self) {
             knobs.push(Knob::new(
                 "solver",
                 "the way to rest: static, verlet, pbd or xpbd",
@@ -64,6 +64,24 @@ impl Studied for CompositeBending {
                 },
                 &["linear"],
                 "large",
+            ));
+        }
+        if moves(self) {
+            knobs.push(Knob::new(
+                "time_step",
+                "time step in that of the spec, or where it gives none in half of the time that a wave \
+                 takes through a cell, about the automatic one",
+                1,
+                &["0.5", "0.25"],
+                "0.125",
+            ));
+        } else if accuracy.geometry == Geometry::Large || is_bent(self) {
+            knobs.push(Knob::new(
+                "load_steps",
+                "equal steps of the load",
+                accuracy.load_steps,
+                &["1", "2", "4"],
+                "16",
             ));
         }
         knobs
@@ -111,6 +129,22 @@ impl Studied for CompositeBending {
                 };
                 self.change_knobs(|knobs| knobs.geometry = geometry);
             }
+            "time_step" => {
+                let factor: f64 = value.parse().ok().filter(|factor| *factor > 0.0)?;
+                let step = match self.accuracy.knobs().time_step_s {
+                    Some(given) => Some(factor * given),
+                    None if value == "1" => None,
+                    None => {
+                        let smallest_mm = self.laid().first()?.smallest_mm;
+                        Some(factor * estimate::automatic_step_s(self, smallest_mm))
+                    }
+                };
+                self.change_knobs(|knobs| knobs.time_step_s = step);
+            }
+            "load_steps" => {
+                let steps = value.parse().ok()?;
+                self.change_knobs(|knobs| knobs.load_steps = steps);
+            }
             _ => return None,
         }
         Some(())
@@ -124,6 +158,15 @@ impl Studied for CompositeBending {
     fn compares(result: &str) -> bool {
         COMPARED.contains(&result)
     }
+}
+
+/// Whether particles move in time steps.
+fn moves(spec: &CompositeBending) -> bool {
+    spec.test.history.is_some() || spec.accuracy.knobs().solver != Solver::Static
+}
+
+fn is_bent(spec: &CompositeBending) -> bool {
+    spec.test.way().is_some_and(|way| way.flexure().is_some())
 }
 
 impl CompositeBending {
@@ -150,5 +193,70 @@ fn solver_word(solver: Solver) -> &'static str {
         Solver::Verlet => "verlet",
         Solver::Pbd => "pbd",
         Solver::Xpbd => "xpbd",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{JobKind, JobSpec, Submission};
+    use serde_json::{Value, json};
+
+    fn example(change: impl FnOnce(&mut Value)) -> JobSpec {
+        let body = JobKind::CompositeBending.examples()[0].body;
+        let mut body: Value = serde_json::from_str(body).expect("JSON");
+        change(&mut body["spec"]);
+        let submission = Submission::from_slice(body.to_string().as_bytes());
+        submission.expect("a valid job").spec
+    }
+
+    fn time_step(spec: &JobSpec) -> Option<f64> {
+        let JobSpec::CompositeBending(spec) = spec else {
+            panic!("it is a section");
+        };
+        spec.accuracy.knobs().time_step_s
+    }
+
+    #[test]
+    fn motion_has_its_time_step_varied_and_large_rotations_their_steps_of_the_load() {
+        let in_motion = |step: Value| {
+            example(|spec| {
+                for material in ["filler", "fibre"] {
+                    spec["materials"][material]["density_kg_per_m3"] = json!(1500);
+                }
+                spec["test"]["history"] = json!({"duration_s": 1e-3});
+                spec["accuracy"] = json!({"solver": "verlet"});
+                if step.is_number() {
+                    spec["accuracy"]["time_step_s"] = step;
+                }
+            })
+        };
+        for (given, half) in [(json!(4e-7), 2e-7), (Value::Null, f64::NAN)] {
+            let spec = in_motion(given);
+            let knob = spec
+                .knobs()
+                .into_iter()
+                .find(|knob| knob.name == "time_step");
+            let knob = knob.expect("motion has time steps");
+            for value in knob.grid.iter().chain([&knob.reference[0].1]) {
+                let mut turned = spec.clone();
+                turned.turn("time_step", value).expect("a step");
+                turned.check().expect("a valid spec");
+            }
+            let mut halved = spec.clone();
+            halved.turn("time_step", "0.5").expect("a step");
+            let found = time_step(&halved).expect("a step");
+            // without one of its own: some part of the time a wave takes through a cell
+            assert!(found > 0.0 && (half.is_nan() || (found / half - 1.0).abs() < 1e-12));
+            let mut same = spec.clone();
+            same.turn("time_step", "1").expect("its own");
+            assert_eq!(same, spec);
+        }
+        let large = example(|spec| spec["accuracy"] = json!({"geometry": "large"}));
+        let knobs = large.knobs();
+        let named = |name: &str| knobs.iter().any(|knob| knob.name == name);
+        assert!(named("load_steps") && !named("time_step"));
+        let mut turned = large.clone();
+        turned.turn("load_steps", "4").expect("steps");
+        turned.check().expect("a valid spec");
     }
 }

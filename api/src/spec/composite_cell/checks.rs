@@ -39,7 +39,7 @@ pub(super) fn check(spec: &CompositeCell, violations: &mut Violations) {
                 "too_large",
                 format!("the cell needs a grid of {columns} by {rows}"),
             )
-            .value(spec.accuracy.knobs().cells_per_fibre)
+            .value(spec.chosen_knobs().cells_per_fibre)
             .allowed(format!(
                 "at most {MOST_ALONG} cells along a side and {MOST_CELLS} in all: fewer fibres, or fewer cells \
                  through the thinnest"

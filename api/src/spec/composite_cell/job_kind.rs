@@ -1,5 +1,5 @@
 //! The unit cell as a kind of job.
-use super::{CompositeCell, checks, estimate};
+use super::{Accuracy, CompositeCell, checks, estimate};
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violations};
 
@@ -9,7 +9,7 @@ impl Spec for CompositeCell {
     }
 
     fn normalise(&mut self) {
-        self.accuracy.write_out();
+        self.accuracy = Accuracy::Knobs(self.chosen_knobs());
     }
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {

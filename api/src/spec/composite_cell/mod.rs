@@ -180,10 +180,17 @@ impl Arrangement {
 }
 
 impl CompositeCell {
+    /// The knobs of accuracy, those of a preset for the cell at hand.
+    pub fn chosen_knobs(&self) -> Knobs {
+        let longest = self.arrangement.size_mm().into_iter().fold(0.0, f64::max);
+        let fibres_along = longest / self.arrangement.least_diameter_mm();
+        accuracy::knobs_for(&self.accuracy, fibres_along)
+    }
+
     /// Cells of the grid along axes 2 and 3: as many as `accuracy` puts through a fibre, in multiples of
     /// four, so that they can be halved twice.
     pub fn cells(&self) -> [u32; 2] {
-        let knobs = self.accuracy.knobs();
+        let knobs = self.chosen_knobs();
         let cell = self.arrangement.least_diameter_mm() / f64::from(knobs.cells_per_fibre);
         self.arrangement.size_mm().map(|side| {
             let fours = (side / (4.0 * cell)).ceil().clamp(4.0, 1e6);

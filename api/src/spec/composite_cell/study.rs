@@ -13,7 +13,7 @@ impl Studied for CompositeCell {
         let mut knobs = vec![Knob::new(
             "cells_per_fibre",
             "cells of the grid through the thinnest fibre, a whole number from 2",
-            self.accuracy.knobs().cells_per_fibre,
+            self.chosen_knobs().cells_per_fibre,
             &CELLS,
             FINEST,
         )];

@@ -9,6 +9,8 @@ pub(super) struct Fineness {
     pub(super) grid: Grid,
     /// Cells through half the width of a roller's contact, in a graded grid.
     pub(super) contact_cells: usize,
+    /// Whether the cells of a graded grid shrink towards the corners of what is held.
+    pub(super) shrinks_to_corners: bool,
 }
 
 /// The grids to compare with.
@@ -77,6 +79,7 @@ pub(super) fn halved(finer: Fineness) -> Option<Fineness> {
             ..grid
         },
         contact_cells: finer.contact_cells.div_ceil(2),
+        ..finer
     })
 }
 
@@ -92,6 +95,7 @@ mod tests {
                 graded_cells_per_fibre: Some(2),
             },
             contact_cells: 4,
+            shrinks_to_corners: false,
         }
     }
 

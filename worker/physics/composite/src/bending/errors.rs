@@ -25,6 +25,13 @@ pub(super) struct Finding {
 /// keep lattices and finite elements of this kind from the second.
 const ORDERS: [f64; 2] = [0.5, 1.0];
 
+/// Orders of convergence that three grids may show, to be followed to their limit; of larger ones the
+/// largest counts that the cells can have where nothing grows without bound.
+const STEADY: [f64; 2] = [1.0, 3.0];
+const LARGEST_ORDER: f64 = 2.0;
+/// Error of a limit over what it adds to the finest value.
+const LIMIT_ERROR: f64 = 0.5;
+
 impl Finding {
     /// A value by its name.
     pub(super) fn of(values: &Values, name: &str) -> f64 {
@@ -63,6 +70,27 @@ impl Finding {
                 step.abs() / (order.exp2() - 1.0)
             }
         }
+    }
+
+    /// What a result on ever finer grids tends to, with how far off that may be.
+    ///
+    /// Richardson's f₁ + (f₁ − f₂) / (2ᵖ − 1), p as the three grids show it; the error is half of what
+    /// is added. `None` where they do not approach a limit steadily, as methods of the first to the third
+    /// order do, and of other solvers, whose own error would grow with it.
+    pub(super) fn limit(&self, measured: &Measured, comparison: Comparison) -> Option<[f64; 2]> {
+        let (Comparison::Coarser { wanders: false }, None) = (comparison, &self.by_static) else {
+            return None;
+        };
+        let [first, second] = [self.others.first()?, self.others.get(1)?]
+            .map(|values| Self::of(values, measured.name));
+        let step = measured.value - first;
+        let ratio = (first - second) / step;
+        let is_steady = (STEADY[0].exp2()..=STEADY[1].exp2()).contains(&ratio);
+        is_steady.then(|| {
+            let order = ratio.log2().min(LARGEST_ORDER);
+            let rest = step / (order.exp2() - 1.0);
+            [measured.value + rest, LIMIT_ERROR * rest.abs()]
+        })
     }
 
     fn of_solver(&self, measured: &Measured) -> f64 {
@@ -145,23 +173,23 @@ mod tests {
         }
     }
 
-    const STEADY: Comparison = Comparison::Coarser { wanders: false };
+    const CONVERGING: Comparison = Comparison::Coarser { wanders: false };
 
     #[test]
     fn the_error_of_a_first_order_method_is_what_is_left_of_it() {
         // 1 + h at h = 1/4, 1/2, 1
-        let error = finding(&[1.5, 2.0]).of_grid(&measured(1.25), STEADY);
+        let error = finding(&[1.5, 2.0]).of_grid(&measured(1.25), CONVERGING);
         assert!((error - 0.25).abs() < 1e-12, "{error}");
         // a faster one is counted as of first order
-        let error = finding(&[1.25, 2.0]).of_grid(&measured(1.0625), STEADY);
+        let error = finding(&[1.25, 2.0]).of_grid(&measured(1.0625), CONVERGING);
         assert!((error - 0.1875).abs() < 1e-12, "{error}");
         // one that has not begun to converge as of half an order
-        let error = finding(&[1.0, 2.0]).of_grid(&measured(1.5), STEADY);
+        let error = finding(&[1.0, 2.0]).of_grid(&measured(1.5), CONVERGING);
         assert!(
             (error - 0.5 / (2.0_f64.sqrt() - 1.0)).abs() < 1e-12,
             "{error}"
         );
-        assert!(finding(&[]).of_grid(&measured(1.0), STEADY).is_nan());
+        assert!(finding(&[]).of_grid(&measured(1.0), CONVERGING).is_nan());
     }
 
     #[test]
@@ -172,5 +200,24 @@ mod tests {
         assert!((error - 0.245 / slow).abs() < 1e-12, "{error}");
         let error = finding(&[1.01, 1.02]).of_grid(&measured(1.5), Comparison::Graded);
         assert!((error - 0.5).abs() < 1e-12, "{error}");
+    }
+
+    #[test]
+    fn three_grids_of_a_second_order_tell_the_limit() {
+        // 1 + h² at h = 1/4, 1/2, 1
+        let found = finding(&[1.25, 2.0]).limit(&measured(1.0625), CONVERGING);
+        let [limit, error] = found.unwrap();
+        assert!((limit - 1.0).abs() < 1e-12 && (error - 0.03125).abs() < 1e-12);
+        // steps that fall too slowly, too fast or in turns tell none, and neither do two grids
+        for coarser in [&[1.1, 1.12] as &[f64], &[1.07, 2.0], &[1.0, 1.2], &[1.25]] {
+            assert!(
+                finding(coarser)
+                    .limit(&measured(1.0625), CONVERGING)
+                    .is_none()
+            );
+        }
+        let wandering = Comparison::Coarser { wanders: true };
+        let found = finding(&[1.25, 2.0]);
+        assert!(found.limit(&measured(1.0625), wandering).is_none());
     }
 }

@@ -1,10 +1,11 @@
 //! Motion in time: a load that comes or goes at once, or an impact.
 use loadframe_api::spec::composite_bending::{History, HistoryLoad};
+use loadframe_harness::RunContext;
 use serde::{Deserialize, Serialize};
 
 use super::model::Model;
 use super::results::Tested;
-use super::{Halt, Progress, Watch};
+use super::{Halt, Progress, Watch, share};
 use crate::measure::face_mean_mm;
 use crate::motion::{Damping, Motion, MotionOptions, MotionState, Scheme};
 use crate::solve::{StaticOptions, equilibrium};
@@ -64,6 +65,7 @@ pub(super) fn conduct(
     model: &Model<'_>,
     history: &History,
     progress: Option<Progress>,
+    context: RunContext<'_>,
     watch: &mut dyn Watch,
 ) -> Result<Tested, Halt> {
     let knobs = model.spec.accuracy.knobs();
@@ -77,6 +79,7 @@ pub(super) fn conduct(
             .map_or(Damping::None, |per_s| Damping::Viscous { per_s }),
     };
     let mut motion = Motion::new(&model.lattice, &model.supports, &model.load, options)?;
+    share(&mut motion, context)?;
     let deflection = |u: &[f64], face: Face| {
         let mean = face_mean_mm(grid, face, u);
         mean[0] * model.direction[0] + mean[1] * model.direction[1]

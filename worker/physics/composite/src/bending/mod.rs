@@ -22,12 +22,11 @@ use std::io;
 use loadframe_api::Report;
 use loadframe_api::spec::composite_bending::{Accuracy, CompositeBending, Knobs, Lattice, Solver};
 use loadframe_harness::checkpoint::{self, Fingerprint};
-use loadframe_harness::{
-    Ending, Interrupt, InterruptSource, Recorder, RunContext, SimulationError,
-};
+use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
 use serde::{Deserialize, Serialize};
 
 use crate::error::CompositeError;
+use crate::motion::Motion;
 use comparison::Fineness;
 use errors::{Finding, Values};
 use model::Model;
@@ -215,6 +214,7 @@ fn test(
     let finest = Fineness {
         grid: spec.grid(),
         contact_cells: CONTACT_CELLS,
+        shrinks_to_corners: spec.shrinks_to_corners(),
     };
     let model = Model::new(spec, finest)?;
     if recorded.context.checkpoint.is_none() {
@@ -224,7 +224,7 @@ fn test(
         Some(Progress::Done(done)) => done.1.clone(),
         _ => Finding::default(),
     };
-    let tested = conduct(&model, progress, recorded.context.interrupt, recorded)?;
+    let tested = conduct(&model, progress, recorded.context, recorded)?;
     let measured = results::measure(&model, &tested);
     let finding = compare(&model, recorded, &tested, finding)?;
     files::write(&model, &tested, &measured, &finding, recorded).map_err(Halt::Failed)?;
@@ -232,11 +232,22 @@ fn test(
     Ok(report::report(&model, &tested, &measured, &finding))
 }
 
+/// Shares a motion among the run's threads, where there is enough to share.
+fn share(motion: &mut Motion<'_>, context: RunContext<'_>) -> Result<(), Halt> {
+    /// A step of fewer particles takes about as long as to wake a thread for it.
+    const LEAST_SHARED: usize = 20_000;
+    if motion.displacements_mm().len() / 2 >= LEAST_SHARED {
+        let shared = motion.share(context.threads);
+        shared.map_err(|error| Halt::Failed(error.into()))?;
+    }
+    Ok(())
+}
+
 /// Does what the spec says to the model.
 fn conduct(
     model: &Model<'_>,
     progress: Option<Progress>,
-    interrupt: &dyn InterruptSource,
+    context: RunContext<'_>,
     watch: &mut dyn Watch,
 ) -> Result<Tested, Halt> {
     if let Some(Progress::Done(done)) = progress {
@@ -250,8 +261,8 @@ fn conduct(
         return rollers::conduct(model, flexure, given, progress, watch);
     }
     match &model.spec.test.history {
-        Some(history) => history::conduct(model, history, progress, watch),
-        None => rest::conduct(model, progress, interrupt, watch),
+        Some(history) => history::conduct(model, history, progress, context, watch),
+        None => rest::conduct(model, progress, context, watch),
     }
 }
 
@@ -277,7 +288,7 @@ fn compare(
     let context = recorded.context;
     let other = |spec: &CompositeBending, fineness: Fineness| -> Result<Values, Halt> {
         let model = Model::new(spec, fineness)?;
-        let tested = conduct(&model, None, context.interrupt, &mut Unwatched(context))?;
+        let tested = conduct(&model, None, context, &mut Unwatched(context))?;
         let measured = results::measure(&model, &tested);
         let named = measured
             .into_iter()

@@ -85,7 +85,15 @@ impl<'a> Model<'a> {
         names: &[&String],
         refinements: &[Refinement],
     ) -> Result<Self, CompositeError> {
-        let layout = section.layout_refined(division(spec, fineness.grid), refinements)?;
+        let layout = section.layout_refined(
+            division(spec, fineness.grid),
+            refinements,
+            &if fineness.shrinks_to_corners {
+                spec.held_corners()
+            } else {
+                Default::default()
+            },
+        )?;
         let lattice = match &spec.lattice {
             spec::Lattice::Exact(_) => Lattice::exact(&layout),
             spec::Lattice::Paper(paper) => Lattice::paper(&section, &layout, rule(*paper))?,

@@ -1,5 +1,5 @@
 //! The report of a test: results with their errors, what tells whether to believe them, warnings.
-use loadframe_api::Report;
+use loadframe_api::{ErrorBasis, ErrorPart, Report};
 use loadframe_harness::ReportBuilder;
 
 use super::comparison::Comparison;
@@ -25,6 +25,34 @@ const SMALL: f64 = 0.1;
 /// Fewer particles than this under a roller do not know its contact.
 const LEAST_TOUCHING: usize = 3;
 
+/// Limits of results on ever finer grids: their names, and what of.
+const LIMITS: [(&str, &str, &str); 4] = [
+    (
+        "mean_top_deflection_limit",
+        "mean_top_deflection",
+        "What the mean deflection of the top face tends to on ever finer grids, from the three that were \
+         tried (Richardson).",
+    ),
+    (
+        "mean_bottom_deflection_limit",
+        "mean_bottom_deflection",
+        "What the mean deflection of the bottom face tends to on ever finer grids, from the three that \
+         were tried (Richardson).",
+    ),
+    (
+        "effective_modulus_limit",
+        "effective_modulus",
+        "What the effective modulus tends to on ever finer grids, from the three that were tried \
+         (Richardson).",
+    ),
+    (
+        "effective_shear_modulus_limit",
+        "effective_shear_modulus",
+        "What the effective shear modulus tends to on ever finer grids, from the three that were tried \
+         (Richardson).",
+    ),
+];
+
 pub(super) fn report(
     model: &Model<'_>,
     tested: &Tested,
@@ -39,6 +67,18 @@ pub(super) fn report(
     for one in measured {
         let parts = finding.parts(one, model.comparison());
         report.result_with_error(one.name, one.value, one.unit, one.description, parts);
+    }
+    for (name, of, about) in LIMITS {
+        let of = measured.iter().find(|one| one.name == of);
+        let found = of.and_then(|of| Some((of, finding.limit(of, model.comparison())?)));
+        if let Some((of, [value, error])) = found {
+            let part = ErrorPart {
+                source: "grid".to_owned(),
+                value: error,
+                basis: ErrorBasis::TwoGrids,
+            };
+            report.result_with_error(name, value, of.unit, about, vec![part]);
+        }
     }
     if let Some(stiffer) = finding.stiffer(measured) {
         let about =

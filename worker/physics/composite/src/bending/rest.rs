@@ -3,12 +3,12 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use loadframe_api::spec::composite_bending::Solver;
-use loadframe_harness::InterruptSource;
+use loadframe_harness::{InterruptSource, RunContext};
 use serde::{Deserialize, Serialize};
 
 use super::model::Model;
 use super::results::{self, Tested};
-use super::{Halt, Progress, Watch};
+use super::{Halt, Progress, Watch, share};
 use crate::lattice::Geometry;
 use crate::motion::{Damping, Motion, MotionOptions, MotionState, Rest, Scheme};
 use crate::solve::{LoadPath, PathState, StaticOptions};
@@ -27,7 +27,7 @@ const MOTION_RESIDUAL: f64 = 1e-7;
 pub(super) fn conduct(
     model: &Model<'_>,
     progress: Option<Progress>,
-    interrupt: &dyn InterruptSource,
+    context: RunContext<'_>,
     watch: &mut dyn Watch,
 ) -> Result<Tested, Halt> {
     let state = match progress {
@@ -40,15 +40,15 @@ pub(super) fn conduct(
         watch.point(&[0.0; 6])?;
     }
     match model.spec.accuracy.knobs().solver {
-        Solver::Static => by_equations(model, state, interrupt, watch),
-        Solver::Verlet => by_motion(model, Scheme::Verlet, state, watch),
+        Solver::Static => by_equations(model, state, context.interrupt, watch),
+        Solver::Verlet => by_motion(model, Scheme::Verlet, state, context, watch),
         Solver::Pbd => {
             let iterations = model.spec.accuracy.knobs().iterations;
-            by_motion(model, Scheme::Pbd { iterations }, state, watch)
+            by_motion(model, Scheme::Pbd { iterations }, state, context, watch)
         }
         Solver::Xpbd => {
             let iterations = model.spec.accuracy.knobs().iterations;
-            by_motion(model, Scheme::Xpbd { iterations }, state, watch)
+            by_motion(model, Scheme::Xpbd { iterations }, state, context, watch)
         }
     }
 }
@@ -115,6 +115,7 @@ fn by_motion(
     model: &Model<'_>,
     scheme: Scheme,
     state: Option<RestState>,
+    context: RunContext<'_>,
     watch: &mut dyn Watch,
 ) -> Result<Tested, Halt> {
     let knobs = model.spec.accuracy.knobs();
@@ -127,6 +128,7 @@ fn by_motion(
             .map_or(Damping::Kinetic, |per_s| Damping::Viscous { per_s }),
     };
     let mut motion = Motion::new(&model.lattice, &model.supports, &model.load, options)?;
+    share(&mut motion, context)?;
     if let Some(RestState::Motion(state)) = state {
         motion.resume(state)?;
     }

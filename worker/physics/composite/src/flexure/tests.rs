@@ -25,7 +25,9 @@ fn bent(section: &Section, test: Flexure, force_n: f64, rows: usize) -> FlexureR
         across: 2,
     };
     let refinements = test.refinements(section, force_n, 1).unwrap();
-    let layout = section.layout_refined(graded, &refinements).unwrap();
+    let layout = section
+        .layout_refined(graded, &refinements, &Default::default())
+        .unwrap();
     let lattice = Lattice::exact(&layout);
     let result = test
         .bend(
@@ -186,7 +188,9 @@ fn shear_ratio(material: Material, span: f64) -> f64 {
     };
     let force = 20.0;
     let refinements = test.refinements(&section, force, 2).unwrap();
-    let layout = section.layout_refined(graded, &refinements).unwrap();
+    let layout = section
+        .layout_refined(graded, &refinements, &Default::default())
+        .unwrap();
     let lattice = Lattice::exact(&layout);
     let options = StaticOptions::default();
     let result = test

@@ -149,6 +149,26 @@ impl Lattice {
         }
     }
 
+    /// The cells of a row from left to right.
+    pub(crate) fn row_of_cells(&self, row: usize) -> impl Iterator<Item = Cell> + '_ {
+        let columns = self.grid.columns();
+        let (x, y) = (self.grid.x_mm(), self.grid.y_mm());
+        let height = y[row + 1] - y[row];
+        let cells = row * columns..(row + 1) * columns;
+        let stiffness = &self.stiffness[cells.clone()];
+        let held = stiffness.iter().zip(&self.hourglass[cells]);
+        held.zip(x.windows(2))
+            .map(move |((stiffness, hourglass), pair)| {
+                let sides = [pair[1] - pair[0], height];
+                Cell {
+                    sides,
+                    volume: sides[0] * sides[1] * self.thickness_mm,
+                    stiffness: *stiffness,
+                    hourglass: *hourglass,
+                }
+            })
+    }
+
     /// Gives a cell another stiffness, and the hourglass stiffness that goes with it.
     pub(crate) fn replace_stiffness(&mut self, place: usize, stiffness: Stiffness) {
         self.hourglass[place] =

@@ -20,14 +20,17 @@
 //! multipliers.
 mod gain;
 mod options;
+mod pass;
 mod sweep;
 
 use crate::error::CompositeError;
-use crate::lattice::{Geometry, Lattice, Tangent};
+use crate::lattice::{Cell, Geometry, Lattice, Tangent};
 use crate::solve::equilibrium::{Balance, Equilibrium, rest};
 use crate::supports::Supports;
 use gain::Gains;
+use loadframe_numerics::{Team, ThreadsError};
 pub use options::{Damping, MotionOptions, Scheme};
+use pass::Pass;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
@@ -46,6 +49,9 @@ pub struct Motion<'a> {
     u: Vec<f64>,
     before: Vec<f64>,
     forces: Vec<f64>,
+    team: Team,
+    /// What [`pass`] keeps of forces.
+    rows: Vec<f64>,
     kinetic: f64,
     /// Particles stand still now, so that half a step of force goes into the first velocity.
     is_starting: bool,
@@ -145,10 +151,25 @@ impl<'a> Motion<'a> {
             before: u.clone(),
             forces: vec![0.0; u.len()],
             u,
+            team: Team::alone(),
+            rows: if lattice.is_exact() {
+                pass::scratch(lattice)
+            } else {
+                Vec::new()
+            },
             kinetic: 0.0,
             is_starting: true,
             steps: 0,
         })
+    }
+
+    /// Shares every step of springs between cells among threads; the motion does not depend on how many.
+    ///
+    /// # Errors
+    /// When the operating system refuses the threads.
+    pub fn share(&mut self, threads: usize) -> Result<(), ThreadsError> {
+        self.team = Team::new(threads)?;
+        Ok(())
     }
 
     /// Starts from other displacements [mm], at rest; held ones stay as prescribed.
@@ -282,6 +303,18 @@ impl<'a> Motion<'a> {
             }
             Damping::None | Damping::Kinetic => (1.0, square),
         };
+        // u(-τ) = u(τ) of a particle that stands still: (6) with half the force. A full one would put
+        // in energy at every stop, without bound near the stable step.
+        let push = match self.options.scheme {
+            Scheme::Verlet if self.is_starting => 0.5 * push,
+            _ => push,
+        };
+        self.is_starting = false;
+        self.steps += 1;
+        if self.options.scheme == Scheme::Verlet && self.lattice.is_exact() {
+            let kinetic = self.pass(keep, push);
+            return self.watch(kinetic);
+        }
         match self.options.scheme {
             Scheme::Verlet => {
                 self.lattice
@@ -295,13 +328,6 @@ impl<'a> Motion<'a> {
                 &mut self.forces,
             ),
         }
-        // u(-τ) = u(τ) of a particle that stands still: (6) with half the force. A full one would put
-        // in energy at every stop, without bound near the stable step.
-        let push = match self.options.scheme {
-            Scheme::Verlet if self.is_starting => 0.5 * push,
-            _ => push,
-        };
-        self.is_starting = false;
         for place in 0..self.u.len() {
             let (now, last) = (self.u[place], self.before[place]);
             self.before[place] = now;
@@ -318,18 +344,48 @@ impl<'a> Motion<'a> {
                 );
             }
         }
-        self.steps += 1;
-        self.watch()
-    }
-
-    /// Kinetic energy, kinetic damping, and what must not happen.
-    fn watch(&mut self) -> Result<(), CompositeError> {
         let mut kinetic = 0.0;
         for (place, u) in self.u.iter().enumerate() {
             let shift = u - self.before[place];
             kinetic += self.lattice.masses_t()[place / 2] * shift * shift;
         }
-        kinetic *= 0.5 / (self.time_step * self.time_step);
+        self.watch(kinetic)
+    }
+
+    /// A step of springs between cells; Σ m Δu² [t mm²].
+    fn pass(&mut self, keep: f64, push: f64) -> f64 {
+        let pass = Pass {
+            lattice: self.lattice,
+            drive: &self.drive,
+            inverse_masses: &self.inverse_masses,
+            keep,
+            push,
+        };
+        let (u, before, rows) = (&self.u, &mut self.before, &mut self.rows);
+        let team = &self.team;
+        let sum = match self.options.geometry {
+            Geometry::Linear => pass.step(
+                team,
+                |cell, u| Cell::linear_forces(cell, u).1,
+                u,
+                before,
+                rows,
+            ),
+            Geometry::Large => pass.step(
+                team,
+                |cell, u| Cell::large_forces(cell, u).1,
+                u,
+                before,
+                rows,
+            ),
+        };
+        std::mem::swap(&mut self.u, &mut self.before);
+        sum
+    }
+
+    /// Kinetic energy, by Σ m Δu², kinetic damping, and what must not happen.
+    fn watch(&mut self, moved: f64) -> Result<(), CompositeError> {
+        let kinetic = moved * 0.5 / (self.time_step * self.time_step);
         if !kinetic.is_finite() {
             return Err(CompositeError::NotFinite {
                 quantity: "the kinetic energy",
@@ -338,9 +394,9 @@ impl<'a> Motion<'a> {
         }
         if self.options.damping == Damping::Kinetic && kinetic < self.kinetic {
             self.stop();
-            kinetic = 0.0;
+        } else {
+            self.kinetic = kinetic;
         }
-        self.kinetic = kinetic;
         if self.options.geometry == Geometry::Large
             && let Some(cell) = self.lattice.inverted_cell(&self.u)
         {

@@ -1,4 +1,6 @@
 //! Where the particles stand: lines of a rectangular grid, even or graded.
+use loadframe_api::section::lines::{Fine, even_lines};
+
 use crate::error::{CompositeError, finite, positive};
 
 /// How the section is divided.
@@ -46,21 +48,6 @@ impl Refinement {
     }
 }
 
-/// A stretch of an axis with cells no larger than a size [mm].
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Fine {
-    pub(crate) between: [f64; 2],
-    pub(crate) size: f64,
-}
-
-impl Fine {
-    /// The size it asks for at a distance from it.
-    fn wanted(&self, at: f64) -> f64 {
-        let outside = (self.between[0] - at).max(at - self.between[1]).max(0.0);
-        self.size + (GROWTH - 1.0) * outside
-    }
-}
-
 /// Lines of particles along both axes [mm], from 0 to the section's sides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
@@ -68,21 +55,13 @@ pub struct Grid {
     y_mm: Vec<f64>,
 }
 
-/// How much larger a cell may be than its neighbour nearer to a fine stretch.
-const GROWTH: f64 = 1.3;
-
 impl Grid {
     /// Equal cells.
     #[must_use]
     pub fn uniform([length_mm, height_mm]: [f64; 2], [columns, rows]: [usize; 2]) -> Self {
-        let lines = |side: f64, cells: usize| {
-            (0..=cells)
-                .map(|line| side * (line as f64) / (cells as f64))
-                .collect()
-        };
         Self {
-            x_mm: lines(length_mm, columns),
-            y_mm: lines(height_mm, rows),
+            x_mm: even_lines(length_mm, columns),
+            y_mm: even_lines(height_mm, rows),
         }
     }
 
@@ -197,66 +176,6 @@ impl Grid {
     }
 }
 
-/// So many cells along one axis, as equal as they can be with lines at all `faces`; `None` when there
-/// are more intervals between faces than cells.
-pub(crate) fn fitted_lines(side: f64, faces: &[f64], cells: usize) -> Option<Vec<f64>> {
-    let stations = stations(side, faces.iter().copied());
-    let lengths: Vec<f64> = stations.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if lengths.len() > cells {
-        return None;
-    }
-    let mut counts = vec![1_usize; lengths.len()];
-    for _ in lengths.len()..cells {
-        // one more where cells are longest; of equals the first
-        let mut longest = 0;
-        for place in 1..lengths.len() {
-            let size = |place: usize| lengths[place] / counts[place] as f64;
-            if size(place) > size(longest) * (1.0 + 1e-12) {
-                longest = place;
-            }
-        }
-        counts[longest] += 1;
-    }
-    let mut lines = vec![0.0];
-    for (place, count) in counts.iter().enumerate() {
-        let from = stations[place];
-        for line in 1..*count {
-            lines.push(from + lengths[place] * line as f64 / *count as f64);
-        }
-        lines.push(stations[place + 1]);
-    }
-    Some(lines)
-}
-
-/// Places along an axis in ascending order, each once, with both ends.
-fn stations(side: f64, faces: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut stations: Vec<f64> = faces
-        .map(|face| face.clamp(0.0, side))
-        .chain([0.0, side])
-        .collect();
-    stations.sort_by(f64::total_cmp);
-    stations.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * side);
-    // of the end and a face beside it the end stays
-    if let Some(last) = stations.last_mut() {
-        *last = side;
-    }
-    stations
-}
-
-/// Whether lines pass through all faces within the section.
-pub(crate) fn pass_through(lines: &[f64], faces: &[f64]) -> bool {
-    let side = lines[lines.len() - 1];
-    faces.iter().all(|face| {
-        let after = lines.partition_point(|line| line < face);
-        let near = |place: usize| {
-            lines
-                .get(place)
-                .is_some_and(|line| (line - face).abs() < 1e-9 * side)
-        };
-        *face <= 0.0 || *face >= side || near(after) || (after > 0 && near(after - 1))
-    })
-}
-
 /// Weights of a cell's four corners at a place inside it (0..1 along both sides).
 pub(crate) fn corner_weights([a, b]: [f64; 2]) -> [f64; 4] {
     [(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b]
@@ -274,63 +193,4 @@ pub(crate) fn within(lines: &[f64], coordinate: f64) -> Option<(usize, f64)> {
     let interval = after.clamp(1, lines.len() - 1) - 1;
     let share = (coordinate - lines[interval]) / (lines[interval + 1] - lines[interval]);
     Some((interval, share.clamp(0.0, 1.0)))
-}
-
-/// Lines along one axis: on both ends, on the ends of every fine stretch, and
-/// between them cells that grow by at most [`GROWTH`] away from fine stretches up to `largest`.
-pub(crate) fn graded_lines(side: f64, fine: &[Fine], largest: f64) -> Vec<f64> {
-    let stations = stations(side, fine.iter().flat_map(|stretch| stretch.between));
-    let wanted = |station: f64| {
-        fine.iter()
-            .map(|stretch| stretch.wanted(station))
-            .fold(largest, f64::min)
-    };
-    let mut lines = vec![0.0];
-    for pair in stations.windows(2) {
-        let middle = 0.5 * (pair[0] + pair[1]);
-        let within = fine
-            .iter()
-            .filter(|stretch| stretch.between[0] <= middle && middle <= stretch.between[1])
-            .map(|stretch| stretch.size)
-            .fold(largest, f64::min);
-        fill(
-            &mut lines,
-            pair[0],
-            pair[1],
-            [wanted(pair[0]), wanted(pair[1])],
-            within,
-        );
-    }
-    lines
-}
-
-/// Adds the lines after `from` up to and with `to`.
-///
-/// The wanted size at a distance d from an end is h + (g - 1) d, at most `largest`; lines stand at
-/// equal steps of ∫ dx / size.
-fn fill(lines: &mut Vec<f64>, from: f64, to: f64, ends: [f64; 2], largest: f64) {
-    const SAMPLES: usize = 4_096;
-    let length = to - from;
-    let step = length / SAMPLES as f64;
-    let size = |place: f64| {
-        let rising = ends[0] + (GROWTH - 1.0) * place;
-        let falling = ends[1] + (GROWTH - 1.0) * (length - place);
-        rising.min(falling).min(largest)
-    };
-    let density = |sample: usize| 1.0 / size((sample as f64 + 0.5) * step);
-    let total: f64 = (0..SAMPLES).map(density).sum::<f64>() * step;
-    // A share of a cell below round-off must not make a cell more.
-    let cells = (total - 1e-9).ceil().max(1.0);
-    let mut passed = 0.0;
-    let mut next = 1.0;
-    for sample in 0..SAMPLES {
-        let gain = density(sample) * step * cells / total;
-        while passed + gain >= next && next < cells {
-            let share = (next - passed) / gain;
-            lines.push(from + (sample as f64 + share) * step);
-            next += 1.0;
-        }
-        passed += gain;
-    }
-    lines.push(to);
 }

@@ -1,9 +1,9 @@
 //! A section laid out on its grid: what every cell holds.
+use loadframe_api::section::lines::{Fine, Towards, fitted_lines, graded_lines, pass_through};
+
 use crate::error::{CompositeError, positive};
 use crate::material::{Material, Note, PlaneState};
-use crate::section::grid::{
-    Division, Fine, Grid, Refinement, fitted_lines, graded_lines, pass_through,
-};
+use crate::section::grid::{Division, Grid, Refinement};
 use crate::section::ply::{Ply, Strip, faces_mm, shares_between, strip};
 use crate::section::{Band, Polygon, Section, refuse_overlap};
 use crate::stiffness::{Stiffness, laminate};
@@ -64,6 +64,7 @@ impl Layout {
         section: &Section,
         division: Division,
         refinements: &[Refinement],
+        corners: &[Towards; 2],
     ) -> Result<Self, CompositeError> {
         let sides = [section.length_mm, section.height_mm];
         let stack = section.stack()?;
@@ -75,7 +76,7 @@ impl Layout {
             .map(|(place, fibre)| Band::new(place, fibre, sides))
             .collect::<Result<Vec<_>, _>>()?;
         refuse_overlap(&bands)?;
-        let grid = divide(section, &faces, &bands, division, refinements)?;
+        let grid = divide(section, &faces, &bands, division, refinements, corners)?;
         let fit = fit(&grid, &faces_across(section, &faces, &bands), &bands);
 
         for substance in &section.materials {
@@ -369,6 +370,7 @@ fn divide(
     bands: &[Band],
     division: Division,
     refinements: &[Refinement],
+    corners: &[Towards; 2],
 ) -> Result<Grid, CompositeError> {
     let sides = [section.length_mm, section.height_mm];
     let (Division::Uniform { cells } | Division::Fitted { cells } | Division::Graded { cells, .. }) =
@@ -415,24 +417,15 @@ fn divide(
     for refinement in refinements {
         refinement.checked()?;
     }
-    let through = |[from, to]: [f64; 2]| Fine {
-        between: [from, to],
-        size: (to - from) / across as f64,
-    };
     let lines = |axis: usize| {
+        let across = across as u32;
         let mut fine: Vec<Fine> = bands
             .iter()
-            .filter(|band| band.axis[axis].abs() < f64::EPSILON)
-            .map(|band| {
-                let middle = band.through_mm[axis];
-                through([
-                    middle - band.half_thickness_mm,
-                    middle + band.half_thickness_mm,
-                ])
-            })
+            .filter_map(|band| band.fine_across(axis, across))
             .collect();
         if axis == 1 && !section.plies.is_empty() {
-            fine.extend(ply_faces.windows(2).map(|pair| through([pair[0], pair[1]])));
+            let plies = ply_faces.windows(2);
+            fine.extend(plies.map(|pair| Fine::through([pair[0], pair[1]], across)));
         }
         fine.extend(
             refinements
@@ -440,7 +433,7 @@ fn divide(
                 .flat_map(|refinement| refinement.fine(axis)),
         );
         let largest = sides[axis] / cells[axis] as f64;
-        graded_lines(sides[axis], &fine, largest)
+        graded_lines(sides[axis], &fine, largest, &corners[axis])
     };
     Grid::of_lines(lines(0), lines(1))
 }

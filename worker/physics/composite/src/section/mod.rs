@@ -14,6 +14,7 @@ pub(crate) use layout::{Constituent, matrix_share};
 pub use layout::{Fit, Layout};
 pub use loadframe_api::section::fibre::Fibre;
 pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};
+pub use loadframe_api::section::lines::Towards;
 pub(crate) use loadframe_api::section::polygon::Polygon;
 pub use ply::Ply;
 pub(crate) use ply::faces_mm;
@@ -57,10 +58,10 @@ impl Section {
     /// What is wrong with the description: lengths, materials, plies that miss the height, fibres
     /// outside or over each other.
     pub fn layout(&self, division: Division) -> Result<Layout, CompositeError> {
-        self.layout_refined(division, &[])
+        self.layout_refined(division, &[], &Default::default())
     }
 
-    /// As [`Section::layout`], with a graded division made finer around places.
+    /// As [`Section::layout`], with a graded division made finer around places and towards corners.
     ///
     /// # Errors
     /// As [`Section::layout`]; and when a uniform division is to be refined.
@@ -68,11 +69,12 @@ impl Section {
         &self,
         division: Division,
         refinements: &[Refinement],
+        corners: &[Towards; 2],
     ) -> Result<Layout, CompositeError> {
         positive("the section's length [mm]", self.length_mm)?;
         positive("the section's height [mm]", self.height_mm)?;
         positive("the section's thickness [mm]", self.thickness_mm)?;
         finite("the matrix angle [°]", self.matrix_angle_deg)?;
-        Layout::new(self, division, refinements)
+        Layout::new(self, division, refinements, corners)
     }
 }

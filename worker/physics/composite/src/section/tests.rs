@@ -287,7 +287,9 @@ fn a_graded_grid_has_lines_on_the_faces_of_plies_and_at_refined_places() {
         half_width_mm: 0.5,
         cell_mm: 0.05,
     };
-    let layout = stack.layout_refined(graded, &[refinement]).unwrap();
+    let layout = stack
+        .layout_refined(graded, &[refinement], &Default::default())
+        .unwrap();
     let grid = layout.grid();
     let near = |lines: &[f64], at: f64| lines.iter().any(|line| (line - at).abs() < 1e-9);
     for face in [1.0, 49.0] {
@@ -325,7 +327,7 @@ fn a_graded_grid_has_lines_on_the_faces_of_plies_and_at_refined_places() {
     let expected = 7.0 * 50.0 * 1_800.0 + 63.0 * (2.0 * 1_800.0 + 48.0 * 1_200.0);
     assert!((mass / expected - 1.0).abs() < 1e-10);
     assert!(matches!(
-        stack.layout_refined(Division::Uniform { cells: [5, 5] }, &[refinement]),
+        stack.layout_refined(Division::Uniform { cells: [5, 5] }, &[refinement], &Default::default()),
         Err(CompositeError::OutOfRange { quantity, .. }) if quantity.contains("not graded")
     ));
 }

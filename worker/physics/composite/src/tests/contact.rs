@@ -56,7 +56,11 @@ fn indented(state: PlaneState, force_n: f64, cell_mm: f64) -> ContactEquilibrium
         cells: [12, 6],
         across: 1,
     };
-    let lattice = Lattice::exact(&section.layout_refined(graded, &[refinement]).unwrap());
+    let lattice = Lattice::exact(
+        &section
+            .layout_refined(graded, &[refinement], &Default::default())
+            .unwrap(),
+    );
     let supports =
         Supports::of_faces(lattice.grid(), &[(Face::Bottom, FaceSupport::Clamped)]).unwrap();
     let load = vec![0.0; lattice.displacements()];
@@ -107,7 +111,9 @@ fn on_fibres_along_and_across_the_face_hertz_holds_with_lekhnitskiis_modulus() {
                 cells: [20, 10],
                 across: 1,
             };
-            section.layout_refined(graded, refinements).unwrap()
+            section
+                .layout_refined(graded, refinements, &Default::default())
+                .unwrap()
         };
         let (force, radius) = (500.0, 5.0);
         let stiffness = lattice_of(&[]).stiffness()[0];

@@ -326,3 +326,51 @@ fn a_motion_that_turns_a_cell_inside_out_says_where_and_when() {
     };
     assert!(step > 0 && row > 0);
 }
+
+#[test]
+fn a_step_is_that_of_the_forces_of_all_cells_on_any_number_of_threads() {
+    let lattice = uniform(&papers(0.0), [21, 39]);
+    let supports = clamped_sides(&lattice);
+    let load = forces(&lattice, [0.0, -10.0], LoadPlace::Face(Face::Top));
+    let start: Vec<f64> = (0..lattice.displacements())
+        .map(|place| 0.01 * (place as f64 * 0.7).sin())
+        .collect();
+    for geometry in [Geometry::Linear, Geometry::Large] {
+        let moved = |threads: usize| {
+            let undamped = MotionOptions {
+                damping: Damping::None,
+                ..options(Scheme::Verlet, geometry)
+            };
+            let mut motion = Motion::new(&lattice, &supports, &load, undamped).unwrap();
+            motion.share(threads).unwrap();
+            motion.displace(&start);
+            motion.advance().unwrap();
+            let first = motion.displacements_mm().to_vec();
+            for _ in 0..20 {
+                motion.advance().unwrap();
+            }
+            (motion.time_step_s(), first, motion.state())
+        };
+        let (step, first, alone) = moved(1);
+        for threads in [2, 3] {
+            assert_eq!(moved(threads).2, alone, "{threads} threads");
+        }
+        // from rest: u + τ² F / 2m
+        let mut at_start = supports.displacements();
+        for (place, value) in at_start.iter_mut().enumerate() {
+            if !supports.is_held(place) {
+                *value = start[place];
+            }
+        }
+        let mut held = vec![0.0; at_start.len()];
+        lattice.forces(geometry, &at_start, &mut held);
+        for (place, now) in first.iter().enumerate() {
+            let push = 0.5 * step * step / lattice.masses_t()[place / 2];
+            let shift = push * (load[place] - held[place]);
+            let shift = if supports.is_held(place) { 0.0 } else { shift };
+            let expected = at_start[place] + shift;
+            let size = expected.abs().max(shift.abs()).max(1e-6);
+            assert!((now - expected).abs() < 1e-13 * size, "{now} {expected}");
+        }
+    }
+}
