@@ -5,6 +5,7 @@
 //! [`history`] moves it in time, [`cracks`] lets it break; [`results`] reads values off, [`errors`] says how wrong they may be from the same test on
 //! coarser grids; [`files`] and [`report`] write. This file holds the course of it, which alone talks
 //! to the recorder.
+mod bent;
 mod cracks;
 mod errors;
 mod failure;
@@ -47,8 +48,7 @@ struct Checkpoint {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum Progress {
     Rest(rest::RestState),
-    /// Steps done.
-    Rollers(u32),
+    Rollers(rollers::RollersState),
     History(history::HistoryState),
     Cracks(Box<cracks::CracksState>),
     /// The test is over, and of its comparisons those that are known.

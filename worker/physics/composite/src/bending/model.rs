@@ -93,7 +93,12 @@ impl<'a> Model<'a> {
         names: &[&String],
         refinements: &[Refinement],
     ) -> Result<Self, CompositeError> {
-        let layout = section.layout_refined(division(spec, fineness.grid), refinements)?;
+        let division = division(spec, fineness.grid);
+        let layout = if spec.ply_interface.is_some() && spec.test.breaking.is_some() {
+            section.layout_parting(division, refinements)?
+        } else {
+            section.layout_refined(division, refinements)?
+        };
         let lattice = match &spec.lattice {
             spec::Lattice::Exact(_) => Lattice::exact(&layout),
             spec::Lattice::Paper(paper) => Lattice::paper(&section, &layout, rule(*paper))?,

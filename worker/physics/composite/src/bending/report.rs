@@ -112,6 +112,18 @@ fn quality(
             ),
         ),
     ]);
+    if let Some(broken) = &tested.broken {
+        quality.insert(
+            "crack_overlap".to_owned(),
+            QualityCheck::at_most(
+                broken.totals.overlap_share,
+                failure::OVERLAPPING,
+                "1",
+                "Volume in which the faces of cracks overlap over that of all cracks, overlapping or open, at \
+                 the last event.",
+            ),
+        );
+    }
     if let Some(main) = errors::main(measured) {
         let error = finding.of_grid(main, model.comparison()) / main.value.abs();
         // a grid that cannot be coarser tells nothing of its error

@@ -2,7 +2,7 @@
 use crate::error::{CompositeError, positive};
 use crate::material::{Material, Note, PlaneState};
 use crate::section::grid::{
-    Division, Fine, Grid, Refinement, fitted_lines, graded_lines, pass_through,
+    Division, Fine, Grid, Refinement, fitted_lines, graded_lines, pass_through, with_thin_rows,
 };
 use crate::section::ply::{Ply, Strip, faces_mm, shares_between, strip};
 use crate::section::{Band, Polygon, Section, refuse_overlap};
@@ -64,6 +64,7 @@ impl Layout {
         section: &Section,
         division: Division,
         refinements: &[Refinement],
+        is_parting: bool,
     ) -> Result<Self, CompositeError> {
         let sides = [section.length_mm, section.height_mm];
         let stack = section.stack()?;
@@ -75,7 +76,11 @@ impl Layout {
             .map(|(place, fibre)| Band::new(place, fibre, sides))
             .collect::<Result<Vec<_>, _>>()?;
         refuse_overlap(&bands)?;
-        let grid = divide(section, &faces, &bands, division, refinements)?;
+        let mut grid = divide(section, &faces, &bands, division, refinements)?;
+        if is_parting && !matches!(division, Division::Uniform { .. }) {
+            let y_mm = with_thin_rows(grid.y_mm(), &faces[1..faces.len() - 1]);
+            grid = Grid::of_lines(grid.x_mm().to_vec(), y_mm)?;
+        }
         let fit = fit(&grid, &faces_across(section, &faces, &bands), &bands);
 
         for substance in &section.materials {

@@ -69,10 +69,30 @@ impl Section {
         division: Division,
         refinements: &[Refinement],
     ) -> Result<Layout, CompositeError> {
+        self.checked()?;
+        Layout::new(self, division, refinements, false)
+    }
+
+    /// As [`Section::layout_refined`], of plies that can come apart: a thin row of cells lies above
+    /// every face between plies that a line of particles follows, so that an open face takes little of
+    /// the bending of the ply it lies in.
+    ///
+    /// # Errors
+    /// As [`Section::layout_refined`].
+    pub fn layout_parting(
+        &self,
+        division: Division,
+        refinements: &[Refinement],
+    ) -> Result<Layout, CompositeError> {
+        self.checked()?;
+        Layout::new(self, division, refinements, true)
+    }
+
+    fn checked(&self) -> Result<(), CompositeError> {
         positive("the section's length [mm]", self.length_mm)?;
         positive("the section's height [mm]", self.height_mm)?;
         positive("the section's thickness [mm]", self.thickness_mm)?;
         finite("the matrix angle [°]", self.matrix_angle_deg)?;
-        Layout::new(self, division, refinements)
+        Ok(())
     }
 }

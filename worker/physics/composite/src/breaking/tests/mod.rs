@@ -1,8 +1,10 @@
 //! Breaking against closed forms, balances and itself.
 mod bars;
 mod beams;
+mod delamination;
 mod extremes;
 mod laminates;
+mod rollers;
 mod speed;
 
 use super::*;
@@ -54,6 +56,7 @@ struct Case {
     load_n: Vec<f64>,
     strengths: Vec<MaterialStrength>,
     options: BreakingOptions,
+    between_plies: BetweenPlies,
 }
 
 impl Case {
@@ -79,6 +82,7 @@ impl Case {
             load_n,
             strengths: strengths.to_vec(),
             options: BreakingOptions::default(),
+            between_plies: BetweenPlies::default(),
         }
     }
 
@@ -102,6 +106,8 @@ impl Case {
             supports: &self.supports,
             load_n: &self.load_n,
             strengths: &self.strengths,
+            between_plies: &self.between_plies,
+            rollers: None,
         }
     }
 }

@@ -15,7 +15,8 @@ use nalgebra::{DMatrix, DVector};
 use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice, Tangent};
 use crate::matrix::GridMatrix;
-use crate::solve::contact::{Roller, points, refuse_overlap};
+use crate::solve::contact::Roller;
+use crate::solve::contact::reach::{Point, points, refuse_overlap};
 use crate::solve::equations::Equations;
 use crate::solve::equilibrium::StaticOptions;
 use crate::supports::Supports;
@@ -29,16 +30,6 @@ const SOFT: f64 = 1e-8;
 const FOLLOWED: usize = 30;
 /// Pull or overlap below this share of the largest is round-off of condensed equations.
 const ROUND_OFF: f64 = 1e-10;
-
-/// A particle in a roller's reach.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Point {
-    pub(super) roller: usize,
-    pub(super) displacement: usize,
-    pub(super) inward: f64,
-    pub(super) at_mm: f64,
-    pub(super) gap_mm: f64,
-}
 
 /// The lattice as seen from the particles in reach, all along inward normals.
 pub(super) struct Condensed<'a> {
