@@ -122,7 +122,10 @@ fn check_delaminations(spec: &CompositeBending, violations: &mut Vec<Violation>)
                     "it ends before it begins, or beyond the section",
                 )
                 .value(open.to_mm)
-                .allowed(format!("> from_mm = {}, ≤ length_mm = {length}", open.from_mm))
+                .allowed(format!(
+                    "> from_mm = {}, ≤ length_mm = {length}",
+                    open.from_mm
+                ))
                 .unit("mm"),
             );
         }

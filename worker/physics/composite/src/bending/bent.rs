@@ -44,7 +44,9 @@ impl Bent {
             modulus_mpa: found.flexural_modulus_mpa,
             stress_mpa: found.outer_stress_mpa,
             strain: found.outer_strain,
-            far: found.far.map(|far| [far.outer_stress_mpa, far.outer_strain]),
+            far: found
+                .far
+                .map(|far| [far.outer_stress_mpa, far.outer_strain]),
             apparent_shear_mpa: found.apparent_shear_stress_mpa,
             shear_mpa: found.shear_stress_mpa,
             // two supports come before what presses

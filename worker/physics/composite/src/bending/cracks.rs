@@ -11,8 +11,8 @@ use super::results::{self, Tested};
 use super::{Halt, Progress, Watch};
 use crate::breaking::{
     Advance, BetweenPlies, Breaking, BreakingOptions, BreakingState, Control, EndReason, Event,
-    Machine, MaterialStrength, OpenFace, Pressed, Scatter, ScatterLaw, Specimen, Stop, Totals,
-    NO_MATERIAL, opened_lattice,
+    Machine, MaterialStrength, NO_MATERIAL, OpenFace, Pressed, Scatter, ScatterLaw, Specimen, Stop,
+    Totals, opened_lattice,
 };
 use crate::error::CompositeError;
 use crate::flexure::{Flexure, FlexureResult};

@@ -16,6 +16,8 @@ mod report;
 mod rest;
 mod results;
 mod rollers;
+#[cfg(test)]
+mod tests;
 
 use std::io;
 

@@ -189,8 +189,8 @@ fn warnings(
     let is_linear = model.geometry() == Geometry::Linear;
     let gradient = rms_gradient(model.lattice.grid(), tested);
     if is_linear && gradient > SMALL {
-        let advice = if tested.bent.is_some() {
-            "the formulas of the standards leave this out, too"
+        let advice = if tested.broken.is_some() {
+            "breaks are found for small displacements only"
         } else {
             "geometry \"large\" in accuracy is for that"
         };

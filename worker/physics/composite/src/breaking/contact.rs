@@ -110,11 +110,7 @@ impl Contact {
     }
 
     /// The forces of rollers on the section as it is broken, at a load factor, over that factor [N].
-    pub(crate) fn found(
-        &self,
-        lattice: &Lattice,
-        factor: f64,
-    ) -> Result<Vec<f64>, CompositeError> {
+    pub(crate) fn found(&self, lattice: &Lattice, factor: f64) -> Result<Vec<f64>, CompositeError> {
         let resting: Vec<PressedRoller> = self
             .pressed
             .resting

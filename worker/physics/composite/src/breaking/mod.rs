@@ -117,7 +117,9 @@ impl Breaking {
         let parts = Parts::new(layout, strengths, between, options.criterion, &drawn)?;
         let mut begun = Begun::new(layout, &parts, teeth);
         let lattice = std::mem::replace(&mut begun.lattice, Lattice::exact(layout));
-        let contact = specimen.rollers.map(|pressed| Contact::new(&lattice, pressed));
+        let contact = specimen
+            .rollers
+            .map(|pressed| Contact::new(&lattice, pressed));
         let system = System::new(lattice, specimen.supports, specimen.load_n, most_columns)?;
         let mut breaking = Self {
             options,

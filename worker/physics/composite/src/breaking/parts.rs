@@ -1,11 +1,11 @@
 //! The parts of all cells of a layout, and the laws by which they crack.
-use super::{BetweenPlies, MaterialStrength};
 use super::composition::bed;
 use super::laws::{check, check_interface, law_of, law_of_faces};
-use super::ply_faces::PlyFaces;
 use super::part::{BrokenPart, Law, Part};
+use super::ply_faces::PlyFaces;
 use super::saw::Saw;
 use super::scatter::Drawn;
+use super::{BetweenPlies, MaterialStrength};
 use crate::error::CompositeError;
 use crate::section::{Band, Grid, Layout, matrix_share};
 use crate::stiffness::{Stiffness, compliance, turned_to};

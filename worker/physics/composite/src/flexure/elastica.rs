@@ -58,14 +58,22 @@ fn the_standards_corrections_follow_the_elastica_on_edges() {
         let found = elastica(bending, span, 0.5 * h, slope);
         let stress = 6.0 * found.moment_n_mm / (b * h * h);
         let test = Loading::ThreePoint;
-        let corrected =
-            test.outer_stress_far(span, [b, h], found.force_n, found.midspan_mm);
+        let corrected = test.outer_stress_far(span, [b, h], found.force_n, found.midspan_mm);
         let strain = test.outer_strain_far(span, h, found.midspan_mm);
         let plain = test.outer_stress(span, [b, h], found.force_n);
-        assert!((corrected / stress - 1.0).abs() < 0.01, "{slope}: {corrected} {stress}");
-        assert!((strain * e / stress - 1.0).abs() < 0.02, "{slope}: {strain} {stress}");
+        assert!(
+            (corrected / stress - 1.0).abs() < 0.01,
+            "{slope}: {corrected} {stress}"
+        );
+        assert!(
+            (strain * e / stress - 1.0).abs() < 0.02,
+            "{slope}: {strain} {stress}"
+        );
         // without them the stress is far off where slopes are large
-        assert!(slope < 0.4 || (plain / stress - 1.0).abs() > 0.08, "{plain} {stress}");
+        assert!(
+            slope < 0.4 || (plain / stress - 1.0).abs() > 0.08,
+            "{plain} {stress}"
+        );
     }
 }
 
@@ -79,10 +87,10 @@ fn three_point_bending_follows_the_elastica_far_beyond_small_displacements() {
     section.thickness_mm = 15.0;
     let test = flexure(Loading::ThreePoint, 60.0);
     let bending = 3_000.0 * 15.0 / 12.0;
-    // deflections of a tenth and of a sixth of the span
+    // deflections of a tenth and of a sixth of the span; measured, off by 6e-4 at the first
     for slope in [0.3, 0.5] {
         let expected = elastica(bending, 60.0, test.support_radius_mm + 0.5, slope);
-        let found = bent_far(&section, test, Drive::Force(expected.force_n), [180, 2]);
+        let found = bent_far(&section, test, Drive::Force(expected.force_n), [120, 2]);
         let deflection = found.midspan_deflection_mm;
         assert!((found.force_n / expected.force_n - 1.0).abs() < 1e-6);
         assert!(
@@ -93,10 +101,6 @@ fn three_point_bending_follows_the_elastica_far_beyond_small_displacements() {
         // the beam of small displacements would bend less far
         let small = found.beam.unwrap().deflection.total_mm();
         assert!((small / deflection - 1.0).abs() > 0.03, "{small}");
-        // reached by the way instead, the force is the same
-        let way = Drive::Advance(found.roller_deflection_mm);
-        let driven = bent_far(&section, test, way, [180, 2]);
-        assert!((driven.force_n / found.force_n - 1.0).abs() < 1e-6);
         // the supports push inwards, against each other, along their normals
         assert!(found.contact.equilibrium.reaction_error < 1e-7);
         assert!(found.horizontal_reaction_n.abs() < 1e-6 * found.force_n);
@@ -105,7 +109,12 @@ fn three_point_bending_follows_the_elastica_far_beyond_small_displacements() {
     let largest = elastica(bending, 60.0, test.support_radius_mm + 0.5, 0.65).force_n;
     let expected = elastica(bending, 60.0, test.support_radius_mm + 0.5, 0.8);
     assert!(expected.force_n < 0.99 * largest);
-    let found = bent_far(&section, test, Drive::Advance(expected.midspan_mm), [180, 2]);
+    let found = bent_far(
+        &section,
+        test,
+        Drive::Advance(expected.midspan_mm),
+        [120, 2],
+    );
     let share = found.force_n / expected.force_n;
     assert!((share - 1.0).abs() < SHEARED, "{share}");
     let share = found.midspan_deflection_mm / expected.midspan_mm;

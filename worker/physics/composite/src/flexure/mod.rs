@@ -387,8 +387,12 @@ impl Flexure {
         };
         let shear = shear_through(lattice, geometry, 0.5 * (length - span) + 0.5 * arm, u);
         let far = (geometry == Geometry::Large).then(|| Far {
-            outer_stress_mpa: self.loading.outer_stress_far(span, sides, force_n, deflection),
-            outer_strain: self.loading.outer_strain_far(span, section.height_mm, deflection),
+            outer_stress_mpa: self
+                .loading
+                .outer_stress_far(span, sides, force_n, deflection),
+            outer_strain: self
+                .loading
+                .outer_strain_far(span, section.height_mm, deflection),
         });
         Ok(FlexureResult {
             force_n,
@@ -416,12 +420,7 @@ impl Flexure {
 
 /// σ_xy of the cells of a column from the bottom up, with their heights [mm] and [MPa]; none in the
 /// paper's lattice.
-fn shear_through(
-    lattice: &Lattice,
-    geometry: Geometry,
-    at_mm: f64,
-    u: &[f64],
-) -> Vec<(f64, f64)> {
+fn shear_through(lattice: &Lattice, geometry: Geometry, at_mm: f64, u: &[f64]) -> Vec<(f64, f64)> {
     let grid = lattice.grid();
     let Some((column, _)) = within(grid.x_mm(), at_mm) else {
         return Vec::new();

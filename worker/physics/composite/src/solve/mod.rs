@@ -7,8 +7,8 @@ pub(crate) mod multigrid;
 mod order;
 
 pub use contact::{
-    ContactEquilibrium, PressedRoller, Roller, RollerContact, Rolling, RollingState, contact_equilibrium,
-    hertz_half_width_mm, pressed_equilibrium,
+    ContactEquilibrium, PressedRoller, Roller, RollerContact, Rolling, RollingState,
+    contact_equilibrium, hertz_half_width_mm, pressed_equilibrium,
 };
 pub(crate) use contact::{Point, points};
 pub use equations::{LARGEST_FACTORED, Method};

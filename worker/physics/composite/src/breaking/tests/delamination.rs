@@ -47,8 +47,7 @@ fn drive(case: &mut Case, ways: [f64; 2]) {
     let heights = [0.5 * ARM_MM, 1.5 * ARM_MM];
     for (way, height) in ways.into_iter().zip(heights) {
         let lines = grid.y_mm().iter().enumerate();
-        let nearest =
-            lines.min_by(|a, b| (a.1 - height).abs().total_cmp(&(b.1 - height).abs()));
+        let nearest = lines.min_by(|a, b| (a.1 - height).abs().total_cmp(&(b.1 - height).abs()));
         let particle = grid.particle(0, nearest.unwrap().0);
         case.supports.hold(grid, particle, 1, way).unwrap();
     }
@@ -95,7 +94,10 @@ fn plies_peel_apart_at_their_fracture_energy_on_three_grids() {
         let zone_mm = MODULUS * ENERGY / STRENGTH.powi(2);
         let coarse = LENGTH_MM / cells[0] as f64 / zone_mm;
         assert!((mean - 1.0).abs() < 1.2 * coarse, "{cells:?} {mean}");
-        assert!((mean / taken - 1.0).abs() < 0.05, "{cells:?} {mean} {taken}");
+        assert!(
+            (mean / taken - 1.0).abs() < 0.05,
+            "{cells:?} {mean} {taken}"
+        );
         assert!(imbalance(&events) < BALANCE, "{}", imbalance(&events));
         let between = totals.dissipated.ply_faces_n_mm / totals.dissipated.total_n_mm();
         assert!((between - 1.0).abs() < 1e-12);
@@ -103,7 +105,11 @@ fn plies_peel_apart_at_their_fracture_energy_on_three_grids() {
         found.push(mean);
     }
     // nearer with every grid
-    assert!(found.windows(2).all(|pair| (pair[1] - 1.0).abs() < (pair[0] - 1.0).abs()));
+    assert!(
+        found
+            .windows(2)
+            .all(|pair| (pair[1] - 1.0).abs() < (pair[0] - 1.0).abs())
+    );
 }
 
 /// Energy release rate [N/mm] of an end-loaded split, G = 9 P² a² / (4 E b² h³) with the load P on both
@@ -115,7 +121,10 @@ fn split_rate(event: &Event) -> [f64; 2] {
     let bending = 2.0 * MODULUS * ARM_MM.powi(3);
     let cube = ((way / load - shear) * bending - LENGTH_MM.powi(3)) / 3.0;
     let length = cube.max(0.0).cbrt();
-    [length, 9.0 * (load * length).powi(2) / (4.0 * MODULUS * ARM_MM.powi(3))]
+    [
+        length,
+        9.0 * (load * length).powi(2) / (4.0 * MODULUS * ARM_MM.powi(3)),
+    ]
 }
 
 /// Ten teeth know the energy within [`Totals::saw_error`]; what the crack took for its area is known, and
@@ -141,7 +150,10 @@ fn plies_slide_apart_at_their_fracture_energy_on_three_grids() {
         let totals = breaking.totals();
         let taken = taken_per_area(&events) / energy;
         assert!((taken - 1.0).abs() < totals.saw_error, "{cells:?} {taken}");
-        assert!((mean / taken - 1.0).abs() < 0.08, "{cells:?} {mean} {taken}");
+        assert!(
+            (mean / taken - 1.0).abs() < 0.08,
+            "{cells:?} {mean} {taken}"
+        );
         assert!(imbalance(&events) < BALANCE, "{}", imbalance(&events));
         found.push(mean);
     }
@@ -199,7 +211,7 @@ fn notched_plies_on_rollers_press_on_each_other_and_slide_apart() {
     };
     section.plies = vec![ply; 2];
     let mut found = Vec::new();
-    for cells in [[66, 6], [88, 8], [132, 12]] {
+    for cells in [[44, 4], [66, 6], [88, 8]] {
         let layout = section
             .layout_parting(Division::Fitted { cells }, &[])
             .unwrap();
@@ -237,9 +249,8 @@ fn notched_plies_on_rollers_press_on_each_other_and_slide_apart() {
         // C = (2 L³ + 3 a³)/(8 E b h³) + shear, with L half of the span: softer than the whole beam
         let half = 0.5 * span;
         let shear = span / (4.0 * 5.0 / 6.0 * modulus / 2.6 * 2.0 * arm);
-        let compliance = |a: f64| {
-            (2.0 * half.powi(3) + 3.0 * a.powi(3)) / (8.0 * modulus * arm.powi(3)) + shear
-        };
+        let compliance =
+            |a: f64| (2.0 * half.powi(3) + 3.0 * a.powi(3)) / (8.0 * modulus * arm.powi(3)) + shear;
         let ratio = bent.roller_deflection_mm / compliance(notch);
         let grid = layout.grid();
         let (kept, load_n) = flexure.kept(&section, &lattice).unwrap();
@@ -279,13 +290,20 @@ fn notched_plies_on_rollers_press_on_each_other_and_slide_apart() {
                 let measured = event.displacement_mm / event.force_n / ratio - shear;
                 let cube = (8.0 * modulus * arm.powi(3) * measured - 2.0 * half.powi(3)) / 3.0;
                 let a = cube.max(0.0).cbrt();
-                (a, 9.0 * (event.force_n * a).powi(2) / (16.0 * modulus * arm.powi(3)))
+                (
+                    a,
+                    9.0 * (event.force_n * a).powi(2) / (16.0 * modulus * arm.powi(3)),
+                )
             })
             .filter(|(a, _)| (notch + 1.5..18.0).contains(a))
             .map(|(_, rate)| rate / energy)
             .collect();
         let mean = rates.iter().sum::<f64>() / rates.len() as f64;
-        println!("{} events of {}, G {mean}, {totals:?}", rates.len(), events.len());
+        println!(
+            "{} events of {}, G {mean}, {totals:?}",
+            rates.len(),
+            events.len()
+        );
         assert!((ratio - 1.0).abs() < 0.06, "{ratio}");
         assert!((mean - 1.0).abs() < totals.saw_error, "{mean}");
         let shear = totals.dissipated.shear_n_mm / totals.dissipated.total_n_mm();

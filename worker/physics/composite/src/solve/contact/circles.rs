@@ -90,7 +90,9 @@ impl Circle {
         let along = [0, 1].map(|axis| side * self.along[axis] + (second[axis] - first[axis]));
         let length = along[0].hypot(along[1]);
         let from = |end: usize, moved: [f64; 2]| {
-            [0, 1].map(|axis| ends[end].1 * self.along[axis] + radius * self.inward[axis] + moved[axis])
+            [0, 1].map(|axis| {
+                ends[end].1 * self.along[axis] + radius * self.inward[axis] + moved[axis]
+            })
         };
         let foot = -dot(from(0, first), along) / (length * length);
         if (0.0..=1.0).contains(&foot) {
@@ -117,8 +119,8 @@ impl Circle {
         let point = from(end, moved);
         let distance = point[0].hypot(point[1]);
         // (|x|² - R²) / (|x| + R)
-        let undeformed = [0, 1]
-            .map(|axis| 2.0 * (ends[end].1 * self.along[axis] + radius * self.inward[axis]));
+        let undeformed =
+            [0, 1].map(|axis| 2.0 * (ends[end].1 * self.along[axis] + radius * self.inward[axis]));
         let square = ends[end].1 * ends[end].1 + dot(undeformed, moved) + dot(moved, moved);
         Nearest {
             share: end as f64,
@@ -230,8 +232,7 @@ impl Circles {
                 if nearest.is_inside {
                     *value += force * distance * turning[row] * turning[column];
                     if exact {
-                        let mixed =
-                            turning[row] * sliding[column] + sliding[row] * turning[column];
+                        let mixed = turning[row] * sliding[column] + sliding[row] * turning[column];
                         *value += circle.left * force * mixed;
                     }
                 } else if exact {

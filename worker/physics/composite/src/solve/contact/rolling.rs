@@ -229,7 +229,13 @@ impl<'a> Rolling<'a> {
         let mut found = self.search.finish(1.0);
         found.reactions_n = (found.reactions_n.iter())
             .enumerate()
-            .map(|(place, reaction)| if self.supports.is_held(place) { *reaction } else { 0.0 })
+            .map(|(place, reaction)| {
+                if self.supports.is_held(place) {
+                    *reaction
+                } else {
+                    0.0
+                }
+            })
             .collect();
         let (mut sums, mut sizes) = ([0.0; 2], [0.0; 2]);
         for (place, reaction) in found.reactions_n.iter().enumerate() {
@@ -239,17 +245,17 @@ impl<'a> Rolling<'a> {
         let mut contacts = Vec::with_capacity(self.rollers.len());
         let u = &self.search.u;
         for (place, circle) in self.search.circles.all.iter().enumerate() {
-            let (contact, force) = contact(
-                &self.rollers[place],
-                circle,
-                u,
-                &mut found.reactions_n,
-            )?;
+            let (contact, force) =
+                contact(&self.rollers[place], circle, u, &mut found.reactions_n)?;
             for axis in 0..2 {
                 sums[axis] += force[axis];
                 sizes[axis] += force[axis].abs();
             }
-            let advance_mm = if place < self.resting { 0.0 } else { self.at.advance_mm };
+            let advance_mm = if place < self.resting {
+                0.0
+            } else {
+                self.at.advance_mm
+            };
             contacts.push(RollerContact {
                 advance_mm,
                 ..contact
@@ -401,7 +407,11 @@ fn contact(
     let size = u.iter().fold(circle.radius_mm, |size, u| size.max(u.abs()));
     super::obeyed(pierced / size)?;
     let mean = if sum > 0.0 { first / sum } else { 0.0 };
-    let spread = if sum > 0.0 { second / sum - mean * mean } else { 0.0 };
+    let spread = if sum > 0.0 {
+        second / sum - mean * mean
+    } else {
+        0.0
+    };
     let contact = RollerContact {
         advance_mm: 0.0,
         force_n: roller.inward() * force[roller.normal()],
