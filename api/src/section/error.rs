@@ -134,6 +134,13 @@ pub enum CompositeError {
          use a coarser grid at the rollers"
     )]
     ContactUnsettled { share: f64 },
+    /// A face between plies that are to come apart, inside cells.
+    #[error(
+        "the face at a height of {y_mm} mm, at which plies can come apart, lies inside cells, which would \
+         lose the bending of both plies with it: take at least as many rows of cells as plies, and let lines \
+         of particles follow their faces"
+    )]
+    FaceInsideCells { y_mm: f64 },
     /// A cell that stores more energy than the crack in it takes up.
     #[error(
         "the cell at ({x_mm} mm, {y_mm} mm) is {width_mm} mm wide across a crack in material \

@@ -24,6 +24,10 @@ const HALF_IN_TIME: f64 = 1.125;
 /// Rounds of contact and of Newton's method in a step of the load.
 const CONTACT_ROUNDS: f64 = 6.0;
 const NEWTON_ROUNDS: f64 = 4.0;
+/// Solutions for each stride of rollers in large displacements, a quarter of their radius long, and strides
+/// where only a force is given.
+const ROLLING_ROUNDS: f64 = 20.0;
+const STRIDES: f64 = 20.0;
 /// One particle in an event of a test that breaks, with its coarser grids; events over the square root
 /// of the particles, for each step in which a crack opens. Of a section that cracks here and there; one
 /// that cracks everywhere has more.
@@ -50,7 +54,15 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
     let particles = spec.particles() as f64 * if is_refined { AT_ROLLERS } else { 1.0 };
     let steps = f64::from(knobs.load_steps);
     let rounds = match spec.test.way() {
-        Some(Way::ThreePoint(_) | Way::FourPoint(_) | Way::ShortBeam(_)) => CONTACT_ROUNDS * steps,
+        Some(Way::ThreePoint(test) | Way::FourPoint(test) | Way::ShortBeam(test)) => {
+            if knobs.geometry == Geometry::Large {
+                let radius = test.loading_radius_mm.min(test.support_radius_mm);
+                let strides = test.displacement_mm.map(|way| 4.0 * way / radius);
+                ROLLING_ROUNDS * strides.unwrap_or(STRIDES).max(steps)
+            } else {
+                CONTACT_ROUNDS * steps
+            }
+        }
         _ if knobs.geometry == Geometry::Large => NEWTON_ROUNDS * steps,
         _ => 1.0,
     };

@@ -80,7 +80,9 @@ enum Halt {
 impl From<CompositeError> for Halt {
     fn from(error: CompositeError) -> Self {
         match error {
-            CompositeError::CellTooLarge { .. } => Self::TooCoarse(error),
+            CompositeError::CellTooLarge { .. } | CompositeError::FaceInsideCells { .. } => {
+                Self::TooCoarse(error)
+            }
             error => Self::Failed(error.into()),
         }
     }

@@ -25,6 +25,7 @@
 //! |---|---|---|---|
 //! | brittle | 198 | 276 | 266 |
 //! | ten teeth | 203 | 382 | 373 |
+mod begun;
 mod composition;
 mod contact;
 mod criterion;
@@ -42,6 +43,7 @@ mod system;
 #[cfg(test)]
 mod tests;
 
+pub use begun::opened_lattice;
 pub use contact::Pressed;
 pub use curve::{Control, Machine, machine_curve};
 pub use event::{Advance, Dissipated, EndReason, Event, Mode, Totals};
@@ -51,21 +53,20 @@ pub(crate) use ply_faces::NO_MATERIAL;
 pub use scatter::{Scatter, ScatterLaw};
 pub use state::BreakingState;
 
+use begun::{Begun, lost};
 use composition::{Bearing, compose};
 use contact::Contact;
 use criterion::{Hit, cracked, first_crack};
 use nalgebra::Vector3;
 use options::check;
-use part::{Damage, Part};
+use part::Damage;
 use parts::Parts;
-use saw::RESIDUAL;
 use scatter::Drawn;
 use state::{Pending, Progress};
 use system::{Loss, MOST_COLUMNS, System};
 
 use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice};
-use crate::section::Layout;
 use crate::stiffness::Stiffness;
 
 /// Part of the peak force below which nothing real is left.
@@ -433,79 +434,5 @@ impl Breaking {
         let damaged = self.damage.iter().enumerate().filter(|(_, d)| !d.is_none());
         self.base
             .extend(damaged.map(|(place, damage)| (place as u32, *damage)));
-    }
-}
-
-/// A section with what is open from the start.
-struct Begun {
-    damage: Vec<Damage>,
-    bearings: Vec<Bearing>,
-    lost: Vec<f64>,
-    lattice: Lattice,
-}
-
-impl Begun {
-    fn new(layout: &Layout, parts: &Parts, teeth: u16) -> Self {
-        let law = |part: &Part| &parts.laws[part.law as usize];
-        let mut begun = Self {
-            damage: (parts.all.iter())
-                .map(|part| Damage::none(law(part)))
-                .collect(),
-            bearings: vec![Bearing::default(); parts.all.len()],
-            lost: vec![0.0; layout.grid().cells()],
-            lattice: Lattice::exact(layout),
-        };
-        for &place in &parts.open {
-            begun.damage[place as usize] = Damage::unbonded(law(&parts.all[place as usize]), teeth);
-        }
-        for cell in 0..layout.grid().cells() {
-            let of = parts.of(cell);
-            let damage = &begun.damage[of.clone()];
-            let stiffness = compose(
-                &parts.all[of.clone()],
-                &parts.laws,
-                damage,
-                teeth,
-                &mut begun.bearings[of],
-            );
-            if !damage.iter().all(Damage::is_none) {
-                begun.lost[cell] = lost(&layout.stiffness()[cell], &stiffness);
-                begun.lattice.replace_stiffness(cell, stiffness);
-            }
-        }
-        begun
-    }
-}
-
-/// The lattice of a section in which some faces between plies are open, and nothing has broken yet.
-///
-/// # Errors
-/// As [`Breaking::new`].
-pub fn opened_lattice(
-    layout: &Layout,
-    strengths: &[MaterialStrength],
-    between_plies: &BetweenPlies,
-    options: &BreakingOptions,
-) -> Result<Lattice, CompositeError> {
-    let drawn = Drawn::new(options.scatter.as_ref(), options.seed)?;
-    let parts = Parts::new(layout, strengths, between_plies, options.criterion, &drawn)?;
-    Ok(Begun::new(layout, &parts, check(options)?).lattice)
-}
-
-/// 1 - the smallest λ of C n = λ C₀ n: the part of the stiffness that is lost in the strain n.
-fn lost(intact: &Stiffness, left: &Stiffness) -> f64 {
-    let Some(root) = intact.cholesky().map(|factor| factor.l()) else {
-        return 0.0;
-    };
-    let Some(inverse) = root.try_inverse() else {
-        return 0.0;
-    };
-    let share = (inverse * left * inverse.transpose()).symmetric_eigenvalues();
-    let lost = 1.0 - share.min();
-    // what is kept for the equations' sake is none
-    if lost > 1.0 - 2.0 * RESIDUAL {
-        1.0
-    } else {
-        lost.max(0.0)
     }
 }

@@ -4,7 +4,7 @@ use super::laws::{check_interface, law_of_faces};
 use super::part::{BrokenPart, Law, Part};
 use super::parts::Parts;
 use crate::error::CompositeError;
-use crate::section::{Layout, within};
+use crate::section::{Layout, pass_through, within};
 
 /// Stands for the material of what has none.
 pub(crate) const NO_MATERIAL: usize = usize::MAX;
@@ -55,6 +55,9 @@ impl<'a> PlyFaces<'a> {
         let lines = layout.grid.y_mm();
         let above = ABOVE * lines[lines.len() - 1];
         let faces = &layout.ply_faces_mm[1..=inner];
+        if let Some(&y_mm) = faces.iter().find(|face| !pass_through(lines, &[**face])) {
+            return Err(CompositeError::FaceInsideCells { y_mm });
+        }
         let rows = faces
             .iter()
             .filter_map(|face| within(lines, face + above).map(|(row, _)| row))

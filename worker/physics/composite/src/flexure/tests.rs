@@ -1,4 +1,5 @@
 //! Bending tests against the theory of beams and the standards' formulas.
+use super::places::shear_through;
 use super::*;
 use crate::material::Material;
 use crate::section::{Division, Ply, Substance};

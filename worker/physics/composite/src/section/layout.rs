@@ -1,6 +1,7 @@
 //! A section laid out on its grid: what every cell holds.
 use crate::error::{CompositeError, positive};
 use crate::material::{Material, Note, PlaneState};
+use crate::section::fit::{Fit, fit};
 use crate::section::grid::{
     Division, Fine, Grid, Refinement, fitted_lines, graded_lines, pass_through, with_thin_rows,
 };
@@ -344,28 +345,6 @@ fn faces_across(section: &Section, ply_faces: &[f64], bands: &[Band]) -> [Vec<f6
         }
         faces
     })
-}
-
-/// How well a grid follows what lies in it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fit {
-    /// Lines of particles pass through all faces of plies and fibres.
-    Exact,
-    /// All but those of fibres at an angle to both axes, which no grid follows.
-    Slanted,
-    /// Cells are cut by faces along an axis.
-    Cut,
-}
-
-fn fit(grid: &Grid, faces: &[Vec<f64>; 2], bands: &[Band]) -> Fit {
-    let is_slanted = |band: &Band| band.axis.iter().all(|part| part.abs() > f64::EPSILON);
-    if !pass_through(grid.x_mm(), &faces[0]) || !pass_through(grid.y_mm(), &faces[1]) {
-        Fit::Cut
-    } else if bands.iter().any(is_slanted) {
-        Fit::Slanted
-    } else {
-        Fit::Exact
-    }
 }
 
 fn divide(

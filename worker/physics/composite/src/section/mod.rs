@@ -2,16 +2,18 @@
 //!
 //! A [`Section`] is what a user describes; [`Section::layout`] checks it and makes the [`Layout`],
 //! the grid of particles with what every cell holds. How a cell answers to strain is not known here.
+mod fit;
 mod grid;
 mod layout;
 mod ply;
 #[cfg(test)]
 mod tests;
 
+pub use fit::Fit;
 pub use grid::{Division, Grid, Refinement};
-pub(crate) use grid::{corner_weights, within};
+pub(crate) use grid::{corner_weights, pass_through, within};
+pub use layout::Layout;
 pub(crate) use layout::{Constituent, matrix_share};
-pub use layout::{Fit, Layout};
 pub use loadframe_api::section::fibre::Fibre;
 pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};
 pub(crate) use loadframe_api::section::polygon::Polygon;

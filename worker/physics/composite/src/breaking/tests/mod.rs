@@ -5,6 +5,7 @@ mod delamination;
 mod extremes;
 mod laminates;
 mod rollers;
+mod shares;
 mod speed;
 
 use super::*;

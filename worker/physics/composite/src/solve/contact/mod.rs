@@ -16,6 +16,7 @@ mod circles;
 mod condensed;
 mod reach;
 mod rolling;
+mod trial;
 
 pub(crate) use circles::Circles;
 pub(crate) use reach::{Point, points};

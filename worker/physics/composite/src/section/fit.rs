@@ -1,0 +1,25 @@
+//! How well a grid follows what lies in it.
+use crate::section::Band;
+use crate::section::grid::{Grid, pass_through};
+
+/// How well a grid follows what lies in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fit {
+    /// Lines of particles pass through all faces of plies and fibres.
+    Exact,
+    /// All but those of fibres at an angle to both axes, which no grid follows.
+    Slanted,
+    /// Cells are cut by faces along an axis.
+    Cut,
+}
+
+pub(super) fn fit(grid: &Grid, faces: &[Vec<f64>; 2], bands: &[Band]) -> Fit {
+    let is_slanted = |band: &Band| band.axis.iter().all(|part| part.abs() > f64::EPSILON);
+    if !pass_through(grid.x_mm(), &faces[0]) || !pass_through(grid.y_mm(), &faces[1]) {
+        Fit::Cut
+    } else if bands.iter().any(is_slanted) {
+        Fit::Slanted
+    } else {
+        Fit::Exact
+    }
+}
