@@ -109,10 +109,21 @@ pub enum CompositeError {
     RollerOnSupport { roller: usize, x_mm: f64, y_mm: f64 },
     /// Contact in large displacements.
     #[error(
-        "contact with rollers is found for small displacements only: choose linear geometry, or \
-         forces in place of rollers"
+        "contact with rollers that press along ways of their own, or of a section under a load, is found \
+         for small displacements only: choose linear geometry, or forces in place of rollers"
     )]
     LargeContact,
+    /// A force that bending in large displacements does not reach.
+    #[error(
+        "the section slips through between its supports: at a way of the rollers of {advance_mm} mm \
+         their force falls, from {largest_n} N, and never reaches {force_n} N; drive the rollers by a \
+         way, or make the span shorter"
+    )]
+    SlipsThrough {
+        force_n: f64,
+        largest_n: f64,
+        advance_mm: f64,
+    },
     /// Which particles touch could not be found.
     #[error("no set of particles that touch the rollers was found in {rounds} rounds")]
     NoContact { rounds: u64 },
@@ -123,6 +134,13 @@ pub enum CompositeError {
          use a coarser grid at the rollers"
     )]
     ContactUnsettled { share: f64 },
+    /// A face between plies that are to come apart, inside cells.
+    #[error(
+        "the face at a height of {y_mm} mm, at which plies can come apart, lies inside cells, which would \
+         lose the bending of both plies with it: take at least as many rows of cells as plies, and let lines \
+         of particles follow their faces"
+    )]
+    FaceInsideCells { y_mm: f64 },
     /// A cell that stores more energy than the crack in it takes up.
     #[error(
         "the cell at ({x_mm} mm, {y_mm} mm) is {width_mm} mm wide across a crack in material \

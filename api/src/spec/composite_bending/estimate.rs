@@ -4,7 +4,7 @@
 //! runs of 400 to a million cells at rest by each solver, on rollers and in time, all within a factor of
 //! two.
 use super::lines::Laid;
-use super::{CompositeBending, Geometry, Material, Solver};
+use super::{CompositeBending, Geometry, Material, Solver, Way};
 use crate::{Calibration, Estimate};
 
 /// One particle in a solution of the equations of 10 000 particles, and the power of the number of
@@ -23,6 +23,10 @@ const STEP_OVER_CROSSING: f64 = 0.5;
 /// Rounds of contact and of Newton's method in a step of the load.
 const CONTACT_ROUNDS: f64 = 6.0;
 const NEWTON_ROUNDS: f64 = 4.0;
+/// Solutions for each stride of rollers in large displacements, a quarter of their radius long, and strides
+/// where only a force is given.
+const ROLLING_ROUNDS: f64 = 20.0;
+const STRIDES: f64 = 20.0;
 /// One particle in an event of a test that breaks, with its coarser grids; events over the square root
 /// of the particles, for each step in which a crack opens. Of a section that cracks here and there; one
 /// that cracks everywhere has more.
@@ -46,12 +50,18 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
     let is_bent = spec.test.way().is_some_and(|way| way.flexure().is_some());
     let laid = spec.laid();
     let steps = f64::from(knobs.load_steps);
-    let rounds = if is_bent {
-        CONTACT_ROUNDS * steps
-    } else if knobs.geometry == Geometry::Large {
-        NEWTON_ROUNDS * steps
-    } else {
-        1.0
+    let rounds = match spec.test.way() {
+        Some(Way::ThreePoint(test) | Way::FourPoint(test) | Way::ShortBeam(test)) => {
+            if knobs.geometry == Geometry::Large {
+                let radius = test.loading_radius_mm.min(test.support_radius_mm);
+                let strides = test.displacement_mm.map(|way| 4.0 * way / radius);
+                ROLLING_ROUNDS * strides.unwrap_or(STRIDES).max(steps)
+            } else {
+                CONTACT_ROUNDS * steps
+            }
+        }
+        _ if knobs.geometry == Geometry::Large => NEWTON_ROUNDS * steps,
+        _ => 1.0,
     };
     let particles_of = |laid: &Laid| {
         let is_refined = is_bent && laid.is_graded;

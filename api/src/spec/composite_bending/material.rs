@@ -62,7 +62,7 @@ pub struct Strength {
     pub shear: Option<Limit>,
 }
 
-/// What the face of a fibre bears: tension across it and shear along it count together, each over its
+/// What the face of a fibre, or that between two plies, bears: tension across it and shear along it count together, each over its
 /// strength, as the root of the sum of their squares.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -54,6 +54,14 @@ pub struct CompositeBending {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 1000))]
     pub plies: Vec<Ply>,
+    /// What the faces between plies bear, all alike, where the test lets things break; left out, plies
+    /// hold together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ply_interface: Option<Interface>,
+    /// Stretches of faces between plies that are open from the start, as a film leaves them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub delaminations: Vec<Delamination>,
     /// Fibres, one by one.
     #[serde(default)]
     #[schemars(length(max = 10_000))]
@@ -142,6 +150,21 @@ pub struct Ply {
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = -360.0, max = 360.0), extend("x-unit" = "°"))]
     pub in_plane_angle_deg: f64,
+}
+
+/// A stretch of the face between two plies that is open from the start.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Delamination {
+    /// The ply beneath it, counted from 1 at the bottom.
+    #[schemars(range(min = 1, max = 999), extend("x-unit" = "1"))]
+    pub above_ply: u32,
+    /// Where it begins along x. Its ends move to the nearest lines of particles.
+    #[schemars(range(min = 0.0, max = 1e6), extend("x-unit" = "mm"))]
+    pub from_mm: f64,
+    /// Where it ends along x.
+    #[schemars(range(min = 0.0, max = 1e6), extend("x-unit" = "mm"))]
+    pub to_mm: f64,
 }
 
 /// What holds the particles together.

@@ -76,6 +76,18 @@ impl GridMatrix {
         }
     }
 
+    /// Adds a symmetric matrix over two neighbours, the earlier one first.
+    pub(crate) fn add_pair(&mut self, [first, second]: [usize; 2], matrix: &[[f64; 4]; 4]) {
+        let place = self.place(first, second);
+        for (particle, place, row, column) in
+            [(first, 0, 0, 0), (second, 0, 2, 2), (first, place, 0, 2)]
+        {
+            for (entry, value) in self.blocks[particle][place].iter_mut().enumerate() {
+                *value += matrix[row + entry / 2][column + entry % 2];
+            }
+        }
+    }
+
     /// Adds weight times a block between two particles of one cell, and its transpose on the other
     /// side, which is what a `diagonal` block already is.
     pub(crate) fn add_block(

@@ -1,9 +1,11 @@
 //! What can break, and in which tests.
+use super::LISTED;
 use super::materials::escaped;
 use crate::spec::composite_bending::{CompositeBending, Geometry, Lattice, Solver, Way};
 use crate::{Violation, Violations};
 
 pub(super) fn check_breaking(spec: &CompositeBending, violations: &mut Violations) {
+    check_delaminations(spec, violations);
     if spec.test.breaking.is_none() {
         return;
     }
@@ -11,14 +13,14 @@ pub(super) fn check_breaking(spec: &CompositeBending, violations: &mut Violation
         let strength = material.strength.unwrap_or_default();
         strength != Default::default() || material.interface.is_some()
     };
-    if !spec.materials.values().any(breaks) {
+    if !spec.materials.values().any(breaks) && spec.ply_interface.is_none() {
         violations.push(
             Violation::new(
                 "/test/breaking",
                 "nothing_breaks",
                 "no material has a strength",
             )
-            .allowed("a strength or an interface of at least one material"),
+            .allowed("a strength or an interface of at least one material, or a ply_interface"),
         );
     }
     check_interfaces(spec, violations);
@@ -66,6 +68,67 @@ pub(super) fn check_breaking(spec: &CompositeBending, violations: &mut Violation
             )
             .allowed("a load or faces with displacement_mm"),
         );
+    }
+}
+
+/// Faces between plies, and stretches of them that are open.
+fn check_delaminations(spec: &CompositeBending, violations: &mut Violations) {
+    let plies = spec.plies.len();
+    if spec.ply_interface.is_some() && plies < 2 {
+        violations.push(
+            Violation::new(
+                "/ply_interface",
+                "not_allowed",
+                "there are no two plies with a face between them",
+            )
+            .value(plies)
+            .allowed("with at least two plies"),
+        );
+        return;
+    }
+    if spec.delaminations.is_empty() {
+        return;
+    }
+    if spec.test.breaking.is_none() || spec.ply_interface.is_none() {
+        violations.push(
+            Violation::new(
+                "/delaminations",
+                "not_allowed",
+                "faces that are open from the start belong to plies that can come apart",
+            )
+            .allowed("with breaking in the test and a ply_interface"),
+        );
+    }
+    let length = spec.section.length_mm;
+    for (index, open) in spec.delaminations.iter().enumerate().take(LISTED) {
+        let pointer = |field: &str| format!("/delaminations/{index}/{field}");
+        if open.above_ply as usize >= plies {
+            violations.push(
+                Violation::new(
+                    pointer("above_ply"),
+                    "out_of_range",
+                    "there is no ply above it",
+                )
+                .value(open.above_ply)
+                .allowed(format!("from 1 to {}", plies.saturating_sub(1)))
+                .unit("1"),
+            );
+        }
+        if open.to_mm <= open.from_mm || open.to_mm > length {
+            violations.push(
+                Violation::new(
+                    pointer("to_mm"),
+                    "out_of_range",
+                    "it ends before it begins, or beyond the section",
+                )
+                .value(open.to_mm)
+                .allowed(format!(
+                    "> from_mm = {}, ≤ length_mm = {length}",
+                    open.from_mm
+                ))
+                .unit("mm"),
+            );
+        }
     }
 }
 

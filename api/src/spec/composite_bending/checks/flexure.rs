@@ -1,5 +1,5 @@
 //! Rollers that find room, and one drive.
-use crate::spec::composite_bending::{CompositeBending, Flexure, Geometry, Solver};
+use crate::spec::composite_bending::{CompositeBending, Flexure, Solver};
 use crate::{Violation, Violations};
 
 pub(super) fn check_flexure(
@@ -65,17 +65,6 @@ pub(super) fn check_flexure(
         );
     }
     let knobs = spec.accuracy.knobs();
-    if knobs.geometry == Geometry::Large {
-        violations.push(
-            Violation::new(
-                "/accuracy/geometry",
-                "not_allowed",
-                "contact with rollers is worked out for small displacements",
-            )
-            .value("large")
-            .allowed("\"linear\" with rollers"),
-        );
-    }
     if knobs.solver != Solver::Static {
         violations.push(
             Violation::new(

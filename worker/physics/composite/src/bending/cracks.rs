@@ -1,7 +1,7 @@
 //! A section that is loaded until it breaks, crack by crack.
 //!
-//! Rollers keep the forces on their contacts in the proportions that they have on the whole section,
-//! which then balance each other and grow by one factor.
+//! Rollers are forces that balance each other and grow by one factor, found for the whole section and
+//! anew as it breaks ([`Pressed`]).
 use loadframe_api::spec::composite_bending as spec;
 use loadframe_api::spec::composite_bending::Breaking as Given;
 use serde::{Deserialize, Serialize};
@@ -10,11 +10,13 @@ use super::model::{Model, drive};
 use super::results::Tested;
 use super::{Halt, Progress, Watch};
 use crate::breaking::{
-    Advance, Breaking, BreakingOptions, BreakingState, Control, EndReason, Event, Machine,
-    MaterialStrength, Scatter, ScatterLaw, Specimen, Stop, Totals,
+    Advance, BetweenPlies, Breaking, BreakingOptions, BreakingState, Control, EndReason, Event,
+    Machine, MaterialStrength, NO_MATERIAL, OpenFace, Pressed, Scatter, ScatterLaw, Specimen, Stop,
+    Totals, opened_lattice,
 };
 use crate::error::CompositeError;
 use crate::flexure::{Flexure, FlexureResult};
+use crate::lattice::Lattice;
 use crate::material::hubers_shear_modulus;
 use crate::solve::{StaticOptions, equilibrium};
 use crate::strength::{Criterion, Strength};
@@ -62,7 +64,6 @@ pub(super) fn conduct(
     watch: &mut dyn Watch,
 ) -> Result<Tested, Halt> {
     watch.columns(model.spec.columns())?;
-    let (mut tested, supports, load) = whole(model)?;
     let strengths: Vec<MaterialStrength> = model
         .spec
         .materials
@@ -72,13 +73,22 @@ pub(super) fn conduct(
             interface: material.interface.map(Into::into),
         })
         .collect();
+    let between_plies = between_plies(model);
+    let options = options(model, given);
+    let opened = (!between_plies.open.is_empty())
+        .then(|| opened_lattice(&model.layout, &strengths, &between_plies, &options))
+        .transpose()
+        .map_err(|error| named(error, model))?;
+    let (mut tested, begun) = whole(model, opened.as_ref().unwrap_or(&model.lattice))?;
     let specimen = Specimen {
         layout: &model.layout,
-        supports: &supports,
-        load_n: &load,
+        supports: &begun.supports,
+        load_n: &begun.load,
         strengths: &strengths,
+        between_plies: &between_plies,
+        rollers: begun.rollers.as_ref(),
     };
-    let breaking = Breaking::new(specimen, options(model, given));
+    let breaking = Breaking::new(specimen, options);
     let mut breaking = breaking.map_err(|error| named(error, model))?;
     let (mut events, mut peak) = (Vec::new(), None);
     let mut curve = Curve::new(given);
@@ -128,29 +138,38 @@ pub(super) fn conduct(
     Ok(tested)
 }
 
-/// The whole section under what is given, and what drives its breaking.
-fn whole(model: &Model<'_>) -> Result<(Tested, Supports, Vec<f64>), Halt> {
+/// What holds a section, and what drives its breaking.
+struct Begun {
+    supports: Supports,
+    load: Vec<f64>,
+    rollers: Option<Pressed>,
+}
+
+/// The section before it breaks under what is given, and what drives its breaking.
+fn whole(model: &Model<'_>, lattice: &Lattice) -> Result<(Tested, Begun), Halt> {
     let options = StaticOptions::default();
     if let Some((flexure, given)) = model.flexure() {
-        let found = flexure.bend(&model.section, &model.lattice, drive(given, 1.0), &options)?;
-        let (supports, load) = frozen(model, flexure, &found)?;
-        return Ok((Tested::bent(found), supports, load));
+        let found = flexure.bend(&model.section, lattice, drive(given, 1.0), &options)?;
+        let begun = frozen(model, flexure, &found)?;
+        return Ok((Tested::bent(found), begun));
     }
-    let rest = equilibrium(&model.lattice, &model.supports, &model.load, &options)?;
-    Ok((
-        Tested::at_rest(rest),
-        model.supports.clone(),
-        model.load.clone(),
-    ))
+    let rest = equilibrium(lattice, &model.supports, &model.load, &options)?;
+    let begun = Begun {
+        supports: model.supports.clone(),
+        load: model.load.clone(),
+        rollers: None,
+    };
+    Ok((Tested::at_rest(rest), begun))
 }
 
 /// The forces of rollers on the particles that touch them, which balance each other, and what keeps
-/// the section from moving as a whole, which bears nothing.
+/// the section from moving as a whole, which bears nothing: no particle that a roller touches, whose
+/// force would be lost to it.
 fn frozen(
     model: &Model<'_>,
     flexure: Flexure,
     found: &FlexureResult,
-) -> Result<(Supports, Vec<f64>), CompositeError> {
+) -> Result<Begun, CompositeError> {
     let grid = model.lattice.grid();
     let reactions = &found.contact.equilibrium.reactions_n;
     let mut load = vec![0.0; reactions.len()];
@@ -165,14 +184,36 @@ fn frozen(
         let nearest = lines.min_by(|a, b| (a.1 - at).abs().total_cmp(&(b.1 - at).abs()));
         nearest.map_or(0, |(line, _)| line)
     };
-    let mut supports = Supports::none(grid);
-    let ([left, right], _) = flexure.rollers(&model.section);
-    let middle = grid.particle(nearest(0.5 * model.section.length_mm), 0);
-    supports.hold(grid, middle, 0, 0.0)?;
-    for roller in [left, right] {
-        supports.hold(grid, grid.particle(nearest(roller.at_mm), 0), 1, 0.0)?;
+    let (kept, _) = flexure.kept(&model.section, &model.lattice)?;
+    let mut supports = kept.clone();
+    let (resting, pressing) = flexure.rollers(&model.section);
+    let row = (grid.rows() / 2).max(1);
+    for roller in resting {
+        supports.hold(grid, grid.particle(nearest(roller.at_mm), row), 1, 0.0)?;
     }
-    Ok((supports, load))
+    Ok(Begun {
+        supports,
+        load,
+        rollers: Some(Pressed {
+            resting: resting.to_vec(),
+            pressing,
+            force_n: found.force_n,
+            kept,
+        }),
+    })
+}
+
+/// What holds plies together, and where they are apart from the start.
+fn between_plies(model: &Model<'_>) -> BetweenPlies {
+    let open = model.spec.delaminations.iter().map(|given| OpenFace {
+        // checked with the spec: from 1
+        above_ply: (given.above_ply as usize).saturating_sub(1),
+        between_mm: [given.from_mm, given.to_mm],
+    });
+    BetweenPlies {
+        interface: model.spec.ply_interface.map(Into::into),
+        open: open.collect(),
+    }
 }
 
 /// Limits of a material in what they are compared with: stresses [MPa], or strains, each its strength over
@@ -216,7 +257,11 @@ fn named(error: CompositeError, model: &Model<'_>) -> CompositeError {
             largest_mm,
         } => {
             let place = material.parse::<usize>().ok();
-            let name = place.and_then(|place| model.spec.materials.keys().nth(place));
+            let ply_interface = "ply_interface".to_owned();
+            let name = place.and_then(|place| match place {
+                NO_MATERIAL => Some(&ply_interface),
+                place => model.spec.materials.keys().nth(place),
+            });
             CompositeError::CellTooLarge {
                 x_mm,
                 y_mm,

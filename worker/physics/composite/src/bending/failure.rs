@@ -105,6 +105,11 @@ pub(super) fn measure(model: &Model<'_>, broken: &Broken) -> Vec<Measured> {
             dissipated.interfaces_n_mm,
             "Energy that fibres took to come off.",
         ),
+        (
+            "dissipated_between_plies",
+            dissipated.ply_faces_n_mm,
+            "Energy that plies took to come apart.",
+        ),
     ] {
         add(name, value * J, "J", description);
     }
@@ -172,8 +177,8 @@ const SAW: f64 = 0.05;
 const COARSE: f64 = 1.0 / 8.0;
 /// What a crack that grows takes too much, over that ratio, see [`crate::breaking::Totals`].
 const TOO_MUCH: f64 = 0.8;
-/// Part of the broken cells whose crack is pressed together, beyond which it is told.
-const OVERLAPPING: f64 = 0.1;
+/// Part of the volume of cracks in which their faces overlap, beyond which it is told.
+pub(super) const OVERLAPPING: f64 = 0.1;
 
 /// What a reader of the result should know.
 pub(super) fn warnings(broken: &Broken) -> Vec<(&'static str, String)> {
@@ -209,14 +214,26 @@ pub(super) fn warnings(broken: &Broken) -> Vec<(&'static str, String)> {
             ),
         ));
     }
-    let overlapping = totals.overlapping_cells as f64;
-    if overlapping > OVERLAPPING * totals.broken_cells as f64 {
+    if totals.overlap_share > OVERLAPPING {
         warnings.push((
             "cracks_overlap",
             format!(
-                "in {overlapping} of {} broken cells the faces of the crack are pressed into each other, which \
-                 nothing hinders here: in compression the section is stronger than it is told",
-                totals.broken_cells
+                "in {} cells the faces of a crack are pressed into each other, by up to {:.2e} mm and by {:.0} % \
+                 of the volume of all cracks, which nothing hinders here: in compression the section is \
+                 stronger than it is told",
+                totals.overlapping_cells,
+                totals.overlap_mm,
+                100.0 * totals.overlap_share
+            ),
+        ));
+    }
+    if totals.contacts_kept > 0 {
+        warnings.push((
+            "contact_not_followed",
+            format!(
+                "{} times no contact of the rollers with the broken section was found, {} times there was one: \
+                 where not, their forces kept the proportions they had",
+                totals.contacts_kept, totals.contacts
             ),
         ));
     }

@@ -327,12 +327,14 @@ fn write_cracks(
     Ok(())
 }
 
-/// Which sort of part broke, as a number for pictures: matrix or ply 0, fibre 1, interface 2.
+/// Which sort of part broke, as a number for pictures: matrix or ply 0, fibre 1, interface 2, face
+/// between plies 3.
 fn part_number(part: BrokenPart) -> f64 {
     match part {
         BrokenPart::Matrix => 0.0,
         BrokenPart::Fibre(_) => 1.0,
         BrokenPart::Interface(_) => 2.0,
+        BrokenPart::PlyFace(_) => 3.0,
     }
 }
 
@@ -356,6 +358,7 @@ fn write_events(
                 BrokenPart::Matrix => ("ply", String::new()),
                 BrokenPart::Fibre(place) => ("fibre", place.to_string()),
                 BrokenPart::Interface(place) => ("interface", place.to_string()),
+                BrokenPart::PlyFace(_) => ("ply_face", String::new()),
             };
             let mode = match event.mode {
                 Mode::Tension => "tension",

@@ -5,6 +5,7 @@
 //! [`history`] moves it in time, [`cracks`] lets it break; [`results`] reads values off, [`errors`] says how wrong they may be from the same test on
 //! coarser grids; [`files`] and [`report`] write. This file holds the course of it, which alone talks
 //! to the recorder.
+mod bent;
 mod comparison;
 mod cracks;
 mod errors;
@@ -16,6 +17,8 @@ mod report;
 mod rest;
 mod results;
 mod rollers;
+#[cfg(test)]
+mod tests;
 
 use std::io;
 
@@ -48,8 +51,7 @@ struct Checkpoint {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum Progress {
     Rest(rest::RestState),
-    /// Steps done.
-    Rollers(u32),
+    Rollers(rollers::RollersState),
     History(history::HistoryState),
     Cracks(Box<cracks::CracksState>),
     /// The test is over, and of its comparisons those that are known.
@@ -79,7 +81,9 @@ enum Halt {
 impl From<CompositeError> for Halt {
     fn from(error: CompositeError) -> Self {
         match error {
-            CompositeError::CellTooLarge { .. } => Self::TooCoarse(error),
+            CompositeError::CellTooLarge { .. } | CompositeError::FaceInsideCells { .. } => {
+                Self::TooCoarse(error)
+            }
             error => Self::Failed(error.into()),
         }
     }

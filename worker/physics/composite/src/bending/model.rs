@@ -85,15 +85,17 @@ impl<'a> Model<'a> {
         names: &[&String],
         refinements: &[Refinement],
     ) -> Result<Self, CompositeError> {
-        let layout = section.layout_refined(
-            division(spec, fineness.grid),
-            refinements,
-            &if fineness.shrinks_to_corners {
-                spec.held_corners()
-            } else {
-                Default::default()
-            },
-        )?;
+        let division = division(spec, fineness.grid);
+        let corners = if fineness.shrinks_to_corners {
+            spec.held_corners()
+        } else {
+            Default::default()
+        };
+        let layout = if spec.ply_interface.is_some() && spec.test.breaking.is_some() {
+            section.layout_parting(division, refinements, &corners)?
+        } else {
+            section.layout_refined(division, refinements, &corners)?
+        };
         let lattice = match &spec.lattice {
             spec::Lattice::Exact(_) => Lattice::exact(&layout),
             spec::Lattice::Paper(paper) => Lattice::paper(&section, &layout, rule(*paper))?,

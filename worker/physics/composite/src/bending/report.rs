@@ -134,6 +134,16 @@ fn checks(
         "1",
         "Cells that the displacements turn inside out, at the end; cells that broke are left out.",
     );
+    if let Some(broken) = &tested.broken {
+        report.check(
+            "crack_overlap",
+            broken.totals.overlap_share,
+            failure::OVERLAPPING,
+            "1",
+            "Volume in which the faces of cracks overlap over that of all cracks, overlapping or open, at the \
+             last event.",
+        );
+    }
     if let Some(main) = errors::main(measured) {
         let error = finding.of_grid(main, model.comparison()) / main.value.abs();
         // a grid that cannot be coarser tells nothing of its error
@@ -192,8 +202,8 @@ fn warn(
     let is_linear = model.geometry() == Geometry::Linear;
     let gradient = rms_gradient(model.lattice.grid(), tested);
     if is_linear && gradient > SMALL {
-        let advice = if tested.bent.is_some() {
-            "the formulas of the standards leave this out, too"
+        let advice = if tested.broken.is_some() {
+            "breaks are found for small displacements only"
         } else {
             "geometry \"large\" in accuracy is for that"
         };

@@ -1,11 +1,22 @@
 //! Bending on rollers, step by step.
 use loadframe_api::spec::composite_bending as spec;
+use serde::{Deserialize, Serialize};
 
 use super::model::{Model, drive};
 use super::results::Tested;
 use super::{Halt, Progress, Watch};
-use crate::flexure::{Flexure, FlexureResult};
-use crate::solve::StaticOptions;
+use crate::flexure::{Drive, Flexure, FlexureResult};
+use crate::lattice::Geometry;
+use crate::solve::{RollingState, StaticOptions};
+
+/// How far bending is.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct RollersState {
+    /// Steps done.
+    done: u32,
+    /// Where the rollers are, in large displacements.
+    rolling: Option<RollingState>,
+}
 
 pub(super) fn conduct(
     model: &Model<'_>,
@@ -14,31 +25,67 @@ pub(super) fn conduct(
     progress: Option<Progress>,
     watch: &mut dyn Watch,
 ) -> Result<Tested, Halt> {
-    let options = StaticOptions::default();
     let knobs = model.spec.accuracy.knobs();
+    let standard = StaticOptions::default();
+    let options = StaticOptions {
+        geometry: model.geometry(),
+        tolerance: knobs.residual.unwrap_or(standard.tolerance),
+        ..standard
+    };
     watch.columns(model.spec.columns())?;
-    let done = match progress {
-        Some(Progress::Rollers(done)) => done,
+    let state = match progress {
+        Some(Progress::Rollers(state)) => state,
         _ => {
             watch.point(&[0.0; 6])?;
-            0
+            RollersState::default()
         }
     };
     let steps = knobs.load_steps;
+    let share = |step: u32| f64::from(step) / f64::from(steps);
+    let done = state.done;
+    if options.geometry == Geometry::Large {
+        let (supports, still) = flexure.kept(&model.section, &model.lattice)?;
+        let (section, lattice) = (&model.section, &model.lattice);
+        let mut rolling = flexure.rolling(section, lattice, &supports, &still, &options)?;
+        if let Some(state) = state.rolling {
+            rolling.resume(state)?;
+        }
+        for step in done + 1..=steps {
+            match drive(given, share(step)) {
+                Drive::Force(force_n) => rolling.press_to(force_n)?,
+                Drive::Advance(way) => rolling.advance_to(way)?,
+            }
+            let contact = rolling.equilibrium()?;
+            let found = flexure.read(section, lattice, Geometry::Large, contact)?;
+            watch.point(&point(&found, share(step)))?;
+            if step == steps {
+                return Ok(Tested::bent(found));
+            }
+            watch.look(share(step), &mut || {
+                Progress::Rollers(RollersState {
+                    done: step,
+                    rolling: Some(rolling.state()),
+                })
+            })?;
+        }
+    }
     let at = |step: u32| {
-        let share = f64::from(step) / f64::from(steps);
-        let drive = drive(given, share);
+        let drive = drive(given, share(step));
         let found = flexure.bend(&model.section, &model.lattice, drive, &options)?;
-        Ok::<(f64, FlexureResult), Halt>((share, found))
+        Ok::<FlexureResult, Halt>(found)
     };
     for step in done + 1..steps {
-        let (share, found) = at(step)?;
-        watch.point(&point(&found, share))?;
-        let fraction = f64::from(step) / f64::from(steps);
-        watch.look(fraction, &mut || Progress::Rollers(step))?;
+        let found = at(step)?;
+        watch.point(&point(&found, share(step)))?;
+        watch.look(share(step), &mut || {
+            Progress::Rollers(RollersState {
+                done: step,
+                rolling: None,
+            })
+        })?;
     }
-    let (share, found) = at(steps)?;
-    watch.point(&point(&found, share))?;
+    let found = at(steps)?;
+    watch.point(&point(&found, share(steps)))?;
     Ok(Tested::bent(found))
 }
 

@@ -10,7 +10,8 @@
 //! layers that it lies between.
 use nalgebra::{Matrix2, Matrix3, RowVector2, Vector2, Vector3};
 
-use super::part::{Damage, Law, Part};
+use super::part::{BrokenPart, Damage, Law, Part};
+use super::saw::LEAST_RESIDUAL;
 use crate::stiffness::{Stiffness, compliance, turned_to};
 
 /// What a part makes of the strain of its cell, in the axes of its planes.
@@ -90,8 +91,19 @@ fn damaged(part: &Part, law: &Law, damage: &Damage, teeth: u16) -> Stiffness {
 }
 
 /// Compliances of a face [1/MPa] across and along, as if spread over the cell.
-fn face(part: &Part, damage: &Damage, teeth: u16) -> [f64; 2] {
-    let [normal, shear] = damage.planes[1].softness(teeth, true);
+///
+/// Plies that have come apart are long and slender: what an open face keeps for the equations' sake
+/// must be soft beside their bending, not only beside its own stiffness.
+pub(crate) fn face(part: &Part, damage: &Damage, teeth: u16) -> [f64; 2] {
+    let plane = &damage.planes[1];
+    let [mut normal, mut shear] = plane.softness(teeth, true);
+    if matches!(part.kind, BrokenPart::PlyFace(_)) && plane.level >= teeth {
+        let none = 1.0 / LEAST_RESIDUAL - 1.0;
+        shear = none;
+        if plane.opened >= teeth {
+            normal = none;
+        }
+    }
     [normal / part.bed[0], shear / part.bed[1]]
 }
 

@@ -69,6 +69,8 @@ pub struct Dissipated {
     pub matrix_n_mm: f64,
     pub fibres_n_mm: f64,
     pub interfaces_n_mm: f64,
+    /// Between plies.
+    pub ply_faces_n_mm: f64,
     /// The same energy, by how it broke.
     pub tension_n_mm: f64,
     pub compression_n_mm: f64,
@@ -79,7 +81,7 @@ impl Dissipated {
     /// All of it [N mm].
     #[must_use]
     pub fn total_n_mm(&self) -> f64 {
-        self.matrix_n_mm + self.fibres_n_mm + self.interfaces_n_mm
+        self.matrix_n_mm + self.fibres_n_mm + self.interfaces_n_mm + self.ply_faces_n_mm
     }
 
     pub(crate) fn add(&mut self, part: BrokenPart, mode: Mode, energy_n_mm: f64) {
@@ -87,6 +89,7 @@ impl Dissipated {
             BrokenPart::Matrix => self.matrix_n_mm += energy_n_mm,
             BrokenPart::Fibre(_) => self.fibres_n_mm += energy_n_mm,
             BrokenPart::Interface(_) => self.interfaces_n_mm += energy_n_mm,
+            BrokenPart::PlyFace(_) => self.ply_faces_n_mm += energy_n_mm,
         }
         match mode {
             Mode::Tension => self.tension_n_mm += energy_n_mm,
@@ -109,6 +112,15 @@ pub struct Totals {
     /// Cells whose opened crack is pressed at the last event: its faces overlap, which is not hindered.
     /// Where there are many, what the section bears in compression is underestimated.
     pub overlapping_cells: u64,
+    /// By how much they overlap: the volume of overlap over that of overlap and openings together, at
+    /// the last event; 0 where nothing overlaps.
+    pub overlap_share: f64,
+    /// The largest overlap [mm].
+    pub overlap_mm: f64,
+    /// How often the contact with rollers was found anew for the broken section, and how often that
+    /// failed, so that the forces kept the proportions they had.
+    pub contacts: u64,
+    pub contacts_kept: u64,
     pub peak_force_n: f64,
     /// Largest displacement of the drive at an event [mm].
     pub reach_mm: f64,

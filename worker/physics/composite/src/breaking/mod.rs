@@ -9,10 +9,10 @@
 //!
 //! Known here: [`part`] what cracks and on which planes, [`laws`] by which limits, [`saw`] how it
 //! softens, [`composition`] what a cell of cracked parts still bears, [`criterion`] which crack comes
-//! next, [`system`] how the lattice answers. Not known: contact of rollers, which a caller freezes into
-//! supports and forces; contact of the two faces of a crack ([`Totals::overlapping_cells`] counts where
-//! it would matter); delamination between plies; what happens at the ends of fibres, where the
-//! assumption that layers share their strain does not hold.
+//! next, [`ply_faces`] where plies part, [`contact`] what rollers do to a section that breaks,
+//! [`system`] how the lattice answers. Not known: contact of the two faces of a crack
+//! ([`Totals::overlap_share`] tells where and by how much it would matter); what happens at the ends of
+//! fibres, where the assumption that layers share their strain does not hold.
 //!
 //! A crack dissipates in the triangle that its event and the next one span with the origin, so that
 //! the work along the straight lines from event to event is elastic energy and dissipation exactly:
@@ -25,7 +25,9 @@
 //! |---|---|---|---|
 //! | brittle | 198 | 276 | 266 |
 //! | ten teeth | 203 | 382 | 373 |
+mod begun;
 mod composition;
+mod contact;
 mod criterion;
 mod curve;
 mod event;
@@ -33,6 +35,7 @@ mod laws;
 mod options;
 mod part;
 mod parts;
+mod ply_faces;
 mod progress;
 mod saw;
 mod scatter;
@@ -41,23 +44,27 @@ mod system;
 #[cfg(test)]
 mod tests;
 
+pub use begun::opened_lattice;
+pub use contact::Pressed;
 pub use curve::{Control, Machine, machine_curve};
 pub use event::{Advance, Dissipated, EndReason, Event, Mode, Totals};
-pub use options::{BreakingOptions, MaterialStrength, Specimen, Stop};
+pub use options::{BetweenPlies, BreakingOptions, MaterialStrength, OpenFace, Specimen, Stop};
 pub use part::BrokenPart;
+pub(crate) use ply_faces::NO_MATERIAL;
 pub use scatter::{Scatter, ScatterLaw};
 pub use state::BreakingState;
 
+use begun::{Begun, lost};
 use composition::{Bearing, compose};
+use contact::Contact;
 use criterion::{Hit, cracked, first_crack};
 use nalgebra::Vector3;
 use options::check;
 use part::Damage;
 use parts::Parts;
 use progress::{Pending, Progress};
-use saw::RESIDUAL;
 use scatter::Drawn;
-use system::{MOST_COLUMNS, System};
+use system::{Loss, MOST_COLUMNS, System};
 
 use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice};
@@ -80,6 +87,7 @@ pub struct Breaking {
     /// Lost part of every cell's stiffness.
     lost: Vec<f64>,
     system: System,
+    contact: Option<Contact>,
     /// Parts and their damage when the system was factored, and after every crack since.
     base: Vec<(u32, Damage)>,
     since: Vec<(u32, Damage)>,
@@ -107,39 +115,31 @@ impl Breaking {
         let teeth = check(&options)?;
         let layout = specimen.layout;
         let drawn = Drawn::new(options.scatter.as_ref(), options.seed)?;
-        let parts = Parts::new(layout, specimen.strengths, options.criterion, &drawn)?;
-        let damage: Vec<Damage> = parts
-            .all
-            .iter()
-            .map(|part| Damage::none(&parts.laws[part.law as usize]))
-            .collect();
-        let mut bearings = vec![Bearing::default(); parts.all.len()];
-        for cell in 0..layout.grid().cells() {
-            let of = parts.of(cell);
-            compose(
-                &parts.all[of.clone()],
-                &parts.laws,
-                &damage[of.clone()],
-                teeth,
-                &mut bearings[of],
-            );
-        }
-        let lattice = Lattice::exact(layout);
+        let (strengths, between) = (specimen.strengths, specimen.between_plies);
+        let parts = Parts::new(layout, strengths, between, options.criterion, &drawn)?;
+        let mut begun = Begun::new(layout, &parts, teeth);
+        let lattice = std::mem::replace(&mut begun.lattice, Lattice::exact(layout));
+        let contact = specimen
+            .rollers
+            .map(|pressed| Contact::new(&lattice, pressed));
         let system = System::new(lattice, specimen.supports, specimen.load_n, most_columns)?;
-        Ok(Self {
+        let mut breaking = Self {
             options,
             teeth,
-            damage,
-            bearings,
+            damage: begun.damage,
+            bearings: begun.bearings,
             intact: layout.stiffness().to_vec(),
-            lost: vec![0.0; layout.grid().cells()],
+            lost: begun.lost,
             base: Vec::new(),
             since: Vec::new(),
             progress: Progress::default(),
             displacements_mm: vec![0.0; system.displacements().len()],
+            contact: contact.transpose()?,
             parts,
             system,
-        })
+        };
+        breaking.keep_base();
+        Ok(breaking)
     }
 
     /// On to the next event, or the reason why there is none; asked again, the same reason.
@@ -150,7 +150,16 @@ impl Breaking {
         if self.progress.events >= self.options.stop.events {
             return Ok(Advance::Ended(EndReason::Events));
         }
-        let Some((place, hit)) = self.first() else {
+        let found = loop {
+            match self.next()? {
+                // what was never bonded opens without a load, and is no event
+                Some((place, hit)) if self.progress.events == 0 && hit.factor <= 0.0 => {
+                    self.crack(place, &hit)?;
+                }
+                found => break found,
+            }
+        };
+        let Some((place, hit)) = found else {
             return Ok(Advance::Ended(EndReason::NothingBreaks));
         };
         let [unit_mm, unit_n] = self.system.response();
@@ -190,16 +199,8 @@ impl Breaking {
         let measures = self.system.measures(cell).map(|m| factor * m);
 
         // the crack
-        let damage = self.cracked(place, &hit)?;
+        let (damage, loss) = self.crack(place, &hit)?;
         let plane = damage.planes[hit.plane];
-        self.damage[place] = damage;
-        let stiffness = self.composed(cell);
-        let (loss, is_new) = self.system.soften(cell, stiffness)?;
-        if is_new {
-            self.keep_base();
-        } else {
-            self.since.push((place as u32, damage));
-        }
 
         // what it releases while the drive is held: ½ d (F - F')
         let [unit_mm, unit_n] = self.system.response();
@@ -289,6 +290,40 @@ impl Breaking {
         self.system.factors
     }
 
+    /// The next crack, under forces of rollers that fit the section as it is then.
+    fn next(&mut self) -> Result<Option<(usize, Hit)>, CompositeError> {
+        /// The factor of the next crack changes with the contact, and the contact with it.
+        const ROUNDS: u32 = 4;
+        for _ in 0..ROUNDS {
+            let first = self.first();
+            let (Some((_, hit)), Some(contact)) = (first, &mut self.contact) else {
+                return Ok(first);
+            };
+            let factor = hit.factor;
+            let [unit_mm, _] = self.system.response();
+            let unit = self.system.displacements();
+            let is_known = !(factor > 0.0 && factor.is_finite())
+                || !contact.is_stale(&self.system.load, unit, factor, (factor * unit_mm).abs());
+            if is_known {
+                return Ok(first);
+            }
+            match contact.found(&self.system.lattice, factor) {
+                Ok(load) => {
+                    contact.factor = factor;
+                    self.progress.contacts += 1;
+                    self.system.reload(&load)?;
+                    self.keep_base();
+                }
+                // of cells that are nearly gone round-off may decide: told with the result
+                Err(_) => {
+                    self.progress.contacts_kept += 1;
+                    return Ok(first);
+                }
+            }
+        }
+        Ok(self.first())
+    }
+
     /// The part that cracks first as the load factor grows. Of those that crack together the first in
     /// the order of cells, so that round-off does not choose.
     fn first(&self) -> Option<(usize, Hit)> {
@@ -325,6 +360,21 @@ impl Breaking {
         }
         let least = stop.force_fraction.max(LEAST_FORCE) * self.progress.peak_n;
         (stiffness * self.progress.reach_mm < least).then_some(EndReason::ForceFell)
+    }
+
+    /// Cracks a part: what it is then, and what its cell lost.
+    fn crack(&mut self, place: usize, hit: &Hit) -> Result<(Damage, Loss), CompositeError> {
+        let damage = self.cracked(place, hit)?;
+        let cell = self.parts.all[place].cell as usize;
+        self.damage[place] = damage;
+        let stiffness = self.composed(cell);
+        let (loss, is_new) = self.system.soften(cell, stiffness)?;
+        if is_new {
+            self.keep_base();
+        } else {
+            self.since.push((place as u32, damage));
+        }
+        Ok((damage, loss))
     }
 
     fn cracked(&self, place: usize, hit: &Hit) -> Result<Damage, CompositeError> {
@@ -385,23 +435,5 @@ impl Breaking {
         let damaged = self.damage.iter().enumerate().filter(|(_, d)| !d.is_none());
         self.base
             .extend(damaged.map(|(place, damage)| (place as u32, *damage)));
-    }
-}
-
-/// 1 - the smallest λ of C n = λ C₀ n: the part of the stiffness that is lost in the strain n.
-fn lost(intact: &Stiffness, left: &Stiffness) -> f64 {
-    let Some(root) = intact.cholesky().map(|factor| factor.l()) else {
-        return 0.0;
-    };
-    let Some(inverse) = root.try_inverse() else {
-        return 0.0;
-    };
-    let share = (inverse * left * inverse.transpose()).symmetric_eigenvalues();
-    let lost = 1.0 - share.min();
-    // what is kept for the equations' sake is none
-    if lost > 1.0 - 2.0 * RESIDUAL {
-        1.0
-    } else {
-        lost.max(0.0)
     }
 }

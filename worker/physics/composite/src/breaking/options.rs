@@ -1,4 +1,5 @@
 //! What is broken, how, and until when.
+use super::contact::Pressed;
 use super::scatter::Scatter;
 use crate::error::{CompositeError, positive};
 use crate::section::Layout;
@@ -15,6 +16,27 @@ pub struct Specimen<'a> {
     pub load_n: &'a [f64],
     /// By place of the material.
     pub strengths: &'a [MaterialStrength],
+    pub between_plies: &'a BetweenPlies,
+    /// Rollers whose forces the load is, if there are some: they follow as the section breaks.
+    pub rollers: Option<&'a Pressed>,
+}
+
+/// What holds neighbouring plies together.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BetweenPlies {
+    /// What their faces bear; `None`: they hold.
+    pub interface: Option<InterfaceStrength>,
+    /// Faces that were never bonded: they slide, bear pressure, and open where they are pulled.
+    pub open: Vec<OpenFace>,
+}
+
+/// A stretch of a face between plies that was never bonded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OpenFace {
+    /// Place of the ply beneath it, from the bottom.
+    pub above_ply: usize,
+    /// Along the section [mm]; it covers the cells whose middle lies within.
+    pub between_mm: [f64; 2],
 }
 
 /// Limits of a material.

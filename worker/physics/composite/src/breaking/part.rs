@@ -17,6 +17,8 @@ pub enum BrokenPart {
     Fibre(u32),
     /// The face between the fibre of this place and what it lies in.
     Interface(u32),
+    /// The face above the ply of this place, from the bottom.
+    PlyFace(u32),
 }
 
 /// Limits on a plane of a part. Normal and shear add up as (σ/σ_n)² + (τ/τ_s)² = 1, as in
@@ -85,7 +87,7 @@ pub(crate) struct Part {
 
 impl Part {
     pub(crate) fn is_face(&self) -> bool {
-        matches!(self.kind, BrokenPart::Interface(_))
+        matches!(self.kind, BrokenPart::Interface(_) | BrokenPart::PlyFace(_))
     }
 
     /// Whether an open crack slides freely. Fibres that are broken beside matrix do not: their shear
@@ -138,6 +140,21 @@ impl Damage {
             axis: law.axis.unwrap_or([1.0, 0.0]),
             planes: [PlaneDamage::default(); 2],
         }
+    }
+
+    /// The second plane as of a face that was never bonded: it slides, bears pressure, and opens where
+    /// it is pulled.
+    pub(crate) fn unbonded(law: &Law, teeth: u16) -> Self {
+        let mut damage = Self::none(law);
+        damage.planes[1] = PlaneDamage {
+            level: teeth,
+            opened: 0,
+            is_crushed: false,
+            // of no softening, they do not matter
+            roots: [0.5; 2],
+            area_mm2: 0.0,
+        };
+        damage
     }
 
     pub(crate) fn is_none(&self) -> bool {

@@ -1,10 +1,11 @@
 //! The parts of all cells of a layout, and the laws by which they crack.
-use super::MaterialStrength;
 use super::composition::bed;
 use super::laws::{check, check_interface, law_of, law_of_faces};
 use super::part::{BrokenPart, Law, Part};
+use super::ply_faces::PlyFaces;
 use super::saw::Saw;
 use super::scatter::Drawn;
+use super::{BetweenPlies, MaterialStrength};
 use crate::error::CompositeError;
 use crate::section::{Band, Grid, Layout, matrix_share};
 use crate::stiffness::{Stiffness, compliance, turned_to};
@@ -26,12 +27,15 @@ pub(crate) struct Parts {
     pub(crate) starts: Vec<u32>,
     /// Whether a crack of some part has no energy of its own.
     pub(crate) has_brittle: bool,
+    /// Parts that are open from the start.
+    pub(crate) open: Vec<u32>,
 }
 
 impl Parts {
     pub(crate) fn new(
         layout: &Layout,
         strengths: &[MaterialStrength],
+        between_plies: &BetweenPlies,
         criterion: Criterion,
         drawn: &Drawn,
     ) -> Result<Self, CompositeError> {
@@ -63,22 +67,25 @@ impl Parts {
             }
         }
         let faces = faces(layout, &face_laws);
+        let ply_faces = PlyFaces::new(layout, between_plies, &mut laws)?;
 
         let grid = &layout.grid;
         let mut parts = Self {
             all: Vec::with_capacity(grid.cells()),
             starts: Vec::with_capacity(grid.cells() + 1),
             has_brittle: false,
+            open: Vec::new(),
             laws,
         };
         for cell in 0..grid.cells() {
             parts.starts.push(parts.all.len() as u32);
             let first = faces.partition_point(|face| face.0 < cell);
             let after = faces.partition_point(|face| face.0 <= cell);
-            parts.add_cell(layout, cell, &faces[first..after], &face_laws);
+            parts.add_cell(layout, cell, &faces[first..after], &face_laws, &ply_faces);
             parts.refuse_wide(grid, cell, layout.thickness_mm, drawn)?;
         }
         parts.starts.push(parts.all.len() as u32);
+        ply_faces.refuse_unopened(layout, &parts)?;
         Ok(parts)
     }
 
@@ -93,6 +100,7 @@ impl Parts {
         cell: usize,
         faces: &[(usize, u32)],
         face_laws: &[Option<u32>],
+        ply_faces: &PlyFaces<'_>,
     ) {
         let fibres = layout.parts_of(cell);
         let rest = matrix_share(fibres.iter().map(|part| part.share).sum());
@@ -124,6 +132,10 @@ impl Parts {
                 let stiffness = layout.plies[ply].stiffness;
                 let kind = BrokenPart::Matrix;
                 add(kind, ply as u32, 0, [1.0, 0.0], rest * share, stiffness);
+            }
+            for face in ply_faces.of(cell / layout.grid.columns()) {
+                let (kind, none) = (BrokenPart::PlyFace(face), Stiffness::zeros());
+                add(kind, ply_faces.law, 0, [1.0, 0.0], 1.0, none);
             }
         }
         // one stage for every direction, in the order of the fibres' list, as in the layout's mean
@@ -172,9 +184,13 @@ impl Parts {
             .filter(|part| !part.is_face())
             .map(|part| (part.share, part.stiffness))
             .collect();
-        for part in &mut self.all[first..] {
+        for place in first..self.all.len() {
+            let part = &mut self.all[place];
             if part.is_face() {
                 part.bed = bed(&layers, part.along);
+            }
+            if ply_faces.is_open(layout, part) {
+                self.open.push(place as u32);
             }
         }
     }

@@ -15,6 +15,8 @@ pub(super) struct Progress {
     pub(super) peak_n: f64,
     pub(super) reach_mm: f64,
     pub(super) crack_area_mm2: f64,
+    pub(super) contacts: u64,
+    pub(super) contacts_kept: u64,
     /// Without the last event, whose part is known at the next.
     pub(super) dissipated: Dissipated,
     pub(super) pending: Option<Pending>,

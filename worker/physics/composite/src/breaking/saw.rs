@@ -27,7 +27,7 @@
 /// What is left of a stiffness when nothing is left, so that equations keep a solution: at most this.
 pub(crate) const RESIDUAL: f64 = 1e-6;
 /// And at least this, lest round-off decide.
-const LEAST_RESIDUAL: f64 = 1e-9;
+pub(crate) const LEAST_RESIDUAL: f64 = 1e-9;
 /// What an open crack may still bear at ε_u, over its strength: of tough cracks in fine grids, whose
 /// ε_u is more than a hundred times the strain of the strength, a millionth of the stiffness would bear more.
 const OPEN: f64 = 1e-4;

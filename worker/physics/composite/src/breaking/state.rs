@@ -2,8 +2,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::Breaking;
+use super::composition::face;
 use super::event::Totals;
-use super::part::{Damage, PlaneDamage};
+use super::part::{BrokenPart, Damage, PlaneDamage};
 use super::progress::Progress;
 use super::saw::Saw;
 use crate::error::CompositeError;
@@ -17,6 +18,9 @@ pub struct BreakingState {
     since: Vec<(u32, Damage)>,
     progress: Progress,
     displacements_mm: Vec<f64>,
+    /// Forces of rollers at load factor 1 [N], and the factor at which they were found; none without
+    /// rollers that follow.
+    contact: Option<(f64, Vec<(u32, f64)>)>,
 }
 
 impl Breaking {
@@ -29,6 +33,12 @@ impl Breaking {
             since: self.since.clone(),
             progress: self.progress,
             displacements_mm: self.displacements_mm.clone(),
+            contact: self.contact.as_ref().map(|contact| {
+                let load = self.system.load.iter().enumerate();
+                let pressed = load.filter(|(_, force)| **force != 0.0);
+                let forces = pressed.map(|(place, force)| (place as u32, *force));
+                (contact.factor, forces.collect())
+            }),
         }
     }
 
@@ -50,8 +60,18 @@ impl Breaking {
                 .progress
                 .pending
                 .is_some_and(|pending| pending.cell as usize >= self.intact.len())
+            || state.contact.is_some() != self.contact.is_some()
+            || (state.contact.iter().flat_map(|(_, forces)| forces))
+                .any(|(place, _)| *place as usize >= self.displacements_mm.len())
         {
             return Err(CompositeError::OtherSize);
+        }
+        if let (Some((factor, forces)), Some(contact)) = (state.contact, &mut self.contact) {
+            contact.factor = factor;
+            self.system.load.fill(0.0);
+            for (place, force) in forces {
+                self.system.load[place as usize] = force;
+            }
         }
         let mut cells: Vec<usize> = Vec::new();
         for (place, damage) in self.damage.iter_mut().enumerate() {
@@ -95,6 +115,7 @@ impl Breaking {
         }
         let (mut broken_cells, mut overlapping_cells) = (0, 0);
         let (mut saw_error, mut coarseness) = (0.0_f64, 0.0_f64);
+        let (mut overlap, mut opening, mut overlap_mm) = (0.0, 0.0, 0.0_f64);
         for cell in 0..self.intact.len() {
             let (mut is_broken, mut is_overlapping) = (false, false);
             for place in self.parts.of(cell) {
@@ -102,14 +123,33 @@ impl Breaking {
                     if state.level == 0 {
                         continue;
                     }
-                    for saw in self.saws(place, plane, state) {
+                    // what was never bonded has no softening
+                    let is_unbonded = self.parts.open.binary_search(&(place as u32)).is_ok();
+                    for saw in self.saws(place, plane, state).filter(|_| !is_unbonded) {
                         saw_error = saw_error.max(saw.error());
-                        coarseness = coarseness.max(2.0 / saw.room());
+                        // a crack between plies grows along them, through cells of any height
+                        let part = &self.parts.all[place];
+                        let sides = self.system.lattice.grid().sides_mm(cell);
+                        let longer = if matches!(part.kind, BrokenPart::PlyFace(_)) {
+                            (sides[0] / sides[1]).max(1.0)
+                        } else {
+                            1.0
+                        };
+                        coarseness = coarseness.max(2.0 * longer / saw.room());
                     }
                     is_broken |= state.level >= self.teeth;
-                    is_overlapping |= state.opened > 0
-                        && !state.is_crushed
-                        && self.normal_stress(cell, place, plane) < 0.0;
+                    if state.opened == 0 || state.is_crushed {
+                        continue;
+                    }
+                    // of a crack that is only as wide as round-off nothing is known
+                    let [width_mm, volume] = self.opening(cell, place, plane);
+                    is_overlapping |= width_mm < 0.0;
+                    overlap_mm = overlap_mm.max(-width_mm);
+                    if volume < 0.0 {
+                        overlap -= volume;
+                    } else {
+                        opening += volume;
+                    }
                 }
             }
             broken_cells += u64::from(is_broken);
@@ -121,6 +161,14 @@ impl Breaking {
             crack_area_mm2: progress.crack_area_mm2,
             broken_cells,
             overlapping_cells,
+            overlap_share: if overlap > 0.0 {
+                overlap / (overlap + opening)
+            } else {
+                0.0
+            },
+            overlap_mm,
+            contacts: progress.contacts,
+            contacts_kept: progress.contacts_kept,
             peak_force_n: progress.peak_n,
             reach_mm: progress.reach_mm,
             saw_error,
@@ -147,11 +195,29 @@ impl Breaking {
             .map(move |(kind, _)| state.saw(teeth, kind))
     }
 
-    /// Across a plane at load factor 1 [MPa], after the last event.
-    fn normal_stress(&self, cell: usize, place: usize, plane: usize) -> f64 {
+    /// How far a crack is open [mm], and the volume of that [mm³], where the drive is at the last event
+    /// and with the crack of that event: the compliance of the crack times the stress across it, over
+    /// the width of its part. Below 0 its faces overlap.
+    fn opening(&self, cell: usize, place: usize, plane: usize) -> [f64; 2] {
+        let [unit_mm, _] = self.system.response();
+        let factor = self.progress.displacement_mm / unit_mm;
         let measures = self.system.measures(cell);
-        (0..3)
+        let stress: f64 = (0..3)
             .map(|part| self.bearings[place].stress[(plane, part)] * measures[part])
-            .sum()
+            .sum();
+        let (part, damage) = (&self.parts.all[place], &self.damage[place]);
+        let soft = if part.is_face() {
+            face(part, damage, self.teeth)[0]
+        } else {
+            let slides = part.slides(&self.parts.laws[part.law as usize], plane);
+            let [normal, _] = damage.planes[plane].softness(self.teeth, slides);
+            normal / part.modulus(damage.axis, plane, false)
+        };
+        let lattice = &self.system.lattice;
+        let sides = lattice.grid().sides_mm(cell);
+        let strain = factor * stress * soft;
+        let width_mm = part.width_mm(sides, damage.normal(plane));
+        let volume = part.share * sides[0] * sides[1] * lattice.thickness_mm();
+        [strain * width_mm, strain * volume]
     }
 }

@@ -61,7 +61,7 @@ impl Loss {
 pub(crate) struct System {
     pub(crate) lattice: Lattice,
     supports: Supports,
-    load: Vec<f64>,
+    pub(crate) load: Vec<f64>,
     drive: Drive,
     matrix: GridMatrix,
     direct: Direct,
@@ -92,12 +92,7 @@ impl System {
             Direct::new(&matrix, supports).map_err(|failure| failure.told(lattice.grid()))?;
         let size = lattice.displacements();
         let mut load = load_n.to_vec();
-        for (place, force) in load.iter_mut().enumerate() {
-            // what pushes on a support does no work
-            if supports.is_held(place) {
-                *force = 0.0;
-            }
-        }
+        release_held(&mut load, supports);
         let mut system = Self {
             softening: Softening::new(size),
             supports: supports.clone(),
@@ -149,6 +144,13 @@ impl System {
     /// Elastic energy at load factor 1 [N mm].
     pub(crate) fn energy(&self) -> f64 {
         self.energy
+    }
+
+    /// Loads the section otherwise, by forces that sum up to as much, and factors.
+    pub(crate) fn reload(&mut self, load_n: &[f64]) -> Result<(), CompositeError> {
+        self.load.copy_from_slice(load_n);
+        release_held(&mut self.load, &self.supports);
+        self.factor()
     }
 
     /// Gives cells new stiffnesses and factors.
@@ -350,6 +352,15 @@ impl System {
             unbalanced / largest
         } else {
             0.0
+        }
+    }
+}
+
+/// What pushes on a support does no work.
+fn release_held(load: &mut [f64], supports: &Supports) {
+    for (place, force) in load.iter_mut().enumerate() {
+        if supports.is_held(place) {
+            *force = 0.0;
         }
     }
 }

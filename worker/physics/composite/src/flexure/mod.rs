@@ -6,32 +6,30 @@
 //! supports. [`Flexure::bend`] gives what the laboratory would read and what its formulas make of it,
 //! beside what the layers are by the theory of beams: so what the formulas leave out can be seen.
 //!
-//! Displacements are small, and rollers without friction; the standards' corrections for large
-//! deflections have no place here.
+//! Rollers have no friction. Displacements are small, or follow the rollers as far as they go
+//! ([`Flexure::rolling`]); then the standards' corrections for large deflections are told too.
 mod beam;
+#[cfg(test)]
+mod elastica;
+mod loading;
+mod places;
 #[cfg(test)]
 mod tests;
 
 pub use beam::Beam;
+pub use loading::Loading;
+
+use places::{middle, shear_through};
 
 use crate::error::{CompositeError, finite, positive};
 use crate::lattice::{Geometry, Lattice};
 use crate::measure::point_mm;
-use crate::section::{Grid, Refinement, Section, within};
+use crate::section::{Grid, Refinement, Section};
 use crate::solve::{
-    ContactEquilibrium, PressedRoller, Roller, StaticOptions, contact_equilibrium,
+    ContactEquilibrium, PressedRoller, Roller, Rolling, StaticOptions, contact_equilibrium,
     hertz_half_width_mm, pressed_equilibrium,
 };
 use crate::supports::{Face, Supports};
-
-/// How many rollers press.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Loading {
-    /// One in the middle: ISO 14125 method A; on a short span ISO 14130.
-    ThreePoint,
-    /// Two that move together, at the thirds of the span: ISO 14125 method B.
-    FourPoint,
-}
 
 /// A bending test, symmetric about the middle of the section.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,6 +82,14 @@ pub struct BeamTest {
     pub corrected_modulus_mpa: Option<f64>,
 }
 
+/// What the standards' corrections for large deflections make of stress and strain of the outer fibre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Far {
+    /// [MPa].
+    pub outer_stress_mpa: f64,
+    pub outer_strain: f64,
+}
+
 /// What a bending test gives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlexureResult {
@@ -103,6 +109,9 @@ pub struct FlexureResult {
     pub outer_stress_mpa: f64,
     /// Nominal strain ε_f of the outer fibre at midspan [-], see [`Loading::outer_strain`].
     pub outer_strain: f64,
+    /// σ_f [MPa] and ε_f [-] corrected for the large deflection, see [`Loading::outer_stress_far`]; none
+    /// in small displacements.
+    pub far: Option<Far>,
     /// Apparent interlaminar shear stress τ = 3F / (4 b h) [MPa] of ISO 14130; none in four-point
     /// loading.
     pub apparent_shear_stress_mpa: Option<f64>,
@@ -115,41 +124,6 @@ pub struct FlexureResult {
     pub beam: Option<BeamTest>,
     /// Supports left and right, then what presses from left to right.
     pub contact: ContactEquilibrium,
-}
-
-impl Loading {
-    /// E_f = L³/(4 b h³) F/s in three-point loading and 23 L³/(108 b h³) F/s in four-point loading,
-    /// from s = F L³/(48 EI) and s = 23 F L³/(1296 EI). ISO 14125 prints 0.21 for 23/108 = 0.21296 and
-    /// so tells 1.4 % less.
-    #[must_use]
-    pub fn flexural_modulus(self, span_mm: f64, [b, h]: [f64; 2], force_per_mm: f64) -> f64 {
-        let factor = match self {
-            Self::ThreePoint => 0.25,
-            Self::FourPoint => 23.0 / 108.0,
-        };
-        factor * span_mm.powi(3) / (b * h.powi(3)) * force_per_mm
-    }
-
-    /// σ_f = 3FL/(2bh²) in three-point loading, FL/(bh²) in four-point loading.
-    #[must_use]
-    pub fn outer_stress(self, span_mm: f64, [b, h]: [f64; 2], force_n: f64) -> f64 {
-        let factor = match self {
-            Self::ThreePoint => 1.5,
-            Self::FourPoint => 1.0,
-        };
-        factor * force_n * span_mm / (b * h * h)
-    }
-
-    /// ε_f = 6 s h/L² in three-point loading, 108/23 s h/L² in four-point loading (ISO 14125 prints
-    /// 4.7 for 108/23 = 4.696).
-    #[must_use]
-    pub fn outer_strain(self, span_mm: f64, h: f64, deflection_mm: f64) -> f64 {
-        let factor = match self {
-            Self::ThreePoint => 6.0,
-            Self::FourPoint => 108.0 / 23.0,
-        };
-        factor * deflection_mm * h / (span_mm * span_mm)
-    }
 }
 
 impl Flexure {
@@ -280,19 +254,25 @@ impl Flexure {
         options: &StaticOptions,
     ) -> Result<FlexureResult, CompositeError> {
         self.checked(section)?;
-        let grid = lattice.grid();
+        if options.geometry == Geometry::Large {
+            let (supports, still) = self.kept(section, lattice)?;
+            let mut rolling = self.rolling(section, lattice, &supports, &still, options)?;
+            match drive {
+                Drive::Force(force_n) => rolling.press_to(force_n)?,
+                Drive::Advance(advance_mm) => {
+                    positive("the way of the rollers that press [mm]", advance_mm)?;
+                    rolling.advance_to(advance_mm)?;
+                }
+            }
+            let contact = rolling.equilibrium()?;
+            return self.read(section, lattice, Geometry::Large, contact);
+        }
         let (beneath, above) = self.rollers(section);
         let resting = beneath.map(|roller| PressedRoller {
             roller,
             advance_mm: 0.0,
         });
-        let middle = 0.5 * section.length_mm;
-        let (column, _) = nearest(grid.x_mm(), middle);
-        let (row, _) = nearest(grid.y_mm(), 0.5 * section.height_mm);
-        let kept = grid.particle(column, row);
-        let mut supports = Supports::none(grid);
-        supports.hold(grid, kept, 0, 0.0)?;
-        let load = vec![0.0; lattice.displacements()];
+        let (supports, load) = self.kept(section, lattice)?;
         let contact = match drive {
             Drive::Force(force_n) => pressed_equilibrium(
                 lattice, &supports, &load, &resting, &above, force_n, options,
@@ -310,8 +290,39 @@ impl Flexure {
                 contact_equilibrium(lattice, &supports, &load, &rollers, options)?
             }
         };
-        self.refuse_running_off(grid, &contact)?;
-        self.read(section, lattice, kept, contact)
+        self.read(section, lattice, Geometry::Linear, contact)
+    }
+
+    /// What keeps the section from sliding, which bears nothing, and a load of nothing.
+    ///
+    /// # Errors
+    /// None but what [`Supports::hold`] has.
+    pub fn kept(
+        &self,
+        section: &Section,
+        lattice: &Lattice,
+    ) -> Result<(Supports, Vec<f64>), CompositeError> {
+        let mut supports = Supports::none(lattice.grid());
+        supports.hold(lattice.grid(), middle(section, lattice.grid()), 0, 0.0)?;
+        Ok((supports, vec![0.0; lattice.displacements()]))
+    }
+
+    /// The section between the rollers in large displacements, before anything presses; supports and
+    /// load are those of [`Flexure::kept`].
+    ///
+    /// # Errors
+    /// As [`Flexure::bend`].
+    pub fn rolling<'a>(
+        &self,
+        section: &Section,
+        lattice: &'a Lattice,
+        supports: &'a Supports,
+        still: &'a [f64],
+        options: &'a StaticOptions,
+    ) -> Result<Rolling<'a>, CompositeError> {
+        self.checked(section)?;
+        let (beneath, above) = self.rollers(section);
+        Rolling::new(lattice, supports, still, &beneath, &above, options)
     }
 
     /// A contact that reaches an end of the section would go on beyond it.
@@ -338,14 +349,19 @@ impl Flexure {
         Ok(())
     }
 
-    fn read(
+    /// What the laboratory would read of a section between the rollers.
+    ///
+    /// # Errors
+    /// When a contact has run off an end of the section.
+    pub fn read(
         &self,
         section: &Section,
         lattice: &Lattice,
-        kept: usize,
+        geometry: Geometry,
         contact: ContactEquilibrium,
     ) -> Result<FlexureResult, CompositeError> {
         let grid = lattice.grid();
+        self.refuse_running_off(grid, &contact)?;
         let (length, span) = (section.length_mm, self.span_mm);
         let sides = [section.thickness_mm, section.height_mm];
         let u = &contact.equilibrium.displacements_mm;
@@ -372,7 +388,15 @@ impl Flexure {
             Loading::ThreePoint => 0.5 * span,
             Loading::FourPoint => span / 3.0,
         };
-        let shear = shear_through(lattice, 0.5 * (length - span) + 0.5 * arm, u);
+        let shear = shear_through(lattice, geometry, 0.5 * (length - span) + 0.5 * arm, u);
+        let far = (geometry == Geometry::Large).then(|| Far {
+            outer_stress_mpa: self
+                .loading
+                .outer_stress_far(span, sides, force_n, deflection),
+            outer_strain: self
+                .loading
+                .outer_strain_far(span, section.height_mm, deflection),
+        });
         Ok(FlexureResult {
             force_n,
             roller_deflection_mm: contact.rollers[2].advance_mm,
@@ -383,42 +407,16 @@ impl Flexure {
             outer_strain: self
                 .loading
                 .outer_strain(span, section.height_mm, deflection),
+            far,
             apparent_shear_stress_mpa: (self.loading == Loading::ThreePoint)
                 .then(|| 0.75 * force_n / (sides[0] * sides[1])),
             shear_stress_mpa: shear
                 .iter()
                 .map(|&(_, stress)| stress.abs())
                 .reduce(f64::max),
-            horizontal_reaction_n: contact.equilibrium.reactions_n[2 * kept],
+            horizontal_reaction_n: contact.equilibrium.reactions_n[2 * middle(section, grid)],
             beam,
             contact,
         })
     }
-}
-
-/// σ_xy of the cells of a column from the bottom up, with their heights [mm] and [MPa]; none in the
-/// paper's lattice.
-fn shear_through(lattice: &Lattice, at_mm: f64, u: &[f64]) -> Vec<(f64, f64)> {
-    let grid = lattice.grid();
-    let Some((column, _)) = within(grid.x_mm(), at_mm) else {
-        return Vec::new();
-    };
-    (0..grid.rows())
-        .filter_map(|row| {
-            let cell = row * grid.columns() + column;
-            let stress = lattice.stress(Geometry::Linear, cell, u)?;
-            Some((grid.sides_mm(cell)[1], stress[2]))
-        })
-        .collect()
-}
-
-/// The line nearest to a coordinate, and its place.
-fn nearest(lines: &[f64], at: f64) -> (usize, f64) {
-    let mut found = (0, lines[0]);
-    for (place, &line) in lines.iter().enumerate() {
-        if (line - at).abs() < (found.1 - at).abs() {
-            found = (place, line);
-        }
-    }
-    found
 }

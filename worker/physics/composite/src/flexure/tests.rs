@@ -1,10 +1,11 @@
 //! Bending tests against the theory of beams and the standards' formulas.
+use super::places::shear_through;
 use super::*;
 use crate::material::Material;
 use crate::section::{Division, Ply, Substance};
 use crate::tests::{CARBON, isotropic, plain, stacked};
 
-fn flexure(loading: Loading, span_mm: f64) -> Flexure {
+pub(super) fn flexure(loading: Loading, span_mm: f64) -> Flexure {
     Flexure {
         loading,
         span_mm,
@@ -16,6 +17,22 @@ fn flexure(loading: Loading, span_mm: f64) -> Flexure {
 /// Round-off of contact forces where the cells' sides differ a hundredfold, and their stiffness a
 /// thousandfold in the sandwich.
 const ROUND_OFF: f64 = 1e-6;
+
+/// Bends a section in large displacements on equal cells.
+pub(super) fn bent_far(
+    section: &Section,
+    test: Flexure,
+    drive: Drive,
+    cells: [usize; 2],
+) -> FlexureResult {
+    let layout = section.layout(Division::Uniform { cells }).unwrap();
+    let options = StaticOptions {
+        geometry: Geometry::Large,
+        ..StaticOptions::default()
+    };
+    test.bend(section, &Lattice::exact(&layout), drive, &options)
+        .unwrap()
+}
 
 /// Bends a section by a force on a grid refined at the rollers.
 fn bent(section: &Section, test: Flexure, force_n: f64, rows: usize) -> FlexureResult {
@@ -200,7 +217,7 @@ fn shear_ratio(material: Material, span: f64) -> f64 {
     assert!((apparent / (3.0 * force / (4.0 * 10.0 * 2.0)) - 1.0).abs() < ROUND_OFF);
     // Whatever their distribution, the stresses carry half the force.
     let u = &result.contact.equilibrium.displacements_mm;
-    let carried: f64 = shear_through(&lattice, 0.75 * span, u)
+    let carried: f64 = shear_through(&lattice, Geometry::Linear, 0.75 * span, u)
         .iter()
         .map(|(height, stress)| height * stress)
         .sum();

@@ -176,6 +176,26 @@ impl Grid {
     }
 }
 
+/// A thin row's height over that of the row it is cut from.
+const THIN: f64 = 0.1;
+
+/// Lines with another one closely above each that lies on one of these faces.
+pub(crate) fn with_thin_rows(lines: &[f64], faces: &[f64]) -> Vec<f64> {
+    let side = lines[lines.len() - 1];
+    let mut all = Vec::with_capacity(lines.len() + faces.len());
+    for pair in lines.windows(2) {
+        all.push(pair[0]);
+        if faces
+            .iter()
+            .any(|face| (pair[0] - face).abs() < 1e-9 * side)
+        {
+            all.push(pair[0] + THIN * (pair[1] - pair[0]));
+        }
+    }
+    all.push(side);
+    all
+}
+
 /// Weights of a cell's four corners at a place inside it (0..1 along both sides).
 pub(crate) fn corner_weights([a, b]: [f64; 2]) -> [f64; 4] {
     [(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b]

@@ -3,7 +3,8 @@ use loadframe_api::section::lines::{Fine, Towards, fitted_lines, graded_lines, p
 
 use crate::error::{CompositeError, positive};
 use crate::material::{Material, Note, PlaneState};
-use crate::section::grid::{Division, Grid, Refinement};
+use crate::section::fit::{Fit, fit};
+use crate::section::grid::{Division, Grid, Refinement, with_thin_rows};
 use crate::section::ply::{Ply, Strip, faces_mm, shares_between, strip};
 use crate::section::{Band, Polygon, Section, refuse_overlap};
 use crate::stiffness::{Stiffness, laminate};
@@ -65,6 +66,7 @@ impl Layout {
         division: Division,
         refinements: &[Refinement],
         corners: &[Towards; 2],
+        is_parting: bool,
     ) -> Result<Self, CompositeError> {
         let sides = [section.length_mm, section.height_mm];
         let stack = section.stack()?;
@@ -76,7 +78,11 @@ impl Layout {
             .map(|(place, fibre)| Band::new(place, fibre, sides))
             .collect::<Result<Vec<_>, _>>()?;
         refuse_overlap(&bands)?;
-        let grid = divide(section, &faces, &bands, division, refinements, corners)?;
+        let mut grid = divide(section, &faces, &bands, division, refinements, corners)?;
+        if is_parting && !matches!(division, Division::Uniform { .. }) {
+            let y_mm = with_thin_rows(grid.y_mm(), &faces[1..faces.len() - 1]);
+            grid = Grid::of_lines(grid.x_mm().to_vec(), y_mm)?;
+        }
         let fit = fit(&grid, &faces_across(section, &faces, &bands), &bands);
 
         for substance in &section.materials {
@@ -340,28 +346,6 @@ fn faces_across(section: &Section, ply_faces: &[f64], bands: &[Band]) -> [Vec<f6
         }
         faces
     })
-}
-
-/// How well a grid follows what lies in it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fit {
-    /// Lines of particles pass through all faces of plies and fibres.
-    Exact,
-    /// All but those of fibres at an angle to both axes, which no grid follows.
-    Slanted,
-    /// Cells are cut by faces along an axis.
-    Cut,
-}
-
-fn fit(grid: &Grid, faces: &[Vec<f64>; 2], bands: &[Band]) -> Fit {
-    let is_slanted = |band: &Band| band.axis.iter().all(|part| part.abs() > f64::EPSILON);
-    if !pass_through(grid.x_mm(), &faces[0]) || !pass_through(grid.y_mm(), &faces[1]) {
-        Fit::Cut
-    } else if bands.iter().any(is_slanted) {
-        Fit::Slanted
-    } else {
-        Fit::Exact
-    }
 }
 
 fn divide(

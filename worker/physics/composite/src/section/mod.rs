@@ -2,16 +2,18 @@
 //!
 //! A [`Section`] is what a user describes; [`Section::layout`] checks it and makes the [`Layout`],
 //! the grid of particles with what every cell holds. How a cell answers to strain is not known here.
+mod fit;
 mod grid;
 mod layout;
 mod ply;
 #[cfg(test)]
 mod tests;
 
+pub use fit::Fit;
 pub use grid::{Division, Grid, Refinement};
 pub(crate) use grid::{corner_weights, within};
+pub use layout::Layout;
 pub(crate) use layout::{Constituent, matrix_share};
-pub use layout::{Fit, Layout};
 pub use loadframe_api::section::fibre::Fibre;
 pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};
 pub use loadframe_api::section::lines::Towards;
@@ -71,10 +73,31 @@ impl Section {
         refinements: &[Refinement],
         corners: &[Towards; 2],
     ) -> Result<Layout, CompositeError> {
+        self.checked()?;
+        Layout::new(self, division, refinements, corners, false)
+    }
+
+    /// As [`Section::layout_refined`], of plies that can come apart: a thin row of cells lies above
+    /// every face between plies that a line of particles follows, so that an open face takes little of
+    /// the bending of the ply it lies in.
+    ///
+    /// # Errors
+    /// As [`Section::layout_refined`].
+    pub fn layout_parting(
+        &self,
+        division: Division,
+        refinements: &[Refinement],
+        corners: &[Towards; 2],
+    ) -> Result<Layout, CompositeError> {
+        self.checked()?;
+        Layout::new(self, division, refinements, corners, true)
+    }
+
+    fn checked(&self) -> Result<(), CompositeError> {
         positive("the section's length [mm]", self.length_mm)?;
         positive("the section's height [mm]", self.height_mm)?;
         positive("the section's thickness [mm]", self.thickness_mm)?;
         finite("the matrix angle [°]", self.matrix_angle_deg)?;
-        Layout::new(self, division, refinements, corners)
+        Ok(())
     }
 }

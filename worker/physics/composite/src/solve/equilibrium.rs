@@ -11,6 +11,7 @@
 use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice, Tangent};
 use crate::matrix::GridMatrix;
+use crate::solve::contact::Circles;
 use crate::solve::direct::NoFactor;
 use crate::solve::equations::{Equations, Method};
 use crate::supports::Supports;
@@ -250,15 +251,17 @@ impl<'a> LoadPath<'a> {
     }
 }
 
-struct Search<'a> {
+pub(super) struct Search<'a> {
     lattice: &'a Lattice,
     supports: &'a Supports,
     load: &'a [f64],
     options: &'a StaticOptions,
     matrix: GridMatrix,
     equations: Equations,
-    u: Vec<f64>,
-    forces: Vec<f64>,
+    /// What stands in the way of faces.
+    pub(super) circles: Circles,
+    pub(super) u: Vec<f64>,
+    pub(super) forces: Vec<f64>,
     right: Vec<f64>,
     step: Vec<f64>,
     trial: Vec<f64>,
@@ -268,13 +271,14 @@ struct Search<'a> {
 }
 
 /// Why a load step did not reach its end.
-enum Stuck {
+#[derive(Debug)]
+pub(super) enum Stuck {
     Inverted(usize),
     Slow { iterations: u64, residual: f64 },
 }
 
 impl<'a> Search<'a> {
-    fn new(
+    pub(super) fn new(
         lattice: &'a Lattice,
         supports: &'a Supports,
         load: &'a [f64],
@@ -291,6 +295,7 @@ impl<'a> Search<'a> {
             options,
             matrix,
             equations,
+            circles: Circles::default(),
             u: vec![0.0; size],
             forces: vec![0.0; size],
             right: vec![0.0; size],
@@ -312,7 +317,8 @@ impl<'a> Search<'a> {
         self.energy = self
             .lattice
             .forces(self.options.geometry, &self.u, &mut self.forces);
-        let mut largest = 0.0_f64;
+        let (stored, mut largest) = self.circles.press(&self.u, &mut self.forces);
+        self.energy += stored;
         let mut unbalanced = 0.0_f64;
         for (place, force) in self.forces.iter().enumerate() {
             let load = share * self.load[place];
@@ -389,6 +395,8 @@ impl<'a> Search<'a> {
         for tangent in [Tangent::Exact, Tangent::Convex] {
             self.lattice
                 .tangent(Geometry::Large, tangent, &self.u, &mut self.matrix);
+            let exact = tangent == Tangent::Exact;
+            self.circles.stiffen(&self.u, exact, &mut self.matrix);
             match self.equations.prepare(&self.matrix) {
                 Ok(()) => return Ok(()),
                 Err(NoFactor::Indefinite { .. }) if tangent == Tangent::Exact => {}
@@ -404,7 +412,7 @@ impl<'a> Search<'a> {
         self.solve()
     }
 
-    fn load_step(
+    pub(super) fn load_step(
         &mut self,
         from: f64,
         to: f64,
@@ -505,7 +513,7 @@ impl<'a> Search<'a> {
         Ok(self.lattice.inverted_cell(&self.u).map(Stuck::Inverted))
     }
 
-    fn finish(&mut self, share: f64) -> Equilibrium {
+    pub(super) fn finish(&mut self, share: f64) -> Equilibrium {
         let residual = self.unbalance(share);
         let load: Vec<f64> = self.load.iter().map(|load| share * load).collect();
         rest(

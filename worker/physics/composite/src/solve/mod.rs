@@ -7,8 +7,9 @@ pub(crate) mod multigrid;
 mod order;
 
 pub use contact::{
-    ContactEquilibrium, PressedRoller, Roller, RollerContact, contact_equilibrium,
-    hertz_half_width_mm, pressed_equilibrium,
+    ContactEquilibrium, PressedRoller, Roller, RollerContact, Rolling, RollingState,
+    contact_equilibrium, hertz_half_width_mm, pressed_equilibrium,
 };
+pub(crate) use contact::{Point, points};
 pub use equations::{LARGEST_FACTORED, Method};
 pub use equilibrium::{Equilibrium, LoadPath, PathState, StaticOptions, equilibrium};

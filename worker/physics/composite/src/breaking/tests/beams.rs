@@ -3,12 +3,12 @@ use super::*;
 use crate::section::Fibre;
 use crate::tests::{isotropic, orthotropic, plain};
 
-const MODULUS: f64 = 10_000.0;
-const ARM_MM: f64 = 2.25;
-const LENGTH_MM: f64 = 24.0;
-const NOTCH_MM: f64 = 10.0;
-const STRENGTH: f64 = 30.0;
-const ENERGY: f64 = 0.2;
+pub(super) const MODULUS: f64 = 10_000.0;
+pub(super) const ARM_MM: f64 = 2.25;
+pub(super) const LENGTH_MM: f64 = 24.0;
+pub(super) const NOTCH_MM: f64 = 10.0;
+pub(super) const STRENGTH: f64 = 30.0;
+pub(super) const ENERGY: f64 = 0.2;
 
 /// A double cantilever beam of an odd number of rows, the middle one of which cracks. It is notched at
 /// the left, where the arms are pulled apart, and built in at the right. A cracked row still bears
@@ -60,13 +60,14 @@ fn double_cantilever(rows: usize, teeth: u32) -> Case {
         load_n,
         strengths,
         options,
+        between_plies: BetweenPlies::default(),
     }
 }
 
 /// Length of the arms [mm] and energy release rate [N/mm] of a point on the path: Timoshenko's beams,
 /// w = P a³/(3 E I) + P a/(κ G A) each, and G b = P² a²/(E I) + P²/(κ G A) of both [Williams1989].
 /// The length is that of the compliance, root rotation included.
-fn release_rate(event: &Event) -> [f64; 2] {
+pub(super) fn release_rate(event: &Event) -> [f64; 2] {
     // the drive moves both arms by its displacement
     let (pull, way) = (0.5 * event.force_n, event.displacement_mm);
     let bending = MODULUS * ARM_MM.powi(3) / 12.0;

@@ -1,8 +1,11 @@
 //! Breaking against closed forms, balances and itself.
 mod bars;
 mod beams;
+mod delamination;
 mod extremes;
 mod laminates;
+mod rollers;
+mod shares;
 mod speed;
 
 use super::*;
@@ -54,6 +57,7 @@ struct Case {
     load_n: Vec<f64>,
     strengths: Vec<MaterialStrength>,
     options: BreakingOptions,
+    between_plies: BetweenPlies,
 }
 
 impl Case {
@@ -79,6 +83,7 @@ impl Case {
             load_n,
             strengths: strengths.to_vec(),
             options: BreakingOptions::default(),
+            between_plies: BetweenPlies::default(),
         }
     }
 
@@ -102,6 +107,8 @@ impl Case {
             supports: &self.supports,
             load_n: &self.load_n,
             strengths: &self.strengths,
+            between_plies: &self.between_plies,
+            rollers: None,
         }
     }
 }

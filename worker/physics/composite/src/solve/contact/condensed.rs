@@ -15,7 +15,9 @@ use nalgebra::{DMatrix, DVector};
 use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice, Tangent};
 use crate::matrix::GridMatrix;
-use crate::solve::contact::{Roller, points, refuse_overlap};
+use crate::solve::contact::Roller;
+use crate::solve::contact::reach::{Point, points, refuse_overlap};
+use crate::solve::contact::trial::{ROUND_OFF, Trial, largest};
 use crate::solve::equations::Equations;
 use crate::solve::equilibrium::StaticOptions;
 use crate::supports::Supports;
@@ -27,19 +29,6 @@ const ROUNDS: usize = 20;
 const SOFT: f64 = 1e-8;
 /// How often the ends of the springs may follow.
 const FOLLOWED: usize = 30;
-/// Pull or overlap below this share of the largest is round-off of condensed equations.
-const ROUND_OFF: f64 = 1e-10;
-
-/// A particle in a roller's reach.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Point {
-    pub(super) roller: usize,
-    pub(super) displacement: usize,
-    pub(super) inward: f64,
-    pub(super) at_mm: f64,
-    pub(super) gap_mm: f64,
-}
-
 /// The lattice as seen from the particles in reach, all along inward normals.
 pub(super) struct Condensed<'a> {
     pub(super) lattice: &'a Lattice,
@@ -69,16 +58,6 @@ pub(super) struct Touch {
     pub(super) touching: Vec<bool>,
     pub(super) advances: Vec<f64>,
     pub(super) rounds: u64,
-}
-
-/// What a set of touching points leads to.
-struct Trial {
-    /// Along the inward normals [mm].
-    displacements: Vec<f64>,
-    /// On points that touch [N].
-    forces: Vec<f64>,
-    advances: Vec<f64>,
-    shared_advance: f64,
 }
 
 /// Where the ends of the soft springs stand: on anchors, and on the shared advance [mm].
@@ -457,30 +436,4 @@ impl<'a> Condensed<'a> {
             .filter(|&place| !touching[place] && depth(place) > ROUND_OFF * size)
             .max_by(|&a, &b| depth(a).total_cmp(&depth(b)))
     }
-}
-
-impl Trial {
-    /// The touching point that is pulled most.
-    fn pulled(&self, touching: &[bool]) -> Option<usize> {
-        let pull = -ROUND_OFF * largest(&self.forces);
-        (0..touching.len())
-            .filter(|&point| touching[point] && self.forces[point] < pull)
-            .min_by(|&a, &b| self.forces[a].total_cmp(&self.forces[b]))
-    }
-
-    /// Where on the way from given forces to these the first of them vanishes, and which.
-    fn first_released(&self, touching: &[bool], from: &[f64]) -> Option<(f64, usize)> {
-        let pull = -ROUND_OFF * largest(&self.forces);
-        (0..touching.len())
-            .filter(|&point| touching[point] && self.forces[point] < pull)
-            .map(|point| {
-                let start = from[point].max(0.0);
-                (start / (start - self.forces[point]), point)
-            })
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-    }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0_f64, |a, b| a.max(b.abs()))
 }

@@ -1,6 +1,6 @@
-//! Rollers pressed against faces: rigid, without friction, in small displacements.
+//! Rollers pressed against faces: rigid, without friction.
 //!
-//! A roller that has advanced by a into the section stands in the way of every particle of its face:
+//! In small displacements a roller that has advanced by a into the section stands in the way of every particle of its face:
 //! the particle's displacement w along the inward normal and the force p on it obey
 //!
 //! w ≥ a - g,  p ≥ 0,  p (w - a + g) = 0,  g = R - √(R² - d²)   (8)
@@ -8,12 +8,21 @@
 //! with the distance d of the particle from the roller's place along the face, both in the
 //! undeformed section. The circle is exact; (8) itself is of first order, as all small displacements
 //! are: it leaves out the turn of the normal and the way a particle travels along the face.
+//! [`Rolling`] has both: there (9) of [`circles`] holds instead.
 //!
 //! [`Condensed`] finds what touches. It is at last given to [`equilibrium`] as supports, and (8) is
 //! checked against what comes back.
+mod circles;
 mod condensed;
+mod reach;
+mod rolling;
+mod trial;
 
-use self::condensed::{Condensed, Point, Touch};
+pub(crate) use circles::Circles;
+pub(crate) use reach::{Point, points};
+pub use rolling::{Rolling, RollingState};
+
+use self::condensed::{Condensed, Touch};
 use crate::error::{CompositeError, finite, positive};
 use crate::lattice::Lattice;
 use crate::section::{Grid, within};
@@ -197,64 +206,6 @@ impl Roller {
         }
         Ok(())
     }
-}
-
-/// Two circles on one side of a line are apart when their feet are 2√(R₁R₂) apart.
-fn refuse_overlap(rollers: &[Roller]) -> Result<(), CompositeError> {
-    for (second, b) in rollers.iter().enumerate() {
-        for (first, a) in rollers[..second].iter().enumerate() {
-            let distance_mm = (a.at_mm - b.at_mm).abs();
-            let least_mm = 2.0 * (a.radius_mm * b.radius_mm).sqrt();
-            if a.face == b.face && distance_mm < least_mm {
-                return Err(CompositeError::RollersOverlap {
-                    first,
-                    second,
-                    distance_mm,
-                    least_mm,
-                });
-            }
-        }
-    }
-    Ok(())
-}
-
-/// All particles that a roller could touch, each with the nearest roller of its face.
-fn points(
-    grid: &Grid,
-    supports: &Supports,
-    rollers: &[Roller],
-) -> Result<Vec<Point>, CompositeError> {
-    let mut points = Vec::new();
-    for face in Face::ALL {
-        for (line, &at_mm) in face.lines_mm(grid).iter().enumerate() {
-            let nearest = rollers
-                .iter()
-                .enumerate()
-                .filter(|(_, roller)| roller.face == face)
-                .filter_map(|(place, roller)| Some((place, roller, roller.gap(at_mm)?)))
-                .min_by(|a, b| a.2.total_cmp(&b.2));
-            let Some((place, roller, gap_mm)) = nearest else {
-                continue;
-            };
-            let displacement = 2 * face.particle(grid, line) + roller.normal();
-            if supports.is_held(displacement) {
-                let [x_mm, y_mm] = grid.place_mm(displacement / 2);
-                return Err(CompositeError::RollerOnSupport {
-                    roller: place,
-                    x_mm,
-                    y_mm,
-                });
-            }
-            points.push(Point {
-                roller: place,
-                displacement,
-                inward: roller.inward(),
-                at_mm,
-                gap_mm,
-            });
-        }
-    }
-    Ok(points)
 }
 
 fn obeyed(share: f64) -> Result<(), CompositeError> {

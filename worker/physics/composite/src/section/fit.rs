@@ -1,0 +1,27 @@
+//! How well a grid follows what lies in it.
+use loadframe_api::section::lines::pass_through;
+
+use crate::section::Band;
+use crate::section::grid::Grid;
+
+/// How well a grid follows what lies in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fit {
+    /// Lines of particles pass through all faces of plies and fibres.
+    Exact,
+    /// All but those of fibres at an angle to both axes, which no grid follows.
+    Slanted,
+    /// Cells are cut by faces along an axis.
+    Cut,
+}
+
+pub(super) fn fit(grid: &Grid, faces: &[Vec<f64>; 2], bands: &[Band]) -> Fit {
+    let is_slanted = |band: &Band| band.axis.iter().all(|part| part.abs() > f64::EPSILON);
+    if !pass_through(grid.x_mm(), &faces[0]) || !pass_through(grid.y_mm(), &faces[1]) {
+        Fit::Cut
+    } else if bands.iter().any(is_slanted) {
+        Fit::Slanted
+    } else {
+        Fit::Exact
+    }
+}
