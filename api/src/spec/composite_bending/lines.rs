@@ -84,6 +84,9 @@ impl CompositeBending {
 
     /// Whether faces along an axis cut cells of a grid.
     fn is_cut(&self, grid: Grid) -> bool {
+        if grid.graded_cells_per_fibre.is_some() {
+            return false;
+        }
         let lines = self.lines_mm(grid);
         let mut both = self.fine(1).into_iter().zip(lines);
         self.is_counted()
