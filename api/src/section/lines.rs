@@ -185,22 +185,31 @@ pub fn graded_lines(side: f64, fine: &[Fine], largest: f64, corners: &Towards) -
 /// The wanted size at a distance d from an end is h + (g - 1) d, at most the `largest` there; lines
 /// stand at equal steps of ∫ dx / size.
 fn fill(lines: &mut Vec<f64>, from: f64, to: f64, ends: [f64; 2], largest: &dyn Fn(f64) -> f64) {
-    const SAMPLES: usize = 4_096;
+    const MOST_SAMPLES: f64 = 4_096.0;
+    const LEAST_SAMPLES: f64 = 64.0;
+    /// Of the integral, in the smallest cell.
+    const IN_SMALLEST: f64 = 16.0;
     let length = to - from;
-    let step = length / SAMPLES as f64;
+    let smallest = ends.into_iter().chain([from, to].map(largest));
+    let smallest = smallest.fold(f64::INFINITY, f64::min);
+    let samples = (IN_SMALLEST * length / smallest).ceil();
+    let samples = samples.clamp(LEAST_SAMPLES, MOST_SAMPLES) as usize;
+    let step = length / samples as f64;
     let size = |place: f64| {
         let rising = ends[0] + (GROWTH - 1.0) * place;
         let falling = ends[1] + (GROWTH - 1.0) * (length - place);
         rising.min(falling).min(largest(from + place))
     };
-    let density = |sample: usize| 1.0 / size((sample as f64 + 0.5) * step);
-    let total: f64 = (0..SAMPLES).map(density).sum::<f64>() * step;
+    let densities: Vec<f64> = (0..samples)
+        .map(|sample| 1.0 / size((sample as f64 + 0.5) * step))
+        .collect();
+    let total: f64 = densities.iter().sum::<f64>() * step;
     // A share of a cell below round-off must not make a cell more.
     let cells = (total - 1e-9).ceil().max(1.0);
     let mut passed = 0.0;
     let mut next = 1.0;
-    for sample in 0..SAMPLES {
-        let gain = density(sample) * step * cells / total;
+    for (sample, density) in densities.iter().enumerate() {
+        let gain = density * step * cells / total;
         while passed + gain >= next && next < cells {
             let share = (next - passed) / gain;
             lines.push(from + (sample as f64 + share) * step);

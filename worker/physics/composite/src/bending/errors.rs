@@ -29,8 +29,6 @@ const ORDERS: [f64; 2] = [0.5, 1.0];
 /// largest counts that the cells can have where nothing grows without bound.
 const STEADY: [f64; 2] = [1.0, 3.0];
 const LARGEST_ORDER: f64 = 2.0;
-/// Error of a limit over what it adds to the finest value.
-const LIMIT_ERROR: f64 = 0.5;
 
 impl Finding {
     /// A value by its name.
@@ -74,8 +72,8 @@ impl Finding {
 
     /// What a result on ever finer grids tends to, with how far off that may be.
     ///
-    /// Richardson's f₁ + (f₁ − f₂) / (2ᵖ − 1), p as the three grids show it; the error is half of what
-    /// is added. `None` where they do not approach a limit steadily, as methods of the first to the third
+    /// Richardson's f₁ + (f₁ − f₂) / (2ᵖ − 1), p as the three grids show it; the error is what is added,
+    /// on seven clamped sections 0.8 to 160 times the true one, 4 times in the median. `None` where they do not approach a limit steadily, as methods of the first to the third
     /// order do, and of other solvers, whose own error would grow with it.
     pub(super) fn limit(&self, measured: &Measured, comparison: Comparison) -> Option<[f64; 2]> {
         let (Comparison::Coarser { wanders: false }, None) = (comparison, &self.by_static) else {
@@ -89,7 +87,7 @@ impl Finding {
         is_steady.then(|| {
             let order = ratio.log2().min(LARGEST_ORDER);
             let rest = step / (order.exp2() - 1.0);
-            [measured.value + rest, LIMIT_ERROR * rest.abs()]
+            [measured.value + rest, rest.abs()]
         })
     }
 
@@ -207,7 +205,7 @@ mod tests {
         // 1 + h² at h = 1/4, 1/2, 1
         let found = finding(&[1.25, 2.0]).limit(&measured(1.0625), CONVERGING);
         let [limit, error] = found.unwrap();
-        assert!((limit - 1.0).abs() < 1e-12 && (error - 0.03125).abs() < 1e-12);
+        assert!((limit - 1.0).abs() < 1e-12 && (error - 0.0625).abs() < 1e-12);
         // steps that fall too slowly, too fast or in turns tell none, and neither do two grids
         for coarser in [&[1.1, 1.12] as &[f64], &[1.07, 2.0], &[1.0, 1.2], &[1.25]] {
             assert!(
