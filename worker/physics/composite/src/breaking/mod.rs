@@ -302,7 +302,8 @@ impl Breaking {
             let factor = hit.factor;
             let [unit_mm, _] = self.system.response();
             let unit = self.system.displacements();
-            let is_known = !(factor > 0.0 && factor.is_finite())
+            let is_known = factor <= 0.0
+                || !factor.is_finite()
                 || !contact.is_stale(&self.system.load, unit, factor, (factor * unit_mm).abs());
             if is_known {
                 return Ok(first);

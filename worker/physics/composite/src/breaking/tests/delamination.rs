@@ -299,11 +299,6 @@ fn notched_plies_on_rollers_press_on_each_other_and_slide_apart() {
             .map(|(_, rate)| rate / energy)
             .collect();
         let mean = rates.iter().sum::<f64>() / rates.len() as f64;
-        println!(
-            "{} events of {}, G {mean}, {totals:?}",
-            rates.len(),
-            events.len()
-        );
         assert!((ratio - 1.0).abs() < 0.06, "{ratio}");
         assert!((mean - 1.0).abs() < totals.saw_error, "{mean}");
         let shear = totals.dissipated.shear_n_mm / totals.dissipated.total_n_mm();

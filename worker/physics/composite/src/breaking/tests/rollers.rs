@@ -74,9 +74,9 @@ fn bent(loading: Loading, force_n: f64, energy: f64) -> Bent {
 }
 
 impl Bent {
-    fn breaking(&self, follows: bool) -> Breaking {
+    fn breaking(&self) -> Breaking {
         let specimen = Specimen {
-            rollers: follows.then_some(&self.pressed),
+            rollers: Some(&self.pressed),
             ..self.case.specimen()
         };
         Breaking::new(specimen, self.case.options).unwrap()
@@ -87,7 +87,7 @@ impl Bent {
 fn the_force_on_rollers_with_wide_contacts_is_the_whole_force() {
     for loading in [Loading::ThreePoint, Loading::FourPoint] {
         let bent = bent(loading, 5.0, 0.6);
-        let mut breaking = bent.breaking(true);
+        let mut breaking = bent.breaking();
         let Advance::Broke(event) = breaking.advance().unwrap() else {
             panic!("it breaks");
         };
@@ -109,9 +109,23 @@ fn the_force_on_rollers_with_wide_contacts_is_the_whole_force() {
             (stress[0] / 40.0 - 1.0).abs() < 5e-3,
             "{loading:?} {stress:?} {event:?}"
         );
-        // the drive's way is the rollers', but for what they dent beyond proportion
-        let ratio = event.displacement_mm / whole.roller_deflection_mm;
-        assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+        // the drive's way is that of the faces under the rollers; rollers go further by the gaps of what
+        // touches, d²/(2R) on average
+        let rollers = bent.flexure.rollers(&bent.section);
+        let rollers = rollers.0.into_iter().chain(rollers.1);
+        let gaps: f64 = (whole.contact.rollers.iter().zip(rollers))
+            .map(|(contact, roller)| {
+                let off = contact.centre_mm - roller.at_mm;
+                let square = 0.25 * contact.half_width_mm.powi(2) + off * off;
+                contact.force_n / event.force_n * square / (2.0 * roller.radius_mm)
+            })
+            .sum();
+        let missed = whole.roller_deflection_mm - gaps - event.displacement_mm;
+        assert!(
+            missed.abs() < 5e-3 * whole.roller_deflection_mm,
+            "{missed} {gaps} {}",
+            whole.roller_deflection_mm
+        );
     }
 }
 
@@ -120,24 +134,14 @@ fn contact_stays_in_equilibrium_with_the_broken_section() {
     // given at less than a tenth of the peak, where contacts are a third as wide
     for loading in [Loading::ThreePoint, Loading::FourPoint] {
         let bent = bent(loading, 1.0, 0.6);
-        let mut breaking = bent.breaking(true);
-        let mut kept = bent.breaking(false);
+        let mut breaking = bent.breaking();
         let (events, reason) = broken(&mut breaking);
         assert_eq!(reason, EndReason::ForceFell);
         let totals = breaking.totals();
-        println!(
-            "{loading:?}: {} events, {} contacts, {} kept, peak {}",
-            events.len(),
-            totals.contacts,
-            totals.contacts_kept,
-            totals.peak_force_n
-        );
         assert!(
             totals.contacts > 1 && totals.contacts_kept == 0,
             "{totals:?}"
         );
-        let (frozen, _) = broken(&mut kept);
-        println!("frozen: {} events, peak {}", frozen.len(), peak(&frozen));
         // forces on particles are those of the contact of the broken section at that force
         let last = events.last().unwrap();
         let resting: Vec<PressedRoller> = (bent.pressed.resting.iter())
@@ -193,15 +197,15 @@ fn contact_stays_in_equilibrium_with_the_broken_section() {
 #[test]
 fn a_state_with_rollers_goes_on_with_the_same_bytes() {
     let bent = bent(Loading::ThreePoint, 1.0, 0.6);
-    let mut whole = bent.breaking(true);
+    let mut whole = bent.breaking();
     let (events, _) = broken(&mut whole);
-    let mut first = bent.breaking(true);
+    let mut first = bent.breaking();
     for _ in 0..events.len() / 2 {
         first.advance().unwrap();
     }
     let state = first.state();
     assert!(first.totals().contacts > 0);
-    let mut second = bent.breaking(true);
+    let mut second = bent.breaking();
     second.resume(state).unwrap();
     let (rest, _) = broken(&mut second);
     assert_eq!(rest, events[events.len() / 2..]);

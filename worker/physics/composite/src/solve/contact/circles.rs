@@ -310,12 +310,12 @@ mod tests {
                     unit[place] = 1.0;
                     let mut column = vec![0.0; 6];
                     matrix.multiply(&unit, &mut column);
-                    for row in 0..6 {
+                    for (row, value) in column.iter().enumerate() {
                         let slope = (up.1[row] - down.1[row]) / (2.0 * step);
                         assert!(
-                            (slope - column[row]).abs() < 1e-5,
+                            (slope - value).abs() < 1e-5,
                             "{left} {lift} {row} {place}: {slope} {}",
-                            column[row]
+                            value
                         );
                     }
                 }

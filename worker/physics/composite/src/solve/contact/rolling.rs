@@ -395,8 +395,8 @@ fn contact(
                 forces[2 * particle + axis] += share * pressing * nearest.normal[axis];
             }
         }
-        for axis in 0..2 {
-            force[axis] += pressing * nearest.normal[axis];
+        for (sum, part) in force.iter_mut().zip(nearest.normal) {
+            *sum += pressing * part;
         }
         let [low, high] = between.unwrap_or([at; 2]);
         between = Some([low.min(at), high.max(at)]);
