@@ -1,7 +1,7 @@
 //! The tensile test of a sheet of paper.
 //!
 //! In the order in which a run calls them: [`specimen`] makes a network of beams or bars of a sheet that
-//! is given or laid, with [`bonds`] by their area, and [`laid`] measures the latter; [`course`] pulls it
+//! is given or laid, with [`bonds`] by their area, and [`laid`] measures the latter, of which [`theory`] tells what it could bear; [`course`] pulls it
 //! from break to break and keeps all that counts; [`tables`], [`pictures`], [`report`] and [`warnings`]
 //! turn that into files and results. This file holds the loop, which alone talks to the recorder. A job of
 //! repeats or of both [`directions`] is several such tests side by side ([`loadframe_harness::plan`]),
@@ -16,6 +16,7 @@ mod pictures;
 mod report;
 mod specimen;
 mod tables;
+mod theory;
 mod warnings;
 
 #[cfg(test)]

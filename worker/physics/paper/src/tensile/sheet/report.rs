@@ -5,6 +5,7 @@ use loadframe_api::{QualityCheck, Quantity, Report};
 
 use super::course::{Course, Mode, Record};
 use super::specimen::Specimen;
+use super::theory::Theory;
 use super::warnings::warnings;
 use crate::frame::{Broken, PullEnd, PullMeasures, UNBALANCED};
 
@@ -31,9 +32,16 @@ pub(super) fn report(
     let measures = course.pull.state().measures;
     let cost = course.pull.cost();
     let mut rows = Rows::default();
-    strength(&mut rows, specimen, &measures);
+    if spec.test.is_zero_span() {
+        zero_span(&mut rows, specimen, &measures);
+    } else {
+        strength(&mut rows, specimen, &measures);
+    }
     counts(&mut rows, specimen, &measures, &course.kept.records);
     structure(&mut rows, specimen);
+    if let Some(laid) = &specimen.laid {
+        theory(&mut rows, &laid.theory, spec.test.is_zero_span());
+    }
     Report {
         stop_reason: match end {
             PullEnd::MaxStrain => "max_strain",
@@ -151,6 +159,79 @@ fn strength(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures) {
     }
 }
 
+/// Of the pieces between closed jaws, over the grammage of the sheet.
+fn zero_span(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures) {
+    let max_force = N * measures.peak_force_mn;
+    let per_width = max_force / specimen.width_mm;
+    let about = "Largest force on the moving jaw.";
+    rows.add("max_force", max_force, "N", about);
+    let about = "Largest force per width, with jaws closed to the width of the widest fibre (ISO 15361).";
+    rows.add("zero_span_strength", per_width, "kN/m", about);
+    let about = "Zero-span strength over the grammage of the sheet.";
+    let index = index(per_width, specimen.grammage_g_per_m2);
+    rows.add("zero_span_index", index, "N m/g", about);
+    rows.add(
+        "zero_span_strain",
+        measures.strain_at_peak,
+        "1",
+        "Strain of a fibre along the pull at the largest force.",
+    );
+}
+
+fn theory(rows: &mut Rows, theory: &Theory, is_zero_span: bool) {
+    if let Some(index) = theory.zero_span {
+        rows.add(
+            "zero_span_index_of_fibres",
+            index,
+            "N m/g",
+            "Zero-span index by the fibres of the whole sheet, each by direction, section and strength: 3/8 of \
+             strength over density of the wall for uniform directions (Van den Akker 1958).",
+        );
+    }
+    if is_zero_span {
+        return;
+    }
+    if let Some(cox) = theory.cox {
+        rows.add(
+            "cox_stiffness_index",
+            cox.free,
+            "kN m/g",
+            "Tensile stiffness index of the same fibres, were all straight from edge to edge and strained \
+             as the sheet is, and the sheet free to contract (Cox 1952): an upper bound.",
+        );
+    }
+    if let Some(index) = theory.shear_lag {
+        rows.add(
+            "shear_lag_stiffness_index",
+            index,
+            "kN m/g",
+            "The same with every fibre's strain built up through its bonds, 1 - tanh(x)/x of it (Cox 1952): \
+             an estimate, which knows no bending.",
+        );
+    }
+    let Some(page) = theory.page else {
+        return;
+    };
+    rows.add(
+        "page_tensile_index",
+        page.index,
+        "N m/g",
+        "Tensile index by Page's equation (1969) from the zero-span index, coarseness, length, width, bonded \
+         area and shear strength of bonds of this sheet; a strength not given is without limit. \
+         Semi-empirical.",
+    );
+    rows.add(
+        "page_bond_share",
+        page.bond_share,
+        "1",
+        "Share of bonds in 1/T of Page's equation: 1 where only they limit strength, 0 where only fibres do.",
+    );
+    if let Some(index) = rows.value("tensile_index") {
+        let about = "Tensile index over that by Page's equation.";
+        rows.add("tensile_index_over_page", index / page.index, "1", about);
+    }
+}
+
 fn counts(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures, records: &[Record]) {
     let network = &specimen.network;
     let modes = records
@@ -218,15 +299,6 @@ fn structure(rows: &mut Rows, specimen: &Specimen) {
     let Some(laid) = &specimen.laid else {
         return;
     };
-    if let Some(cox) = laid.cox {
-        rows.add(
-            "cox_stiffness_index",
-            cox.free,
-            "kN m/g",
-            "Tensile stiffness index of the same fibres, were all straight from edge to edge and strained \
-             as the sheet is, and the sheet free to contract (Cox 1952): an upper bound.",
-        );
-    }
     let Some(measured) = &laid.statistics else {
         return;
     };
@@ -274,6 +346,12 @@ fn structure(rows: &mut Rows, specimen: &Specimen) {
             1e-3 * measured.mean_length_um,
             "mm",
             "Mean length of fibres as the edges cut them.",
+        ),
+        (
+            "mean_fibre_width",
+            measured.mean_width_um,
+            "µm",
+            "Mean width of fibres, weighted by their length.",
         ),
         (
             "length_weighted_fibre_length",
