@@ -105,7 +105,12 @@ fn check_fibre(spec: &PaperTensile, fibre: &SingleFibre, violations: &mut Vec<Vi
         return;
     };
     let division = spec.model.division();
-    match divide(1e3 * pulp.mean_length_mm(), &section, &elasticity, &division) {
+    match divide(
+        1e3 * pulp.mean_length_mm(),
+        &section,
+        &elasticity,
+        &division,
+    ) {
         Ok(divided) => {
             let points = (divided.segments + 1) * division.points_on_ring;
             if points > MOST_POINTS {

@@ -33,8 +33,8 @@ pub use measured::{FibreSizes, MeasuredFibres};
 pub use model::{Level, Model, OnInadmissible, Ring};
 pub use pulp::Pulp;
 pub use sheet::{
-    AngleHistogram, Deposition, ExplicitBond, ExplicitFibre, ExplicitSheet, MadeSheet, Orientation, Placement,
-    RandomPlacement, VonMises,
+    AngleHistogram, Deposition, ExplicitBond, ExplicitFibre, ExplicitSheet, MadeSheet, Orientation,
+    Placement, RandomPlacement, VonMises,
 };
 pub use specimen::{SingleFibre, SingleFibreLoad, Specimen};
 pub use test::{Direction, Test, TestType};

@@ -346,7 +346,10 @@ fn pulp_violation(index: usize, pulp: &Pulp) -> Option<Violation> {
         }
         if fibre.shape_factor < LEAST_SHAPE {
             let detail = "a fibre so curled is nearly a ring";
-            let list = pulp.measured.as_ref().and_then(|m| m.shape_factors.as_ref());
+            let list = pulp
+                .measured
+                .as_ref()
+                .and_then(|m| m.shape_factors.as_ref());
             let place = listed("shape_factors", list.is_some(), "shape_factor");
             return Some(
                 Violation::new(place, "out_of_range", detail)

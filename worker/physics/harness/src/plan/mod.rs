@@ -26,8 +26,8 @@ use relay::{Message, Relay};
 pub use keeper::{Curve, CurveKeeper};
 pub use relay::Share;
 pub use reports::{
-    SavedReport, join_repeats, joint_warnings, mean, total_work, values, worst_quality,
-    write_repeats,
+    SavedReport, add_sampling_errors, join_repeats, joint_warnings, mean, total_work, values,
+    worst_quality, write_repeats,
 };
 
 /// Messages under way before a test waits for the recorder.

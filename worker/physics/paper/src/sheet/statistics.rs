@@ -138,11 +138,11 @@ impl Statistics {
             peak_thickness_um: surfaces.peak_thickness_um(),
             apparent_density_kg_per_m3: grammage / thickness * KG_PER_M3,
             contacts_per_fibre: 2.0 * sheet.contacts.len() as f64 / lengths.len() as f64,
+            // an empty sum of floats is -0
             relative_bonded_area: sheet
                 .contacts
                 .iter()
-                .map(|contact| contact.area_um2)
-                .sum::<f64>()
+                .fold(0.0, |sum, contact| sum + contact.area_um2)
                 / one_side,
             free_length_um: free_length(sheet),
             mean_length_um: total / lengths.len() as f64,

@@ -3,7 +3,8 @@
 //! In the order in which a run calls them: [`specimen`] makes a network of beams or bars of a sheet that
 //! is given or laid, with [`bonds`] by their area, and [`laid`] measures the latter, of which [`theory`] tells what it could bear; [`course`] pulls it
 //! from break to break and keeps all that counts; [`tables`], [`pictures`], [`report`] and [`warnings`]
-//! turn that into files and results. This file holds the loop, which alone talks to the recorder. A job of
+//! turn that into files and results, and [`straight_parts`] says how
+//! wrong stiffness is. This file holds the loop, which alone talks to the recorder. A job of
 //! repeats or of both [`directions`] is several such tests side by side ([`loadframe_harness::plan`]),
 //! their results joined.
 //!
@@ -15,6 +16,7 @@ mod laid;
 mod pictures;
 mod report;
 mod specimen;
+mod straight_parts;
 mod tables;
 mod theory;
 mod warnings;
@@ -26,7 +28,8 @@ use loadframe_api::Report;
 use loadframe_api::spec::paper_tensile::{Direction, PaperTensile};
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::plan::{
-    Conclusion, Curve, CurveKeeper, Plan, SavedReport, Share, Tests, join_repeats, write_repeats,
+    Conclusion, Curve, CurveKeeper, Plan, SavedReport, Share, Tests, add_sampling_errors,
+    join_repeats, write_repeats,
 };
 use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
 use loadframe_numerics::Team;
@@ -109,7 +112,9 @@ pub(super) fn run(
             let tests = finished.iter().skip(first).step_by(directions.len());
             tables::write_curves(&name, tests.map(|test| &test.curve), recorder)?;
         }
-        return Ok(Ending::Finished(join_repeats(spec.seed, &joint)));
+        let mut joint = join_repeats(spec.seed, &joint);
+        add_sampling_errors(&mut joint);
+        return Ok(Ending::Finished(joint));
     };
     Ok(Ending::Finished(report.clone()))
 }

@@ -5,6 +5,7 @@ use loadframe_api::{QualityCheck, Quantity, Report};
 
 use super::course::{Course, Mode, Record};
 use super::specimen::Specimen;
+use super::straight_parts;
 use super::theory::Theory;
 use super::warnings::warnings;
 use crate::frame::{Broken, PullEnd, PullMeasures, UNBALANCED};
@@ -21,6 +22,13 @@ const N: f64 = 1e-3;
 const J: f64 = 1e-9;
 const M: f64 = 1e-3;
 const PER_KILO: f64 = 1e3;
+
+/// Results that straight parts of fibres make too large.
+const STIFFNESSES: [&str; 3] = [
+    "tensile_stiffness",
+    "tensile_stiffness_index",
+    "youngs_modulus",
+];
 
 /// The report of a finished test.
 pub(super) fn report(
@@ -39,6 +47,7 @@ pub(super) fn report(
     }
     counts(&mut rows, specimen, &measures, &course.kept.records);
     structure(&mut rows, specimen);
+    rows.add_errors(spec);
     if let Some(laid) = &specimen.laid {
         theory(&mut rows, &laid.theory, spec.test.is_zero_span());
     }
@@ -81,6 +90,18 @@ impl Rows {
 
     fn value(&self, name: &str) -> Option<f64> {
         self.0.get(name)?.value
+    }
+
+    /// Says how wrong stiffness may be, of which alone that was measured.
+    fn add_errors(&mut self, spec: &PaperTensile) {
+        for name in STIFFNESSES {
+            if let Some(quantity) = self.0.get_mut(name) {
+                let part = quantity
+                    .value
+                    .and_then(|value| straight_parts::error(spec, value));
+                *quantity = quantity.clone().with_error(part.into_iter().collect());
+            }
+        }
     }
 }
 
@@ -165,7 +186,8 @@ fn zero_span(rows: &mut Rows, specimen: &Specimen, measures: &PullMeasures) {
     let per_width = max_force / specimen.width_mm;
     let about = "Largest force on the moving jaw.";
     rows.add("max_force", max_force, "N", about);
-    let about = "Largest force per width, with jaws closed to the width of the widest fibre (ISO 15361).";
+    let about =
+        "Largest force per width, with jaws closed to the width of the widest fibre (ISO 15361).";
     rows.add("zero_span_strength", per_width, "kN/m", about);
     let about = "Zero-span strength over the grammage of the sheet.";
     let index = index(per_width, specimen.grammage_g_per_m2);

@@ -205,8 +205,7 @@ impl Page {
         let of_fibres = zero_span.map_or(0.0, |index| 9.0 / (8.0 * index));
         let of_bonds = shear_strength_mpa.map_or(0.0, |strength| {
             let girth_um = 2.0 * measured.mean_width_um;
-            let bonded_um2 =
-                girth_um * measured.length_weighted_um * measured.relative_bonded_area;
+            let bonded_um2 = girth_um * measured.length_weighted_um * measured.relative_bonded_area;
             12.0 * coarseness / (MPA_N_M_PER_G * strength * bonded_um2)
         });
         let whole = of_fibres + of_bonds;
