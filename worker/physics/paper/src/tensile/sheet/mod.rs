@@ -2,7 +2,7 @@
 //!
 //! In the order in which a run calls them: [`specimen`] makes a network of beams or bars of a sheet that
 //! is given or laid, with [`bonds`] by their area, and [`laid`] measures the latter, of which [`theory`] tells what it could bear; [`course`] pulls it
-//! from break to break and keeps all that counts; [`tables`], [`pictures`], [`report`] and [`warnings`]
+//! from break to break and keeps all that counts; [`tables`], [`pictures`], [`results`], [`report`] and [`warnings`]
 //! turn that into files and results, and [`straight_parts`] says how
 //! wrong stiffness is. This file holds the loop, which alone talks to the recorder. A job of
 //! repeats or of both [`directions`] is several such tests side by side ([`loadframe_harness::plan`]),
@@ -15,6 +15,7 @@ mod directions;
 mod laid;
 mod pictures;
 mod report;
+mod results;
 mod specimen;
 mod straight_parts;
 mod tables;
