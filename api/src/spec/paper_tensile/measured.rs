@@ -190,3 +190,26 @@ pub(super) fn check(index: usize, pulp: &Pulp, violations: &mut Vec<Violation>) 
         );
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    #[allow(clippy::float_cmp, reason = "what is copied is exact")]
+    fn a_list_has_its_mean_length_and_the_coarseness_of_its_walls() {
+        let pulp = json!({
+            "name": "a", "width_um": 20, "wall_um": 2, "coarseness_mg_per_m": 0.1, "youngs_modulus_gpa": 30,
+            "poisson_ratio": 0.3, "shear_modulus_gpa": 3,
+            "measured": {"lengths_mm": [1, 3], "widths_um": [20, 40]},
+        });
+        let pulp: Pulp = serde_json::from_value(pulp).expect("a pulp");
+        assert!((pulp.mean_length_mm() - 2.0).abs() < 1e-12);
+        assert_eq!(pulp.widths_um(), [20.0, 40.0]);
+        // areas π 2 (20 - 2) and π 2 (40 - 2), by length, over the first
+        let expected = 1e-4 * (18.0 + 3.0 * 38.0) / (4.0 * 18.0);
+        let found = pulp.mean_coarseness_ug_per_um().expect("a wall");
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found}");
+    }
+}

@@ -5,8 +5,9 @@ use loadframe_api::{Quantity, Report, Warning};
 use loadframe_harness::plan::{total_work, worst_quality};
 
 /// Results compared between directions.
-const COMPARED: [&str; 5] = [
+const COMPARED: [&str; 6] = [
     "tensile_index",
+    "zero_span_index",
     "stretch",
     "energy_absorption_index",
     "tensile_stiffness_index",
@@ -49,7 +50,8 @@ pub(super) fn join(directions: &[Direction], reports: &[Report]) -> Report {
     }
 }
 
-/// Results of the first direction over those of the second, unknown where one of them is.
+/// Results of the first direction, of those that the test has, over those of the second; unknown where
+/// one of them is.
 fn ratios([first, second]: [Direction; 2], reports: [&Report; 2]) -> IndexMap<String, Quantity> {
     let ratio = |name: &str| {
         let [over, under] = reports.map(|report| {
@@ -63,8 +65,9 @@ fn ratios([first, second]: [Direction; 2], reports: [&Report; 2]) -> IndexMap<St
         );
         Quantity::new(over / under, "1", &about)
     };
-    let named = COMPARED
+    let known = COMPARED
         .iter()
-        .map(|name| (format!("anisotropy_of_{name}"), ratio(name)));
+        .filter(|name| reports[0].summary.contains_key(**name));
+    let named = known.map(|name| (format!("anisotropy_of_{name}"), ratio(name)));
     named.collect()
 }

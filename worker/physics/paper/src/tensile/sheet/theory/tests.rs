@@ -1,4 +1,5 @@
 //! Theories against their closed forms.
+#![allow(clippy::float_cmp, reason = "zeros and ones are exact")]
 use super::*;
 use crate::sheet::FibreSection;
 use serde_json::json;
