@@ -172,11 +172,12 @@ fn zero_span(sheet: &Sheet, pulps: &[&Pulp], mass_ug: f64) -> Option<f64> {
         }
     }
     parts.sort_by(|one, other| one.0.total_cmp(&other.0));
-    let mut left: f64 = parts.iter().map(|part| part.1).sum();
-    let mut most = 0.0_f64;
-    for (breaks_at, stiffness) in parts {
+    // from the last that breaks: what is left of a difference, at the strains that fibres across the pull
+    // endure, would be larger than all
+    let (mut left, mut most) = (0.0, 0.0_f64);
+    for (breaks_at, stiffness) in parts.into_iter().rev() {
+        left += stiffness;
         most = most.max(breaks_at * left);
-        left -= stiffness;
     }
     (mass_ug > 0.0).then(|| N_M_PER_G * most / mass_ug)
 }
