@@ -242,3 +242,29 @@ fn coarseness_that_contradicts_the_wall_is_told_with_both_numbers() {
         "{detail}"
     );
 }
+
+/// The cheapest of the trends: `tests/figures paper_trends` has them all, with their chances.
+#[test]
+fn strength_goes_with_that_of_bonds_while_fibres_hold_and_stiffness_falls_with_curl() {
+    let mut body = flat();
+    body["pulp"][0]["strength_mpa"] = Value::Null;
+    // shorter than the sheet, or fibres from jaw to jaw would hold for ever
+    body["pulp"][0]["length_mm"] = json!(0.3);
+    body["specimen"]["sheet"]["placement"]["random"]["thickness_um"] = json!(30);
+    body["test"] = json!({"max_strain": 0.5});
+    let (once, _) = go(&body, 1);
+    for name in ["normal_strength_mpa", "shear_strength_mpa"] {
+        body["bond"][name] = json!(8);
+    }
+    let (twice, _) = go(&body, 1);
+    for name in ["tensile_index", "stretch"] {
+        let ratio = value(&twice, name) / value(&once, name);
+        assert!((ratio - 2.0).abs() < 1e-9, "{name}: {ratio}");
+    }
+    assert_eq!(value(&twice, "broken_bonds"), value(&once, "broken_bonds"));
+    body["pulp"][0]["shape_factor"] = json!(0.8);
+    let (curled, _) = go(&body, 1);
+    let [straight, curled] =
+        [&once, &curled].map(|report| value(report, "tensile_stiffness_index"));
+    assert!(curled < 0.9 * straight, "{curled} {straight}");
+}
