@@ -1,7 +1,7 @@
 //! What the JSON Schema cannot say: names that must exist, fractions that must sum up, walls that must
 //! fit, segments that must need no negative spring.
 use super::sheet_checks::{check_explicit, check_made, check_test, unknown_pulp};
-use super::{Level, PaperTensile, SingleFibre, Specimen};
+use super::{Level, PaperTensile, SingleFibre, Specimen, measured};
 use crate::fibre::{FibreError, divide};
 use crate::{Violation, Violations};
 
@@ -60,6 +60,7 @@ fn check_pulps(spec: &PaperTensile, violations: &mut Violations) {
                 .unit("µm"),
             );
         }
+        measured::check(index, pulp, violations);
         let [least, most] = SHEAR_RATIOS.map(|ratio| ratio * pulp.youngs_modulus_gpa);
         if !(least..=most).contains(&pulp.shear_modulus_gpa) {
             let detail = format!(
@@ -96,7 +97,12 @@ fn check_fibre(spec: &PaperTensile, fibre: &SingleFibre, violations: &mut Violat
         return;
     };
     let division = spec.model.division();
-    match divide(1e3 * pulp.length_mm, &section, &elasticity, &division) {
+    match divide(
+        1e3 * pulp.mean_length_mm(),
+        &section,
+        &elasticity,
+        &division,
+    ) {
         Ok(divided) => {
             let points = (divided.segments + 1) * division.points_on_ring;
             if points > MOST_POINTS {

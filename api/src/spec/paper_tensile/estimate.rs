@@ -68,7 +68,7 @@ fn of_sheet(
         Specimen::Sheet(sheet) => {
             let lengths = spec.pulp.iter();
             let mean: f64 = lengths
-                .map(|pulp| pulp.mass_fraction * pulp.length_mm)
+                .map(|pulp| pulp.mass_fraction * pulp.mean_length_mm())
                 .sum();
             BROKEN_SHARE.min(BAND * mean / sheet.length_mm)
         }
@@ -99,7 +99,13 @@ fn of_fibre(spec: &PaperTensile, fibre: &SingleFibre, calibration: &Calibration)
         .and_then(|pulp| {
             let (section, elasticity) = (pulp.section().ok()?, pulp.elasticity().ok()?);
             let division = spec.model.division();
-            divide(1e3 * pulp.length_mm, &section, &elasticity, &division).ok()
+            divide(
+                1e3 * pulp.mean_length_mm(),
+                &section,
+                &elasticity,
+                &division,
+            )
+            .ok()
         })
         .map_or(0.0, |divided| divided.segments as f64 + 1.0);
     let steps = f64::from(spec.accuracy.knobs().load_steps);

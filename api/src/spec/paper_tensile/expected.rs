@@ -8,6 +8,9 @@ use super::{Level, MadeSheet, PaperTensile, Placement, Pulp};
 const FREE_COLUMNS: f64 = 1e7;
 const COLUMNS: f64 = 6.0 * 35.0;
 
+/// Nodes of a fibre between closed jaws, laid in quarters of a width.
+const NODES_OF_A_PIECE: f64 = 6.0;
+
 /// About how much a sheet will be.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Expected {
@@ -29,14 +32,28 @@ impl MadeSheet {
         let area = length * width;
         let (mut total, mut fibres) = (0.0, 0.0);
         for pulp in &spec.pulp {
-            let Some(coarseness) = pulp.coarseness_ug_per_um() else {
+            let Some(coarseness) = pulp.mean_coarseness_ug_per_um() else {
                 continue;
             };
             let mass = pulp.mass_fraction * self.grammage_g_per_m2 * 1e-6 * area;
             let laid = mass / coarseness;
             let edges = 2.0 * (length + width) / (PI * area);
-            fibres += laid * (1e-3 / pulp.length_mm + edges);
+            fibres += laid * (1e-3 / pulp.mean_length_mm() + edges);
             total += laid;
+        }
+        if spec.test.is_zero_span() {
+            // what crosses a line across the pull, 2/π of the length over that of the sheet, in pieces of
+            // a few nodes; no bonds
+            let crossing = 2.0 / PI * total / length;
+            let points = total / (0.25 * spec.narrowest_um());
+            let nodes = NODES_OF_A_PIECE * crossing;
+            return Expected {
+                fibres,
+                points,
+                bonds: crossing,
+                nodes,
+                memory_mb: memory_mb([points, 0.0, 0.0], nodes * motions(spec)),
+            };
         }
         let narrowest = spec.narrowest_um();
         let crossings = total * total / (PI * area);
@@ -48,7 +65,8 @@ impl MadeSheet {
             }
             // of all crossings those whose heights are within a fibre's thickness of one another
             Placement::Random(random) => {
-                let thickness = spec.pulp.iter().filter_map(Pulp::thickness_um);
+                let fibres = spec.pulp.iter().flat_map(Pulp::fibres);
+                let thickness = fibres.filter_map(|fibre| fibre.thickness_um());
                 let share = 2.0 * thickness.fold(0.0, f64::max) / random.thickness_um;
                 (total / narrowest, crossings * share.min(1.0), 0.0)
             }

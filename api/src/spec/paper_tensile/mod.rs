@@ -5,7 +5,8 @@
 //! beams or bars that are bonded where they touch. Lengths are in mm and
 //! µm, moduli in GPa, strengths in MPa; x is the pulling direction.
 //!
-//! The parts, each in its own file: what the fibres are ([`Pulp`]), what is tested ([`Specimen`], of it
+//! The parts, each in its own file: what the fibres are ([`Pulp`],
+//! [`MeasuredFibres`]), what is tested ([`Specimen`], of it
 //! the [`ExplicitSheet`] and the [`MadeSheet`]), how fibres hold one another ([`Bond`]), how they are modelled ([`Model`]), what is done ([`Test`]), and
 //! how exactly ([`Accuracy`]).
 mod accuracy;
@@ -14,6 +15,7 @@ mod checks;
 mod estimate;
 mod expected;
 mod job_kind;
+mod measured;
 mod model;
 mod pulp;
 mod sheet;
@@ -27,14 +29,15 @@ use serde::{Deserialize, Serialize};
 
 pub use accuracy::{Accuracy, Knobs};
 pub use bond::Bond;
+pub use measured::{FibreSizes, MeasuredFibres};
 pub use model::{Level, Model, OnInadmissible, Ring};
 pub use pulp::Pulp;
 pub use sheet::{
-    Deposition, ExplicitBond, ExplicitFibre, ExplicitSheet, MadeSheet, Orientation, Placement,
-    RandomPlacement, VonMises,
+    AngleHistogram, Deposition, ExplicitBond, ExplicitFibre, ExplicitSheet, MadeSheet, Orientation,
+    Placement, RandomPlacement, VonMises,
 };
 pub use specimen::{SingleFibre, SingleFibreLoad, Specimen};
-pub use test::{Direction, Test};
+pub use test::{Direction, Test, TestType};
 
 /// A virtual tensile test of paper, or of one of its fibres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -121,7 +124,7 @@ impl PaperTensile {
 
     /// Width of the narrowest fibre [µm].
     pub fn narrowest_um(&self) -> f64 {
-        let widths = self.pulp.iter().map(|pulp| pulp.width_um);
+        let widths = self.pulp.iter().map(|pulp| pulp.widths_um()[0]);
         widths.fold(f64::INFINITY, f64::min)
     }
 

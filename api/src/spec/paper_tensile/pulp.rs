@@ -2,6 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::MeasuredFibres;
 use crate::fibre::{Elasticity, FibreError, Section};
 
 /// Density of the wall [kg/m³] where no coarseness is given.
@@ -17,13 +18,17 @@ pub struct Pulp {
     #[serde(default = "whole")]
     #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "1"))]
     pub mass_fraction: f64,
-    /// Mean length along the fibre.
+    /// Mean length along the fibre, by number. Left out where fibres are `measured`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.01, max = 100.0), extend("x-unit" = "mm"))]
-    pub length_mm: f64,
+    pub length_mm: Option<f64>,
     /// Standard deviation of lengths over their mean. A single fibre has the mean length.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 2.0), extend("x-unit" = "1"))]
     pub length_variation: f64,
+    /// Fibres of a fibre analyser, from which those of a sheet are drawn, instead of a mean length.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured: Option<MeasuredFibres>,
     /// Outer diameter W.
     #[schemars(range(min = 0.1, max = 1000.0), extend("x-unit" = "µm"))]
     pub width_um: f64,
@@ -89,12 +94,5 @@ impl Pulp {
         let section = self.section().ok()?;
         // 1 mg/m is 10⁻³ µg/µm
         Some(1e-3 * self.coarseness_mg_per_m(&section))
-    }
-
-    /// Thickness of a fibre in the sheet, flattened to a ribbon of its width, A/W [µm]; none when there
-    /// is no such wall.
-    pub fn thickness_um(&self) -> Option<f64> {
-        let section = self.section().ok()?;
-        Some(section.area_um2() / self.width_um)
     }
 }

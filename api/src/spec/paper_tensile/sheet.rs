@@ -112,7 +112,7 @@ pub struct RandomPlacement {
 }
 
 /// Which way fibres point in the plane.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Orientation {
     /// All ways alike.
@@ -120,6 +120,22 @@ pub enum Orientation {
     Uniform,
     /// Mostly along the machine direction.
     VonMises(VonMises),
+    /// As measured.
+    Histogram(AngleHistogram),
+}
+
+/// A measured distribution of the angle to the machine direction, by length of fibre.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AngleHistogram {
+    /// Densities in equally wide bins from 0 to 180 degrees, counted from the machine direction towards
+    /// y; only their ratios count, and within a bin all angles are alike.
+    #[schemars(
+        length(min = 1, max = 10_000),
+        inner(range(min = 0.0, max = 1e9)),
+        extend("x-unit" = "1")
+    )]
+    pub densities: Vec<f64>,
 }
 
 /// Density ∝ exp(κ cos 2θ) of the angle θ to the machine direction.

@@ -1,7 +1,8 @@
 //! What the JSON Schema cannot say of sheets: bonds that must join fibres where they touch, fibres that
 //! must fit into a sheet, memory that there must be.
 use super::{
-    Direction, ExplicitBond, ExplicitSheet, Level, MadeSheet, PaperTensile, Placement, Pulp,
+    Direction, ExplicitBond, ExplicitSheet, Level, MadeSheet, Orientation, PaperTensile, Placement,
+    Pulp,
 };
 use crate::{Violation, Violations};
 
@@ -75,6 +76,15 @@ pub(super) fn check_explicit(
             Violation::new("/test/direction", "not_of_a_given_sheet", detail)
                 .value(spec.test.pulled().name())
                 .allowed("md, or left out"),
+        );
+    }
+    if spec.test.is_zero_span() {
+        let detail = "jaws close on the fibres of a sheet that is made; give a strip of the fibres between \
+                      them to pull it so";
+        violations.push(
+            Violation::new("/test/type", "not_of_a_given_sheet", detail)
+                .value("zero_span")
+                .allowed("tensile, or left out"),
         );
     }
     let before = violations.count();
@@ -204,7 +214,8 @@ fn bond_violation(lines: &[Line<'_>], index: usize, bond: &ExplicitBond) -> Opti
 
 /// A sheet that is made.
 pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mut Violations) {
-    if spec.bond.is_none() {
+    let is_zero_span = spec.test.is_zero_span();
+    if spec.bond.is_none() && !is_zero_span {
         let detail = "fibres of a sheet need to hold one another: give the bonds' strength, or an empty \
                       object for bonds that do not break";
         violations.push(Violation::new("/bond", "missing_field", detail).allowed("an object"));
@@ -218,11 +229,17 @@ pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mu
     let before = violations.count();
     for (index, pulp) in used() {
         violations.extend(pulp_violation(index, pulp));
+        if is_zero_span && pulp.strength_mpa.is_none() {
+            let detail = "a zero-span test breaks fibres, and these never break";
+            let place = format!("/pulp/{index}/strength_mpa");
+            let violation = Violation::new(place, "missing_field", detail);
+            violations.push(violation.allowed("a number").unit("MPa"));
+        }
     }
     if violations.count() > before {
         return;
     }
-    let widest = used().fold(0.0, |most: f64, (_, pulp)| most.max(pulp.width_um));
+    let widest = used().fold(0.0, |most: f64, (_, pulp)| most.max(pulp.widths_um()[1]));
     for (name, size_mm) in [("length_mm", sheet.length_mm), ("width_mm", sheet.width_mm)] {
         let least_mm = 2e-3 * widest;
         if size_mm < least_mm {
@@ -238,7 +255,8 @@ pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mu
         }
     }
     if let Placement::Random(random) = sheet.placement {
-        let thickest = used().filter_map(|(_, pulp)| pulp.thickness_um());
+        let fibres = used().flat_map(|(_, pulp)| pulp.fibres());
+        let thickest = fibres.filter_map(|fibre| fibre.thickness_um());
         let thickest = thickest.fold(0.0, f64::max);
         if random.thickness_um < thickest {
             let detail =
@@ -252,14 +270,26 @@ pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mu
             );
         }
     }
+    if let Orientation::Histogram(histogram) = &sheet.orientation
+        && histogram.densities.iter().sum::<f64>() <= 0.0
+    {
+        let detail = "no fibre may point anywhere";
+        let place = "/specimen/sheet/orientation/histogram/densities";
+        violations.push(
+            Violation::new(place, "out_of_range", detail)
+                .value(0.0)
+                .allowed("a sum above 0"),
+        );
+    }
     let area_um2 = 1e6 * sheet.length_mm * sheet.width_mm;
     for (_, pulp) in used() {
         let Some(coarseness) = pulp.coarseness_ug_per_um() else {
             continue;
         };
+        let widest_um = pulp.widths_um()[1];
         let mass_ug = pulp.mass_fraction * sheet.grammage_g_per_m2 * 1e-6 * area_um2;
-        let least = sheet.grammage_g_per_m2 * coarseness * pulp.width_um / mass_ug;
-        if mass_ug < coarseness * pulp.width_um {
+        let least = sheet.grammage_g_per_m2 * coarseness * widest_um / mass_ug;
+        if mass_ug < coarseness * widest_um {
             let detail = format!(
                 "the sheet would have less of pulp {:?} than a piece of fibre as long as it is wide",
                 pulp.name
@@ -290,44 +320,59 @@ pub(super) fn check_made(spec: &PaperTensile, sheet: &MadeSheet, violations: &mu
     }
 }
 
+/// The first thing of a pulp that no sheet is made of.
 fn pulp_violation(index: usize, pulp: &Pulp) -> Option<Violation> {
-    let sigma = (pulp.length_variation.powi(2) + 1.0).ln().sqrt();
-    let median = 1e3 * pulp.length_mm * (-0.5 * sigma * sigma).exp();
-    let [shortest, longest] = [-LENGTH_CUT, LENGTH_CUT].map(|cut| median * (cut * sigma).exp());
-    let least = 2.0 * pulp.width_um;
-    if shortest < least || longest > LONGEST_UM {
-        let detail = format!(
-            "fibres of the pulp would be {shortest:.1} to {longest:.1} µm long; fibres of a sheet have \
-             {least} to {LONGEST_UM} µm"
-        );
-        let field = if pulp.length_variation > 0.0 {
-            "length_variation"
-        } else {
-            "length_mm"
+    let at = |field: String| format!("/pulp/{index}/{field}");
+    for (place, fibre) in pulp.fibres().enumerate() {
+        let listed = |list: &str, is_listed: bool, field: &str| {
+            at(if is_listed {
+                format!("measured/{list}/{place}")
+            } else {
+                field.to_owned()
+            })
         };
-        let value = if pulp.length_variation > 0.0 {
-            pulp.length_variation
-        } else {
-            pulp.length_mm
-        };
-        return Some(
-            Violation::new(
-                format!("/pulp/{index}/{field}"),
-                "length_not_of_a_sheet",
-                detail,
-            )
-            .value(value)
-            .allowed(format!("fibres of {least} … {LONGEST_UM} µm")),
-        );
+        let median = 1e3 * fibre.length_mm * (-0.5 * variance(pulp)).exp();
+        let sigma = variance(pulp).sqrt();
+        let [shortest, longest] = [-LENGTH_CUT, LENGTH_CUT].map(|cut| median * (cut * sigma).exp());
+        let least = 2.0 * fibre.width_um;
+        if shortest < least || longest > LONGEST_UM {
+            let detail = format!(
+                "fibres of the pulp would be {shortest:.1} to {longest:.1} µm long; fibres of a sheet have \
+                 {least} to {LONGEST_UM} µm"
+            );
+            let (field, value) = if pulp.length_variation > 0.0 {
+                ("length_variation", pulp.length_variation)
+            } else {
+                ("length_mm", fibre.length_mm)
+            };
+            let place = listed("lengths_mm", pulp.measured.is_some(), field);
+            return Some(
+                Violation::new(place, "length_not_of_a_sheet", detail)
+                    .value(value)
+                    .allowed(format!("fibres of {least} … {LONGEST_UM} µm")),
+            );
+        }
+        if fibre.shape_factor < LEAST_SHAPE {
+            let detail = "a fibre so curled is nearly a ring";
+            let list = pulp
+                .measured
+                .as_ref()
+                .and_then(|m| m.shape_factors.as_ref());
+            let place = listed("shape_factors", list.is_some(), "shape_factor");
+            return Some(
+                Violation::new(place, "out_of_range", detail)
+                    .value(fibre.shape_factor)
+                    .allowed(format!("{LEAST_SHAPE} … 1"))
+                    .unit("1"),
+            );
+        }
     }
-    (pulp.shape_factor < LEAST_SHAPE).then(|| {
-        let detail = "a fibre so curled is nearly a ring";
-        let place = format!("/pulp/{index}/shape_factor");
-        Violation::new(place, "out_of_range", detail)
-            .value(pulp.shape_factor)
-            .allowed(format!("{LEAST_SHAPE} … 1"))
-            .unit("1")
-    })
+    None
+}
+
+/// σ² of the logarithm of log-normal lengths, ln(1 + v²).
+fn variance(pulp: &Pulp) -> f64 {
+    pulp.length_variation.powi(2).ln_1p()
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -5,7 +5,7 @@ use crate::spec_trait::Studied;
 use crate::study::Knob;
 
 /// Results that are compared: all that do not describe the division itself.
-const COMPARED: [&str; 13] = [
+const COMPARED: [&str; 15] = [
     "axial_modulus",
     "poisson_ratio",
     "shear_modulus",
@@ -14,6 +14,8 @@ const COMPARED: [&str; 13] = [
     "max_force",
     "tensile_strength",
     "tensile_index",
+    "zero_span_strength",
+    "zero_span_index",
     "stretch",
     "energy_absorption",
     "tensile_stiffness",

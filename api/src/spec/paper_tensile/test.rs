@@ -9,6 +9,9 @@ const STOP_FORCE_FRACTION: f64 = 0.3;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Test {
+    /// What sort of test, a tensile one if left out. A single fibre has its `load` instead.
+    #[serde(rename = "type", skip_serializing_if = "Option::is_none")]
+    pub sort: Option<TestType>,
     /// Strain at which the test ends.
     #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
     pub max_strain: f64,
@@ -26,6 +29,17 @@ pub struct Test {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1000), extend("x-unit" = "1"))]
     pub repeats: Option<u32>,
+}
+
+/// What the jaws of a test hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TestType {
+    /// The ends of the sheet (ISO 1924-2).
+    Tensile,
+    /// The fibres themselves, in the middle of a sheet that is made: jaws that close to the width of the
+    /// widest fibre, so that fibres break and bonds do not count (ISO 15361).
+    ZeroSpan,
 }
 
 /// Direction of the pull in a sheet that a machine made.
@@ -64,6 +78,7 @@ impl Direction {
 impl Default for Test {
     fn default() -> Self {
         Self {
+            sort: None,
             max_strain: 0.05,
             direction: None,
             stop_force_fraction: None,
@@ -73,6 +88,11 @@ impl Default for Test {
 }
 
 impl Test {
+    /// Whether the jaws hold the fibres themselves.
+    pub fn is_zero_span(&self) -> bool {
+        self.sort == Some(TestType::ZeroSpan)
+    }
+
     /// Direction in which a sheet is pulled.
     pub fn pulled(&self) -> Direction {
         self.direction.unwrap_or(Direction::Md)
@@ -86,6 +106,7 @@ impl Test {
     /// Names of the fields that were given and that a single fibre does not use.
     pub fn unused_by_a_fibre(&self) -> Vec<&'static str> {
         let given = [
+            (self.sort.is_some(), "test.type"),
             (self.direction.is_some(), "test.direction"),
             (
                 self.stop_force_fraction.is_some(),

@@ -44,7 +44,8 @@ pub(super) fn join(directions: &[&str], compared: &[Compared], reports: &[Report
     }
 }
 
-/// Results of the first direction over those of the second, unknown where one of them is.
+/// Results of the first direction, of those that the test has, over those of the second; unknown where one
+/// of them is.
 fn anisotropy(
     [first, second]: [&str; 2],
     compared: &[Compared],
@@ -58,9 +59,10 @@ fn anisotropy(
         let about = format!("{words} along {first} over that along {second}.");
         Quantity::new(over / under, "1", &about)
     };
-    let named = compared
+    let known = compared
         .iter()
-        .map(|(name, words)| (format!("anisotropy_of_{name}"), ratio(name, words)));
+        .filter(|(name, _)| reports[0].summary.contains_key(*name));
+    let named = known.map(|(name, words)| (format!("anisotropy_of_{name}"), ratio(name, words)));
     named.collect()
 }
 

@@ -30,7 +30,7 @@ pub use directions::Compared;
 pub use keeper::{Curve, CurveKeeper};
 pub use relay::{Conclusion, Share};
 pub use reports::{SavedReport, joint_warnings, mean, values, worst_quality};
-use reports::{join_repeats, write_repeats};
+use reports::{add_sampling_errors, join_repeats, write_repeats};
 pub use specimens::{Place, Specimens, test_specimens};
 
 /// Messages under way before a test waits for the recorder.

@@ -120,14 +120,29 @@ fn errors(reports: &[Report], name: &str) -> Vec<ErrorPart> {
         })
         .collect();
     let sample = Sample::of(&values(reports, name));
-    if let Some((sample, deviation)) = sample.and_then(|sample| Some((sample, sample.deviation?))) {
-        parts.push(ErrorPart {
-            source: "specimens".to_owned(),
-            value: deviation / f64::from(sample.count).sqrt(),
-            basis: ErrorBasis::Repeats,
-        });
-    }
+    parts.extend(sample.and_then(|sample| sampling(sample.deviation?, sample.count)));
     parts
+}
+
+/// What the scatter of repeats leaves open of their mean: its standard error.
+fn sampling(deviation: f64, count: u32) -> Option<ErrorPart> {
+    (count > 1).then(|| ErrorPart {
+        source: "specimens".to_owned(),
+        value: deviation / f64::from(count).sqrt(),
+        basis: ErrorBasis::Repeats,
+    })
+}
+
+/// Gives means over repeats that know nothing else of their error the part that their scatter leaves
+/// open; for kinds whose guide says what else was not looked at.
+pub(super) fn add_sampling_errors(joint: &mut Report) {
+    for quantity in joint.summary.values_mut() {
+        let scatter = quantity.deviation.zip(quantity.n);
+        if let (None, Some((deviation, count))) = (&quantity.error, scatter) {
+            let part = sampling(deviation, count);
+            *quantity = quantity.clone().with_error(part.into_iter().collect());
+        }
+    }
 }
 
 /// `repeats.csv`: seed and results of every repeat.

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::directions::{Compared, join, suffix};
 use super::{
-    Conclusion, Curve, CurveKeeper, Plan, SavedReport, Share, Tests, join_repeats, write_repeats,
+    Conclusion, Curve, CurveKeeper, Plan, SavedReport, Share, Tests, add_sampling_errors,
+    join_repeats, write_repeats,
 };
 use crate::{
     Ending, Interrupt, Recorder, RunContext, SimulationError, checkpoint::Fingerprint, csv,
@@ -36,6 +37,12 @@ pub trait Specimens: Sync {
     /// Leading columns of the curve that are kept of every test.
     fn kept_columns(&self) -> usize {
         0
+    }
+
+    /// Whether a mean of which no other error is known has that of its scatter; for kinds whose guide says
+    /// what else was not looked at.
+    fn has_sampling_errors(&self) -> bool {
+        false
     }
 
     /// What is going to be done, for the log.
@@ -112,7 +119,11 @@ pub fn test_specimens(
                 let tests = finished.iter().skip(first).step_by(each);
                 write_curves(&name, tests.map(|test| &test.curve), recorder)?;
             }
-            join_repeats(specimens.first_seed(), joint)
+            let mut joint = join_repeats(specimens.first_seed(), joint);
+            if specimens.has_sampling_errors() {
+                add_sampling_errors(&mut joint);
+            }
+            joint
         }
     };
     recorder.progress(1.0, "finished");

@@ -45,6 +45,8 @@ pub struct Statistics {
     pub free_length_um: Option<f64>,
     /// Mean fibre length [µm], every piece counting once.
     pub mean_length_um: f64,
+    /// Mean fibre width [µm] weighted by length.
+    pub mean_width_um: f64,
     /// Mean fibre length [µm] weighted by length.
     pub length_weighted_um: f64,
     /// Lengths from 0 to the longest.
@@ -136,14 +138,15 @@ impl Statistics {
             peak_thickness_um: surfaces.peak_thickness_um(),
             apparent_density_kg_per_m3: grammage / thickness * KG_PER_M3,
             contacts_per_fibre: 2.0 * sheet.contacts.len() as f64 / lengths.len() as f64,
+            // an empty sum of floats is -0
             relative_bonded_area: sheet
                 .contacts
                 .iter()
-                .map(|contact| contact.area_um2)
-                .sum::<f64>()
+                .fold(0.0, |sum, contact| sum + contact.area_um2)
                 / one_side,
             free_length_um: free_length(sheet),
             mean_length_um: total / lengths.len() as f64,
+            mean_width_um: one_side / total,
             length_weighted_um: lengths.iter().map(|length| length * length).sum::<f64>() / total,
             lengths_um: Histogram::new(
                 longest,
@@ -281,6 +284,7 @@ mod tests {
             0.5 * (30.0 + 15.0),
         );
         assert_close(row.mean_length_um, 150.0);
+        assert_close(row.mean_width_um, 20.0);
         assert_close(
             row.length_weighted_um,
             (200.0 * 200.0 + 100.0 * 100.0) / 300.0,

@@ -55,7 +55,7 @@ impl<'a> Specimen<'a> {
             FibreError::out_of_range("number of pulps", "1", 0.0, "a pulp of the given name")
         })?;
         let (section, elasticity) = (pulp.section()?, pulp.elasticity()?);
-        let length_um = 1e3 * pulp.length_mm;
+        let length_um = 1e3 * pulp.mean_length_mm();
         let divided = divide(length_um, &section, &elasticity, &spec.model.division())?;
         let tube = match single.load {
             SingleFibreLoad::Pull => Tube::curled(&divided, pulp.shape_factor)?,

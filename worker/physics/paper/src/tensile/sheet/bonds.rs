@@ -1,6 +1,5 @@
 //! What bonds are given that are not told one by one: stiffness, and strengths with their scatter.
-use loadframe_api::spec::paper_tensile::{Bond, PaperTensile, Pulp};
-use loadframe_harness::SimulationError;
+use loadframe_api::spec::paper_tensile::{Bond, PaperTensile};
 use loadframe_harness::rng::{Purpose, Streams};
 use rand_distr::{Distribution as _, StandardNormal};
 
@@ -13,24 +12,22 @@ const TRANSVERSE: f64 = 0.1;
 /// 1 N/m per µm² in mN/µm³.
 const N_PER_M_PER_UM2: f64 = 1e-3;
 
+/// A fibre as a bond sees it: thickness of its flattened wall [µm], and Young's modulus [GPa].
+#[derive(Clone, Copy)]
+pub(super) struct Side {
+    pub(super) thickness_um: f64,
+    pub(super) youngs_modulus_gpa: f64,
+}
+
 /// Stiffness of a bond over its area [mN/µm³]: as given, else that of what lies between the two centre
 /// lines, 1/(t₁/(2 E₁) + t₂/(2 E₂)) with the thickness t of flattened walls and the transverse moduli.
-pub(super) fn stiffness(
-    bond: Option<&Bond>,
-    one: &Pulp,
-    other: &Pulp,
-) -> Result<f64, SimulationError> {
+pub(super) fn stiffness(bond: Option<&Bond>, sides: [Side; 2]) -> f64 {
     if let Some(given) = bond.and_then(|bond| bond.stiffness_n_per_m_per_um2) {
-        return Ok(N_PER_M_PER_UM2 * given);
+        return N_PER_M_PER_UM2 * given;
     }
-    let softness = |pulp: &Pulp| {
-        let thickness = pulp.thickness_um()?;
-        Some(0.5 * thickness / (TRANSVERSE * pulp.youngs_modulus_gpa))
-    };
-    let both = softness(one).zip(softness(other));
-    let (one, other) =
-        both.ok_or_else(|| SimulationError::of_paper("a bonded fibre has no wall"))?;
-    Ok(1.0 / (one + other))
+    let [one, other] =
+        sides.map(|side| 0.5 * side.thickness_um / (TRANSVERSE * side.youngs_modulus_gpa));
+    1.0 / (one + other)
 }
 
 /// Least and largest stiffness over the area [N/m/µm²] where none is given.

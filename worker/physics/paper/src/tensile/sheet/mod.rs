@@ -1,10 +1,12 @@
 //! The tensile test of a sheet of paper.
 //!
 //! In the order in which a run calls them: [`specimen`] makes a network of beams or bars of a sheet that
-//! is given or laid, with [`bonds`] by their area, and [`laid`] measures the latter; [`course`] pulls it
-//! from break to break and keeps all that counts; [`tables`], [`pictures`], [`report`] and [`warnings`]
-//! turn that into files and results. This file holds the loop, which alone talks to the recorder. A job of
-//! repeats or of both directions is several such tests side by side ([`loadframe_harness::plan`]),
+//! is given or laid, with [`bonds`] by their area; [`laid`] measures the latter, and [`theory`] tells what
+//! it could bear; [`course`] pulls it from break to break and keeps all that counts; [`tables`],
+//! [`pictures`], [`results`], [`report`] and [`warnings`] turn that into files and results, and
+//! [`straight_parts`] says how wrong stiffness is. This file holds the loop, which alone talks to the
+//! recorder. A job of repeats or of both directions is several such tests side by side
+//! ([`loadframe_harness::plan`]),
 //! their results joined.
 //!
 //! An interrupt is seen between breaks.
@@ -13,8 +15,11 @@ mod course;
 mod laid;
 mod pictures;
 mod report;
+mod results;
 mod specimen;
+mod straight_parts;
 mod tables;
+mod theory;
 mod warnings;
 
 #[cfg(test)]
@@ -34,8 +39,9 @@ use specimen::Specimen;
 /// Leading columns of the curve that are kept of every repeat: nominal strain and force.
 const KEPT_COLUMNS: usize = 2;
 /// Results compared between directions.
-const COMPARED: [Compared; 5] = [
+const COMPARED: [Compared; 6] = [
     ("tensile_index", "`tensile_index`"),
+    ("zero_span_index", "`zero_span_index`"),
     ("stretch", "`stretch`"),
     ("energy_absorption_index", "`energy_absorption_index`"),
     ("tensile_stiffness_index", "`tensile_stiffness_index`"),
@@ -181,6 +187,10 @@ impl Specimens for Repeats<'_> {
 
     fn compared(&self) -> &'static [Compared] {
         &COMPARED
+    }
+
+    fn has_sampling_errors(&self) -> bool {
+        true
     }
 
     fn kept_columns(&self) -> usize {

@@ -1,26 +1,19 @@
-//! Results of the test of a sheet in the words of ISO 1924, and whether to believe them.
+//! The report of the test of a sheet: why it ended, its results, and whether to believe them.
 use loadframe_api::Report;
 use loadframe_api::spec::paper_tensile::PaperTensile;
 use loadframe_harness::ReportBuilder;
 
-use super::course::{Course, Mode, Record};
+use super::course::Course;
+use super::results;
 use super::specimen::Specimen;
 use super::warnings::warn;
-use crate::frame::{Broken, PullEnd, PullMeasures, UNBALANCED};
+use crate::frame::{PullEnd, PullMeasures, UNBALANCED};
 
 /// Largest difference between the jaw forces, relative to the maximum force, that goes without
 /// warning: the force error ISO 7500-1 allows a testing machine of class 1.
 const LARGEST_IMBALANCE: f64 = 0.01;
 /// Work that is neither stored nor set free, over the work.
 const LARGEST_ENERGY_ERROR: f64 = 1e-6;
-/// Standard gravity [m/s²], by which a breaking length is defined.
-const GRAVITY: f64 = 9.806_65;
-/// mN in N, nJ in J, m per mm, N m/g per kN m/g.
-const N: f64 = 1e-3;
-const J: f64 = 1e-9;
-const M: f64 = 1e-3;
-const PER_KILO: f64 = 1e3;
-
 /// The report of a finished test.
 pub(super) fn report(
     spec: &PaperTensile,
@@ -36,9 +29,7 @@ pub(super) fn report(
         PullEnd::Parted => "parted",
         PullEnd::NoPath => "no_load_path",
     });
-    strength(&mut report, specimen, &measures);
-    counts(&mut report, specimen, &measures, &course.kept.records);
-    structure(&mut report, specimen);
+    results::add(&mut report, spec, specimen, &measures, &course.kept.records);
     checks(&mut report, &measures);
     warn(&mut report, spec, specimen, course, end);
     for (name, count) in [
@@ -50,232 +41,6 @@ pub(super) fn report(
         report.work(name, count as u64);
     }
     report.finish()
-}
-
-/// Index [N m/g] of a force per width [kN/m]; by the grammage [g/m²].
-fn index(per_width: f64, grammage: f64) -> f64 {
-    PER_KILO * per_width / grammage
-}
-
-fn strength(report: &mut ReportBuilder, specimen: &Specimen, measures: &PullMeasures) {
-    let (width, length) = (specimen.width_mm, specimen.length_mm);
-    let grammage = specimen.grammage_g_per_m2;
-    let max_force = N * measures.peak_force_mn;
-    // N/mm is kN/m
-    let per_width = max_force / width;
-    let stiffness = N * measures.initial_stiffness_mn / width;
-    let absorbed = J * measures.work_to_peak_nj / (M * width * M * length);
-    let has_mass = grammage > 0.0;
-    report.result(
-        "max_force",
-        max_force,
-        "N",
-        "Largest force on the moving jaw.",
-    );
-    report.result(
-        "tensile_strength",
-        per_width,
-        "kN/m",
-        "Largest force per width (ISO 1924-2).",
-    );
-    if has_mass {
-        let index = index(per_width, grammage);
-        let about = "Tensile strength over grammage.";
-        report.result("tensile_index", index, "N m/g", about);
-        let about = "Length of a strip that would break under its own weight.";
-        report.result("breaking_length", index / GRAVITY, "km", about);
-    }
-    report.result(
-        "stretch",
-        measures.strain_at_peak,
-        "1",
-        "Nominal strain at the largest force: elongation over the distance of the jaws.",
-    );
-    report.result(
-        "energy_absorption",
-        absorbed,
-        "J/m2",
-        "Work of the moving jaw up to the largest force, per area between the jaws.",
-    );
-    if has_mass {
-        let about = "Energy absorption over grammage.";
-        report.result("energy_absorption_index", absorbed / grammage, "J/g", about);
-    }
-    report.result(
-        "tensile_stiffness",
-        stiffness,
-        "kN/m",
-        "Force per width over strain before anything breaks.",
-    );
-    if has_mass {
-        let about = "Tensile stiffness over grammage.";
-        report.result(
-            "tensile_stiffness_index",
-            stiffness / grammage,
-            "kN m/g",
-            about,
-        );
-    }
-    if let Some(thickness) = specimen
-        .laid
-        .as_ref()
-        .and_then(super::laid::Laid::thickness_um)
-    {
-        // kN/m over µm is GPa
-        let about = "Tensile stiffness over the thickness that was given, else over the mean one.";
-        report.result("youngs_modulus", stiffness / thickness, "GPa", about);
-    }
-}
-
-fn counts(
-    report: &mut ReportBuilder,
-    specimen: &Specimen,
-    measures: &PullMeasures,
-    records: &[Record],
-) {
-    let network = &specimen.network;
-    let modes = records
-        .iter()
-        .filter_map(|record| specimen.mode(record.bond()?, record.event.bore));
-    let (mut opened, mut sheared) = (0_u32, 0_u32);
-    for mode in modes {
-        match mode {
-            Mode::Opened => opened += 1,
-            Mode::Sheared => sheared += 1,
-        }
-    }
-    let broken_segments = records
-        .iter()
-        .filter_map(|record| match record.event.broken {
-            Broken::Segment(segment) => Some(network.segment_fibre(segment)),
-            Broken::Bond(_) => None,
-        });
-    let mut torn: Vec<usize> = broken_segments.collect();
-    torn.sort_unstable();
-    torn.dedup();
-    let void = (0..network.bonds())
-        .filter(|&bond| network.is_void(bond))
-        .count();
-    for (name, count, about) in [
-        ("broken_bonds", measures.broken_bonds, "Bonds that broke."),
-        (
-            "broken_bonds_opened",
-            opened as usize,
-            "Of them those that opening took more of than shear, by the strengths.",
-        ),
-        (
-            "broken_bonds_sheared",
-            sheared as usize,
-            "Of them those that shear took more of than opening, by the strengths.",
-        ),
-        (
-            "broken_fibres",
-            torn.len(),
-            "Fibres that broke at one place or more.",
-        ),
-        (
-            "fibres",
-            network.fibres(),
-            "Fibres, or pieces of fibres that the edges cut.",
-        ),
-        ("bonds", network.bonds(), "Bonds before the test."),
-        (
-            "void_bonds",
-            void,
-            "Of them those without any strength, which never held.",
-        ),
-    ] {
-        report.count(name, count, about);
-    }
-}
-
-fn structure(report: &mut ReportBuilder, specimen: &Specimen) {
-    report.result(
-        "grammage",
-        specimen.grammage_g_per_m2,
-        "g/m2",
-        "Mass of the fibres between the jaws, over their distance and the width.",
-    );
-    let Some(laid) = &specimen.laid else {
-        return;
-    };
-    if let Some(cox) = laid.cox {
-        report.result(
-            "cox_stiffness_index",
-            cox.free,
-            "kN m/g",
-            "Tensile stiffness index of the same fibres, were all straight from edge to edge and strained \
-             as the sheet is, and the sheet free to contract (Cox 1952): an upper bound.",
-        );
-    }
-    let Some(measured) = &laid.statistics else {
-        return;
-    };
-    for (name, value, unit, about) in [
-        (
-            "contacts_per_fibre",
-            measured.contacts_per_fibre,
-            "1",
-            "Contacts on a fibre, on average.",
-        ),
-        (
-            "relative_bonded_area",
-            measured.relative_bonded_area,
-            "1",
-            "Area of all contacts over that of one side of all fibres: the share of both their sides \
-             that is bonded.",
-        ),
-        (
-            "coverage",
-            measured.coverage,
-            "1",
-            "Layers of fibres over a point, on average.",
-        ),
-        (
-            "thickness",
-            measured.mean_thickness_um,
-            "µm",
-            "From the lowest to the highest fibre over a point, on average over the sheet.",
-        ),
-        (
-            "peak_thickness",
-            measured.peak_thickness_um,
-            "µm",
-            "Between two planes beyond which one per cent of each surface stands; a gauge reads between \
-             this and the mean.",
-        ),
-        (
-            "density",
-            measured.apparent_density_kg_per_m3,
-            "kg/m3",
-            "Grammage over mean thickness.",
-        ),
-        (
-            "mean_fibre_length",
-            1e-3 * measured.mean_length_um,
-            "mm",
-            "Mean length of fibres as the edges cut them.",
-        ),
-        (
-            "length_weighted_fibre_length",
-            1e-3 * measured.length_weighted_um,
-            "mm",
-            "The same, each weighted by its length.",
-        ),
-        (
-            "anisotropy",
-            measured.anisotropy,
-            "1",
-            "Mean of cos 2θ over the length of the fibres, with the angle θ to the pull: 1 all along it, \
-             0 without a direction, -1 all across.",
-        ),
-    ] {
-        report.result(name, value, unit, about);
-    }
-    if let Some(free) = measured.free_length_um {
-        let about = "Mean length of fibre between neighbouring contacts.";
-        report.result("free_segment_length", free, "µm", about);
-    }
 }
 
 fn checks(report: &mut ReportBuilder, measures: &PullMeasures) {

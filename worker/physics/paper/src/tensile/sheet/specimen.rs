@@ -7,8 +7,9 @@ use loadframe_api::spec::paper_tensile::{
 use loadframe_harness::SimulationError;
 use loadframe_numerics::Team;
 
-use super::bonds::{MPA, Strengths, assumed, stiffness};
-use super::laid::{self, Laid};
+use super::bonds::{MPA, Side, Strengths, assumed, stiffness};
+use super::laid::Laid;
+use super::theory::Theory;
 use crate::frame::{self, BeamSection, FrameBond, FrameFibre, FrameModel, Network};
 use crate::sheet;
 
@@ -44,7 +45,7 @@ impl Specimen {
     fn given(spec: &PaperTensile, sheet: &ExplicitSheet) -> Result<Self, SimulationError> {
         let length_um = 1e3 * sheet.length_mm;
         let mut fibres = Vec::with_capacity(sheet.fibres.len());
-        let mut pulps = Vec::with_capacity(sheet.fibres.len());
+        let mut sides = Vec::with_capacity(sheet.fibres.len());
         let mut mass_ug = 0.0;
         for (index, fibre) in sheet.fibres.iter().enumerate() {
             let pulp = spec.pulp_named(&fibre.pulp);
@@ -58,13 +59,16 @@ impl Specimen {
                 centre_line_um: fibre.centre_line_um.clone(),
                 section: beam(spec, pulp, &section),
             });
-            pulps.push(pulp);
+            sides.push(Side {
+                thickness_um: section.area_um2() / section.width_um(),
+                youngs_modulus_gpa: pulp.youngs_modulus_gpa,
+            });
         }
         let strengths = Strengths::new(spec);
         let mut bonds = Vec::with_capacity(sheet.bonds.len());
         for (index, bond) in sheet.bonds.iter().enumerate() {
-            let [one, other] = bond.fibres.map(|fibre| pulps.get(fibre as usize));
-            let (Some(one), Some(other)) = (one, other) else {
+            let [one, other] = bond.fibres.map(|fibre| sides.get(fibre as usize));
+            let (Some(&one), Some(&other)) = (one, other) else {
                 return Err(SimulationError::of_paper(format!(
                     "bond {index} joins a fibre that is not there"
                 )));
@@ -74,7 +78,7 @@ impl Specimen {
                 fibres: bond.fibres,
                 at_um: bond.at_um,
                 area_um2: bond.area_um2,
-                stiffness_mn_per_um3: stiffness(spec.bond.as_ref(), one, other)?,
+                stiffness_mn_per_um3: stiffness(spec.bond.as_ref(), [one, other]),
                 normal_strength_mn: bond.normal_strength_n.map(|given| N * given).or(normal),
                 shear_strength_mn: bond.shear_strength_n.map(|given| N * given).or(shear),
             });
@@ -107,12 +111,14 @@ impl Specimen {
         } else {
             whole
         };
-        let laid = laid::measure(&whole, |fibre| pulps[fibre].youngs_modulus_gpa, spec);
-        let coarse = whole
-            .coarsened(spec.sheet_segment_um())
-            .map_err(SimulationError::of_paper)?;
-        let mut fibres = Vec::with_capacity(coarse.fibres.len());
-        for fibre in &coarse.fibres {
+        let tested = if spec.test.is_zero_span() {
+            at_zero_span(&whole)
+        } else {
+            whole.coarsened(spec.sheet_segment_um())
+        };
+        let tested = tested.map_err(SimulationError::of_paper)?;
+        let mut fibres = Vec::with_capacity(tested.fibres.len());
+        for fibre in &tested.fibres {
             let pulp = pulps[fibre.pulp];
             let section = Section::new(fibre.section.width_um, fibre.section.wall_um);
             fibres.push(FrameFibre {
@@ -121,24 +127,33 @@ impl Specimen {
             });
         }
         let strengths = Strengths::new(spec);
-        let mut bonds = Vec::with_capacity(coarse.contacts.len());
-        for (index, contact) in coarse.contacts.iter().enumerate() {
-            let [one, other] = contact
-                .fibres
-                .map(|f| pulps[coarse.fibres[f as usize].pulp]);
+        let mut bonds = Vec::with_capacity(tested.contacts.len());
+        for (index, contact) in tested.contacts.iter().enumerate() {
+            let sides = contact.fibres.map(|fibre| {
+                let fibre = &tested.fibres[fibre as usize];
+                Side {
+                    thickness_um: fibre.section.thickness_um,
+                    youngs_modulus_gpa: pulps[fibre.pulp].youngs_modulus_gpa,
+                }
+            });
             let [normal, shear] = strengths.of(index, contact.area_um2);
             bonds.push(FrameBond {
                 fibres: contact.fibres,
                 at_um: contact.at_um,
                 area_um2: contact.area_um2,
-                stiffness_mn_per_um3: stiffness(spec.bond.as_ref(), one, other)?,
+                stiffness_mn_per_um3: stiffness(spec.bond.as_ref(), sides),
                 normal_strength_mn: normal,
                 shear_strength_mn: shear,
             });
         }
+        let laid = Laid::measure(&whole, spec, |measured| {
+            let shear_mpa = spec.bond.and_then(|bond| bond.shear_strength_mpa);
+            Theory::of(&whole, &pulps, &bonds, measured, shear_mpa)
+        });
+        let length_um = tested.size_um[0];
         Ok(Self {
-            network: network(spec, &fibres, &bonds, 1e3 * made.length_mm, None)?,
-            length_mm: made.length_mm,
+            network: network(spec, &fibres, &bonds, length_um, None)?,
+            length_mm: 1e-3 * length_um,
             width_mm: made.width_mm,
             grammage_g_per_m2: laid.grammage_g_per_m2,
             assumed_stiffness: assumed(spec, &bonds),
@@ -157,17 +172,9 @@ fn plan(
     let mut of_plan = Vec::with_capacity(pulps.len());
     for pulp in pulps {
         let section = pulp.section().map_err(SimulationError::of_paper)?;
-        let mean_um = 1e3 * pulp.length_mm;
         of_plan.push(sheet::Pulp {
             mass_fraction: pulp.mass_fraction,
-            length: if pulp.length_variation > 0.0 {
-                sheet::LengthDistribution::LogNormal {
-                    mean_um,
-                    variation: pulp.length_variation,
-                }
-            } else {
-                sheet::LengthDistribution::Fixed { length_um: mean_um }
-            },
+            length: lengths(pulp),
             width_um: pulp.width_um,
             wall_um: pulp.wall_um,
             coarseness_ug_per_um: 1e-3 * pulp.coarseness_mg_per_m(&section),
@@ -184,10 +191,13 @@ fn plan(
         // 1 g/m² is 10⁻⁶ µg/µm²
         grammage_ug_per_um2: 1e-6 * made.grammage_g_per_m2,
         pulps: of_plan,
-        orientation: match made.orientation {
+        orientation: match &made.orientation {
             Orientation::Uniform => sheet::Orientation::Uniform,
             Orientation::VonMises(von_mises) => sheet::Orientation::VonMises {
                 kappa: von_mises.concentration,
+            },
+            Orientation::Histogram(histogram) => sheet::Orientation::Histogram {
+                weights: histogram.densities.clone(),
             },
         },
         placement: match made.placement {
@@ -201,6 +211,37 @@ fn plan(
         segment_um: None,
         gap_um: None,
     })
+}
+
+fn lengths(pulp: &Pulp) -> sheet::LengthDistribution {
+    let mean_um = 1e3 * pulp.mean_length_mm();
+    if pulp.measured.is_some() {
+        let fibres = pulp.fibres().map(|fibre| sheet::MeasuredFibre {
+            length_um: 1e3 * fibre.length_mm,
+            width_um: fibre.width_um,
+            wall_um: fibre.wall_um,
+            shape_factor: fibre.shape_factor,
+        });
+        sheet::LengthDistribution::Measured(fibres.collect())
+    } else if pulp.length_variation > 0.0 {
+        sheet::LengthDistribution::LogNormal {
+            mean_um,
+            variation: pulp.length_variation,
+        }
+    } else {
+        sheet::LengthDistribution::Fixed { length_um: mean_um }
+    }
+}
+
+/// What lies between jaws that close to the width of the widest fibre in the middle of a sheet: pieces of
+/// fibres, without bonds. Closer, pieces would be shorter than they are wide.
+fn at_zero_span(whole: &sheet::Sheet) -> Result<sheet::Sheet, sheet::SheetError> {
+    let widths = whole.fibres.iter().map(|fibre| fibre.section.width_um);
+    let [length_um, width_um] = whole.size_um;
+    let span_um = widths.fold(0.0, f64::max).min(length_um);
+    let mut strip = whole.strip([0.5 * (length_um - span_um), 0.0], [span_um, width_um])?;
+    strip.contacts.clear();
+    Ok(strip)
 }
 
 /// The section of a beam: a round tube, whatever its fibre looks like in the sheet.

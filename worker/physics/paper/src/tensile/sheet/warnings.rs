@@ -87,7 +87,7 @@ pub(super) fn warn(
             ),
         );
     }
-    let cox = specimen.laid.as_ref().and_then(|laid| laid.cox);
+    let cox = specimen.laid.as_ref().and_then(|laid| laid.theory.cox);
     if let (Some(index), Some(cox)) = (stiffness_index, cox)
         && index > cox.held
     {

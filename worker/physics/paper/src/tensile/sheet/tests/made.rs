@@ -196,6 +196,11 @@ fn extremes_have_a_result_that_balances() {
         ),
         ("curls", set("/pulp/0/shape_factor", json!(0.5))),
         ("no lumen", set("/pulp/0/wall_um", json!(14))),
+        ("wall as thick as half the width and soft in shear", {
+            let mut body = set("/pulp/0/wall_um", json!(14));
+            body["pulp"][0]["shear_modulus_gpa"] = json!(0.3);
+            body
+        }),
         (
             "soft in shear",
             set("/pulp/0/shear_modulus_gpa", json!(0.3)),
@@ -220,6 +225,14 @@ fn extremes_have_a_result_that_balances() {
         (
             "hard bonds",
             set("/bond/stiffness_n_per_m_per_um2", json!(1e5)),
+        ),
+        (
+            "strength without limit",
+            set("/bond/normal_strength_mpa", json!(1e6)),
+        ),
+        (
+            "a strain of ten per cent",
+            small(&|body| body["test"] = json!({"max_strain": 0.1})),
         ),
         (
             "a strain of one",

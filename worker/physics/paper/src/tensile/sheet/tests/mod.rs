@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 use crate::tensile::run;
 
 mod given;
+mod lab;
 mod made;
 
 /// Keeps what a run says.
