@@ -25,7 +25,7 @@ mod test;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use accuracy::{Accuracy, Knobs, Preset};
+pub use accuracy::{Accuracy, BondsAt, Knobs, Preset};
 pub use bond::Bond;
 pub use model::{Level, Model, OnInadmissible, Ring};
 pub use pulp::Pulp;

@@ -26,6 +26,8 @@ mod element;
 mod equilibrium;
 mod error;
 mod factor;
+mod gradients;
+mod held;
 mod input;
 mod large;
 mod load;
@@ -34,13 +36,16 @@ mod order;
 mod places;
 mod pull;
 mod state;
+mod survey;
 #[cfg(test)]
 mod tests;
+mod tie;
 
 pub use clusters::Standing;
 pub use equilibrium::{Refactoring, UNBALANCED};
 pub use error::FrameError;
-pub use input::{BeamSection, FrameBond, FrameFibre, FrameModel, Level};
+pub use held::{Means, Solver};
+pub use input::{Attachment, BeamSection, FrameBond, FrameFibre, FrameModel, Level};
 pub use large::{LargePull, LargePullTest, LargeStep};
 pub use load::{NodeLoad, Rest};
 pub use network::Network;

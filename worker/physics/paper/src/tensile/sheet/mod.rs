@@ -21,6 +21,8 @@ mod warnings;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use loadframe_api::Report;
 use loadframe_api::spec::paper_tensile::{Direction, PaperTensile};
 use loadframe_harness::checkpoint::{self, Fingerprint};
@@ -31,7 +33,7 @@ use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError
 use loadframe_numerics::Team;
 use serde::{Deserialize, Serialize};
 
-use crate::frame::{FrameError, PullTest};
+use crate::frame::{FrameError, Means, PullTest, Solver};
 use course::{COLUMNS, Course, Kept};
 use specimen::Specimen;
 
@@ -148,7 +150,8 @@ fn run_one(
     };
     let is_new = kept.is_none();
     recorder.progress(0.0, "fibres and bonds");
-    let specimen = Specimen::new(spec, &Team::new(context.threads)?)?;
+    let team = Arc::new(Team::new(context.threads)?);
+    let specimen = Specimen::new(spec, &team)?;
     let network = &specimen.network;
     if is_new {
         recorder.log(&format!(
@@ -163,8 +166,13 @@ fn run_one(
     let test = PullTest {
         max_strain: spec.test.max_strain,
         stop_force_fraction: spec.test.stop_fraction(),
+        break_precision: spec.accuracy.knobs().break_precision,
     };
-    let mut course = Course::new(&specimen, test, kept)?;
+    let means = Means {
+        solver: Solver::ByCost,
+        team,
+    };
+    let mut course = Course::new(&specimen, test, means, kept)?;
     recorder.columns(&COLUMNS)?;
     let mut told = 0;
     let mut tell = |course: &Course<'_>, recorder: &mut dyn Recorder| {
