@@ -22,7 +22,7 @@ use super::survey::{Critical, survey};
 const BALANCED: f64 = 1e-10;
 
 /// Forces that balance worse than this, refined, are refused; [`ROUND_OFF`] excuses.
-pub const UNBALANCED: f64 = 1e-6;
+pub(crate) const UNBALANCED: f64 = 1e-6;
 
 /// Round-off of a force as a share of stiffness times displacement, for what carries nearly nothing.
 const ROUND_OFF: f64 = 1e-11;

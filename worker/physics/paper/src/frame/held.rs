@@ -5,7 +5,7 @@ use loadframe_numerics::Team;
 
 use super::balance::{Forces, Motion};
 use super::element::PARTS;
-use super::equilibrium::{Clusters, Equilibrium, Refactoring};
+use super::equilibrium::{Clusters, Equilibrium, Refactoring, UNBALANCED};
 use super::error::FrameError;
 use super::gradients::{Relaxation, Start};
 use super::load::NodeLoad;
@@ -174,6 +174,14 @@ impl<'n> Held<'n> {
         match self {
             Self::Direct(rest) => rest.residual,
             Self::Iterative(rest) => rest.residual,
+        }
+    }
+
+    /// Unbalanced force over the largest force of an element that is allowed.
+    pub(crate) fn residual_limit(&self) -> f64 {
+        match self {
+            Self::Direct(_) => UNBALANCED,
+            Self::Iterative(rest) => rest.limit(),
         }
     }
 

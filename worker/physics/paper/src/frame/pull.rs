@@ -290,6 +290,13 @@ impl<'n> Pull<'n> {
         !self.rest.is_whole(element)
     }
 
+    /// Unbalanced force over the largest force of an element that is allowed: that of round-off with a
+    /// factor, a tenth of the break precision with iterations.
+    #[must_use]
+    pub fn residual_limit(&self) -> f64 {
+        self.rest.residual_limit()
+    }
+
     /// What it takes to go on.
     #[must_use]
     pub fn state(&self) -> &PullState {

@@ -12,6 +12,9 @@ use super::super::element::{Ends, PARTS};
 use super::super::error::FrameError;
 use super::operator::{Operator, dot, slices};
 
+/// What raises the diagonal of bars, as a share of what is left of it.
+const RAISED: f64 = 1e-8;
+
 /// Dᵢ⁻¹ and Lᵢ of a node.
 #[derive(Debug, Clone, Copy)]
 struct Block<const M: usize> {
@@ -166,6 +169,11 @@ fn factor<const M: usize>(
             blocks[at].link = link;
         } else {
             blocks[at].link = SMatrix::zeros();
+        }
+        // what bars leave loose is held by less than round-off leaves of a difference
+        let raised = RAISED * blocks[at].inverse.trace().abs();
+        for motion in 0..M {
+            blocks[at].inverse[(motion, motion)] += if M > 3 { 0.0 } else { raised };
         }
         let Some(cholesky) = blocks[at].inverse.cholesky() else {
             let [x, y, z] = network.position_um(node);

@@ -2,6 +2,7 @@
 use loadframe_numerics::Team;
 
 use super::chains::Chains;
+use super::clumps::Clumps;
 use super::coarse::Coarse;
 use super::operator::{Nodal, Operator};
 
@@ -35,6 +36,14 @@ pub(super) struct Iterated {
     pub(super) is_found: bool,
 }
 
+/// The stiffness, and the parts of its preconditioner.
+pub(super) type Parts<'a, 'n, const M: usize> = (
+    &'a mut Operator<'n, M>,
+    &'a Chains<M>,
+    &'a mut Clumps,
+    &'a mut Coarse,
+);
+
 impl<const M: usize> Vectors<M> {
     pub(super) fn new(nodes: usize) -> Self {
         let none = || vec![[0.0; M]; nodes];
@@ -50,7 +59,7 @@ impl<const M: usize> Vectors<M> {
     /// motion as it is.
     pub(super) fn iterate(
         &mut self,
-        (operator, chains, coarse): (&mut Operator<'_, M>, &Chains<M>, &mut Coarse),
+        (operator, chains, clumps, coarse): Parts<'_, '_, M>,
         team: &Team,
         motion: &mut Nodal<M>,
         wanted: f64,
@@ -64,8 +73,10 @@ impl<const M: usize> Vectors<M> {
                 direction,
                 forces,
             } = self;
+            clumps.solve(operator, team, residual);
             coarse.solve(operator, team, residual);
             let mut next = chains.solve(operator, team, residual, corrected);
+            next += clumps.add(operator, team, residual, corrected);
             next += coarse.add(operator, team, residual, corrected);
             if next <= 0.0 {
                 // nothing is left

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use super::super::balance::{Forces, Motion};
 use super::super::clusters::Standing;
 use super::super::element::PARTS;
-use super::super::equilibrium::Clusters;
+use super::super::equilibrium::{Clusters, UNBALANCED};
 use super::super::error::FrameError;
 use super::super::input::Level;
 use super::super::load::NodeLoad;
@@ -28,6 +28,10 @@ const ENERGY_ERROR: f64 = 1e-4;
 const ALONE: f64 = 1e-9;
 /// The coarse matrix is made anew when this share of the elements broke since: a stale one costs iterations.
 const STALE: f64 = 0.002;
+/// Forces that balance to this share of the largest are at the floor of round-off.
+const FLOOR: f64 = 1e-10;
+/// How much less of an error is asked for where forces are not in balance yet.
+const SHARPER: f64 = 0.1;
 /// Solutions for one rest before giving up: each knows better what is wanted.
 const ROUNDS: usize = 12;
 
@@ -235,8 +239,7 @@ impl<'n> Relaxation<'n> {
         }
         let mut iterations = 0;
         for _ in 0..ROUNDS {
-            let error_allowed = self.wanted;
-            let iterated = self.system.solve(error_allowed);
+            let iterated = self.system.solve(self.wanted);
             iterations += iterated.iterations;
             self.solutions += 1;
             self.iterations += iterated.iterations;
@@ -246,15 +249,25 @@ impl<'n> Relaxation<'n> {
                 break;
             }
             self.index_error = iterated.error * self.sensitivity();
-            if iterated.error <= self.wanted || is_at_floor {
+            let is_balanced = self.residual <= self.limit();
+            if (iterated.error <= self.wanted && is_balanced) || is_at_floor {
                 return Ok(());
+            }
+            if !is_balanced {
+                self.wanted = self.wanted.min(SHARPER * iterated.error);
             }
         }
         Err(FrameError::Unbalanced {
             residual: self.residual,
-            allowed: FLOOR,
+            allowed: self.limit(),
             iterations,
         })
+    }
+
+    /// Unbalanced force over the largest force of an element that is left at most: what changes a failure
+    /// index less than it is to be known.
+    pub(crate) fn limit(&self) -> f64 {
+        self.tolerance.max(UNBALANCED)
     }
 
     /// One pass over what is active: forces, what breaks first, and how well it must be known.
@@ -334,9 +347,6 @@ impl<'n> Relaxation<'n> {
         worst
     }
 }
-
-/// Forces that balance to this share of the largest are at the floor of round-off.
-const FLOOR: f64 = 1e-10;
 
 /// What takes part when only these elements are whole, and what every point is held by.
 fn stand(network: &Network, clusters: Clusters, is_whole: &[bool]) -> (Activity, Vec<Standing>) {

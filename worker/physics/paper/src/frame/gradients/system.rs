@@ -8,6 +8,7 @@ use super::super::error::FrameError;
 use super::super::load::NodeLoad;
 use super::super::network::Network;
 use super::chains::Chains;
+use super::clumps::Clumps;
 use super::coarse::Coarse;
 use super::conjugate::{Iterated, Vectors};
 use super::operator::{Nodal, Operator, ends_of, parts};
@@ -30,7 +31,7 @@ pub(super) trait System: std::fmt::Debug {
         is_whole: &[bool],
         broken: &[usize],
     ) -> Result<(), FrameError>;
-    /// Makes the coarse matrix anew.
+    /// Makes clumps and the coarse matrix anew.
     fn renew(&mut self) -> Result<(), FrameError>;
     /// Moves the nodes until the error in energy is about `wanted`.
     fn solve(&mut self, wanted: f64) -> Iterated;
@@ -54,6 +55,7 @@ pub(super) trait System: std::fmt::Debug {
 pub(super) struct Equations<'n, const M: usize> {
     operator: Operator<'n, M>,
     chains: Chains<M>,
+    clumps: Clumps,
     coarse: Coarse,
     vectors: Vectors<M>,
     motion: Nodal<M>,
@@ -82,6 +84,7 @@ impl<'n, const M: usize> Equations<'n, M> {
         }
         let mut equations = Self {
             chains: Chains::new(&operator, &team)?,
+            clumps: Clumps::new(&operator),
             coarse: Coarse::new(&operator)?,
             vectors: Vectors::new(nodes),
             motion: vec![[0.0; M]; nodes],
@@ -143,6 +146,7 @@ impl<const M: usize> System for Equations<'_, M> {
     }
 
     fn renew(&mut self) -> Result<(), FrameError> {
+        self.clumps = Clumps::new(&self.operator);
         self.coarse = Coarse::new(&self.operator)?;
         Ok(())
     }
@@ -151,6 +155,7 @@ impl<const M: usize> System for Equations<'_, M> {
         let Self {
             operator,
             chains,
+            clumps,
             coarse,
             vectors,
             motion,
@@ -168,7 +173,7 @@ impl<const M: usize> System for Equations<'_, M> {
                     };
                 }
             }
-            vectors.iterate((operator, chains, coarse), team, motion, wanted)
+            vectors.iterate((operator, chains, clumps, coarse), team, motion, wanted)
         })
     }
 

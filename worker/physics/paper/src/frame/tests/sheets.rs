@@ -160,7 +160,7 @@ fn turning_the_sheet_about_the_pull_or_upside_down_does_not_matter() {
     }
 }
 
-pub(super) fn same_events(found: &[Event], expected: &[Event], share: f64) {
+fn same_events(found: &[Event], expected: &[Event], share: f64) {
     let first = expected[0].force_before_mn;
     for (found, expected) in found.iter().zip(expected) {
         assert_eq!(found.broken, expected.broken);

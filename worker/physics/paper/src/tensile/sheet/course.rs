@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::specimen::Specimen;
 use crate::frame::{
-    Bore, Broken, Event, FrameError, Means, Pull, PullEnd, PullState, PullTest, Step, UNBALANCED,
+    Bore, Broken, Event, FrameError, Means, Pull, PullEnd, PullState, PullTest, Step,
 };
 
 /// mN in N, and nJ in N mm.
@@ -227,7 +227,7 @@ impl<'n> Course<'n> {
             N * right_mn,
             N * left_mn,
             counts.broken_bonds as f64,
-            residual / UNBALANCED,
+            residual / self.pull.residual_limit(),
             counts.broken_segments as f64,
             N_MM * stored_nj,
         ];

@@ -6,7 +6,7 @@ use loadframe_api::{QualityCheck, Quantity, Report};
 use super::course::{Course, Mode, Record};
 use super::specimen::Specimen;
 use super::warnings::warnings;
-use crate::frame::{Broken, PullEnd, PullMeasures, UNBALANCED};
+use crate::frame::{Broken, PullEnd, PullMeasures};
 
 /// Largest difference between the jaw forces, relative to the maximum force, that goes without
 /// warning: the force error ISO 7500-1 allows a testing machine of class 1.
@@ -50,11 +50,12 @@ pub(super) fn report(
             rows.value("tensile_stiffness_index"),
         ),
         summary: rows.0,
-        quality: quality(&measures),
+        quality: quality(&measures, course.pull.residual_limit()),
         bodies: Vec::new(),
         work: IndexMap::from([
             ("factorings".to_owned(), cost.factors as u64),
             ("solutions".to_owned(), cost.solutions as u64),
+            ("iterations".to_owned(), cost.iterations as u64),
             ("unknowns".to_owned(), cost.unknowns as u64),
             ("factor_entries".to_owned(), cost.stored as u64),
         ]),
@@ -297,13 +298,13 @@ fn structure(rows: &mut Rows, specimen: &Specimen) {
     }
 }
 
-fn quality(measures: &PullMeasures) -> IndexMap<String, QualityCheck> {
-    IndexMap::from([
+fn quality(measures: &PullMeasures, residual_limit: f64) -> IndexMap<String, QualityCheck> {
+    let mut checks = IndexMap::from([
         (
             "frame_residual".to_owned(),
             QualityCheck::at_most(
                 measures.largest_residual,
-                UNBALANCED,
+                residual_limit,
                 "1",
                 "Largest unbalanced force on a node over the largest force of a beam or bond, at any rest.",
             ),
@@ -321,10 +322,17 @@ fn quality(measures: &PullMeasures) -> IndexMap<String, QualityCheck> {
             "energy_balance_error".to_owned(),
             QualityCheck::at_most(
                 measures.energy_error(),
-                LARGEST_ENERGY_ERROR,
+                residual_limit.max(LARGEST_ENERGY_ERROR),
                 "1",
                 "Work of the jaw that is neither stored nor set free by breaks, over the work.",
             ),
         ),
-    ])
+    ]);
+    if let Some(error) = measures.largest_index_error {
+        let about = "Estimated error of the failure index of what broke next, over itself, at any rest: \
+                     equilibrium was found by iterations.";
+        let check = QualityCheck::at_most(error, residual_limit, "1", about);
+        checks.insert("failure_index_error".to_owned(), check);
+    }
+    checks
 }
