@@ -1,6 +1,6 @@
 //! What an accuracy study varies: in a test of a fibre how its tube is made, in one of a sheet what its
 //! fibres are and how straight.
-use super::{Accuracy, Knobs, Level, PaperTensile, Ring, Specimen};
+use super::{Accuracy, BondsAt, Knobs, Level, PaperTensile, Ring, Specimen};
 use crate::study::Knob;
 
 /// Results that are compared: all that do not describe the division itself.
@@ -42,7 +42,24 @@ pub(super) fn knobs(spec: &PaperTensile) -> Vec<Knob> {
                 reference: vec![("segment_widths", "0.5".to_owned())],
                 keeps_specimen: true,
             };
-            return vec![segment, level];
+            let knobs = spec.accuracy.knobs();
+            let bonds_at = Knob {
+                name: "bonds_at",
+                description: "where bonds hold fibres: at nodes of their own or inside straight parts",
+                present: knobs.bonds_at.name().to_owned(),
+                grid: words(&["inside"]),
+                reference: vec![("bonds_at", "nodes".to_owned())],
+                keeps_specimen: true,
+            };
+            let break_precision = Knob {
+                name: "break_precision",
+                description: "share of the largest failure index within which parts break together; 0: one by one",
+                present: knobs.break_precision.to_string(),
+                grid: words(&["0.2", "0.1", "0.05", "0.02"]),
+                reference: vec![("break_precision", "0".to_owned())],
+                keeps_specimen: true,
+            };
+            return vec![segment, level, bonds_at, break_precision];
         }
     }
     vec![
@@ -76,6 +93,25 @@ pub(super) fn turn(spec: &mut PaperTensile, knob: &str, value: &str) -> Option<(
             spec.model.segment_um = None;
             let knobs = Knobs {
                 segment_widths: value.parse().ok()?,
+                ..spec.accuracy.knobs()
+            };
+            spec.accuracy = Accuracy::Knobs(knobs);
+        }
+        "bonds_at" => {
+            let bonds_at = match value {
+                "nodes" => BondsAt::Nodes,
+                "inside" => BondsAt::Inside,
+                _ => return None,
+            };
+            let knobs = Knobs {
+                bonds_at,
+                ..spec.accuracy.knobs()
+            };
+            spec.accuracy = Accuracy::Knobs(knobs);
+        }
+        "break_precision" => {
+            let knobs = Knobs {
+                break_precision: value.parse().ok()?,
                 ..spec.accuracy.knobs()
             };
             spec.accuracy = Accuracy::Knobs(knobs);

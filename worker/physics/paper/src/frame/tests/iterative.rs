@@ -3,11 +3,19 @@ use std::sync::Arc;
 
 use loadframe_numerics::Team;
 
-use super::sheets::{LONG, SMALL, TO_THE_END};
+use super::sheets::{LONG, SMALL, Scatter, TO_THE_END};
 use super::*;
 
 /// What iterations leave where nothing breaks: a share of 1e-9 of the motion, in energy.
 const ITERATED: f64 = 1e-8;
+
+/// Small enough for thousands of iterations without optimisation.
+const TINY: Scatter = Scatter {
+    size_um: [400.0, 200.0],
+    fibres: 14,
+    fibre_length_um: 300.0,
+    ..SMALL
+};
 
 fn inside(level: Level, length_um: f64, segment_um: f64) -> FrameModel {
     FrameModel {
@@ -112,7 +120,7 @@ fn shear_lag_inside_segments_tends_to_that_at_nodes_from_above() {
 
 #[test]
 fn iterations_find_what_a_factor_finds() {
-    for (level, scatter) in [(Level::Beam, SMALL), (Level::Truss, LONG)] {
+    for (level, scatter) in [(Level::Beam, TINY), (Level::Truss, LONG)] {
         let network = scatter.network(level, None);
         let direct = network.rest(1.0, &[]).unwrap();
         let found = network.rest_by(1.0, &[], &iterative()).unwrap();
@@ -143,8 +151,8 @@ fn iterations_find_what_a_factor_finds() {
 
 #[test]
 fn a_pull_by_iterations_goes_on_to_the_same_bits_on_any_number_of_threads() {
-    let (fibres, bonds) = SMALL.sheet();
-    let network = Network::new(&fibres, &bonds, inside(Level::Beam, 800.0, 60.0)).unwrap();
+    let (fibres, bonds) = TINY.sheet();
+    let network = Network::new(&fibres, &bonds, inside(Level::Beam, 400.0, 60.0)).unwrap();
     let test = PullTest {
         break_precision: 0.1,
         max_strain: 0.5,
@@ -174,7 +182,7 @@ fn a_pull_by_iterations_goes_on_to_the_same_bits_on_any_number_of_threads() {
 
 #[test]
 fn parts_break_together_within_the_precision_and_the_energy_is_kept() {
-    let network = SMALL.network(Level::Beam, None);
+    let network = TINY.network(Level::Beam, None);
     let run = |break_precision, means: &Means| {
         let test = PullTest {
             break_precision,
@@ -193,7 +201,7 @@ fn parts_break_together_within_the_precision_and_the_energy_is_kept() {
     assert!(batches.len() < one_by_one.len() && batches.iter().any(|batch| batch.len() > 1));
     assert!(measures.energy_error() < 1e-8, "{measures:?}");
     close(measures.peak_force_mn, exact.peak_force_mn, 0.2);
-    let (fibres, bonds) = SMALL.sheet();
+    let (fibres, bonds) = TINY.sheet();
     for event in batches.iter().flatten() {
         let index = match event.bore {
             Bore::Bond {
@@ -234,8 +242,8 @@ fn parts_break_together_within_the_precision_and_the_energy_is_kept() {
 
 #[test]
 fn what_knows_no_points_between_nodes_refuses_them() {
-    let (fibres, bonds) = SMALL.sheet();
-    let network = Network::new(&fibres, &bonds, inside(Level::Beam, 800.0, 60.0)).unwrap();
+    let (fibres, bonds) = TINY.sheet();
+    let network = Network::new(&fibres, &bonds, inside(Level::Beam, 400.0, 60.0)).unwrap();
     let means = Means::by(Solver::Direct(Refactoring::ByCost));
     let refused = FrameError::Hanging;
     assert_eq!(network.rest_by(1.0, &[], &means).unwrap_err(), refused);

@@ -4,13 +4,13 @@ use super::*;
 /// A sheet to be: evenly scattered places and angles, and how strong its bonds are.
 #[derive(Clone, Copy)]
 pub(super) struct Scatter {
-    size_um: [f64; 2],
-    fibres: usize,
-    fibre_length_um: f64,
+    pub(super) size_um: [f64; 2],
+    pub(super) fibres: usize,
+    pub(super) fibre_length_um: f64,
     /// Height of each fibre above the one before [µm]; 0: all centre lines in one plane.
-    layer_um: f64,
+    pub(super) layer_um: f64,
     /// Tensile strength of fibres [GPa].
-    strength_gpa: Option<f64>,
+    pub(super) strength_gpa: Option<f64>,
 }
 
 pub(super) const SMALL: Scatter = Scatter {
