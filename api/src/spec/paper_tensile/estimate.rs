@@ -29,8 +29,8 @@ const POINT_LAID: f64 = 500.0;
 /// Of large sheets: iterations of a solution, an unknown and a bond in one, in evaluations of one bond, and
 /// how many break together: this times the precision, of all that break.
 const ITERATIONS: f64 = 150.0;
-const UNKNOWN: f64 = 1.0;
-const BOND: f64 = 2.0;
+const UNKNOWN: f64 = 6.0;
+const BOND: f64 = 6.0;
 const TOGETHER: f64 = 0.1;
 /// An element in a picture, a break with its two points of the curve [MB].
 const CELL_MB: f64 = 120e-6;

@@ -14,7 +14,7 @@ use super::factor::Factor;
 use super::load::NodeLoad;
 use super::network::Network;
 use super::places::Jaw;
-use super::pull::PullCost;
+use super::state::PullCost;
 use super::survey::{Critical, survey};
 
 /// Forces that balance to this share of the largest are not refined further. Backward stability of a

@@ -10,7 +10,7 @@ use super::error::FrameError;
 use super::gradients::{Relaxation, Start};
 use super::load::NodeLoad;
 use super::network::Network;
-use super::pull::PullCost;
+use super::state::PullCost;
 use super::survey::{Critical, breaks_at};
 
 /// Unknowns up to which a factor is made where bonds have nodes. It holds some 100 numbers for each, and as

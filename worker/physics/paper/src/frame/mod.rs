@@ -51,5 +51,5 @@ pub use large::{LargePull, LargePullTest, LargeStep};
 pub use load::{NodeLoad, Rest};
 pub use network::Network;
 pub use places::Jaw;
-pub use pull::{Bore, Broken, Event, Pull, PullCost, PullEnd, PullTest, Step};
-pub use state::{PullMeasures, PullState};
+pub use pull::{Bore, Broken, Event, Pull, PullEnd, PullTest, Step};
+pub use state::{PullCost, PullMeasures, PullState};

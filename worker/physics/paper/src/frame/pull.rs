@@ -13,7 +13,7 @@ use super::equilibrium::Clusters;
 use super::error::{FrameError, check};
 use super::held::{Held, Means};
 use super::network::Network;
-use super::state::PullState;
+use super::state::{PullCost, PullState};
 
 /// Until when is pulled.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -438,17 +438,4 @@ impl<'n> Pull<'n> {
         self.measure();
         Step::Ended(end)
     }
-}
-
-/// What a pull cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct PullCost {
-    /// Unknowns, and the numbers that the factor stores: of all of them, or of a coarse grid.
-    pub unknowns: usize,
-    pub stored: usize,
-    /// Factors made, and passes of solution over one.
-    pub factors: usize,
-    pub solutions: usize,
-    /// Iterations of all solutions; none with a factor.
-    pub iterations: usize,
 }

@@ -45,6 +45,19 @@ pub struct PullMeasures {
     pub largest_taut_share: f64,
 }
 
+/// What a pull cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PullCost {
+    /// Unknowns, and the numbers that the factor stores: of all of them, or of a coarse grid.
+    pub unknowns: usize,
+    pub stored: usize,
+    /// Factors made, and passes of solution over one.
+    pub factors: usize,
+    pub solutions: usize,
+    /// Iterations of all solutions; none with a factor.
+    pub iterations: usize,
+}
+
 impl PullMeasures {
     /// What the energies lack, over the work: work = stored + released.
     #[must_use]

@@ -17,7 +17,7 @@ use super::super::input::Level;
 use super::super::load::NodeLoad;
 use super::super::network::Network;
 use super::super::places::Jaw;
-use super::super::pull::PullCost;
+use super::super::state::PullCost;
 use super::super::survey::{Critical, survey};
 use super::system::{Activity, Equations, System};
 
