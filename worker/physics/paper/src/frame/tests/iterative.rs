@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use loadframe_numerics::Team;
 
-use super::sheets::{LONG, SMALL, Scatter, TO_THE_END};
+use super::sheets::{SMALL, Scatter, TO_THE_END};
 use super::*;
 
 /// What iterations leave where nothing breaks: a share of 1e-9 of the motion, in energy.
@@ -120,37 +120,11 @@ fn shear_lag_inside_segments_tends_to_that_at_nodes_from_above() {
 
 #[test]
 fn iterations_find_what_a_factor_finds() {
-    for (level, scatter) in [(Level::Beam, TINY), (Level::Truss, LONG)] {
-        let network = scatter.network(level, None);
-        let direct = network.rest(1.0, &[]).unwrap();
-        let found = network.rest_by(1.0, &[], &iterative()).unwrap();
-        close(found.jaw_force_mn[1], direct.jaw_force_mn[1], 1e-6);
-        close(found.energy_nj, direct.energy_nj, 1e-9);
-        if level == Level::Truss {
-            // what hangs loose on bars takes thousands of iterations: one rest is enough here
-            continue;
-        }
-        let mut direct = Pull::new(&network, TO_THE_END).unwrap();
-        let mut pull =
-            Pull::resume(&network, TO_THE_END, PullState::default(), &iterative()).unwrap();
-        for _ in 0..4 {
-            let (Step::Broke(expected), Step::Broke(found)) =
-                (direct.advance().unwrap(), pull.advance().unwrap())
-            else {
-                panic!("sheets break");
-            };
-            assert_eq!(found[0].broken, expected[0].broken);
-            close(found[0].strain, expected[0].strain, 1e-6);
-            close(found[0].force_after_mn, expected[0].force_after_mn, 1e-6);
-        }
-        let measures = pull.state().measures;
-        assert!(
-            measures
-                .largest_index_error
-                .is_some_and(|error| error <= 1e-7)
-        );
-        assert!(measures.energy_error() < 1e-6, "{measures:?}");
-    }
+    let network = TINY.network(Level::Beam, None);
+    let direct = network.rest(1.0, &[]).unwrap();
+    let found = network.rest_by(1.0, &[], &iterative()).unwrap();
+    close(found.jaw_force_mn[1], direct.jaw_force_mn[1], 1e-6);
+    close(found.energy_nj, direct.energy_nj, 1e-9);
 }
 
 #[test]

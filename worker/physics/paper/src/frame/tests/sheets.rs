@@ -22,7 +22,7 @@ pub(super) const SMALL: Scatter = Scatter {
 };
 
 /// Most fibres reach from jaw to jaw: as a truss it is no mechanism.
-pub(super) const LONG: Scatter = Scatter {
+const LONG: Scatter = Scatter {
     fibres: 14,
     fibre_length_um: 2000.0,
     ..SMALL
