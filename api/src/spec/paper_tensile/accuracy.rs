@@ -18,6 +18,34 @@ pub struct Knobs {
     /// where `model.segment_um` is left out.
     #[schemars(range(min = 0.1, max = 100.0), extend("x-unit" = "1"))]
     pub segment_widths: f64,
+    /// Of sheets: where bonds hold their fibres.
+    pub bonds_at: BondsAt,
+    /// Of sheets: parts whose failure index lies within this share of the largest break together, at the
+    /// force at which the first of them breaks; 0: one by one. The failure index is the load over what
+    /// breaks the part.
+    #[schemars(range(min = 0.0, max = 0.5), extend("x-unit" = "1"))]
+    pub break_precision: f64,
+}
+
+/// Where bonds hold their fibres.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BondsAt {
+    /// At nodes of their own: what they do to fibres is exact.
+    #[default]
+    Nodes,
+    /// Where they are inside the straight parts of fibres, whose ends alone are nodes: for large sheets.
+    Inside,
+}
+
+impl BondsAt {
+    /// Name on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nodes => "nodes",
+            Self::Inside => "inside",
+        }
+    }
 }
 
 impl Default for Knobs {
@@ -38,6 +66,8 @@ impl accuracy::Knobs for Knobs {
         Self {
             load_steps,
             segment_widths,
+            bonds_at: BondsAt::Nodes,
+            break_precision: 0.0,
         }
     }
 }

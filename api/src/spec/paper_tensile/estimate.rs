@@ -1,7 +1,7 @@
 //! What a test takes: of one fibre factors of a narrow band, of a sheet a factor and a solution for
 //! every break.
-use super::expected::{factor_entries, memory_mb, motions};
-use super::{PaperTensile, SingleFibre, SingleFibreLoad, Specimen};
+use super::expected::{factor_entries, is_iterated, memory_mb, motions};
+use super::{BondsAt, PaperTensile, SingleFibre, SingleFibreLoad, Specimen};
 use crate::fibre::divide;
 use crate::{Calibration, Estimate};
 
@@ -26,6 +26,12 @@ const BAND: f64 = 0.3;
 const BREAK: f64 = 1.4;
 const MULTIPLICATION: f64 = 0.018;
 const POINT_LAID: f64 = 500.0;
+/// Of large sheets: iterations of a solution, an unknown and a bond in one, in evaluations of one bond, and
+/// how many break together: this times the precision, of all that break.
+const ITERATIONS: f64 = 150.0;
+const UNKNOWN: f64 = 6.0;
+const BOND: f64 = 6.0;
+const TOGETHER: f64 = 0.1;
 /// An element in a picture, a break with its two points of the curve [MB].
 const CELL_MB: f64 = 120e-6;
 const EVENT_MB: f64 = 300e-6;
@@ -38,8 +44,9 @@ pub(super) fn estimate(spec: &PaperTensile, calibration: &Calibration) -> Estima
         Specimen::Explicit(sheet) => {
             let points: usize = sheet.fibres.iter().map(|f| f.centre_line_um.len()).sum();
             let (points, bonds) = (points as f64, sheet.bonds.len() as f64);
-            let nodes = points + 2.0 * bonds;
-            let memory_mb = memory_mb([0.0, bonds, 0.0], nodes * motions(spec));
+            let is_inside = spec.accuracy.knobs().bonds_at == BondsAt::Inside;
+            let nodes = points + if is_inside { 0.0 } else { 2.0 * bonds };
+            let memory_mb = memory_mb(spec, [0.0, bonds, 0.0], nodes * motions(spec));
             of_sheet(spec, calibration, [0.0, bonds, nodes], memory_mb)
         }
         Specimen::Sheet(sheet) => {
@@ -76,8 +83,16 @@ fn of_sheet(
     };
     let events = if has_strength { share * bonds } else { 0.0 };
     // columns of a factor are entries/unknowns long, and each meets all that are as long
-    let factor = MULTIPLICATION * 2.0 * entries * entries / unknowns.max(1.0);
-    let work = POINT_LAID * points + factor + BREAK * entries * events;
+    let work = if is_iterated(spec, unknowns) {
+        let precision = spec.accuracy.knobs().break_precision;
+        let together = TOGETHER * precision * events;
+        let solutions = 1.0 + events / together.max(1.0);
+        solutions * ITERATIONS * (UNKNOWN * unknowns + BOND * bonds)
+    } else {
+        let factor = MULTIPLICATION * 2.0 * entries * entries / unknowns.max(1.0);
+        factor + BREAK * entries * events
+    };
+    let work = POINT_LAID * points + work;
     let directions = spec.test.pulled().each().len();
     let repeats = f64::from(spec.specimens()) * directions as f64;
     Estimate {

@@ -1,7 +1,7 @@
 //! How much a sheet will be, before it is made.
 use std::f64::consts::PI;
 
-use super::{Level, MadeSheet, PaperTensile, Placement, Pulp};
+use super::{BondsAt, Level, MadeSheet, PaperTensile, Placement, Pulp};
 
 /// Entries that the engine keeps of breaks, however small the factor is, and how often an unknown has one
 /// before a factor is made anew: six terms of 35 breaks.
@@ -10,6 +10,11 @@ const COLUMNS: f64 = 6.0 * 35.0;
 
 /// Nodes of a fibre between closed jaws, laid in quarters of a width.
 const NODES_OF_A_PIECE: f64 = 6.0;
+/// Unknowns from which on the engine iterates.
+const DIRECT: f64 = 1e6;
+/// Memory of iterations [B] for an unknown and for a bond.
+const ITERATED: f64 = 280.0;
+const ITERATED_BOND: f64 = 800.0;
 
 /// About how much a sheet will be.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +57,7 @@ impl MadeSheet {
                 points,
                 bonds: crossing,
                 nodes,
-                memory_mb: memory_mb([points, 0.0, 0.0], nodes * motions(spec)),
+                memory_mb: memory_mb(spec, [points, 0.0, 0.0], nodes * motions(spec)),
             };
         }
         let narrowest = spec.narrowest_um();
@@ -71,13 +76,16 @@ impl MadeSheet {
                 (total / narrowest, crossings * share.min(1.0), 0.0)
             }
         };
-        let nodes = total / spec.sheet_segment_um() + fibres + 2.0 * bonds;
+        let of_fibres = total / spec.sheet_segment_um() + fibres;
+        let is_inside = spec.accuracy.knobs().bonds_at == BondsAt::Inside;
+        let nodes = of_fibres + if is_inside { 0.0 } else { 2.0 * bonds };
+        let laid = [points, bonds, pixels];
         Expected {
             fibres,
             points,
             bonds,
             nodes,
-            memory_mb: memory_mb([points, bonds, pixels], nodes * motions(spec)),
+            memory_mb: memory_mb(spec, laid, nodes * motions(spec)),
         }
     }
 }
@@ -90,6 +98,11 @@ pub(super) fn motions(spec: &PaperTensile) -> f64 {
     }
 }
 
+/// Whether equilibrium is found by iterations, as the engine chooses.
+pub(super) fn is_iterated(spec: &PaperTensile, unknowns: f64) -> bool {
+    spec.accuracy.knobs().bonds_at == BondsAt::Inside || unknowns > DIRECT
+}
+
 /// Entries of the factor of a flat network, fitted to ten from 1600 to 710 000 unknowns, with 27 to 384
 /// for each, to half of them.
 pub(super) fn factor_entries(unknowns: f64) -> f64 {
@@ -99,8 +112,15 @@ pub(super) fn factor_entries(unknowns: f64) -> f64 {
 /// Memory [MB] of the process, of points and contacts while they are searched, as the sheets count them,
 /// of pixels, of nodes with their elements, of the factor, and of what is kept of breaks until the next
 /// factor is made; ten sheets took 27 to 2500 MB.
-pub(super) fn memory_mb([points, bonds, pixels]: [f64; 3], unknowns: f64) -> f64 {
+pub(super) fn memory_mb(
+    spec: &PaperTensile,
+    [points, bonds, pixels]: [f64; 3],
+    unknowns: f64,
+) -> f64 {
     let laid = 100.0 * points + 80.0 * bonds + 8.0 * pixels;
+    if is_iterated(spec, unknowns) {
+        return 20.0 + 1e-6 * (laid + ITERATED * unknowns + ITERATED_BOND * bonds);
+    }
     let factor = factor_entries(unknowns);
     let breaks = factor.max(FREE_COLUMNS).min(COLUMNS * unknowns);
     20.0 + 1e-6 * (laid + 500.0 * unknowns + 8.0 * (factor + breaks))

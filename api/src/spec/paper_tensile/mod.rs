@@ -27,7 +27,7 @@ mod test;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use accuracy::{Accuracy, Knobs};
+pub use accuracy::{Accuracy, BondsAt, Knobs};
 pub use bond::Bond;
 pub use measured::{FibreSizes, MeasuredFibres};
 pub use model::{Level, Model, OnInadmissible, Ring};

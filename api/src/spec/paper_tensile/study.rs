@@ -1,6 +1,6 @@
 //! What an accuracy study varies: in a test of a fibre how its tube is made, in one of a sheet what its
 //! fibres are and how straight.
-use super::{Direction, Level, PaperTensile, Ring, Specimen};
+use super::{BondsAt, Direction, Level, PaperTensile, Ring, Specimen};
 use crate::spec_trait::Studied;
 use crate::study::Knob;
 
@@ -42,7 +42,22 @@ impl Studied for PaperTensile {
                     &["8", "4", "2", "1"],
                     "0.5",
                 );
-                vec![segment, level]
+                let knobs = self.accuracy.knobs();
+                let bonds_at = Knob::new(
+                    "bonds_at",
+                    "where bonds hold fibres: at nodes of their own or inside straight parts",
+                    knobs.bonds_at.name(),
+                    &["inside"],
+                    "nodes",
+                );
+                let break_precision = Knob::new(
+                    "break_precision",
+                    "share of the largest failure index within which parts break together; 0: one by one",
+                    knobs.break_precision,
+                    &["0.2", "0.1", "0.05", "0.02"],
+                    "0",
+                );
+                vec![segment, level, bonds_at, break_precision]
             }
             Specimen::SingleFibre(_) => vec![
                 Knob::new(
@@ -73,6 +88,19 @@ impl Studied for PaperTensile {
                 self.model.segment_um = None;
                 self.accuracy
                     .change(|knobs| knobs.segment_widths = segment_widths);
+            }
+            "bonds_at" => {
+                let bonds_at = match value {
+                    "nodes" => BondsAt::Nodes,
+                    "inside" => BondsAt::Inside,
+                    _ => return None,
+                };
+                self.accuracy.change(|knobs| knobs.bonds_at = bonds_at);
+            }
+            "break_precision" => {
+                let precision = value.parse().ok()?;
+                self.accuracy
+                    .change(|knobs| knobs.break_precision = precision);
             }
             "level" => {
                 self.model.level = match value {

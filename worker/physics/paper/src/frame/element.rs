@@ -95,6 +95,12 @@ impl Element {
         }
     }
 
+    /// Φ of a beam; none for springs.
+    pub(crate) fn shear_number(&self) -> Option<f64> {
+        self.bending
+            .map(|_| 3.0 * self.stiffness[4] / self.stiffness[1] - 1.0)
+    }
+
     /// d = Bᵀu.
     pub(crate) fn deformation(&self, motion: &Ends) -> [f64; PARTS] {
         let shift = self.axes * (motion[2] - motion[0]);

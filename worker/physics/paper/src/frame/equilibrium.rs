@@ -8,21 +8,21 @@ use loadframe_numerics::Softening;
 
 use super::balance::{Forces, Motion};
 use super::clusters::Standing;
-use super::element::{PARTS, stress_gpa};
+use super::element::PARTS;
 use super::error::FrameError;
 use super::factor::Factor;
-use super::input::Level;
 use super::load::NodeLoad;
 use super::network::Network;
 use super::places::Jaw;
-use super::pull::PullCost;
+use super::state::PullCost;
+use super::survey::{Critical, survey};
 
 /// Forces that balance to this share of the largest are not refined further. Backward stability of a
 /// Cholesky solution gives about 1e-13 for sheets of 1000 segments from jaw to jaw.
 const BALANCED: f64 = 1e-10;
 
 /// Forces that balance worse than this, refined, are refused; [`ROUND_OFF`] excuses.
-pub const UNBALANCED: f64 = 1e-6;
+pub(crate) const UNBALANCED: f64 = 1e-6;
 
 /// Round-off of a force as a share of stiffness times displacement, for what carries nearly nothing.
 const ROUND_OFF: f64 = 1e-11;
@@ -64,14 +64,6 @@ pub(crate) enum Clusters {
     Spanning,
     /// All that a jaw holds: loads bend these, too.
     Held,
-}
-
-/// An element over its limit at unit elongation, by the factor that brings it there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Critical {
-    pub(crate) element: usize,
-    /// Elongation at which it breaks [µm per unit of the jaw's].
-    pub(crate) factor: f64,
 }
 
 /// A network at rest.
@@ -179,6 +171,7 @@ impl<'n> Equilibrium<'n> {
             stored: self.factor.stored(),
             factors: self.factors,
             solutions: self.solutions,
+            iterations: 0,
         }
     }
 
@@ -362,42 +355,16 @@ impl<'n> Equilibrium<'n> {
         })
     }
 
-    /// One pass over what is active: forces, energy, and what breaks first.
+    /// One pass over what is active.
     fn look(&mut self) {
-        self.forces.clear();
         let network = self.network;
-        let level = network.model().level;
-        let segments = network.segments();
-        let mut worst: Option<Critical> = None;
-        for (index, element) in network.elements().iter().enumerate() {
-            if !self.is_active[index] {
-                continue;
-            }
-            let loads = self.forces.add(element, &self.motion, self.gyration);
-            let factor = if index < segments {
-                let section = network.section_of(index);
-                if level == Level::Truss {
-                    self.forces.taut_energy += 0.5
-                        * (1..3)
-                            .map(|part| loads[part] * loads[part] / element.stiffness[part])
-                            .sum::<f64>();
-                }
-                match section.strength_gpa {
-                    Some(strength) => strength / stress_gpa(section, level, &loads).max(0.0),
-                    None => f64::INFINITY,
-                }
-            } else {
-                1.0 / bond_index(&loads, network.strengths(index - segments))
-            };
-            // the first of equals stays
-            if factor < worst.map_or(f64::INFINITY, |worst| worst.factor) {
-                worst = Some(Critical {
-                    element: index,
-                    factor,
-                });
-            }
-        }
-        self.critical = worst;
+        self.critical = survey(
+            network,
+            &self.is_active,
+            &self.motion,
+            self.gyration,
+            &mut self.forces,
+        );
     }
 
     /// Largest of the forces that nothing balances [mN]; moments over the radius of gyration.
@@ -437,10 +404,4 @@ impl<'n> Equilibrium<'n> {
         }
         right
     }
-}
-
-/// √((fₙ/Fₙ)² + (fₛ/Fₛ)²) of a bond with the loads q: 1 where it breaks. Only opening counts for fₙ.
-pub(crate) fn bond_index(loads: &[f64; PARTS], [normal, shear]: [f64; 2]) -> f64 {
-    let share = |force: f64, strength: f64| if force > 0.0 { force / strength } else { 0.0 };
-    share(loads[0], normal).hypot(share(loads[1].hypot(loads[2]), shear))
 }

@@ -55,8 +55,13 @@ pub enum FrameError {
         allowed: f64,
         iterations: usize,
     },
+    /// Bonds inside segments ask for iterations and small displacements.
+    #[error(
+        "bonds are attached inside segments, and neither a factor nor large displacements know these; attach them at nodes"
+    )]
+    Hanging,
     /// A state to go on from does not belong to this network.
-    #[error("the state to go on from breaks {what} {index}, but the network has {count}")]
+    #[error("the state to go on from names {what} {index}, but the network has {count}")]
     ForeignState {
         what: &'static str,
         index: usize,

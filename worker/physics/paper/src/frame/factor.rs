@@ -12,6 +12,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
+use nalgebra::Vector3;
 
 use super::element::{Element, Ends, Matrix12};
 use super::error::FrameError;
@@ -56,8 +57,18 @@ impl Factor {
         is_free: impl Fn(usize) -> bool,
         elements: impl Iterator<Item = &'e Element> + Clone,
     ) -> Result<Self, FrameError> {
-        let motions = network.motions();
-        let (place, free) = ordered(network, is_free, elements.clone());
+        let pairs = elements.map(|element| element.nodes);
+        Self::of_pairs(network.motions(), network.positions(), is_free, pairs)
+    }
+
+    /// The same of nodes with so many motions at these positions, by which pairs have a block.
+    pub(crate) fn of_pairs(
+        motions: usize,
+        positions: &[Vector3<f64>],
+        is_free: impl Fn(usize) -> bool,
+        elements: impl Iterator<Item = [u32; 2]> + Clone,
+    ) -> Result<Self, FrameError> {
+        let (place, free) = ordered(positions, is_free, elements.clone());
         let mut pairs: Vec<[u32; 2]> = joined(&place, elements)
             .map(|[a, b]| [a.max(b), a.min(b)])
             .collect();
@@ -157,17 +168,23 @@ impl Factor {
         network: &Network,
         elements: impl Iterator<Item = ([u32; 2], Matrix12)>,
     ) -> Result<(), FrameError> {
+        self.sum(elements);
+        self.factor_entries(network.positions())
+    }
+
+    /// Sums the matrices of elements.
+    pub(crate) fn sum(&mut self, elements: impl Iterator<Item = ([u32; 2], Matrix12)>) {
         self.entries.fill(0.0);
         for (nodes, matrix) in elements {
             self.add(nodes, &matrix);
         }
-        self.factor_entries(network)
     }
 
-    /// Raises the diagonal by a share of its mean, displacements and rotations each of theirs.
+    /// Raises the diagonal by a share of its mean, displacements and rotations each of theirs, and factors
+    /// what is summed.
     pub(crate) fn factor_shifted(
         &mut self,
-        network: &Network,
+        positions: &[Vector3<f64>],
         share: f64,
     ) -> Result<(), FrameError> {
         let mut sums = [0.0; 2];
@@ -180,10 +197,10 @@ impl Factor {
             let own = self.starts[column + 1] as usize - 1;
             self.entries[own] += share * sums[usize::from(column % self.motions > 2)] / each;
         }
-        self.factor_entries(network)
+        self.factor_entries(positions)
     }
 
-    fn factor_entries(&mut self, network: &Network) -> Result<(), FrameError> {
+    fn factor_entries(&mut self, positions: &[Vector3<f64>]) -> Result<(), FrameError> {
         let size = self.size();
         if size == 0 {
             return Ok(());
@@ -203,7 +220,7 @@ impl Factor {
             Ok(_) => Ok(()),
             Err(LltError::NonPositivePivot { index }) => {
                 let node = self.free[index.min(size - 1) / self.motions] as usize;
-                let [x, y, z] = network.position_um(node);
+                let [x, y, z] = positions[node].into();
                 Err(FrameError::GivesWay { node, x, y, z })
             }
         }
@@ -286,25 +303,25 @@ impl Factor {
 }
 
 /// Pairs of free nodes that an element joins, as places.
-fn joined<'e>(
+fn joined(
     place: &[u32],
-    elements: impl Iterator<Item = &'e Element>,
+    elements: impl Iterator<Item = [u32; 2]>,
 ) -> impl Iterator<Item = [u32; 2]> {
     elements
-        .map(|element| element.nodes.map(|node| place[node as usize]))
+        .map(|nodes| nodes.map(|node| place[node as usize]))
         .filter(|[a, b]| *a != HELD && *b != HELD && a != b)
 }
 
 /// Place of each node, and the free nodes in order of elimination.
-fn ordered<'e>(
-    network: &Network,
+fn ordered(
+    positions: &[Vector3<f64>],
     is_free: impl Fn(usize) -> bool,
-    elements: impl Iterator<Item = &'e Element> + Clone,
+    elements: impl Iterator<Item = [u32; 2]> + Clone,
 ) -> (Vec<u32>, Vec<u32>) {
-    let numbered: Vec<u32> = (0..network.nodes() as u32)
+    let numbered: Vec<u32> = (0..positions.len() as u32)
         .filter(|&node| is_free(node as usize))
         .collect();
-    let mut place = vec![HELD; network.nodes()];
+    let mut place = vec![HELD; positions.len()];
     for (at, &node) in numbered.iter().enumerate() {
         place[node as usize] = at as u32;
     }
@@ -327,7 +344,7 @@ fn ordered<'e>(
     let places: Vec<[f64; 2]> = numbered
         .iter()
         .map(|&node| {
-            let at = &network.positions()[node as usize];
+            let at = &positions[node as usize];
             [at.x, at.y]
         })
         .collect();

@@ -55,12 +55,23 @@ pub enum Level {
     Truss,
 }
 
+/// Where bonds hold their fibres.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Attachment {
+    /// At a node of their own: what bonds do to a fibre between them is exact.
+    #[default]
+    Node,
+    /// Where they are, between nodes that know nothing of them: fewer nodes, and a little too stiff.
+    Inside,
+}
+
 /// How a network is built from its description.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameModel {
     pub level: Level,
-    /// Longest segment [µm]; none: nodes are at the given points and at the bonds alone.
+    /// Longest segment [µm]; none: nodes are at the given points, and at the bonds if those have any, alone.
     pub segment_um: Option<f64>,
+    pub attachment: Attachment,
     /// Distance of the jaws [µm]: points at x ≤ 0 or x ≥ this are held.
     pub length_um: f64,
 }

@@ -1,6 +1,7 @@
 //! Forces and moments at nodes, and the rest of a network under them.
-use super::equilibrium::{Clusters, Equilibrium, Refactoring};
+use super::equilibrium::Clusters;
 use super::error::{FrameError, check};
+use super::held::{Held, Means};
 use super::network::Network;
 
 /// A force [mN] and a moment [mN µm] on a node; their directions stay as given.
@@ -24,7 +25,7 @@ pub struct Rest {
     pub energy_nj: f64,
     /// Largest unbalanced force over the largest force.
     pub residual: f64,
-    /// Solutions that it took.
+    /// Solutions or iterations that it took.
     pub iterations: usize,
 }
 
@@ -34,17 +35,32 @@ impl Network {
     /// # Errors
     /// [`FrameError`] when a load is not on a held cluster or the network gives way.
     pub fn rest(&self, elongation_um: f64, loads: &[NodeLoad]) -> Result<Rest, FrameError> {
+        self.rest_by(elongation_um, loads, &Means::default())
+    }
+
+    /// The same by the means that are given.
+    ///
+    /// # Errors
+    /// As [`Network::rest`].
+    pub fn rest_by(
+        &self,
+        elongation_um: f64,
+        loads: &[NodeLoad],
+        means: &Means,
+    ) -> Result<Rest, FrameError> {
         self.check_loads(elongation_um, loads)?;
         let pull = (elongation_um, loads);
-        let found = Equilibrium::new(self, Clusters::Held, pull, Refactoring::ByCost, (&[], &[]))?;
-        let nodes = &found.motion.nodes;
+        let none = (0.0, [].as_slice());
+        let found = Held::new(self, Clusters::Held, pull, means, (&[], &[]), none)?;
+        let nodes = &found.motion().nodes;
+        let cost = found.cost();
         Ok(Rest {
             displacement_um: nodes.iter().map(|motion| motion[0].into()).collect(),
             rotation: nodes.iter().map(|motion| motion[1].into()).collect(),
-            jaw_force_mn: found.forces.at_jaws(self),
-            energy_nj: found.forces.energy,
-            residual: found.residual,
-            iterations: found.solutions,
+            jaw_force_mn: found.forces().at_jaws(self),
+            energy_nj: found.forces().energy,
+            residual: found.residual(),
+            iterations: cost.iterations.max(cost.solutions),
         })
     }
 

@@ -5,9 +5,10 @@
 //! and goes from break to break; [`Network::rest`] is its equilibrium under loads. All this is for small
 //! displacements; [`LargePull`] and [`Network::rest_at_large`] are for large ones, and slower by far.
 //!
-//! From the bottom up: `places` puts nodes on centre lines, `element` is what joins two of them,
-//! `clusters` says what hangs together, `order` and `factor` solve, `equilibrium` rests and loses parts,
-//! `pull` drives; `large` does both for large motions.
+//! From the bottom up: `places` puts nodes on centre lines, `element` is what joins two of them, `tie` holds
+//! bonds between nodes, `clusters` says what hangs together, `survey` looks at what every part bears. Two roads lead to
+//! rest, and `held` chooses: `equilibrium` with a factor of all (`order`, `factor`), exact and for small sheets,
+//! and `gradients`, by iterations, for large ones. `pull` drives; `large` does all for large motions.
 //!
 //! A bond resists the relative displacement of its two centre-line points equally in all directions,
 //! and their relative rotation. When the points are apart (by the radii of the fibres) this resists a
@@ -26,6 +27,8 @@ mod element;
 mod equilibrium;
 mod error;
 mod factor;
+mod gradients;
+mod held;
 mod input;
 mod large;
 mod load;
@@ -34,16 +37,19 @@ mod order;
 mod places;
 mod pull;
 mod state;
+mod survey;
 #[cfg(test)]
 mod tests;
+mod tie;
 
 pub use clusters::Standing;
-pub use equilibrium::{Refactoring, UNBALANCED};
+pub use equilibrium::Refactoring;
 pub use error::FrameError;
-pub use input::{BeamSection, FrameBond, FrameFibre, FrameModel, Level};
+pub use held::{Means, Solver};
+pub use input::{Attachment, BeamSection, FrameBond, FrameFibre, FrameModel, Level};
 pub use large::{LargePull, LargePullTest, LargeStep};
 pub use load::{NodeLoad, Rest};
 pub use network::Network;
 pub use places::Jaw;
-pub use pull::{Bore, Broken, Event, Pull, PullCost, PullEnd, PullTest, Step};
-pub use state::{PullMeasures, PullState};
+pub use pull::{Bore, Broken, Event, Pull, PullEnd, PullTest, Step};
+pub use state::{PullCost, PullMeasures, PullState};

@@ -2,14 +2,17 @@
 //!
 //! A description ([`FrameFibre`], [`FrameBond`]) becomes a network once; it has no state. Nodes of a
 //! fibre follow one another, and segment i of a fibre joins its nodes i and i + 1. Every bond has a
-//! node of its own on either fibre, so that beams bent by bonds are exact between them.
+//! node of its own on either fibre, so that beams bent by bonds are exact between them, or it hangs on
+//! the segments between nodes ([`Attachment::Inside`](super::Attachment)): its two points then follow all nodes of fibres
+//! and have no motion of their own.
 use nalgebra::Vector3;
 
 use super::clusters::{Standing, standings};
 use super::element::Element;
 use super::error::{FrameError, check};
 use super::input::{BeamSection, FrameBond, FrameFibre, FrameModel, Level};
-use super::places::{CentreLine, Jaw, Place};
+use super::places::{BondPlace, CentreLine, Jaw, Place};
+use super::tie::Tie;
 
 /// A bond whose two points are closer than this share of its fibres' mean width has its face in the
 /// plane of the sheet: rounded coordinates of two crossing lines say nothing about a direction.
@@ -30,6 +33,8 @@ pub struct Network {
     jaws: Vec<Option<Jaw>>,
     /// First node of each fibre, and the number of nodes.
     starts: Vec<u32>,
+    /// Points between nodes, which have the numbers after those of nodes.
+    hanging: Vec<Hanging>,
     /// Segments by fibre, then bonds.
     elements: Vec<Element>,
     /// Fibre of each segment.
@@ -37,6 +42,14 @@ pub struct Network {
     /// Bonds without any strength.
     void: Vec<u32>,
     standing: Vec<Standing>,
+}
+
+/// A point of a bond inside a segment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Hanging {
+    pub(crate) segment: u32,
+    /// Share of the way from the segment's first node.
+    pub(crate) share: f64,
 }
 
 impl Network {
@@ -59,6 +72,7 @@ impl Network {
 
         let mut starts = vec![0];
         let mut nodes: Vec<Place> = Vec::new();
+        let mut hung: Vec<(usize, usize, Hanging)> = Vec::new();
         let mut bond_nodes = vec![[0; 2]; bonds.len()];
         let mut rest = ends.as_slice();
         for (number, line) in lines.iter().enumerate() {
@@ -68,7 +82,17 @@ impl Network {
             let arcs: Vec<f64> = own.iter().map(|end| end.arc_um).collect();
             let (places, of_bonds) = line.places(fibres[number].section.width_um, &arcs, &model);
             for (end, place) in own.iter().zip(of_bonds) {
-                bond_nodes[end.bond as usize][end.side] = (nodes.len() + place) as u32;
+                let (bond, side) = (end.bond as usize, end.side);
+                match place {
+                    BondPlace::Node(place) => {
+                        bond_nodes[bond][side] = (nodes.len() + place) as u32;
+                    }
+                    BondPlace::Inside(place, share) => {
+                        // each fibre before has a segment less than nodes
+                        let segment = (nodes.len() + place - number) as u32;
+                        hung.push((bond, side, Hanging { segment, share }));
+                    }
+                }
             }
             nodes.extend(places);
             if nodes.len() > (u32::MAX / 16) as usize {
@@ -90,6 +114,20 @@ impl Network {
                 ));
                 owners.push(number as u32);
             }
+        }
+        for (bond, side, hanging) in &hung {
+            let [from, to] = elements[hanging.segment as usize]
+                .nodes
+                .map(|node| nodes[node as usize]);
+            bond_nodes[*bond][*side] = nodes.len() as u32;
+            nodes.push(Place {
+                arc_um: from.arc_um + hanging.share * (to.arc_um - from.arc_um),
+                at: from.at.lerp(&to.at, hanging.share),
+                jaw: None,
+            });
+        }
+        if nodes.len() > (u32::MAX / 16) as usize {
+            return Err(FrameError::TooManyNodes { nodes: nodes.len() });
         }
         for (number, (bond, joined)) in bonds.iter().zip(&bond_nodes).enumerate() {
             if joined[0] == joined[1] {
@@ -118,6 +156,7 @@ impl Network {
             arcs: nodes.iter().map(|node| node.arc_um).collect(),
             jaws: nodes.iter().map(|node| node.jaw).collect(),
             starts,
+            hanging: hung.into_iter().map(|(_, _, hanging)| hanging).collect(),
             elements,
             owners,
             void,
@@ -139,10 +178,16 @@ impl Network {
         self.sections.len()
     }
 
-    /// Number of nodes.
+    /// Number of points that move: nodes of fibres, then points of bonds that hang between them.
     #[must_use]
     pub fn nodes(&self) -> usize {
         self.positions.len()
+    }
+
+    /// Number of nodes of fibres, those that have motions of their own.
+    #[must_use]
+    pub fn fibre_nodes(&self) -> usize {
+        self.positions.len() - self.hanging.len()
     }
 
     /// Number of segments of all fibres.
@@ -193,6 +238,11 @@ impl Network {
         self.elements[segment].nodes.map(|node| node as usize)
     }
 
+    /// The fibre of a node that a fibre has.
+    pub(crate) fn fibre_of(&self, node: u32) -> usize {
+        self.starts.partition_point(|&start| start <= node) - 1
+    }
+
     /// The fibre of a segment.
     #[must_use]
     pub fn segment_fibre(&self, segment: usize) -> usize {
@@ -237,6 +287,21 @@ impl Network {
         let is_before_nearer =
             (self.arcs[before] - arc_um).abs() < (self.arcs[after] - arc_um).abs();
         if is_before_nearer { before } else { after }
+    }
+
+    pub(crate) fn hanging(&self) -> &[Hanging] {
+        &self.hanging
+    }
+
+    /// How a hanging point moves with its nodes, and with one of them when its segment is broken.
+    pub(crate) fn tie(&self, hanging: &Hanging, is_whole: &[bool]) -> Tie {
+        let segment = &self.elements[hanging.segment as usize];
+        let [from, to] = segment.nodes.map(|node| self.positions[node as usize]);
+        if is_whole[hanging.segment as usize] {
+            Tie::inside(segment, to - from, hanging.share)
+        } else {
+            Tie::torn(segment, to - from, hanging.share)
+        }
     }
 
     pub(crate) fn elements(&self) -> &[Element] {
@@ -286,7 +351,13 @@ impl Network {
             .iter()
             .zip(is_whole)
             .filter(|(_, is_whole)| **is_whole);
-        standings(&self.jaws, whole.map(|(element, _)| element.nodes))
+        let fibre_nodes = self.fibre_nodes() as u32;
+        let hung = (fibre_nodes..).zip(&self.hanging);
+        let hung = hung.map(|(point, hanging)| [point, self.tie(hanging, is_whole).nearer()]);
+        standings(
+            &self.jaws,
+            whole.map(|(element, _)| element.nodes).chain(hung),
+        )
     }
 }
 

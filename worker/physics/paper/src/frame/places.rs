@@ -2,7 +2,7 @@
 use nalgebra::Vector3;
 
 use super::error::FrameError;
-use super::input::{FrameFibre, FrameModel};
+use super::input::{Attachment, FrameFibre, FrameModel};
 
 /// Two places of a fibre closer than this share of its width are one. A segment shorter than that would
 /// cost digits and change nothing.
@@ -26,6 +26,15 @@ pub(crate) struct Place {
     pub(crate) arc_um: f64,
     pub(crate) at: Vector3<f64>,
     pub(crate) jaw: Option<Jaw>,
+}
+
+/// Where a bond is on a fibre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum BondPlace {
+    /// At a node.
+    Node(usize),
+    /// Between a node and the next, at this share of the way.
+    Inside(usize, f64),
 }
 
 /// A fibre's centre line by its arc length.
@@ -88,11 +97,47 @@ impl CentreLine {
         self.points[next - 1].lerp(&self.points[next], share)
     }
 
-    /// The nodes of a fibre whose bonds are at `bonds` (ascending arc lengths), and the node of each bond.
+    /// The nodes of a fibre whose bonds are at `bonds` (ascending arc lengths), and where each bond is.
     ///
     /// Given points and bonds in a jaw's reach are held by it; what is put between them to shorten
-    /// segments is not, so that a fibre pulls the same however it is cut into segments.
+    /// segments is not, so that a fibre pulls the same however it is cut into segments. Bonds in a jaw's
+    /// reach have nodes in any case.
     pub(crate) fn places(
+        &self,
+        width_um: f64,
+        bonds: &[f64],
+        model: &FrameModel,
+    ) -> (Vec<Place>, Vec<BondPlace>) {
+        if model.attachment == Attachment::Node {
+            let (places, of_bonds) = self.places_at_bonds(width_um, bonds, model);
+            return (places, of_bonds.into_iter().map(BondPlace::Node).collect());
+        }
+        let is_held = |bond: f64| jaw_at(self.at(bond), model).is_some();
+        let held: Vec<f64> = bonds
+            .iter()
+            .copied()
+            .filter(|&bond| is_held(bond))
+            .collect();
+        let (places, _) = self.places_at_bonds(width_um, &held, model);
+        let near = ONE_PLACE * width_um;
+        let of_bonds = bonds.iter().map(|&bond| {
+            let next = places
+                .partition_point(|place| place.arc_um <= bond)
+                .clamp(1, places.len() - 1);
+            let [from, to] = [places[next - 1].arc_um, places[next].arc_um];
+            if bond - from <= near {
+                BondPlace::Node(next - 1)
+            } else if to - bond <= near {
+                BondPlace::Node(next)
+            } else {
+                BondPlace::Inside(next - 1, (bond - from) / (to - from))
+            }
+        });
+        let of_bonds = of_bonds.collect();
+        (places, of_bonds)
+    }
+
+    fn places_at_bonds(
         &self,
         width_um: f64,
         bonds: &[f64],
@@ -132,14 +177,7 @@ impl CentreLine {
     }
 
     fn reach(&self, arc_um: f64, at: Vector3<f64>, model: &FrameModel, places: &mut Vec<Place>) {
-        let near = AT_JAW * model.length_um;
-        let jaw = if at.x <= near {
-            Some(Jaw::Left)
-        } else if at.x >= model.length_um - near {
-            Some(Jaw::Right)
-        } else {
-            None
-        };
+        let jaw = jaw_at(at, model);
         places.push(Place { arc_um, at, jaw });
     }
 
@@ -176,6 +214,17 @@ impl CentreLine {
     }
 }
 
+fn jaw_at(at: Vector3<f64>, model: &FrameModel) -> Option<Jaw> {
+    let near = AT_JAW * model.length_um;
+    if at.x <= near {
+        Some(Jaw::Left)
+    } else if at.x >= model.length_um - near {
+        Some(Jaw::Right)
+    } else {
+        None
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -194,6 +243,7 @@ mod tests {
         FrameModel {
             level: Level::Beam,
             segment_um,
+            attachment: Attachment::Node,
             length_um: 100.0,
         }
     }
@@ -211,7 +261,7 @@ mod tests {
             &model(None),
         );
         assert_eq!(arcs(&places), [0.0, 25.0, 50.0, 55.0, 60.0]);
-        assert_eq!(bonds, [0, 1, 1, 2, 3, 4]);
+        assert_eq!(bonds, [0, 1, 1, 2, 3, 4].map(BondPlace::Node));
         assert!((places[1].at - Vector3::new(15.0, 20.0, 0.0)).norm() < 1e-12);
         assert!((places[3].at - Vector3::new(30.0, 40.0, 5.0)).norm() < 1e-12);
     }
@@ -221,7 +271,7 @@ mod tests {
         let line = line(&[[1.0, 0.0, 0.0], [91.0, 0.0, 0.0]]);
         let (places, bonds) = line.places(30.0, &[30.0], &model(Some(25.0)));
         assert_eq!(arcs(&places), [0.0, 15.0, 30.0, 50.0, 70.0, 90.0]);
-        assert_eq!(bonds, [2]);
+        assert_eq!(bonds, [BondPlace::Node(2)]);
     }
 
     #[test]
@@ -236,5 +286,24 @@ mod tests {
         assert_eq!(held, [0.0, 20.0, 200.0]);
         assert_eq!(places[0].jaw, Some(Jaw::Left));
         assert_eq!(places[places.len() - 1].jaw, Some(Jaw::Right));
+    }
+
+    #[test]
+    fn bonds_inside_segments_have_a_share_of_the_way() {
+        let line = line(&[[1.0, 0.0, 0.0], [91.0, 0.0, 0.0]]);
+        let inside = FrameModel {
+            attachment: Attachment::Inside,
+            ..model(Some(45.0))
+        };
+        let (places, bonds) = line.places(30.0, &[0.0, 9.0, 45.0, 63.0, 90.0], &inside);
+        assert_eq!(arcs(&places), [0.0, 45.0, 90.0]);
+        let expected = [
+            BondPlace::Node(0),
+            BondPlace::Inside(0, 0.2),
+            BondPlace::Node(1),
+            BondPlace::Inside(1, 0.4),
+            BondPlace::Node(2),
+        ];
+        assert_eq!(bonds, expected);
     }
 }

@@ -9,10 +9,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::element::stress_gpa;
-use super::equilibrium::{Clusters, Equilibrium, Refactoring};
+use super::equilibrium::Clusters;
 use super::error::{FrameError, check};
+use super::held::{Held, Means};
 use super::network::Network;
-use super::state::PullState;
+use super::state::{PullCost, PullState};
 
 /// Until when is pulled.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +22,9 @@ pub struct PullTest {
     pub max_strain: f64,
     /// It ends when an avalanche leaves this share of the largest force or less.
     pub stop_force_fraction: f64,
+    /// All parts whose failure index lies within this share of the largest break together; 0: one by one.
+    /// Those break under that much less than their strength at most.
+    pub break_precision: f64,
 }
 
 /// What broke.
@@ -86,16 +90,18 @@ impl PullEnd {
 }
 
 /// What a step of the pull gave.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Step {
-    Broke(Event),
+    /// Parts broke together, the most loaded first; one where they break one by one. The force falls, and
+    /// energy is set free, with the last.
+    Broke(Vec<Event>),
     Ended(PullEnd),
 }
 
 /// A pull under way.
 #[derive(Debug)]
 pub struct Pull<'n> {
-    rest: Equilibrium<'n>,
+    rest: Held<'n>,
     test: PullTest,
     state: PullState,
 }
@@ -106,7 +112,7 @@ impl<'n> Pull<'n> {
     /// # Errors
     /// [`FrameError`] when the test is outside its range, or the network has no equilibrium.
     pub fn new(network: &'n Network, test: PullTest) -> Result<Self, FrameError> {
-        Self::resume(network, test, PullState::default(), Refactoring::ByCost)
+        Self::resume(network, test, PullState::default(), &Means::default())
     }
 
     /// Goes on from a state of the same network and test, to the same bits.
@@ -117,7 +123,7 @@ impl<'n> Pull<'n> {
         network: &'n Network,
         test: PullTest,
         state: PullState,
-        refactoring: Refactoring,
+        means: &Means,
     ) -> Result<Self, FrameError> {
         let (strain, fraction) = (test.max_strain, test.stop_force_fraction);
         check(|| "largest strain".into(), strain, strain > 0.0, "above 0")?;
@@ -128,9 +134,19 @@ impl<'n> Pull<'n> {
             is_share,
             "0 to below 1",
         )?;
+        let precision = test.break_precision;
+        let is_share = (0.0..1.0).contains(&precision);
+        check(
+            || "break precision".into(),
+            precision,
+            is_share,
+            "0 to below 1",
+        )?;
         state.check(network)?;
         let broken = (state.factored.as_slice(), state.taken.as_slice());
-        let rest = Equilibrium::new(network, Clusters::Spanning, (1.0, &[]), refactoring, broken)?;
+        let known = (precision, state.motion.as_slice());
+        let unit = (1.0, [].as_slice());
+        let rest = Held::new(network, Clusters::Spanning, unit, means, broken, known)?;
         let mut pull = Self { rest, test, state };
         if pull.state.is_new() {
             if pull.rest.is_active() {
@@ -139,12 +155,13 @@ impl<'n> Pull<'n> {
             } else {
                 pull.state.ended = Some(PullEnd::NoPath);
             }
+            pull.state.motion = pull.rest.flat_motion().to_vec();
             pull.measure();
         }
         Ok(pull)
     }
 
-    /// Goes to the next break, or to the end.
+    /// Goes to the next break, or breaks, or to the end.
     ///
     /// # Errors
     /// [`FrameError`] when the network has no equilibrium.
@@ -152,9 +169,9 @@ impl<'n> Pull<'n> {
         if let Some(end) = self.state.ended {
             return Ok(Step::Ended(end));
         }
-        let length = self.rest.network.model().length_um;
+        let length = self.rest.network().model().length_um;
         let last = self.test.max_strain * length;
-        let next = self.rest.critical;
+        let next = self.rest.critical();
         let at = next.map_or(f64::INFINITY, |critical| critical.factor);
         if at > self.state.elongation_um {
             // nothing breaks at this elongation any more: an avalanche is over
@@ -167,14 +184,15 @@ impl<'n> Pull<'n> {
             }
             self.state.avalanche += 1;
         }
-        let Some(critical) = next else {
+        let breaking = self.rest.breaking(self.test.break_precision);
+        if breaking.is_empty() {
             return Ok(self.end(PullEnd::MaxStrain));
-        };
-        let event = self.break_part(critical.element)?;
-        if self.is_parted(&event) {
+        }
+        let events = self.break_parts(&breaking)?;
+        if events.last().is_some_and(|event| self.is_parted(event)) {
             self.state.ended = Some(PullEnd::Parted);
         }
-        Ok(Step::Broke(event))
+        Ok(Step::Broke(events))
     }
 
     /// Pulls to the end; gives every break and why it ended.
@@ -185,7 +203,7 @@ impl<'n> Pull<'n> {
         let mut events = Vec::new();
         loop {
             match self.advance()? {
-                Step::Broke(event) => events.push(event),
+                Step::Broke(broke) => events.extend(broke),
                 Step::Ended(end) => return Ok((events, end)),
             }
         }
@@ -201,21 +219,21 @@ impl<'n> Pull<'n> {
     #[must_use]
     pub fn jaw_force_mn(&self) -> [f64; 2] {
         self.rest
-            .forces
-            .at_jaws(self.rest.network)
+            .forces()
+            .at_jaws(self.rest.network())
             .map(|force| force * self.state.elongation_um)
     }
 
     /// Displacement of a node as it is [µm].
     #[must_use]
     pub fn displacement_um(&self, node: usize) -> [f64; 3] {
-        (self.rest.motion.nodes[node][0] * self.state.elongation_um).into()
+        (self.rest.motion().nodes[node][0] * self.state.elongation_um).into()
     }
 
     /// Tensile stress of a segment of force and bending as it is [GPa]; 0 when it is broken.
     #[must_use]
     pub fn segment_stress_gpa(&self, segment: usize) -> f64 {
-        let network = self.rest.network;
+        let network = self.rest.network();
         match self.rest.loads_of(segment) {
             Some(loads) => {
                 let unit = stress_gpa(network.section_of(segment), network.model().level, &loads);
@@ -236,20 +254,25 @@ impl<'n> Pull<'n> {
     /// are small where turns are.
     #[must_use]
     pub fn largest_turn_per_um(&self) -> f64 {
-        let turns = self.rest.motion.nodes.iter().map(|motion| motion[1].norm());
+        let turns = self
+            .rest
+            .motion()
+            .nodes
+            .iter()
+            .map(|motion| motion[1].norm());
         turns.fold(0.0, f64::max)
     }
 
     /// Forces of the left and the right jaw over the elongation [mN/µm], until something breaks.
     #[must_use]
     pub fn jaw_stiffness_mn_per_um(&self) -> [f64; 2] {
-        self.rest.forces.at_jaws(self.rest.network)
+        self.rest.forces().at_jaws(self.rest.network())
     }
 
     /// Force of a bond across its face and along it as it is [mN]; 0 when it is broken.
     #[must_use]
     pub fn bond_force_mn(&self, bond: usize) -> [f64; 2] {
-        match self.rest.loads_of(self.rest.network.segments() + bond) {
+        match self.rest.loads_of(self.rest.network().segments() + bond) {
             Some(loads) => {
                 [loads[0], loads[1].hypot(loads[2])].map(|force| force * self.state.elongation_um)
             }
@@ -261,10 +284,17 @@ impl<'n> Pull<'n> {
     #[must_use]
     pub fn is_broken(&self, part: Broken) -> bool {
         let element = match part {
-            Broken::Bond(bond) => self.rest.network.segments() + bond,
+            Broken::Bond(bond) => self.rest.network().segments() + bond,
             Broken::Segment(segment) => segment,
         };
         !self.rest.is_whole(element)
+    }
+
+    /// Unbalanced force over the largest force of an element that is allowed: that of round-off with a
+    /// factor, a tenth of the break precision with iterations.
+    #[must_use]
+    pub fn residual_limit(&self) -> f64 {
+        self.rest.residual_limit()
     }
 
     /// What it takes to go on.
@@ -281,7 +311,7 @@ impl<'n> Pull<'n> {
 
     /// Force per elongation [mN/µm].
     fn stiffness(&self) -> f64 {
-        self.rest.forces.at_jaws(self.rest.network)[1]
+        self.rest.forces().at_jaws(self.rest.network())[1]
     }
 
     fn is_below_fraction(&self) -> bool {
@@ -298,16 +328,17 @@ impl<'n> Pull<'n> {
         // from rest there is always a first peak, be it 0
         if stiffness * to > measures.peak_force_mn || from == 0.0 {
             measures.peak_force_mn = stiffness * to;
-            measures.strain_at_peak = to / self.rest.network.model().length_um;
+            measures.strain_at_peak = to / self.rest.network().model().length_um;
             measures.work_to_peak_nj = measures.work_nj;
         }
     }
 
-    fn break_part(&mut self, element: usize) -> Result<Event, FrameError> {
-        let network = self.rest.network;
+    /// What a part is, and what it bears.
+    fn bore(&self, element: usize) -> (Broken, Bore) {
+        let network = self.rest.network();
         let elongation = self.state.elongation_um;
         let loads = self.rest.loads_of(element).unwrap_or_default();
-        let (broken, bore) = if element < network.segments() {
+        if element < network.segments() {
             let stress = stress_gpa(network.section_of(element), network.model().level, &loads);
             let bore = Bore::Segment {
                 stress_gpa: stress * elongation,
@@ -319,35 +350,59 @@ impl<'n> Pull<'n> {
                 shear_mn: loads[1].hypot(loads[2]) * elongation,
             };
             (Broken::Bond(element - network.segments()), bore)
-        };
-        let energy = |rest: &Equilibrium| rest.forces.energy * elongation * elongation;
+        }
+    }
+
+    fn break_parts(&mut self, elements: &[usize]) -> Result<Vec<Event>, FrameError> {
+        let network = self.rest.network();
+        let elongation = self.state.elongation_um;
+        let bore: Vec<(Broken, Bore)> = elements.iter().map(|&part| self.bore(part)).collect();
+        let energy = |rest: &Held| rest.forces().energy * elongation * elongation;
         let (energy_before, force_before_mn) = (energy(&self.rest), self.stiffness() * elongation);
-        self.rest.remove(element)?;
+        let left_force_before_mn = self.jaw_force_mn()[0];
+        self.rest.remove(elements)?;
         let energy_released_nj = energy_before - energy(&self.rest);
         let [left_force_after_mn, force_after_mn] = self.jaw_force_mn();
 
         let measures = &mut self.state.measures;
         measures.released_nj += energy_released_nj;
-        match broken {
-            Broken::Bond(_) => measures.broken_bonds += 1,
-            Broken::Segment(_) => measures.broken_segments += 1,
+        for (broken, _) in &bore {
+            match broken {
+                Broken::Bond(_) => measures.broken_bonds += 1,
+                Broken::Segment(_) => measures.broken_segments += 1,
+            }
         }
         let (factored, taken) = self.rest.broken();
         self.state.factored = factored.to_vec();
         self.state.taken = taken.to_vec();
+        self.state.motion.clear();
+        self.state.motion.extend(self.rest.flat_motion());
         self.measure();
-        Ok(Event {
-            strain: elongation / network.model().length_um,
-            elongation_um: elongation,
-            avalanche: self.state.avalanche,
-            broken,
-            bore,
-            force_before_mn,
-            force_after_mn,
-            left_force_after_mn,
-            energy_released_nj,
-            residual: self.rest.residual,
-        })
+        let last = bore.len() - 1;
+        let events = bore.into_iter().enumerate().map(|(index, (broken, bore))| {
+            let is_last = index == last;
+            Event {
+                strain: elongation / network.model().length_um,
+                elongation_um: elongation,
+                avalanche: self.state.avalanche,
+                broken,
+                bore,
+                force_before_mn,
+                force_after_mn: if is_last {
+                    force_after_mn
+                } else {
+                    force_before_mn
+                },
+                left_force_after_mn: if is_last {
+                    left_force_after_mn
+                } else {
+                    left_force_before_mn
+                },
+                energy_released_nj: if is_last { energy_released_nj } else { 0.0 },
+                residual: self.rest.residual(),
+            }
+        });
+        Ok(events.collect())
     }
 
     /// The jaws are parted at the latest when nothing is left of the force; then it is looked.
@@ -359,7 +414,7 @@ impl<'n> Pull<'n> {
     fn measure(&mut self) {
         let [left, right] = self.jaw_force_mn();
         let elongation = self.state.elongation_um;
-        let forces = &self.rest.forces;
+        let forces = self.rest.forces();
         let stored = forces.energy * elongation * elongation;
         let share = if forces.energy > 0.0 {
             forces.taut_energy / forces.energy
@@ -368,7 +423,11 @@ impl<'n> Pull<'n> {
         };
         let measures = &mut self.state.measures;
         measures.stored_nj = stored;
-        measures.largest_residual = measures.largest_residual.max(self.rest.residual);
+        measures.largest_residual = measures.largest_residual.max(self.rest.residual());
+        if let Some(error) = self.rest.index_error() {
+            let largest = measures.largest_index_error.unwrap_or(0.0);
+            measures.largest_index_error = Some(largest.max(error));
+        }
         let imbalance = (right - left).abs() / measures.peak_force_mn.max(f64::MIN_POSITIVE);
         measures.largest_jaw_imbalance = measures.largest_jaw_imbalance.max(imbalance);
         measures.largest_taut_share = measures.largest_taut_share.max(share);
@@ -379,15 +438,4 @@ impl<'n> Pull<'n> {
         self.measure();
         Step::Ended(end)
     }
-}
-
-/// What a pull cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct PullCost {
-    /// Unknowns of the factor, and the numbers it stores.
-    pub unknowns: usize,
-    pub stored: usize,
-    /// Factors made, and passes of solution over one.
-    pub factors: usize,
-    pub solutions: usize,
 }

@@ -14,6 +14,8 @@ pub struct PullState {
     pub(crate) elongation_um: f64,
     pub(crate) avalanche: u32,
     pub(crate) ended: Option<PullEnd>,
+    /// Motion of all nodes of fibres at unit elongation that iterations go on from; empty with a factor.
+    pub(crate) motion: Vec<f64>,
     pub measures: PullMeasures,
 }
 
@@ -35,10 +37,25 @@ pub struct PullMeasures {
     pub broken_segments: usize,
     /// Largest unbalanced force over the largest force of an element.
     pub largest_residual: f64,
+    /// Largest estimated error of the failure index of what broke next, over itself; none with a factor.
+    pub largest_index_error: Option<f64>,
     /// Largest difference of the jaws' forces over the peak.
     pub largest_jaw_imbalance: f64,
     /// Largest share of the energy in what only keeps a truss in place: near 1 it is a mechanism.
     pub largest_taut_share: f64,
+}
+
+/// What a pull cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PullCost {
+    /// Unknowns, and the numbers that the factor stores: of all of them, or of a coarse grid.
+    pub unknowns: usize,
+    pub stored: usize,
+    /// Factors made, and passes of solution over one.
+    pub factors: usize,
+    pub solutions: usize,
+    /// Iterations of all solutions; none with a factor.
+    pub iterations: usize,
 }
 
 impl PullMeasures {
@@ -70,8 +87,10 @@ impl PullState {
             factored: gone.take(broken).copied().collect(),
             taken: Vec::new(),
             elongation_um,
+            avalanche: self.avalanche,
             ended: Some(PullEnd::MaxStrain),
-            ..self.clone()
+            motion: Vec::new(),
+            measures: self.measures,
         }
     }
 

@@ -60,6 +60,9 @@ impl<'n> Newton<'n> {
         is_whole: &[bool],
         clusters: Clusters,
     ) -> Result<Self, FrameError> {
+        if !network.hanging().is_empty() {
+            return Err(FrameError::Hanging);
+        }
         let standing = network.standing_without(is_whole);
         let is_solved = |node: usize| match clusters {
             Clusters::Spanning => standing[node] == Standing::Spanning,
@@ -218,7 +221,7 @@ impl<'n> Newton<'n> {
         let mut outcome = factor.factor(network, matrices);
         let mut share = 1e-8;
         while outcome.is_err() && share < 10.0 {
-            outcome = factor.factor_shifted(network, share);
+            outcome = factor.factor_shifted(network.positions(), share);
             share *= 10.0;
         }
         outcome

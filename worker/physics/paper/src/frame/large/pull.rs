@@ -4,10 +4,11 @@
 //! the first is just there is sought between the last two, and it breaks; what is over its limit then
 //! breaks at that elongation, the worst first, until all holds.
 use super::super::element::stress_gpa;
-use super::super::equilibrium::{Clusters, bond_index};
+use super::super::equilibrium::Clusters;
 use super::super::error::{FrameError, check};
 use super::super::network::Network;
 use super::super::pull::{Bore, Broken, Event, PullEnd, PullTest};
+use super::super::survey::bond_index;
 use super::newton::{Found, Newton};
 use super::shape::Shape;
 
@@ -82,6 +83,13 @@ impl<'n> LargePull<'n> {
             fraction,
             is_share,
             "0 to below 1",
+        )?;
+        let precision = test.until.break_precision;
+        check(
+            || "break precision".into(),
+            precision,
+            precision == 0.0,
+            "0 with large displacements",
         )?;
         let is_whole = network.unbroken();
         let mut newton = Newton::new(network, &is_whole, Clusters::Spanning)?;

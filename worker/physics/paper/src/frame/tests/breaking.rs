@@ -4,6 +4,7 @@ use super::*;
 const TO_THE_END: PullTest = PullTest {
     max_strain: 0.5,
     stop_force_fraction: 0.0,
+    break_precision: 0.0,
 };
 
 /// Three lap joints side by side, with bonds of these shear strengths [mN].

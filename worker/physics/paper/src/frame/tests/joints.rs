@@ -4,6 +4,7 @@ use super::*;
 const ELONGATION: PullTest = PullTest {
     max_strain: 0.01,
     stop_force_fraction: 0.0,
+    break_precision: 0.0,
 };
 
 fn axial() -> f64 {

@@ -179,6 +179,7 @@ fn joints_break_in_order_at_large_motions_too() {
         until: PullTest {
             max_strain: 0.1,
             stop_force_fraction: 0.0,
+            break_precision: 0.0,
         },
         strain_step: 0.002,
     };

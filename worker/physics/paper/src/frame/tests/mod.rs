@@ -43,6 +43,7 @@ pub(crate) fn model(level: Level, length_um: f64) -> FrameModel {
     FrameModel {
         level,
         segment_um: None,
+        attachment: Attachment::Node,
         length_um,
     }
 }
@@ -56,6 +57,7 @@ pub(crate) fn close(found: f64, expected: f64, share: f64) {
 
 mod beams;
 mod breaking;
+mod iterative;
 mod joints;
 mod large;
 mod refusals;

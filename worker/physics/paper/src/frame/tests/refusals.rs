@@ -103,6 +103,7 @@ fn tests_and_states_that_do_not_fit_are_refused() {
     let usual = PullTest {
         max_strain: 0.1,
         stop_force_fraction: 0.3,
+        break_precision: 0.0,
     };
     let refused = |test| Pull::new(&network, test).unwrap_err().to_string();
     let flat = PullTest {
@@ -118,11 +119,19 @@ fn tests_and_states_that_do_not_fit_are_refused() {
         refused(whole),
         "force fraction is 1, allowed is 0 to below 1"
     );
+    let all = PullTest {
+        break_precision: 1.0,
+        ..usual
+    };
+    assert_eq!(
+        refused(all),
+        "break precision is 1, allowed is 0 to below 1"
+    );
     let mut foreign = PullState::default();
     foreign.taken.push(7);
-    let error = Pull::resume(&network, usual, foreign, Refactoring::ByCost).unwrap_err();
+    let error = Pull::resume(&network, usual, foreign, &Means::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "the state to go on from breaks element 7, but the network has 1"
+        "the state to go on from names element 7, but the network has 1"
     );
 }

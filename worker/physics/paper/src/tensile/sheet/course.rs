@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::specimen::Specimen;
 use crate::frame::{
-    Bore, Broken, Event, FrameError, Pull, PullEnd, PullState, PullTest, Refactoring, Step,
-    UNBALANCED,
+    Bore, Broken, Event, FrameError, Means, Pull, PullEnd, PullState, PullTest, Step,
 };
 
 /// mN in N, and nJ in N mm.
@@ -58,6 +57,7 @@ pub(super) struct Course<'n> {
     specimen: &'n Specimen,
     pub(super) pull: Pull<'n>,
     test: PullTest,
+    means: Means,
     pub(super) kept: Kept,
 }
 
@@ -69,16 +69,17 @@ impl<'n> Course<'n> {
     pub(super) fn new(
         specimen: &'n Specimen,
         test: PullTest,
+        means: Means,
         kept: Option<Kept>,
     ) -> Result<Self, FrameError> {
         let is_new = kept.is_none();
         let kept = kept.unwrap_or_default();
-        let by_cost = Refactoring::ByCost;
-        let pull = Pull::resume(&specimen.network, test, kept.pull.clone(), by_cost)?;
+        let pull = Pull::resume(&specimen.network, test, kept.pull.clone(), &means)?;
         let mut course = Self {
             specimen,
             pull,
             test,
+            means,
             kept,
         };
         if is_new {
@@ -100,10 +101,8 @@ impl<'n> Course<'n> {
         let left_after = self.pull.jaw_force_mn();
         let step = self.pull.advance()?;
         let now = self.pull.state().measures;
-        let at_um = match step {
-            Step::Broke(event) => event.elongation_um,
-            Step::Ended(_) => self.pull.elongation_um(),
-        };
+        // breaks are at the elongation to which the pull has gone
+        let at_um = self.pull.elongation_um();
         if now.strain_at_peak > before.strain_at_peak || now.peak_force_mn > before.peak_force_mn {
             self.kept.broken_at_peak = before.broken();
             self.kept.turn_to_peak = self.kept.turn_to_peak.max(turn_per_um * at_um);
@@ -119,18 +118,21 @@ impl<'n> Course<'n> {
             self.point_at(was_at_um, left_after, stored, residual, &before);
         }
         match step {
-            Step::Broke(event) => {
-                let last = self.kept.records.last();
-                let same = last.filter(|last| last.event.avalanche == event.avalanche);
-                let round = same.map_or(1, |last| last.round + 1);
-                if round == 1 {
-                    let forces = stiffness.map(|stiffness| stiffness * event.elongation_um);
-                    let stored = 0.5 * forces[1] * event.elongation_um;
-                    let residual = last.map_or(before.largest_residual, |last| last.event.residual);
-                    self.point_at(event.elongation_um, forces, stored, residual, &before);
+            Step::Broke(events) => {
+                for event in events {
+                    let last = self.kept.records.last();
+                    let same = last.filter(|last| last.event.avalanche == event.avalanche);
+                    let round = same.map_or(1, |last| last.round + 1);
+                    if round == 1 {
+                        let forces = stiffness.map(|stiffness| stiffness * at_um);
+                        let stored = 0.5 * forces[1] * at_um;
+                        let residual =
+                            last.map_or(before.largest_residual, |last| last.event.residual);
+                        self.point_at(at_um, forces, stored, residual, &before);
+                    }
+                    self.kept.records.push(Record { event, round });
                 }
-                self.kept.records.push(Record { event, round });
-                self.measure_progress(event.strain);
+                self.measure_progress(at_um / self.length_um());
                 Ok(None)
             }
             Step::Ended(end) => {
@@ -174,7 +176,7 @@ impl<'n> Course<'n> {
         let elongation_um = measures.strain_at_peak * self.length_um();
         let earlier = state.earlier(self.kept.broken_at_peak, elongation_um);
         let network = &self.specimen.network;
-        Pull::resume(network, self.test, earlier, Refactoring::ByCost).map(Some)
+        Pull::resume(network, self.test, earlier, &self.means).map(Some)
     }
 
     fn length_um(&self) -> f64 {
@@ -215,7 +217,7 @@ impl<'n> Course<'n> {
             N * right_mn,
             N * left_mn,
             counts.broken_bonds as f64,
-            residual / UNBALANCED,
+            residual / self.pull.residual_limit(),
             counts.broken_segments as f64,
             N_MM * stored_nj,
         ];

@@ -25,6 +25,8 @@ mod warnings;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use loadframe_api::spec::paper_tensile::{PaperTensile, SHEET_CURVE};
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::plan::{Compared, Place, Specimens, test_specimens};
@@ -32,7 +34,7 @@ use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError
 use loadframe_numerics::Team;
 use serde::{Deserialize, Serialize};
 
-use crate::frame::{FrameError, PullTest};
+use crate::frame::{FrameError, Means, PullTest, Solver};
 use course::{Course, Kept};
 use specimen::Specimen;
 
@@ -93,7 +95,8 @@ fn run_one(
     };
     let is_new = kept.is_none();
     recorder.progress(0.0, "fibres and bonds");
-    let specimen = Specimen::new(spec, &Team::new(context.threads)?)?;
+    let team = Arc::new(Team::new(context.threads)?);
+    let specimen = Specimen::new(spec, &team)?;
     let network = &specimen.network;
     if is_new {
         recorder.log(&format!(
@@ -108,8 +111,13 @@ fn run_one(
     let test = PullTest {
         max_strain: spec.test.max_strain,
         stop_force_fraction: spec.test.stop_fraction(),
+        break_precision: spec.accuracy.knobs().break_precision,
     };
-    let mut course = Course::new(&specimen, test, kept)?;
+    let means = Means {
+        solver: Solver::ByCost,
+        team,
+    };
+    let mut course = Course::new(&specimen, test, means, kept)?;
     recorder.columns(&SHEET_CURVE)?;
     let mut told = 0;
     let mut tell = |course: &Course<'_>, recorder: &mut dyn Recorder| {

@@ -1,8 +1,8 @@
 //! The specimen of a test: a network of beams or bars, made of a sheet that is given or laid.
 use loadframe_api::fibre::Section;
 use loadframe_api::spec::paper_tensile::{
-    Direction, ExplicitSheet, Level, MadeSheet, Orientation, PaperTensile, Placement, Pulp,
-    Specimen as Kind,
+    BondsAt, Direction, ExplicitSheet, Level, MadeSheet, Orientation, PaperTensile, Placement,
+    Pulp, Specimen as Kind,
 };
 use loadframe_harness::SimulationError;
 use loadframe_numerics::Team;
@@ -274,6 +274,10 @@ fn network(
             Level::Beam | Level::Tube => frame::Level::Beam,
         },
         segment_um,
+        attachment: match spec.accuracy.knobs().bonds_at {
+            BondsAt::Nodes => frame::Attachment::Node,
+            BondsAt::Inside => frame::Attachment::Inside,
+        },
         length_um,
     };
     Network::new(fibres, bonds, model).map_err(SimulationError::of_paper)

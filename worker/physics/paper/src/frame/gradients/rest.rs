@@ -1,0 +1,367 @@
+//! The rest of a network by conjugate gradients, from one break to the next.
+//!
+//! Every solution starts from the last one, and stops when what breaks next is known well enough. No part
+//! has more of an error than the whole: a spring of stiffness c carries an error of at most √c times
+//! √(eᵀKe), by which the error of the next break's failure index is told.
+use std::sync::Arc;
+
+use loadframe_numerics::Team;
+use nalgebra::Vector3;
+
+use super::super::balance::{Forces, Motion};
+use super::super::clusters::Standing;
+use super::super::element::PARTS;
+use super::super::equilibrium::{Clusters, UNBALANCED};
+use super::super::error::FrameError;
+use super::super::input::Level;
+use super::super::load::NodeLoad;
+use super::super::network::Network;
+use super::super::places::Jaw;
+use super::super::state::PullCost;
+use super::super::survey::{Critical, survey};
+use super::system::{Activity, Equations, System};
+
+/// Error in energy that is left at most, as a share of the motion's own: √(eᵀKe)/√(uᵀKu). Where many parts
+/// break in one solution, theirs asks for less.
+const ENERGY_ERROR: f64 = 1e-4;
+/// The same where nothing says what breaks.
+const ALONE: f64 = 1e-9;
+/// The coarse matrix is made anew when this share of the elements broke since: a stale one costs iterations.
+const STALE: f64 = 0.002;
+/// Forces that balance to this share of the largest are at the floor of round-off.
+const FLOOR: f64 = 1e-10;
+/// How much less of an error is asked for where forces are not in balance yet.
+const SHARPER: f64 = 0.1;
+/// Solutions for one rest before giving up: each knows better what is wanted.
+const ROUNDS: usize = 12;
+
+/// From where a solution starts, and how well what breaks next is to be known.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Start<'a> {
+    /// Largest error of the failure index of what breaks next, over itself.
+    pub(crate) tolerance: f64,
+    /// The motion that is the solution already; empty: none is known.
+    pub(crate) motion: &'a [f64],
+}
+
+/// A network at rest.
+#[derive(Debug)]
+pub(crate) struct Relaxation<'n> {
+    pub(crate) network: &'n Network,
+    clusters: Clusters,
+    loads: &'n [NodeLoad],
+    elongation: f64,
+    tolerance: f64,
+    gyration: f64,
+    is_whole: Vec<bool>,
+    activity: Activity,
+    system: Box<dyn System + 'n>,
+    /// Elements that broke before the coarse matrix was made, and after.
+    factored: Vec<u32>,
+    taken: Vec<u32>,
+    /// Error in energy at which the next solution may end.
+    wanted: f64,
+    pub(crate) motion: Motion,
+    pub(crate) forces: Forces,
+    pub(crate) critical: Option<Critical>,
+    pub(crate) residual: f64,
+    /// Estimated error of the failure index of what breaks next, over itself.
+    pub(crate) index_error: f64,
+    factors: usize,
+    solutions: usize,
+    iterations: usize,
+}
+
+impl<'n> Relaxation<'n> {
+    /// Finds the rest without the elements `factored` and `taken`; the coarse matrix knows only that the
+    /// first are gone.
+    pub(crate) fn new(
+        network: &'n Network,
+        clusters: Clusters,
+        (elongation, loads): (f64, &'n [NodeLoad]),
+        team: Arc<Team>,
+        start: Start<'_>,
+        (factored, taken): (&[u32], &[u32]),
+    ) -> Result<Self, FrameError> {
+        let mut is_whole = network.unbroken();
+        for &element in factored {
+            is_whole[element as usize] = false;
+        }
+        let (activity, _) = stand(network, clusters, &is_whole);
+        let system: Box<dyn System + 'n> = match network.model().level {
+            Level::Beam => {
+                let equations = Equations::<6>::new(network, team, &is_whole, &activity, loads);
+                Box::new(equations?)
+            }
+            Level::Truss => {
+                let equations = Equations::<3>::new(network, team, &is_whole, &activity, loads);
+                Box::new(equations?)
+            }
+        };
+        let mut relaxation = Self {
+            network,
+            clusters,
+            loads,
+            elongation,
+            tolerance: start.tolerance,
+            gyration: network.gyration_um(),
+            is_whole,
+            activity,
+            system,
+            factored: factored.to_vec(),
+            taken: Vec::new(),
+            wanted: f64::INFINITY,
+            motion: Motion::rest(network.nodes()),
+            forces: Forces::new(network.nodes()),
+            critical: None,
+            residual: 0.0,
+            index_error: 0.0,
+            factors: 1,
+            solutions: 0,
+            iterations: 0,
+        };
+        let taken: Vec<usize> = taken.iter().map(|&element| element as usize).collect();
+        relaxation.take(&taken)?;
+        if start.motion.is_empty() {
+            relaxation.stretch();
+            relaxation.settle()?;
+        } else {
+            relaxation.system.set_flat(start.motion)?;
+            relaxation.look();
+        }
+        Ok(relaxation)
+    }
+
+    pub(crate) fn is_active(&self, element: usize) -> bool {
+        self.activity.is_active[element]
+    }
+
+    pub(crate) fn is_any_active(&self) -> bool {
+        self.activity.is_active.contains(&true)
+    }
+
+    pub(crate) fn is_whole(&self, element: usize) -> bool {
+        self.is_whole[element]
+    }
+
+    pub(crate) fn broken(&self) -> (&[u32], &[u32]) {
+        (&self.factored, &self.taken)
+    }
+
+    /// The motion of all nodes of fibres, to go on from.
+    pub(crate) fn flat_motion(&self) -> &[f64] {
+        self.system.flat()
+    }
+
+    pub(crate) fn loads_of(&self, element: usize) -> Option<[f64; PARTS]> {
+        self.is_active(element).then(|| {
+            let element = &self.network.elements()[element];
+            element.loads(&element.deformation(&self.motion.ends(element)))
+        })
+    }
+
+    pub(crate) fn is_spanning(&self) -> bool {
+        let standing = self.network.standing_without(&self.is_whole);
+        standing.contains(&Standing::Spanning)
+    }
+
+    pub(crate) fn cost(&self) -> PullCost {
+        let [_, stored] = self.system.coarse();
+        let free = self.activity.is_free.iter().filter(|is_free| **is_free);
+        PullCost {
+            unknowns: free.count() * self.network.motions(),
+            stored,
+            factors: self.factors,
+            solutions: self.solutions,
+            iterations: self.iterations,
+        }
+    }
+
+    /// Takes elements out; what they carried goes to the others.
+    pub(crate) fn remove(&mut self, elements: &[usize]) -> Result<(), FrameError> {
+        self.take(elements)?;
+        let most = STALE * self.network.elements().len() as f64;
+        if self.taken.len() as f64 > most {
+            self.factored.append(&mut self.taken);
+            self.system.renew()?;
+            self.factors += 1;
+        }
+        self.settle()
+    }
+
+    fn take(&mut self, elements: &[usize]) -> Result<(), FrameError> {
+        for &element in elements {
+            self.is_whole[element] = false;
+            self.taken.push(element as u32);
+        }
+        let (activity, standing) = stand(self.network, self.clusters, &self.is_whole);
+        // what came loose goes with its jaw, or stays
+        for node in 0..self.network.fibre_nodes() {
+            if !activity.is_free[node] {
+                let along = match self.network.jaw(node) {
+                    Some(jaw) => jaw == Jaw::Right,
+                    None => standing[node] == Standing::Hanging(Jaw::Right),
+                };
+                let shift = if along { self.elongation } else { 0.0 };
+                let shift = Vector3::x() * shift;
+                self.system.set(node, [shift, Vector3::zeros()]);
+            }
+        }
+        self.system.change(&activity, &self.is_whole, elements)?;
+        self.activity = activity;
+        Ok(())
+    }
+
+    /// A first guess: everything is stretched alike.
+    fn stretch(&mut self) {
+        let length = self.network.model().length_um;
+        for node in 0..self.network.fibre_nodes() {
+            if self.activity.is_free[node] {
+                let share = self.network.position_um(node)[0] / length;
+                let shift = Vector3::x() * (share * self.elongation);
+                self.system.set(node, [shift, Vector3::zeros()]);
+            }
+        }
+    }
+
+    fn settle(&mut self) -> Result<(), FrameError> {
+        if !self.is_any_active() {
+            self.look();
+            return Ok(());
+        }
+        if self.wanted.is_infinite() {
+            let share = if self.loads.is_empty() {
+                ENERGY_ERROR
+            } else {
+                0.0
+            };
+            self.wanted = share * self.system.energy_norm();
+        }
+        let mut iterations = 0;
+        for _ in 0..ROUNDS {
+            let iterated = self.system.solve(self.wanted);
+            iterations += iterated.iterations;
+            self.solutions += 1;
+            self.iterations += iterated.iterations;
+            self.look();
+            let is_at_floor = self.residual <= FLOOR;
+            if !iterated.is_found && !is_at_floor {
+                break;
+            }
+            self.index_error = iterated.error * self.sensitivity();
+            let is_balanced = self.residual <= self.limit();
+            if (iterated.error <= self.wanted && is_balanced) || is_at_floor {
+                return Ok(());
+            }
+            if !is_balanced {
+                self.wanted = self.wanted.min(SHARPER * iterated.error);
+            }
+        }
+        Err(FrameError::Unbalanced {
+            residual: self.residual,
+            allowed: self.limit(),
+            iterations,
+        })
+    }
+
+    /// Unbalanced force over the largest force of an element that is left at most: what changes a failure
+    /// index less than it is to be known.
+    pub(crate) fn limit(&self) -> f64 {
+        self.tolerance.max(UNBALANCED)
+    }
+
+    /// One pass over what is active: forces, what breaks first, and how well it must be known.
+    fn look(&mut self) {
+        self.system.read(&mut self.motion.nodes);
+        let active = &self.activity.is_active;
+        self.critical = survey(
+            self.network,
+            active,
+            &self.motion,
+            self.gyration,
+            &mut self.forces,
+        );
+        self.system.spread(&mut self.forces.nodes);
+        self.residual = self.worst_force() / self.forces.scale.max(f64::MIN_POSITIVE);
+        let share = if self.critical.is_some() {
+            ENERGY_ERROR
+        } else {
+            ALONE
+        };
+        let by_energy = share * (2.0 * self.forces.energy).sqrt();
+        self.wanted = by_energy.min(self.tolerance / self.sensitivity().max(f64::MIN_POSITIVE));
+    }
+
+    /// Most that an error in energy of 1 changes the failure index of what breaks next, over itself.
+    fn sensitivity(&self) -> f64 {
+        let Some(critical) = self.critical else {
+            return 0.0;
+        };
+        let segments = self.network.segments();
+        let stiffness = self.network.elements()[critical.element].stiffness;
+        let per_error = if critical.element >= segments {
+            let [normal, shear] = self.network.strengths(critical.element - segments);
+            stiffness[0].sqrt() / normal.min(shear)
+        } else {
+            let section = self.network.section_of(critical.element);
+            let bent = stiffness[1].max(stiffness[4]).sqrt();
+            let lever = 0.5 * section.width_um / section.inertia_um4;
+            let bent = match self.network.model().level {
+                // two moments, each about two axes
+                Level::Beam => 2.0 * bent * lever,
+                Level::Truss => 0.0,
+            };
+            let strength = section.strength_gpa.unwrap_or(f64::INFINITY);
+            (stiffness[0].sqrt() / section.area_um2 + bent) / strength
+        };
+        per_error * critical.factor
+    }
+
+    /// Largest of the forces that nothing balances [mN]; moments over the radius of gyration.
+    fn worst_force(&self) -> f64 {
+        let mut worst: f64 = 0.0;
+        let mut loads: Vec<[Vector3<f64>; 2]> = Vec::new();
+        if !self.loads.is_empty() {
+            loads.resize(self.network.nodes(), Default::default());
+            for load in self.loads {
+                loads[load.node][0] += Vector3::from(load.force_mn);
+                loads[load.node][1] += Vector3::from(load.moment_mn_um);
+            }
+            self.system.spread(&mut loads);
+        }
+        for (node, is_free) in self.activity.is_free.iter().enumerate() {
+            if *is_free {
+                let load = loads.get(node).copied().unwrap_or_default();
+                let [force, moment] =
+                    [0, 1].map(|part| (self.forces.nodes[node][part] - load[part]).amax());
+                let moment = match self.network.model().level {
+                    Level::Beam => moment / self.gyration,
+                    Level::Truss => 0.0,
+                };
+                if force.is_nan() || moment.is_nan() {
+                    return f64::INFINITY;
+                }
+                worst = worst.max(force).max(moment);
+            }
+        }
+        worst
+    }
+}
+
+/// What takes part when only these elements are whole, and what every point is held by.
+fn stand(network: &Network, clusters: Clusters, is_whole: &[bool]) -> (Activity, Vec<Standing>) {
+    let standing = network.standing_without(is_whole);
+    let is_solved = |node: usize| match clusters {
+        Clusters::Spanning => standing[node] == Standing::Spanning,
+        Clusters::Held => standing[node] != Standing::Loose,
+    };
+    let elements = network.elements().iter().zip(is_whole);
+    let is_active = elements
+        .map(|(element, is_whole)| *is_whole && is_solved(element.nodes[0] as usize))
+        .collect();
+    let is_free = (0..network.fibre_nodes())
+        .map(|node| is_solved(node) && network.jaw(node).is_none())
+        .collect();
+    let activity = Activity { is_active, is_free };
+    (activity, standing)
+}

@@ -1,0 +1,244 @@
+//! The equations of a network: what is active, its preconditioner, and the motion that solves them.
+use std::sync::Arc;
+
+use loadframe_numerics::Team;
+use nalgebra::Vector3;
+
+use super::super::error::FrameError;
+use super::super::load::NodeLoad;
+use super::super::network::Network;
+use super::chains::Chains;
+use super::clumps::Clumps;
+use super::coarse::Coarse;
+use super::conjugate::{Iterated, Vectors};
+use super::operator::{Nodal, Operator, ends_of, parts};
+
+/// What takes part in equilibrium.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Activity {
+    /// Elements that are whole and of a cluster that is solved for.
+    pub(super) is_active: Vec<bool>,
+    /// Nodes of fibres that move by what acts on them.
+    pub(super) is_free: Vec<bool>,
+}
+
+/// Equations of three or six motions per node.
+pub(super) trait System: std::fmt::Debug {
+    /// Goes over to another activity, after elements broke.
+    fn change(
+        &mut self,
+        to: &Activity,
+        is_whole: &[bool],
+        broken: &[usize],
+    ) -> Result<(), FrameError>;
+    /// Makes clumps and the coarse matrix anew.
+    fn renew(&mut self) -> Result<(), FrameError>;
+    /// Moves the nodes until the error in energy is about `wanted`.
+    fn solve(&mut self, wanted: f64) -> Iterated;
+    /// √(uᵀKu) of what is free.
+    fn energy_norm(&mut self) -> f64;
+    /// Motions of a node, and of all in a row.
+    fn set(&mut self, node: usize, motion: [Vector3<f64>; 2]);
+    fn flat(&self) -> &[f64];
+    /// # Errors
+    /// [`FrameError::ForeignState`] when there are more or fewer.
+    fn set_flat(&mut self, motions: &[f64]) -> Result<(), FrameError>;
+    /// Displacement and rotation of every point, those of bonds between nodes included.
+    fn read(&self, points: &mut [[Vector3<f64>; 2]]);
+    /// Gives what acts on points of bonds to the nodes that these move with.
+    fn spread(&self, points: &mut [[Vector3<f64>; 2]]);
+    /// Unknowns of the coarse grid, and the numbers that its factor stores.
+    fn coarse(&self) -> [usize; 2];
+}
+
+#[derive(Debug)]
+pub(super) struct Equations<'n, const M: usize> {
+    operator: Operator<'n, M>,
+    chains: Chains<M>,
+    clumps: Clumps,
+    coarse: Coarse,
+    vectors: Vectors<M>,
+    motion: Nodal<M>,
+    loads: Nodal<M>,
+    team: Arc<Team>,
+}
+
+impl<'n, const M: usize> Equations<'n, M> {
+    pub(super) fn new(
+        network: &'n Network,
+        team: Arc<Team>,
+        is_whole: &[bool],
+        activity: &Activity,
+        loads: &[NodeLoad],
+    ) -> Result<Self, FrameError> {
+        let mut operator = Operator::new(network, is_whole);
+        for (element, &is_active) in activity.is_active.iter().enumerate() {
+            operator.set_active(element, is_active);
+        }
+        operator.is_free.copy_from_slice(&activity.is_free);
+        let nodes = network.fibre_nodes();
+        let mut points = vec![[Vector3::zeros(); 2]; network.nodes()];
+        for load in loads {
+            points[load.node][0] += Vector3::from(load.force_mn);
+            points[load.node][1] += Vector3::from(load.moment_mn_um);
+        }
+        let mut equations = Self {
+            chains: Chains::new(&operator, &team)?,
+            clumps: Clumps::new(&operator),
+            coarse: Coarse::new(&operator)?,
+            vectors: Vectors::new(nodes),
+            motion: vec![[0.0; M]; nodes],
+            loads: Vec::new(),
+            operator,
+            team,
+        };
+        equations.spread(&mut points);
+        equations.loads = points[..nodes].iter().map(nodal).collect();
+        Ok(equations)
+    }
+}
+
+fn nodal<const M: usize>(motion: &[Vector3<f64>; 2]) -> [f64; M] {
+    std::array::from_fn(|index| motion[index / 3][index % 3])
+}
+
+impl<const M: usize> System for Equations<'_, M> {
+    fn change(
+        &mut self,
+        to: &Activity,
+        is_whole: &[bool],
+        broken: &[usize],
+    ) -> Result<(), FrameError> {
+        let network = self.operator.network;
+        let segments = network.segments();
+        let mut fibres: Vec<usize> = Vec::new();
+        for &element in broken {
+            if element < segments {
+                self.operator
+                    .tie_again(network.segment_fibre(element), is_whole);
+                fibres.push(network.segment_fibre(element));
+            }
+        }
+        for (element, &is_active) in to.is_active.iter().enumerate() {
+            if self.operator.is_active[element] != is_active {
+                self.operator.set_active(element, is_active);
+                match element.checked_sub(segments) {
+                    None => fibres.push(network.segment_fibre(element)),
+                    Some(bond) => {
+                        let ends = &self.operator.ends[bond];
+                        fibres.extend(ends.iter().map(|tie| network.fibre_of(tie.nodes[0])));
+                    }
+                }
+            }
+        }
+        for (node, &is_free) in to.is_free.iter().enumerate() {
+            if self.operator.is_free[node] != is_free {
+                self.operator.is_free[node] = is_free;
+                fibres.push(network.fibre_of(node as u32));
+            }
+        }
+        fibres.sort_unstable();
+        fibres.dedup();
+        for fibre in fibres {
+            self.chains.factor_again(&self.operator, fibre)?;
+        }
+        Ok(())
+    }
+
+    fn renew(&mut self) -> Result<(), FrameError> {
+        self.clumps = Clumps::new(&self.operator);
+        self.coarse = Coarse::new(&self.operator)?;
+        Ok(())
+    }
+
+    fn solve(&mut self, wanted: f64) -> Iterated {
+        let Self {
+            operator,
+            chains,
+            clumps,
+            coarse,
+            vectors,
+            motion,
+            loads,
+            team,
+        } = self;
+        team.gather(|| {
+            operator.apply(team, motion, &mut vectors.residual);
+            for (node, (residual, load)) in vectors.residual.iter_mut().zip(loads).enumerate() {
+                for (residual, load) in residual.iter_mut().zip(load) {
+                    *residual = if operator.is_free[node] {
+                        *load - *residual
+                    } else {
+                        0.0
+                    };
+                }
+            }
+            vectors.iterate((operator, chains, clumps, coarse), team, motion, wanted)
+        })
+    }
+
+    fn energy_norm(&mut self) -> f64 {
+        let squared = self
+            .operator
+            .apply(&self.team, &self.motion, &mut self.vectors.residual);
+        squared.abs().sqrt()
+    }
+
+    fn set(&mut self, node: usize, motion: [Vector3<f64>; 2]) {
+        self.motion[node] = nodal(&motion);
+    }
+
+    fn flat(&self) -> &[f64] {
+        self.motion.as_flattened()
+    }
+
+    fn set_flat(&mut self, motions: &[f64]) -> Result<(), FrameError> {
+        let own = self.motion.as_flattened_mut();
+        if own.len() != motions.len() {
+            return Err(FrameError::ForeignState {
+                what: "motion",
+                index: motions.len(),
+                count: own.len(),
+            });
+        }
+        own.copy_from_slice(motions);
+        Ok(())
+    }
+
+    fn read(&self, points: &mut [[Vector3<f64>; 2]]) {
+        let network = self.operator.network;
+        let nodes = network.fibre_nodes();
+        for (point, motion) in points.iter_mut().zip(&self.motion) {
+            *point = parts(motion);
+        }
+        for (bond, ties) in self.operator.ends.iter().enumerate() {
+            let element = &network.elements()[network.segments() + bond];
+            for (tie, point) in ties.iter().zip(element.nodes) {
+                if point as usize >= nodes {
+                    points[point as usize] = tie.motion(&ends_of(&self.motion, tie.nodes));
+                }
+            }
+        }
+    }
+
+    fn spread(&self, points: &mut [[Vector3<f64>; 2]]) {
+        let network = self.operator.network;
+        let nodes = network.fibre_nodes();
+        for (bond, ties) in self.operator.ends.iter().enumerate() {
+            let element = &network.elements()[network.segments() + bond];
+            for (tie, point) in ties.iter().zip(element.nodes) {
+                if point as usize >= nodes {
+                    let forces = tie.spread(std::mem::take(&mut points[point as usize]));
+                    for (end, node) in tie.nodes.into_iter().enumerate() {
+                        points[node as usize][0] += forces[2 * end];
+                        points[node as usize][1] += forces[2 * end + 1];
+                    }
+                }
+            }
+        }
+    }
+
+    fn coarse(&self) -> [usize; 2] {
+        self.coarse.size()
+    }
+}

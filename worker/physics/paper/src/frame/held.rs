@@ -1,0 +1,251 @@
+//! A network at rest by either road: a factor of all of it, or iterations.
+use std::sync::Arc;
+
+use loadframe_numerics::Team;
+
+use super::balance::{Forces, Motion};
+use super::element::PARTS;
+use super::equilibrium::{Clusters, Equilibrium, Refactoring, UNBALANCED};
+use super::error::FrameError;
+use super::gradients::{Relaxation, Start};
+use super::load::NodeLoad;
+use super::network::Network;
+use super::state::PullCost;
+use super::survey::{Critical, breaks_at};
+
+/// Unknowns up to which a factor is made where bonds have nodes. It holds some 100 numbers for each, and as
+/// many are read for every break: fewer than some 20 iterations read, which start at every break from
+/// a motion that is nearly right.
+const DIRECT: usize = 1_000_000;
+
+/// Errors of what breaks next are at most this share of the precision with which it is asked.
+const OF_PRECISION: f64 = 0.1;
+/// Where parts break one by one, failure indices are known to this share.
+const ONE_BY_ONE: f64 = 1e-7;
+
+/// How equilibrium is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// By a factor, unless that is large or bonds have no nodes of their own.
+    #[default]
+    ByCost,
+    /// By a Cholesky factor; only where bonds have nodes of their own.
+    Direct(Refactoring),
+    /// By conjugate gradients.
+    Iterative,
+}
+
+/// What equilibrium is found with.
+#[derive(Debug, Clone)]
+pub struct Means {
+    pub solver: Solver,
+    /// Threads that share the iterations; a factor takes one.
+    pub team: Arc<Team>,
+}
+
+impl Default for Means {
+    fn default() -> Self {
+        Self::by(Solver::ByCost)
+    }
+}
+
+impl Means {
+    /// One thread.
+    #[must_use]
+    pub fn by(solver: Solver) -> Self {
+        Self {
+            solver,
+            team: Arc::new(Team::alone()),
+        }
+    }
+
+    fn refactoring(&self, network: &Network) -> Option<Refactoring> {
+        match self.solver {
+            Solver::Direct(refactoring) => Some(refactoring),
+            Solver::Iterative => None,
+            Solver::ByCost => {
+                let unknowns = network.nodes() * network.motions();
+                let is_direct = network.hanging().is_empty() && unknowns <= DIRECT;
+                is_direct.then_some(Refactoring::ByCost)
+            }
+        }
+    }
+}
+
+/// A network at rest, with one of the two.
+#[derive(Debug)]
+pub(crate) enum Held<'n> {
+    Direct(Box<Equilibrium<'n>>),
+    Iterative(Box<Relaxation<'n>>),
+}
+
+impl<'n> Held<'n> {
+    /// Finds the rest under an elongation and loads without the elements that broke before and after the
+    /// last factor. `break_precision` says how well what breaks next is to be known; a motion
+    /// that is not empty is what iterations have found already.
+    pub(crate) fn new(
+        network: &'n Network,
+        clusters: Clusters,
+        pull: (f64, &'n [NodeLoad]),
+        means: &Means,
+        broken: (&[u32], &[u32]),
+        (break_precision, motion): (f64, &[f64]),
+    ) -> Result<Self, FrameError> {
+        if let Some(refactoring) = means.refactoring(network) {
+            if !network.hanging().is_empty() {
+                return Err(FrameError::Hanging);
+            }
+            let found = Equilibrium::new(network, clusters, pull, refactoring, broken)?;
+            return Ok(Self::Direct(Box::new(found)));
+        }
+        let start = Start {
+            tolerance: (OF_PRECISION * break_precision).max(ONE_BY_ONE),
+            motion,
+        };
+        let team = Arc::clone(&means.team);
+        let found = Relaxation::new(network, clusters, pull, team, start, broken)?;
+        Ok(Self::Iterative(Box::new(found)))
+    }
+
+    /// Takes elements out; what they carried goes to the others.
+    pub(crate) fn remove(&mut self, elements: &[usize]) -> Result<(), FrameError> {
+        match self {
+            Self::Direct(rest) => elements
+                .iter()
+                .try_for_each(|&element| rest.remove(element)),
+            Self::Iterative(rest) => rest.remove(elements),
+        }
+    }
+
+    /// What breaks next, and all whose failure index lies within `precision` of its own, the most loaded
+    /// first.
+    pub(crate) fn breaking(&self, precision: f64) -> Vec<usize> {
+        let Some(critical) = self.critical() else {
+            return Vec::new();
+        };
+        if precision <= 0.0 {
+            return vec![critical.element];
+        }
+        // an index of 1 - precision of the largest
+        let last = critical.factor / (1.0 - precision);
+        let mut breaking: Vec<(f64, usize)> = Vec::new();
+        for element in 0..self.network().elements().len() {
+            if let Some(loads) = self.loads_of(element) {
+                let factor = breaks_at(self.network(), element, &loads);
+                if factor <= last {
+                    breaking.push((factor, element));
+                }
+            }
+        }
+        breaking.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        breaking.into_iter().map(|(_, element)| element).collect()
+    }
+
+    pub(crate) fn network(&self) -> &'n Network {
+        match self {
+            Self::Direct(rest) => rest.network,
+            Self::Iterative(rest) => rest.network,
+        }
+    }
+
+    /// Displacement and rotation of every point.
+    pub(crate) fn motion(&self) -> &Motion {
+        match self {
+            Self::Direct(rest) => &rest.motion,
+            Self::Iterative(rest) => &rest.motion,
+        }
+    }
+
+    pub(crate) fn forces(&self) -> &Forces {
+        match self {
+            Self::Direct(rest) => &rest.forces,
+            Self::Iterative(rest) => &rest.forces,
+        }
+    }
+
+    pub(crate) fn critical(&self) -> Option<Critical> {
+        match self {
+            Self::Direct(rest) => rest.critical,
+            Self::Iterative(rest) => rest.critical,
+        }
+    }
+
+    pub(crate) fn residual(&self) -> f64 {
+        match self {
+            Self::Direct(rest) => rest.residual,
+            Self::Iterative(rest) => rest.residual,
+        }
+    }
+
+    /// Unbalanced force over the largest force of an element that is allowed.
+    pub(crate) fn residual_limit(&self) -> f64 {
+        match self {
+            Self::Direct(_) => UNBALANCED,
+            Self::Iterative(rest) => rest.limit(),
+        }
+    }
+
+    /// Estimated error of the failure index of what breaks next, over itself; none of a factor, whose
+    /// solution is refined to round-off.
+    pub(crate) fn index_error(&self) -> Option<f64> {
+        match self {
+            Self::Direct(_) => None,
+            Self::Iterative(rest) => Some(rest.index_error),
+        }
+    }
+
+    /// Loads q of an element; none when it is broken or hangs loose.
+    pub(crate) fn loads_of(&self, element: usize) -> Option<[f64; PARTS]> {
+        match self {
+            Self::Direct(rest) => rest.loads_of(element),
+            Self::Iterative(rest) => rest.loads_of(element),
+        }
+    }
+
+    /// Whether an element is not broken.
+    pub(crate) fn is_whole(&self, element: usize) -> bool {
+        match self {
+            Self::Direct(rest) => rest.is_whole(element),
+            Self::Iterative(rest) => rest.is_whole(element),
+        }
+    }
+
+    /// Whether anything is stretched or bent at all.
+    pub(crate) fn is_active(&self) -> bool {
+        match self {
+            Self::Direct(rest) => rest.is_active(),
+            Self::Iterative(rest) => rest.is_any_active(),
+        }
+    }
+
+    /// Whether both jaws still hold one cluster.
+    pub(crate) fn is_spanning(&self) -> bool {
+        match self {
+            Self::Direct(rest) => rest.is_spanning(),
+            Self::Iterative(rest) => rest.is_spanning(),
+        }
+    }
+
+    /// Elements that broke before and after the factor was made, each in order.
+    pub(crate) fn broken(&self) -> (&[u32], &[u32]) {
+        match self {
+            Self::Direct(rest) => rest.broken(),
+            Self::Iterative(rest) => rest.broken(),
+        }
+    }
+
+    /// What iterations go on from; empty where a factor finds it again.
+    pub(crate) fn flat_motion(&self) -> &[f64] {
+        match self {
+            Self::Direct(_) => &[],
+            Self::Iterative(rest) => rest.flat_motion(),
+        }
+    }
+
+    pub(crate) fn cost(&self) -> PullCost {
+        match self {
+            Self::Direct(rest) => rest.cost(),
+            Self::Iterative(rest) => rest.cost(),
+        }
+    }
+}
