@@ -217,14 +217,6 @@ fn warnings_name_the_field_and_the_stage() {
                 "set by body 0",
             ],
         ),
-        (
-            "driven_unbalanced_force_ratio",
-            [
-                "drive more slowly",
-                "/stages/3/load_plane/force_n (stage 4)",
-                "/stages/4/move_plane/velocity_m_per_s (stage 5)",
-            ],
-        ),
     ] {
         for words in all {
             assert!(detail(code).contains(words), "{words}: {}", detail(code));

@@ -244,8 +244,9 @@ fn a_dashpot_shortens_the_critical_step() {
     let restitution: f64 = 0.01;
     let logarithm = -restitution.ln();
     let damping = logarithm / std::f64::consts::PI.hypot(logarithm);
-    let critical =
-        2.0 * (mass(0.01) / (MODULUS * 0.01)).sqrt() * ((1.0 + damping * damping).sqrt() - damping);
+    let critical = 2.0
+        * (mass(0.01) / (MODULUS * 0.01)).sqrt()
+        * ((1.0 + 4.0 * damping * damping).sqrt() - 2.0 * damping);
     for (part, is_stable) in [(0.98, true), (1.02, false)] {
         let mut spec = scene(
             "linear",

@@ -75,7 +75,7 @@ fn run_on(spec: &Value, threads: usize) -> (Report, Record) {
     }
 }
 
-pub(crate) fn run(spec: &Value) -> (Report, Record) {
+fn run(spec: &Value) -> (Report, Record) {
     run_on(spec, 1)
 }
 

@@ -150,8 +150,8 @@ fn a_body_that_is_pressed_into_one_that_is_held_tells_the_force() {
     });
     let (_, record) = run(&spec);
     assert_close(last(&record, "body_1_displacement_z_m"), -1e-3, 1e-12);
-    // E r δ, with δ that of the last step's start
-    assert_close(last(&record, "body_1_force_z_n"), 1e5 * 5e-4, 0.02 * 50.0);
+    // E r δ, with δ that of the last step's start: a millisecond before the end, where nothing can move
+    assert_close(last(&record, "body_1_force_z_n"), 1e5 * (5e-4 - 1e-5), 1e-9);
 }
 
 #[test]
@@ -227,7 +227,8 @@ fn a_fast_wall_meets_a_small_grain_in_its_first_step() {
             "{law}: the grain at {}, the wall at {way}",
             row[5]
         );
-        assert!(row[8] > 0.0, "it was met");
+        // what it goes through pushes it up, and down again
+        assert!((row[5] - 0.00126).abs() > 1e-5, "it was met");
         let is_told = report
             .warnings
             .iter()
