@@ -252,6 +252,7 @@ fn crowds() -> Vec<Body> {
 }
 
 #[test]
+#[expect(clippy::print_stdout, reason = "figures are for people")]
 fn checking_is_linear_in_the_body_whatever_is_long_in_it() {
     // schemas are compiled once
     for (name, example) in examples() {
