@@ -80,8 +80,8 @@ fn exports_are_read_as_programs_write_them() {
         "Strain (%);Load (N);\n10.0;0.23;\n\n20.0;0.52;\n\n",
         "Strain (%);Event;Load (N)\n10.0;start;0.23\n20.0;;0.52\n",
         // bytes of UTF-16 that were read one by one
-        "\u{ff}\u{fe}S\0t\0r\0a\0i\0n\0,\0L\0o\0a\0d\0 \0(\0N\0)\0\n\00\0.\x001\0,\x000\0.\x002\x003\0\n\0\
-         0\0.\x002\0,\x000\0.\x005\x002\0\n\0",
+        "\u{ff}\u{fe}S\x00t\x00r\x00a\x00i\x00n\x00,\x00L\x00o\x00a\x00d\x00 \x00(\x00N\x00)\x00\n\x000\x00.\x001\x00,\x000\x00.\x002\x003\x00\n\x00\
+         0\x00.\x002\x00,\x000\x00.\x005\x002\x00\n\x00",
         "\u{ef}\u{bb}\u{bf}Strain,Load (N)\n0.1,0.23\n0.2,0.52\n",
     ] {
         assert_two(text);

@@ -1,4 +1,5 @@
 //! What a run says of itself: not more than is true, and not less.
+#![allow(clippy::float_cmp, reason = "stages are counted by whole numbers")]
 use serde_json::{Value, json};
 
 use super::{assert_close, codes, failure, one, run};

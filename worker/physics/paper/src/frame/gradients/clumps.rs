@@ -203,10 +203,10 @@ fn join(count: usize, pairs: Vec<[u32; 2]>) -> (Vec<u32>, usize) {
         }
     }
     let first = groups.clone();
-    for item in 0..count {
-        if groups[item] == NONE {
+    for (item, group) in groups.iter_mut().enumerate() {
+        if *group == NONE {
             let grouped = beside(item).iter().map(|&other| first[other as usize]);
-            groups[item] = grouped.filter(|group| *group != NONE).min().unwrap_or(0);
+            *group = grouped.filter(|group| *group != NONE).min().unwrap_or(0);
         }
     }
     (groups, found as usize)

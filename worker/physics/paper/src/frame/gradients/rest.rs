@@ -196,11 +196,12 @@ impl<'n> Relaxation<'n> {
         }
         let (activity, standing) = stand(self.network, self.clusters, &self.is_whole);
         // what came loose goes with its jaw, or stays
-        for node in 0..self.network.fibre_nodes() {
+        let nodes = standing.iter().enumerate();
+        for (node, standing) in nodes.take(self.network.fibre_nodes()) {
             if !activity.is_free[node] {
                 let along = match self.network.jaw(node) {
                     Some(jaw) => jaw == Jaw::Right,
-                    None => standing[node] == Standing::Hanging(Jaw::Right),
+                    None => *standing == Standing::Hanging(Jaw::Right),
                 };
                 let shift = if along { self.elongation } else { 0.0 };
                 let shift = Vector3::x() * shift;
