@@ -46,7 +46,7 @@ pub(crate) fn show(outcome: &Outcome) {
 fn result_row(name: &str, quantity: &Quantity) -> [String; 4] {
     [
         readable(name),
-        quantity.value.map_or("not reached".to_owned(), |value| {
+        quantity.value.map_or("unknown".to_owned(), |value| {
             let deviation = quantity.deviation.filter(|s| *s > 0.0);
             let error = quantity.error.as_ref().map(|error| error.value);
             let scatter = match (deviation, quantity.interval) {
@@ -197,7 +197,7 @@ mod tests {
         let unknown = Quantity::new(f64::NAN, "N", "largest force");
         assert_eq!(
             result_row("max_force", &unknown)[..3],
-            ["max force", "not reached", "N"]
+            ["max force", "unknown", "N"]
         );
         let repeated = Quantity {
             deviation: Some(7.25),

@@ -64,7 +64,7 @@ export interface paths {
         };
         /**
          * Does the service take requests?
-         * @description 503 while it stops, or when the store does not answer.
+         * @description 503 while it stops, or when the store takes no writes.
          */
         get: operations["check_ready"];
         put?: never;
@@ -1692,7 +1692,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -1879,7 +1879,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -1984,7 +1984,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -2115,7 +2115,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -2209,7 +2209,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -2299,7 +2299,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -2423,7 +2423,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -2507,7 +2507,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -2599,7 +2599,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -2692,7 +2692,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -2783,7 +2783,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -2874,7 +2874,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -2963,7 +2963,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -3046,7 +3046,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -3179,11 +3179,20 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
                     "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was stored is missing or has changed; `detail` names job and file */
+            500: {
+                headers: {
                     [name: string]: unknown;
                 };
                 content: {
@@ -3265,7 +3274,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -3348,7 +3357,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -3440,7 +3449,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -3532,7 +3541,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -3624,7 +3633,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -3695,7 +3704,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -3777,7 +3786,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -3859,7 +3868,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -3952,7 +3961,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -4071,7 +4080,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -4166,7 +4175,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -4282,7 +4291,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -4407,7 +4416,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -4532,7 +4541,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -4646,7 +4655,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -4732,7 +4741,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -4859,7 +4868,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -4984,7 +4993,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */
@@ -5055,7 +5064,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Too many wrong tokens came from this address */
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
             429: {
                 headers: {
                     /** @description Seconds to wait */

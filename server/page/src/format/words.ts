@@ -36,7 +36,8 @@ export interface Shown {
 /** A result as a lab reads it: strains in %, no unit for pure numbers. */
 export function showQuantity(name: string, quantity: Quantity): Shown {
   const { value, unit, deviation, n, error } = quantity;
-  if (value === null) return { text: "–", unit: "", exact: "The test did not get far enough to know." };
+  if (value === null)
+    return { text: "–", unit: "", exact: "Unknown: the test did not get so far, or there was nothing to measure." };
   const own = unit === "1" ? " (dimensionless)" : ` ${unit}`;
   const mean = deviation && n ? `, mean of ${n}, standard deviation ${deviation}` : "";
   const exact = `${value}${own}${mean}${error ? `, standard error ${error.value}` : ""}`;
