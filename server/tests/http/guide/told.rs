@@ -129,14 +129,18 @@ fn warning_codes(sources: &[(PathBuf, String)]) -> BTreeSet<String> {
     codes
 }
 
-/// Names of quality checks: what stands in quotes before `QualityCheck::at_most`.
+/// Names of quality checks: `.check("name"` of a report, and what stands in quotes before
+/// `QualityCheck::at_most`.
 fn quality_names(sources: &[(PathBuf, String)]) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for (path, text) in sources {
+        for rest in text.split(".check(").skip(1) {
+            names.extend(quoted(rest).map(str::to_owned));
+        }
         for (before, _) in pieces(text, "QualityCheck::at_most(") {
             let before = before.trim_end();
-            // joint reports keep the names they are given
-            if before.ends_with("*check =") {
+            // joint reports and their builder keep the names they are given
+            if before.ends_with("check =") {
                 continue;
             }
             let before = before.trim_end_matches(',').trim_end_matches(".to_owned()");

@@ -21,7 +21,7 @@ fn poured(count: u32, grain: &Value, time_s: f64, more: &[Value]) -> Value {
         "version": 1,
         "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e7, "friction_angle_rad": 0.4},
                       // walls that carry no weight
-                      "glass": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e7}},
+                      "glass": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e7, "friction_angle_rad": 0}},
         "planes": [plane("base", "z", 0.0, 1), plane("left", "x", 0.0, 1), plane("right", "x", 0.1, -1),
                    plane("front", "y", 0.0, 1), plane("back", "y", 0.1, -1)],
         "stages": stages,
@@ -74,7 +74,7 @@ fn a_stage_that_ends_too_early_tells_what_it_left() {
     assert!(inserted > 20.0 && inserted < 150.0, "{inserted}");
     let text = &warning.expect("a warning").detail;
     assert!(
-        text.contains(&format!("stage 0 ended before {} of", 150.0 - inserted)),
+        text.contains(&format!("stage 1 ended before {} of", 150.0 - inserted)),
         "{text}"
     );
 }

@@ -15,7 +15,7 @@ pub(super) fn scene(
     steps: u64,
 ) -> Value {
     let mut stone = json!({"density_kg_per_m3": DENSITY, "youngs_modulus_pa": MODULUS,
-                           "stiffness_ratio": 0.3, "poisson_ratio": POISSON});
+                           "stiffness_ratio": 0.3, "poisson_ratio": POISSON, "friction_angle_rad": 0});
     for (name, value) in material.as_object().expect("fields") {
         stone[name] = value.clone();
     }

@@ -212,8 +212,8 @@ fn the_pair_that_sets_the_step_is_named_with_what_softening_saves() {
     bodies.extend(pair(1.0, "steel"));
     let spec = json!({
         "version": 1, "gravity_m_per_s2": [0, 0, 0],
-        "materials": {"rubber": {"density_kg_per_m3": 1000, "youngs_modulus_pa": 1e5},
-                      "steel": {"density_kg_per_m3": 1000, "youngs_modulus_pa": 1e11}},
+        "materials": {"rubber": {"density_kg_per_m3": 1000, "youngs_modulus_pa": 1e5, "friction_angle_rad": 0},
+                      "steel": {"density_kg_per_m3": 1000, "youngs_modulus_pa": 1e11, "friction_angle_rad": 0}},
         "bodies": bodies, "stages": [{"run": {"steps": 100}}]
     });
     let (report, _) = run(&spec);

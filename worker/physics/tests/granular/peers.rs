@@ -19,7 +19,7 @@ fn plane(name: &str, axis: &str, at: f64, facing: i32) -> Value {
 fn gas(bodies: Vec<Value>, width: f64) -> Value {
     json!({
         "version": 1, "gravity_m_per_s2": [0, 0, 0],
-        "materials": {"stone": {"density_kg_per_m3": DENSITY, "youngs_modulus_pa": MODULUS}},
+        "materials": {"stone": {"density_kg_per_m3": DENSITY, "youngs_modulus_pa": MODULUS, "friction_angle_rad": 0}},
         "bodies": bodies,
         "planes": [plane("base", "z", 0.0, 1), plane("lid", "z", width, -1), plane("left", "x", 0.0, 1),
                    plane("right", "x", width, -1), plane("front", "y", 0.0, 1), plane("back", "y", width, -1)],

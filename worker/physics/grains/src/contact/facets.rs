@@ -147,7 +147,7 @@ impl<F: Law> FacetList<F> {
         }
         if scenery.facets.rule == FacetRule::Once && self.near.len() > 1 {
             (scenery.facets).settle(scenery.poses, &mut self.near, sphere.0[3]);
-            if F::IS_ROUGH {
+            if F::IS_ROUGH || F::FEELS_SPEED {
                 hand_over(&self.near, &mut self.list.blocks, &mut self.list.touching);
             }
         }

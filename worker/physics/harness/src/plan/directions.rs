@@ -77,10 +77,16 @@ mod tests {
 
     fn report(strength: f64, warning: &str) -> Report {
         Report {
-            summary: IndexMap::from([(
-                "strength".to_owned(),
-                Quantity::new(strength, "N/m", "Largest force per width of the specimen."),
-            )]),
+            summary: IndexMap::from([
+                (
+                    "strength".to_owned(),
+                    Quantity::new(strength, "N/m", "Largest force per width of the specimen."),
+                ),
+                (
+                    "poisson_ratio".to_owned(),
+                    Quantity::new(f64::NAN, "1", "Lateral contraction over strain."),
+                ),
+            ]),
             warnings: vec![Warning {
                 code: "w".to_owned(),
                 detail: warning.to_owned(),
