@@ -275,8 +275,8 @@ impl Engine {
         found
     }
 
-    /// Smallest critical step of any one contact that may come at this speed [s]; `plates` as of
-    /// [`GranularScene::critical_step_of_one_contact`].
+    /// Smallest critical step of any one contact that may come at this speed [s], of materials as stiff as
+    /// the spec says; `plates` as of [`GranularScene::critical_step_of_one_contact`].
     pub(crate) fn foreseen(
         &self,
         spec: &GranularScene,
@@ -310,7 +310,7 @@ impl Engine {
             let members = clump.members().zip(&clump.offsets);
             members.map(move |(member, offset)| {
                 let radius = particles.centres[member].0[3];
-                let surface = self.model.surfaces[usize::from(particles.surfaces[member])];
+                let surface = self.model.first_surfaces[usize::from(particles.surfaces[member])];
                 let own = Side {
                     surface,
                     radius,

@@ -25,7 +25,7 @@ pub(crate) struct Model {
     /// By number of material, in the order of names.
     pub(crate) surfaces: Vec<Surface>,
     /// The same as the spec has them.
-    first_surfaces: Vec<Surface>,
+    pub(crate) first_surfaces: Vec<Surface>,
     /// Whether anything has friction or cohesion.
     pub(crate) is_rough: bool,
     /// Whether contacts have dashpots.
