@@ -225,10 +225,11 @@ fn warnings_name_the_field_and_the_stage() {
     }
 }
 
-/// Two thirds of a rail bed's ways come from such steps.
+/// Rail beds that ask for 0.6 of it come to more than 0.77 for a moment, and are a third off; here nothing
+/// stiffens, and what is asked for is what is seen.
 #[test]
-fn more_than_half_the_critical_step_is_not_called_fine() {
-    for (fraction, is_fine) in [(0.4, true), (0.6, false), (0.8, false)] {
+fn more_than_seven_tenths_of_the_critical_step_are_not_called_fine() {
+    for (fraction, is_fine) in [(0.4, true), (0.69, true), (0.71, false), (0.8, false)] {
         let mut spec = under_a_plate(&[json!({"settle": {"time_s": 1.0}})]);
         spec["accuracy"] = json!({"critical_step_fraction": fraction});
         let (report, _) = run(&spec);
