@@ -34,7 +34,7 @@ test("a field leads to its entry, and the kind to its page", () =>
     const help = part(page, "field-help");
     for (const [word, anchor] of [
       ['"strain_step"', "test.strain_step"],
-      ["20, 10", "fabric.lattice.spacing_mm"],
+      ["2, 1]", "fabric.lattice.spacing_mm"],
     ]) {
       await editor.evaluate((area, word) => {
         area.focus();
