@@ -3,6 +3,7 @@ mod contact;
 pub(crate) mod direct;
 mod equations;
 pub(crate) mod equilibrium;
+mod load_path;
 pub(crate) mod multigrid;
 mod order;
 
@@ -12,4 +13,5 @@ pub use contact::{
 };
 pub(crate) use contact::{Point, points};
 pub use equations::{LARGEST_FACTORED, Method};
-pub use equilibrium::{Equilibrium, LoadPath, PathState, StaticOptions, equilibrium};
+pub use equilibrium::{Equilibrium, StaticOptions};
+pub use load_path::{LoadPath, PathState, equilibrium};

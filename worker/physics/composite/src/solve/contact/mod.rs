@@ -26,7 +26,8 @@ use self::condensed::{Condensed, Touch};
 use crate::error::{CompositeError, finite, positive};
 use crate::lattice::Lattice;
 use crate::section::{Grid, within};
-use crate::solve::equilibrium::{Equilibrium, StaticOptions, equilibrium};
+use crate::solve::equilibrium::{Equilibrium, StaticOptions};
+use crate::solve::load_path::equilibrium;
 use crate::stiffness::{Stiffness, compliance};
 use crate::supports::{Face, Supports};
 
