@@ -1,14 +1,17 @@
 """Runs every example, and reads its snapshots with the real VTK to hold them against the spec and the
 tables: counts, names, the bond law, the jaw forces, and which bonds are broken; of scenes, where the
 spheres are, and that contacts carry what the tables say. The first example of a kind, which users start
-from, ends without a warning and with every check of its quality passed."""
+from, ends without a warning and with every check of its quality passed. No example gives a result that its
+kind's schema does not name."""
 
 import csv
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
+from fnmatch import fnmatch
 from pathlib import Path
 
 import numpy as np
@@ -304,6 +307,16 @@ def check_unwarned(folder: Path) -> None:
     check(not warnings, f"warnings: {warnings}")
 
 
+def check_results(binary: str, kind: str, folder: Path) -> None:
+    """What the job gives is what the kind's schema says that its jobs may give."""
+    schema = subprocess.run([binary, "schema", kind], check=True, stdout=subprocess.PIPE)
+    known = [(entry["name"], entry["unit"]) for entry in json.loads(schema.stdout)["x-results"]]
+    for name, result in json.loads((folder / "outcome.json").read_text())["summary"].items():
+        own = re.sub("_along_(x|y|md|cd)$", "", name)
+        fits = [unit for pattern, unit in known if fnmatch(name, pattern) or fnmatch(own, pattern)]
+        check(result["unit"] in fits, f"{name} in {result['unit']} is not among the results of {kind}")
+
+
 def check_example(binary: str, example: Path) -> str:
     job = json.loads(example.read_text())
     spec = job["spec"]
@@ -323,6 +336,7 @@ def check_example(binary: str, example: Path) -> str:
             check_unwarned(folder)
         if job["kind"] == "calibrate":
             return "no warning"
+        check_results(binary, job["kind"], folder)
         if not list(folder.rglob("*.vtp")):
             wanted = spec.get("record", {}) | spec.get("output", {})
             default = 1 if job["kind"] == "nonwoven_tensile" else 0

@@ -5,11 +5,13 @@ use serde_json::Value;
 
 use crate::kinds::{JobKind, JobSpec, SpecVisitor};
 use crate::problem::Violation;
+use crate::results::results_of;
 use crate::schema::Checker;
 use crate::spec_trait::Spec;
 use crate::violations::Violations;
 
-/// JSON Schema (2020-12) of a kind's spec, without references, with `x-unit` at every quantity.
+/// JSON Schema (2020-12) of a kind's spec, without references, with `x-unit` at every quantity and the
+/// results that its jobs may have, with their units, in `x-results`.
 pub fn kind_schema(kind: JobKind) -> &'static Value {
     &kind_checker(kind).schema
 }
@@ -50,7 +52,11 @@ fn kind_checker(kind: JobKind) -> &'static Checker {
     // each by itself: a job needs the schema of its own kind only, and they take milliseconds each
     static CHECKERS: [OnceLock<Checker>; JobKind::ALL.len()] =
         [const { OnceLock::new() }; JobKind::ALL.len()];
-    CHECKERS[kind as usize].get_or_init(|| kind.visit(Compile))
+    CHECKERS[kind as usize].get_or_init(|| {
+        let mut checker = kind.visit(Compile);
+        checker.schema["x-results"] = results_of(kind);
+        checker
+    })
 }
 
 #[cfg(test)]

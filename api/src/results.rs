@@ -1,9 +1,12 @@
 //! Names and units of the results that jobs of each kind may have, for those who refer to them before
-//! a job has run. Which of them a job does have depends on its spec; engines are tested to give no
-//! others.
+//! a job has run. Which of them a job does have depends on its spec; that the engines give no others is
+//! tested with every example.
+use serde_json::{Value, json};
+
 use crate::JobKind;
 
-/// A result's name and unit.
+/// A result's name and unit; a name that ends in a moment of the test, or in another result, is written
+/// with `*`.
 type Named = (&'static str, &'static str);
 
 const NONWOVEN: &[Named] = &[
@@ -27,6 +30,7 @@ const NONWOVEN: &[Named] = &[
     ("broken_bonds", "1"),
     ("nodes", "1"),
     ("bonds", "1"),
+    ("anisotropy_of_*", "1"),
 ];
 
 const PAPER: &[Named] = &[
@@ -86,6 +90,7 @@ const PAPER: &[Named] = &[
     ("longest_segment", "µm"),
     ("ring_diameter", "µm"),
     ("wall_density", "kg/m3"),
+    ("anisotropy_of_*", "1"),
 ];
 
 const BENDING: &[Named] = &[
@@ -194,12 +199,8 @@ const BALLAST: &[Named] = &[
     ("initial_porosity", "1"),
     ("oedometric_modulus", "Pa"),
     ("porosity", "1"),
-];
-/// Beginnings of names that end in a moment of a ballast test, or in the name of another result.
-const JOINED: [&str; 3] = [
-    "mass_in_single_spheres_",
-    "mass_from_135_spheres_",
-    "anisotropy_of_",
+    ("mass_in_single_spheres_*", "1"),
+    ("mass_from_135_spheres_*", "1"),
 ];
 /// What names of a second direction end in.
 const ALONG: [&str; 4] = ["_along_x", "_along_y", "_along_md", "_along_cd"];
@@ -219,6 +220,13 @@ fn lists(kind: JobKind) -> [&'static [Named]; 2] {
     }
 }
 
+/// `x-results` of a kind's schema: name and unit of each result.
+pub(crate) fn results_of(kind: JobKind) -> Value {
+    let all = lists(kind).concat().into_iter();
+    all.map(|(name, unit)| json!({ "name": name, "unit": unit }))
+        .collect()
+}
+
 /// Names of the results that jobs of a kind may have.
 pub fn result_names(kind: JobKind) -> Vec<&'static str> {
     let mut names: Vec<&str> = lists(kind).concat().iter().map(|(name, _)| *name).collect();
@@ -228,16 +236,16 @@ pub fn result_names(kind: JobKind) -> Vec<&'static str> {
 
 /// The units in which jobs of a kind may give a result; none where they have no such result.
 pub fn result_units(kind: JobKind, name: &str) -> Vec<&'static str> {
-    if JOINED.iter().any(|beginning| name.starts_with(beginning)) {
-        return vec!["1"];
-    }
     let own = ALONG
         .iter()
         .find_map(|end| name.strip_suffix(end))
         .unwrap_or(name);
-    let all = lists(kind).concat();
-    all.iter()
-        .filter(|(known, _)| [name, own].contains(known))
-        .map(|(_, unit)| *unit)
+    let is_it = |known: &str| match known.strip_suffix('*') {
+        Some(beginning) => name.starts_with(beginning),
+        None => known == name || known == own,
+    };
+    let all = lists(kind).concat().into_iter();
+    all.filter(|(known, _)| is_it(known))
+        .map(|(_, unit)| unit)
         .collect()
 }

@@ -1,4 +1,5 @@
-//! `/guide/{kind}/fields`: every field of a kind's spec, written from its JSON Schema.
+//! `/guide/{kind}/fields`: every field of a kind's spec and every result of its jobs, written from its
+//! JSON Schema.
 //!
 //! The anchor of a field is its JSON pointer with dots for slashes, `test.strain_step`; the entries
 //! of a list, and what is named freely, are all `*`: `stages.*.run.steps`.
@@ -40,14 +41,17 @@ pub(super) fn page(kind: JobKind) -> (Page, Vec<Entry>) {
         }
         list += &field.html();
     }
-    contents += "</ul>";
+    contents += "<li><a href=\"#results\">Results</a></li></ul>";
+    let results = results(kind_schema(kind));
     let home = super::home_of(kind);
     let main = format!(
         "<h1>Fields of <code>{kind}</code></h1>\
          <p>{description} <a href=\"{home}\">{title}</a> tells how to use them. This page is written from the \
          JSON Schema that every spec is held against, <a href=\"/v1/kinds/{kind}/schema\"><code>/v1/kinds/{kind}/schema</code></a>; \
          <code>loadframe schema {kind}</code> prints it. Entries of a list, and what you name yourself, are written <code>*</code>. \
-         A dimensionless number has no unit.</p>\n<dl class=\"fields\">\n{list}</dl>\n",
+         A dimensionless number has no unit.</p>\n<dl class=\"fields\">\n{list}</dl>\n\
+         <h2 id=\"results\">Results</h2>\n<p>What its jobs may give; which of these a job gives depends on its spec. \
+         <code>*</code> stands for a moment of the test or another result.</p>\n{results}",
         description = text(kind.description()),
         title = text(kind.title()),
     );
@@ -60,6 +64,27 @@ pub(super) fn page(kind: JobKind) -> (Page, Vec<Entry>) {
     });
     let page = Page { address, sheet };
     (page, entries)
+}
+
+/// The results that jobs of a kind may have.
+fn results(spec: &Value) -> String {
+    let words = |result: &Value, key: &str| text(result[key].as_str().unwrap_or(""));
+    let rows = spec["x-results"].as_array().into_iter().flatten();
+    let rows = rows.map(|result| {
+        format!(
+            "<tr><td><code>{}</code></td><td>{}</td></tr>\n",
+            words(result, "name"),
+            words(result, "unit")
+        )
+    });
+    let rows = rows.collect::<String>();
+    match rows.as_str() {
+        "" => "<p>They have the names of the parameters that are found.</p>\n".to_owned(),
+        rows => format!(
+            "<table><thead><tr><th scope=\"col\">result</th><th scope=\"col\">unit</th></tr></thead>\
+             <tbody>\n{rows}</tbody></table>\n"
+        ),
+    }
 }
 
 fn all(spec: &Value) -> Vec<Field<'_>> {
@@ -220,6 +245,16 @@ mod tests {
                 "{kind}"
             );
         }
+    }
+
+    #[test]
+    fn results_stand_with_their_units() {
+        let table = results(kind_schema(JobKind::NonwovenTensile));
+        assert!(
+            table.contains("<td><code>strength</code></td><td>N/m</td>"),
+            "{table}"
+        );
+        assert!(results(kind_schema(JobKind::Calibrate)).contains("parameters"));
     }
 
     #[test]

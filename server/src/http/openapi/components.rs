@@ -37,6 +37,7 @@ pub(super) fn schemas() -> Map<String, Value> {
         let mut spec = kind_schema(*kind).clone();
         if let Some(spec) = spec.as_object_mut() {
             spec.shift_remove("$schema");
+            spec.shift_remove("x-results");
         }
         schemas.insert(spec_name, spec);
     }
