@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use uuid::Uuid;
 
+use crate::worker::FaultCode;
 use crate::{JobKind, Quantity, Timestamp};
 
 /// Where a job is in its life; the diagram is in the server's `queue` module.
@@ -52,7 +53,9 @@ pub enum ReasonCode {
     TooManyLosses,
     /// The simulation could not give a result.
     SimulationError,
-    /// The worker could not carry out the job (disk full, files unreadable).
+    /// A fault of the worker's machine (disk full, files unreadable): another one is to carry it out.
+    WorkerFault,
+    /// Machine after machine could not carry it out.
     WorkerError,
     TimeLimit,
     Completed,
@@ -70,6 +73,8 @@ pub enum AttemptEnd {
     Released,
     /// The lease ran out.
     Lost,
+    /// A fault of the machine; costs no attempt.
+    Faulted,
     TimedOut,
 }
 
@@ -123,6 +128,9 @@ pub struct AttemptView {
     pub started_at: Timestamp,
     pub ended_at: Option<Timestamp>,
     pub end_reason: Option<AttemptEnd>,
+    /// Version and commit of the worker's build; empty where that was not noted.
+    #[serde(default)]
+    pub engine: String,
 }
 
 /// Where to go on from a job.
@@ -199,4 +207,18 @@ pub struct WorkerView {
     pub alive: bool,
     pub job_id: Option<Uuid>,
     pub last_seen_at: Timestamp,
+    /// Why it is given no jobs for a while; `null` when it is.
+    #[serde(default)]
+    pub set_aside: Option<SetAside>,
+}
+
+/// Why a worker is given no jobs for a while.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct SetAside {
+    /// When it is tried again; sooner when its process is started again.
+    pub until: Timestamp,
+    /// Faults since it last carried out a job.
+    pub faults: u32,
+    pub code: FaultCode,
+    pub reason: String,
 }

@@ -50,7 +50,7 @@ pub use examples::UnknownExample;
 pub use file_name::{FileNameError, PARTIAL_FOLDER, check_file_name};
 pub use job::{
     AttemptEnd, AttemptView, CurveView, JobLinks, JobOutcome, JobStatus, JobView, LogLine, Page,
-    ReasonCode, WorkerView,
+    ReasonCode, SetAside, WorkerView,
 };
 pub use kind_schemas::kind_schema;
 pub use kinds::{Example, JobKind, JobSpec};

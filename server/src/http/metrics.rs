@@ -62,6 +62,10 @@ fn describe() {
         "Workers heard of within their lease"
     );
     gauge!(
+        "loadframe_workers_set_aside",
+        "Of these, workers that are given no jobs for a while after a fault of their machine"
+    );
+    gauge!(
         "loadframe_attempts_lost",
         "Attempts that ended because their worker fell silent"
     );
@@ -105,6 +109,7 @@ async fn read(State(state): State<AppState>) -> Result<Response> {
     }
     metrics::gauge!("loadframe_queue_age_seconds").set(counts.oldest_queued_s);
     metrics::gauge!("loadframe_workers_alive").set(counts.workers_alive as f64);
+    metrics::gauge!("loadframe_workers_set_aside").set(counts.workers_set_aside as f64);
     metrics::gauge!("loadframe_attempts_lost").set(counts.attempts_lost as f64);
     metrics::gauge!("loadframe_file_bytes").set(counts.file_bytes as f64);
     metrics::gauge!("loadframe_files_unnamed").set(counts.files_unnamed as f64);

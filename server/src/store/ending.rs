@@ -1,8 +1,10 @@
-//! How a worker ends its attempt: complete, fail or release. A message sent twice, because the answer
+//! How a worker ends its attempt: complete, fail or release (a fault: see [`super::machines`]). A message sent twice, because the answer
 //! to the first was lost, is answered twice.
 use std::collections::HashMap;
 
-use loadframe_api::worker::{CompleteRequest, FailRequest, ReleaseReason};
+use loadframe_api::worker::{
+    CompleteRequest, FailCode, FailRequest, FaultCode, FaultRequest, ReleaseReason,
+};
 use loadframe_api::{FileEntry, JobOutcome, sha256_hex};
 use serde::Serialize;
 
@@ -33,13 +35,22 @@ impl Store {
         .await
     }
 
-    /// Ends the job without a result.
+    /// Ends the job without a result; a fault of the worker is taken as [`Self::fault`].
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`].
     pub async fn fail(&self, key: LeaseKey, request: &FailRequest) -> Result<()> {
         let message = digest("fail", request)?;
-        let (input, why) = (Input::Fail(request.code), request.reason.clone());
+        let why = request.reason.clone();
+        let input = match request.code {
+            FailCode::SimulationError => Input::Fail,
+            FailCode::TimeLimit => Input::ExceedTime,
+            FailCode::WorkerError => {
+                let code = FaultCode::Other;
+                let fault = FaultRequest { code, reason: why };
+                return self.take_fault(key, message, fault).await;
+            }
+        };
         self.write(move |change| {
             Box::pin(async move {
                 change.end(key, message, input, Some(why)).await?;
@@ -67,13 +78,13 @@ impl Store {
 }
 
 /// SHA-256 of a message.
-fn digest(route: &str, message: &impl Serialize) -> Result<String> {
+pub(super) fn digest(route: &str, message: &impl Serialize) -> Result<String> {
     Ok(sha256_hex(format!("{route} {}", json(message)?).as_bytes()))
 }
 
 impl Change {
     /// Ends the attempt of `key` by `input`; `None` when this same message has ended it before.
-    async fn end(
+    pub(super) async fn end(
         &mut self,
         key: LeaseKey,
         message: String,
@@ -95,6 +106,9 @@ impl Change {
             expired: false,
         };
         let step = self.step(&job, input, why, Some(ending)).await?;
+        if matches!(input, Input::Complete | Input::Fail) {
+            self.note_work(&attempt).await?;
+        }
         Ok(Some((job, attempt, step.state)))
     }
 

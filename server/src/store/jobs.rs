@@ -29,7 +29,7 @@ macro_rules! select_jobs {
                        OR (b.priority = j.priority AND b.seq < j.seq))) END AS position,
                 (SELECT json_group_array(json_object('number', number, 'worker', worker_name,
                     'host', host, 'started_at', started_at, 'ended_at', ended_at,
-                    'end_reason', end_reason) ORDER BY number)
+                    'end_reason', end_reason, 'engine', engine) ORDER BY number)
                  FROM attempts a WHERE a.job = j.seq) AS attempts
              FROM jobs j ",
             $rest
@@ -76,6 +76,7 @@ struct AttemptRow {
     started_at: i64,
     ended_at: Option<i64>,
     end_reason: Option<AttemptEnd>,
+    engine: String,
 }
 
 impl JobRow {
@@ -124,6 +125,7 @@ impl AttemptRow {
             started_at: Timestamp(self.started_at),
             ended_at: self.ended_at.map(Timestamp),
             end_reason: self.end_reason,
+            engine: self.engine,
         }
     }
 }

@@ -10,13 +10,15 @@
 //! commit → answer. Reads go to a pool of connections that cannot write, beside it.
 //!
 //! The worker's side in the order of a job: [`claim`], [`lease`] with [`curve`] and [`log`],
-//! [`files`] over [`blobs`], [`ending`]; if the worker falls silent, [`sweep`].
+//! [`files`] and [`checkpoints`] over [`blobs`], [`ending`]; if the worker falls silent, [`sweep`]; if its
+//! machine is at fault, [`machines`].
 //!
 //! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
 //! [`collector`] removes what no row names, [`scrub`] finds what is missing or has changed, and [`backup`]
 //! copies both in the right order.
 mod backup;
 mod blobs;
+mod checkpoints;
 mod claim;
 mod collector;
 mod curve;
@@ -29,6 +31,7 @@ mod identity;
 mod jobs;
 mod lease;
 mod log;
+mod machines;
 mod migrations;
 mod open;
 mod row;

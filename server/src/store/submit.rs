@@ -204,7 +204,7 @@ impl Change {
         if matches!(job.state()?, State::Running { .. }) {
             return Err(StoreError::Conflict(Refusal::StillRunning.to_string()));
         }
-        self.drop_checkpoint(job.seq).await?;
+        self.remove_checkpoints(job.seq, None).await?;
         let files: Vec<String> = sqlx::query_scalar(
             "SELECT sha256 FROM attempt_files
              WHERE attempt IN (SELECT seq FROM attempts WHERE job = ?)",
@@ -228,6 +228,10 @@ impl Change {
     /// Clears the traces of the attempts before a retry.
     async fn start_over(&mut self, job: &LifecycleRow) -> Result<()> {
         sqlx::query("UPDATE jobs SET started_at = NULL, progress = 0 WHERE seq = ?")
+            .bind(job.seq)
+            .execute(&mut self.connection)
+            .await?;
+        sqlx::query("DELETE FROM job_faults WHERE job = ?")
             .bind(job.seq)
             .execute(&mut self.connection)
             .await?;

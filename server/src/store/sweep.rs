@@ -29,6 +29,7 @@ row! {
         job: Uuid,
         worker_name: String,
         host: String,
+        heard: bool,
         expired: bool,
     }
 }
@@ -43,7 +44,7 @@ impl Store {
         // its worker knows the limit too, and ends the attempt in order if it can
         let limit = limit.map(|limit| limit.saturating_add(self.lease_millis()));
         let overdue: Vec<Overdue> = sqlx::query_as(
-            "SELECT a.seq, a.token, j.id AS job, a.worker_name, a.host,
+            "SELECT a.seq, a.token, j.id AS job, a.worker_name, a.host, a.heard,
                     a.lease_until <= ?1 AS expired
              FROM attempts a JOIN jobs j ON j.seq = a.job
              WHERE a.ended_at IS NULL AND (a.lease_until <= ?1
@@ -143,10 +144,10 @@ impl Change {
             return Err(StoreError::LeaseLost);
         }
         let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
-        let input = if attempt.expired {
-            Input::Lose
-        } else {
-            Input::ExceedTime
+        let input = match (attempt.expired, attempt.heard) {
+            (true, true) => Input::Lose,
+            (true, false) => Input::NeverUse,
+            (false, _) => Input::ExceedTime,
         };
         let why = self.why(&job, input, &attempt).await?;
         let ending = Ending {
@@ -171,6 +172,9 @@ impl Change {
         };
         let who = format!("{} ({})", attempt.worker_name, attempt.host);
         Ok(match (input, step.state) {
+            (Input::NeverUse, State::Queued { .. }) => Some(format!(
+                "worker {who} was never heard of after it took the job; waiting for another"
+            )),
             (Input::Lose, State::Queued { losses }) => Some(format!(
                 "worker {who} fell silent, loss {losses} of {LOSSES_UNTIL_QUARANTINE}; waiting for another"
             )),
@@ -195,6 +199,7 @@ impl Change {
             for (statement, word) in [
                 ("DELETE FROM idempotency_keys WHERE created_at < ?", None),
                 ("DELETE FROM workers WHERE last_seen_at < ?", None),
+                ("DELETE FROM machines WHERE MAX(until, worked_at) < ?", None),
                 (
                     "DELETE FROM events WHERE at < ? AND type = ?",
                     Some(deleted),

@@ -20,6 +20,8 @@ pub struct StoreOptions {
     pub job_time_limit: Option<Duration>,
     /// How long a stored file that no job names waits before it is removed.
     pub unnamed_wait: Duration,
+    /// How long a machine is given no jobs after its first fault; twice as long after every further one.
+    pub fault_pause: Duration,
 }
 
 impl StoreOptions {
@@ -30,6 +32,7 @@ impl StoreOptions {
             lease: Duration::from_secs(30),
             job_time_limit: None,
             unnamed_wait: Duration::from_secs(7 * 24 * 3600),
+            fault_pause: Duration::from_secs(10),
         }
     }
 }
@@ -146,6 +149,8 @@ pub struct Counts {
     /// How long the oldest queued job has been waiting [s].
     pub oldest_queued_s: f64,
     pub workers_alive: u64,
+    /// Of these, workers that are given no jobs after a fault of their machine.
+    pub workers_set_aside: u64,
     /// Attempts that ended because their worker fell silent, ever.
     pub attempts_lost: u64,
     /// Bytes of result files and checkpoints that jobs name.

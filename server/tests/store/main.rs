@@ -4,6 +4,7 @@ mod claims;
 mod curves;
 mod endings;
 mod events;
+mod faults;
 mod files;
 mod lab;
 mod recovery;

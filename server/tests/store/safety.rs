@@ -211,14 +211,14 @@ async fn a_job_whose_checkpoint_has_changed_begins_anew_and_says_so() {
     let id = lab.submit().await;
     let lease = lab.lease().await;
     lab.checkpoint_with(&lease, b"state", 1.0).await;
-    let (_, path) = lab.checkpoint(key(&lease)).await.unwrap();
+    let (_, path) = lab.checkpoint(key(&lease), None).await.unwrap();
     spoil(&path);
-    assert!(is_missing(lab.checkpoint(key(&lease)).await));
+    assert!(is_missing(lab.checkpoint(key(&lease), None).await));
     let log = lab.log(id, 0).await.unwrap();
     assert!(log[0].message.contains("begins anew"), "{log:?}");
     // it can leave another, and nothing holds the job
     lab.checkpoint_with(&lease, b"state", 2.0).await;
-    assert!(lab.checkpoint(key(&lease)).await.is_ok());
+    assert!(lab.checkpoint(key(&lease), None).await.is_ok());
     lab.finish(&lease).await;
 }
 

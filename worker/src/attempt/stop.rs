@@ -6,6 +6,7 @@ use tokio_util::sync::CancellationToken;
 #[derive(Debug, Default)]
 pub(super) struct AttemptSwitch {
     run: StopSwitch,
+    stopped: CancellationToken,
     given_up: CancellationToken,
 }
 
@@ -13,6 +14,7 @@ impl AttemptSwitch {
     /// Asks the run to stop.
     pub(super) fn stop(&self, cause: StopCause) {
         self.run.stop(cause);
+        self.stopped.cancel();
         if !cause.keeps_checkpoint() {
             self.given_up.cancel();
         }
@@ -26,6 +28,11 @@ impl AttemptSwitch {
     /// The switch that the run itself looks at.
     pub(super) fn run(&self) -> &StopSwitch {
         &self.run
+    }
+
+    /// Waits until the run shall stop, whyever.
+    pub(super) async fn stopped(&self) {
+        self.stopped.cancelled().await;
     }
 
     /// Waits until nothing of the run is wanted any more.
