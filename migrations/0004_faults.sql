@@ -1,4 +1,4 @@
--- Faults of machines, checkpoints before the newest, and which build computed what.
+-- Faults of machines, checkpoints before the newest, which build computed what, and limits of jobs.
 
 -- Machines that could not carry out a job by a fault of their own: a worker's label on a host, which
 -- outlive its process. No row for those that never failed so.
@@ -27,6 +27,11 @@ CREATE TABLE job_faults (
     reason   TEXT    NOT NULL,
     PRIMARY KEY (job, attempt)
 ) STRICT, WITHOUT ROWID;
+
+-- What the job was estimated to take when it was submitted (JSON; null for jobs before this was kept), and
+-- how many times that it may take before it is paused.
+ALTER TABLE jobs ADD COLUMN estimate TEXT;
+ALTER TABLE jobs ADD COLUMN overrun_factor REAL NOT NULL DEFAULT 10;
 
 -- The build of the worker, as it told with its claim; empty for attempts before this was noted.
 ALTER TABLE attempts ADD COLUMN engine TEXT NOT NULL DEFAULT '';

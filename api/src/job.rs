@@ -6,7 +6,7 @@ use serde_json::Value;
 use uuid::Uuid;
 
 use crate::worker::FaultCode;
-use crate::{JobKind, Quantity, Timestamp};
+use crate::{JobKind, JobLimits, Quantity, Timestamp};
 
 /// Where a job is in its life; the diagram is in the server's `queue` module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -58,6 +58,8 @@ pub enum ReasonCode {
     /// Machine after machine could not carry it out.
     WorkerError,
     TimeLimit,
+    /// It has taken far more than it was estimated to, and is paused.
+    BeyondEstimate,
     Completed,
 }
 
@@ -109,6 +111,12 @@ pub struct JobView {
     pub finished_at: Option<Timestamp>,
     pub updated_at: Timestamp,
     pub spec_sha256: String,
+    /// How many times its estimate the job may take.
+    #[serde(default)]
+    pub overrun_factor: f64,
+    /// What the job may take before it is paused; `null` for jobs of earlier versions.
+    #[serde(default)]
+    pub limits: Option<JobLimits>,
     /// The normalised spec; only on a single job.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spec: Option<Value>,
@@ -171,6 +179,20 @@ pub struct Page<T> {
     pub items: Vec<T>,
     /// Give this as `cursor` for the next page.
     pub next: Option<String>,
+    /// Rows of this page that could not be read and are left out; the server's log names them.
+    #[serde(default)]
+    pub unreadable: u64,
+}
+
+impl<T> Page<T> {
+    /// A list that is one page.
+    pub fn whole(items: Vec<T>) -> Self {
+        Self {
+            items,
+            next: None,
+            unreadable: 0,
+        }
+    }
 }
 
 /// Part of a job's curve.

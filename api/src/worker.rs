@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use uuid::Uuid;
 
-use crate::{Calibration, FileEntry, JobKind, Outcome, Quantity};
+use crate::{Calibration, FileEntry, JobKind, JobLimits, Outcome, Quantity};
 
 /// Header that carries [`Lease::token`].
 pub const LEASE_TOKEN_HEADER: &str = "loadframe-lease-token";
@@ -55,6 +55,9 @@ pub struct Lease {
     pub heartbeat_s: f64,
     /// The job may take this much wall time [s] over all attempts.
     pub time_limit_s: Option<f64>,
+    /// Beyond this the job is to be paused.
+    #[serde(default)]
+    pub limits: Option<JobLimits>,
     /// What an earlier attempt left to go on from.
     pub checkpoint: Option<CheckpointInfo>,
 }
@@ -210,10 +213,14 @@ pub enum FailCode {
 }
 
 /// `POST /v1/worker/leases/{id}/release`: gives the lease back before the end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReleaseRequest {
     pub reason: ReleaseReason,
+    /// What was exceeded, for people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(max = 1000))]
+    pub detail: Option<String>,
 }
 
 /// Why a lease is given back.
@@ -224,6 +231,8 @@ pub enum ReleaseReason {
     Shutdown,
     Paused,
     Cancelled,
+    /// It has taken more than [`Lease::limits`]; the job is paused.
+    BeyondEstimate,
 }
 
 /// Results named in lists of jobs.

@@ -9,6 +9,7 @@
 //!               │  │                                 │
 //!               │ claim            ┌── the attempt ends, pause was asked
 //!               │  ▼               │
+//!               │  │               ├── it has taken far more than estimated
 //!               │ running ─────────┼── the attempt ends, cancel was asked ─▶ finished (cancelled)
 //!               │  │  ↻ cancel, pause, resume: asked, and told to the worker
 //!               │  │
@@ -84,6 +85,8 @@ pub enum Input {
     NeverUse,
     /// The job has taken longer than it may.
     ExceedTime,
+    /// The job has taken far more than was estimated, and its worker has left a checkpoint.
+    ExceedEstimate,
 }
 
 /// What a step leads to.
@@ -211,6 +214,12 @@ fn running(losses: u32, asked: Option<UserRequest>, input: Input) -> Result<Step
             ReasonCode::TimeLimit,
             AttemptEnd::TimedOut,
         )),
+
+        (Input::ExceedEstimate, _) => Ok(Step {
+            state: State::Paused { losses },
+            reason: Some(ReasonCode::BeyondEstimate),
+            attempt_end: Some(AttemptEnd::Paused),
+        }),
 
         (Input::Release, Some(UserRequest::Pause)) => Ok(Step {
             state: State::Paused { losses },

@@ -7,7 +7,7 @@ use super::{
     Input, LOSSES_UNTIL_QUARANTINE, MACHINES_UNTIL_FAILED, Refusal, State, UserRequest, transition,
 };
 
-const INPUTS: [Input; 13] = [
+const INPUTS: [Input; 14] = [
     Input::Claim,
     Input::Cancel,
     Input::Pause,
@@ -23,6 +23,7 @@ const INPUTS: [Input; 13] = [
     Input::Lose,
     Input::NeverUse,
     Input::ExceedTime,
+    Input::ExceedEstimate,
 ];
 
 const OUTCOMES: [JobOutcome; 5] = [
@@ -188,6 +189,13 @@ fn how_attempts_end() {
             finished(JobOutcome::TimedOut),
             AttemptEnd::TimedOut,
             ReasonCode::TimeLimit,
+        ),
+        (
+            None,
+            Input::ExceedEstimate,
+            paused(0),
+            AttemptEnd::Paused,
+            ReasonCode::BeyondEstimate,
         ),
         (
             None,

@@ -91,11 +91,11 @@ impl Store {
         }
         self.check_lease(key).await?;
         let received = self
-            .blobs()
-            .receive("a checkpoint", &query.sha256, LARGEST_CHECKPOINT, body)
+            .received("a checkpoint", &query.sha256, LARGEST_CHECKPOINT, body)
             .await?;
         let bytes = received.bytes;
-        let guard = self.blobs().keep(received).await?;
+        let guard = self.blobs().keep(received).await;
+        let guard = guard.map_err(|error| self.noted(error))?;
         let (row, lease) = (query.clone(), self.lease_millis());
         let written = self
             .write(move |change| {

@@ -7,6 +7,7 @@ use uuid::Uuid;
 use super::checkpoints::CheckpointRow;
 use super::encoding::{json, variant};
 use super::error::{Result, StoreError};
+use super::jobs::limits;
 use super::row::row;
 use super::state::LifecycleRow;
 use super::writer::Change;
@@ -30,6 +31,8 @@ row! {
         spec_sha256: String,
         /// The job's row.
         job_row: i64,
+        estimate: Option<String>,
+        overrun_factor: f64,
     }
 }
 
@@ -63,6 +66,7 @@ impl Store {
                 .options()
                 .job_time_limit
                 .map(|limit| limit.as_secs_f64()),
+            limits: limits(claimed.estimate.as_deref(), claimed.overrun_factor)?,
             checkpoint,
         }))
     }
@@ -85,7 +89,7 @@ impl Change {
         };
         let claimed: ClaimedJob = sqlx::query_as(
             "SELECT a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
-                    j.spec_sha256, j.seq AS job_row
+                    j.spec_sha256, j.seq AS job_row, j.estimate, j.overrun_factor
              FROM attempts a JOIN jobs j ON j.seq = a.job JOIN specs s ON s.job = a.job
              WHERE a.seq = ?",
         )

@@ -51,9 +51,35 @@ impl Store {
                 return self.take_fault(key, message, fault).await;
             }
         };
-        self.write(move |change| {
+        self.write_from_reserve(move |change| {
             Box::pin(async move {
                 change.end(key, message, input, Some(why)).await?;
+                Ok(())
+            })
+        })
+        .await
+    }
+
+    /// Pauses a job that has taken more than it may by its estimate; `detail` says what it has taken.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`].
+    pub async fn exceed_estimate(&self, key: LeaseKey, detail: &str) -> Result<()> {
+        let message = digest("exceed", &detail)?;
+        let detail = detail.to_owned();
+        self.write_from_reserve(move |change| {
+            Box::pin(async move {
+                let attempt = LeasedAttempt::find(&mut change.connection, key).await?;
+                let factor: f64 =
+                    sqlx::query_scalar("SELECT overrun_factor FROM jobs WHERE id = ?")
+                        .bind(attempt.job)
+                        .fetch_one(&mut change.connection)
+                        .await?;
+                let why = format!(
+                    "{detail} (overrun_factor {factor}); paused with its checkpoint. To let it go on, raise overrun_factor (on its page, or PATCH /v1/jobs/{}) and resume it",
+                    attempt.job
+                );
+                change.end(key, message, Input::ExceedEstimate, Some(why)).await?;
                 Ok(())
             })
         })
@@ -67,7 +93,7 @@ impl Store {
     /// [`StoreError::LeaseLost`].
     pub async fn release(&self, key: LeaseKey, reason: ReleaseReason) -> Result<()> {
         let message = digest("release", &reason)?;
-        self.write(move |change| {
+        self.write_from_reserve(move |change| {
             Box::pin(async move {
                 change.end(key, message, Input::Release, None).await?;
                 Ok(())

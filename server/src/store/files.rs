@@ -5,9 +5,11 @@ use loadframe_api::{FileEntry, check_file_name};
 use tokio::io::AsyncRead;
 use uuid::Uuid;
 
+use super::blobs::Received;
 use super::claim::entry;
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
+use super::reserve::admit;
 use super::state::LifecycleRow;
 use super::writer::Change;
 use super::{LeaseKey, Store};
@@ -30,16 +32,14 @@ impl Store {
     ) -> Result<FileEntry> {
         check_file_name(name).map_err(|error| StoreError::Invalid(error.to_string()))?;
         self.check_lease(key).await?;
-        let received = self
-            .blobs()
-            .receive("a file", sha256, LARGEST_FILE, body)
-            .await?;
+        let received = self.received("a file", sha256, LARGEST_FILE, body).await?;
         let entry = FileEntry {
             name: name.to_owned(),
             bytes: received.bytes,
             sha256: received.sha256.clone(),
         };
-        let guard = self.blobs().keep(received).await?;
+        let guard = self.blobs().keep(received).await;
+        let guard = guard.map_err(|error| self.noted(error))?;
         let (row, lease) = (entry.clone(), self.lease_millis());
         // a refused upload may have left bytes that no row names
         let written = self
@@ -123,6 +123,19 @@ impl Store {
         .fetch_optional(self.reads())
         .await?
         .ok_or_else(|| StoreError::NotFound(format!("outcome of job {id}")))
+    }
+
+    /// Takes in a body while there is room for it.
+    pub(super) async fn received(
+        &self,
+        what: &'static str,
+        sha256: &str,
+        limit: u64,
+        body: impl AsyncRead + Send + Unpin,
+    ) -> Result<Received> {
+        admit(&self.0.reserve)?;
+        let received = self.blobs().receive(what, sha256, limit, body).await;
+        received.map_err(|error| self.noted(error))
     }
 
     /// Refuses a stale worker before its body is taken in.

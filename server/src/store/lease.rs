@@ -149,7 +149,7 @@ impl Store {
     /// [`StoreError::LeaseLost`] when the lease is not held.
     pub async fn heartbeat(&self, key: LeaseKey) -> Result<Command> {
         let lease = self.lease_millis();
-        self.write(move |change| {
+        self.write_from_reserve(move |change| {
             Box::pin(async move {
                 let attempt = change.extend(key, lease).await?;
                 let job = LifecycleRow::of(&mut change.connection, attempt.job).await?;

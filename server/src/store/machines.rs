@@ -38,7 +38,7 @@ impl Store {
         request: FaultRequest,
     ) -> Result<()> {
         let pause = millis(self.options().fault_pause);
-        self.write(move |change| {
+        self.write_from_reserve(move |change| {
             Box::pin(async move { change.fault(key, message, &request, pause).await })
         })
         .await

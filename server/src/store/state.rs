@@ -232,6 +232,7 @@ pub(super) fn sentence(code: ReasonCode) -> &'static str {
         ReasonCode::WorkerFault => "its worker could not carry it out; waiting for another machine",
         ReasonCode::WorkerError => "machine after machine could not carry it out",
         ReasonCode::TimeLimit => "it took longer than it may",
+        ReasonCode::BeyondEstimate => "it has taken far more than estimated",
         ReasonCode::Completed => "completed",
     }
 }

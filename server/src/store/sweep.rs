@@ -57,7 +57,9 @@ impl Store {
         let (mut ended, lease) = (0, self.lease_millis());
         for attempt in overdue {
             let swept = self
-                .write(move |change| Box::pin(async move { change.sweep(attempt, lease).await }))
+                .write_from_reserve(move |change| {
+                    Box::pin(async move { change.sweep(attempt, lease).await })
+                })
                 .await;
             match swept {
                 Ok(()) => ended += 1,
@@ -103,7 +105,7 @@ impl Store {
     /// Gives every live attempt a lease from now: the server's absence is not the workers' fault.
     pub(super) async fn renew_leases(&self) -> Result<()> {
         let lease = self.lease_millis();
-        self.write(move |change| {
+        self.write_from_reserve(move |change| {
             Box::pin(async move {
                 sqlx::query("UPDATE attempts SET lease_until = ? WHERE ended_at IS NULL")
                     .bind(change.now.as_millis() + lease)
@@ -115,11 +117,14 @@ impl Store {
         .await
     }
 
-    /// Writes something that changes nothing, to find out whether a write works.
+    /// Writes something that changes nothing, to the database and to the folder of files, to find out
+    /// whether a write works.
     ///
     /// # Errors
-    /// [`StoreError::Unavailable`] and the database's.
+    /// [`StoreError::Full`], [`StoreError::Unavailable`], the database's and the disk's.
     pub async fn try_write(&self) -> Result<()> {
+        let tried = self.blobs().try_write().await;
+        tried.map_err(|error| self.noted(error))?;
         self.write(|change| {
             Box::pin(async move {
                 sqlx::query("UPDATE store SET starts = starts")
@@ -132,7 +137,8 @@ impl Store {
     }
 
     async fn tidy(&self) -> Result<()> {
-        self.write(|change| Box::pin(change.tidy())).await
+        self.write_from_reserve(|change| Box::pin(change.tidy()))
+            .await
     }
 }
 

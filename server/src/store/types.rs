@@ -100,6 +100,7 @@ pub struct JobEdit {
     pub notes: Option<String>,
     pub tags: Option<Vec<String>>,
     pub priority: Option<i32>,
+    pub overrun_factor: Option<f64>,
 }
 
 /// What a user may ask of a job.
@@ -157,6 +158,11 @@ pub struct Counts {
     pub file_bytes: u64,
     /// Stored files that no job names, which wait before they are removed.
     pub files_unnamed: u64,
+    /// Whether the disk is full.
+    pub is_full: bool,
+    /// How often the writer and the collector were taken up again after they failed.
+    pub writer_restarts: u64,
+    pub collector_restarts: u64,
     /// Files that jobs name and that were missing or had changed when last looked at.
     pub files_lost: u64,
 }

@@ -191,6 +191,9 @@ impl Store {
         counts.workers_set_aside = self.count_set_aside(self.alive_since()).await?;
         counts.attempts_lost = lost.unsigned_abs();
         counts.file_bytes = bytes.unsigned_abs();
+        counts.is_full = self.full().is_some();
+        counts.writer_restarts = self.0.restarts.writer.load(Ordering::Relaxed);
+        counts.collector_restarts = self.0.restarts.collector.load(Ordering::Relaxed);
         let faults = &self.blobs().faults;
         counts.files_unnamed = faults.unnamed.load(Ordering::Relaxed);
         counts.files_lost = faults.lost.load(Ordering::Relaxed);

@@ -410,3 +410,47 @@ async fn a_report_that_is_repeated_brings_its_log_lines_once() {
         .collect();
     assert_eq!(lines, ["a", "a", "b", "c", "c"]);
 }
+
+#[tokio::test]
+async fn a_job_beyond_its_estimate_is_paused_with_its_checkpoint_and_told_how_to_go_on() {
+    let lab = Lab::open(LONG).await;
+    let id = lab.submit().await;
+    let lease = lab.lease().await;
+    let limits = lab.view(id).await.limits.expect("an estimate");
+    assert_eq!(
+        lease.limits,
+        Some(limits),
+        "the worker is told what people see"
+    );
+    lab.checkpoint_with(&lease, b"state", 700.0).await;
+    let used = loadframe_api::JobLimits {
+        wall_s: 700.0,
+        ..limits
+    };
+    let excess = limits.exceeded_by(&used).expect("600 s are free");
+    lab.exceed_estimate(key(&lease), &excess).await.unwrap();
+    lab.exceed_estimate(key(&lease), &excess).await.unwrap();
+    let job = lab.view(id).await;
+    assert_eq!(
+        (job.status, job.reason_code),
+        (JobStatus::Paused, ReasonCode::BeyondEstimate)
+    );
+    for part in [
+        "700 s of wall time",
+        "600 is its limit",
+        "raise overrun_factor",
+        "resume",
+    ] {
+        assert!(job.reason.contains(part), "{part}: {}", job.reason);
+    }
+    let edit = loadframe_server::store::JobEdit {
+        overrun_factor: Some(1e6),
+        ..Default::default()
+    };
+    lab.edit(id, edit).await.unwrap();
+    lab.request(id, UserAction::Resume).await.unwrap();
+    let lease = lab.lease().await;
+    assert!(lease.checkpoint.is_some());
+    let raised = lease.limits.expect("an estimate").wall_s;
+    assert!(raised > 700.0, "{raised}");
+}

@@ -6,6 +6,7 @@ mod endings;
 mod events;
 mod faults;
 mod files;
+mod full_disk;
 mod lab;
 mod recovery;
 mod requests;

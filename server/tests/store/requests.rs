@@ -102,8 +102,7 @@ async fn retry_starts_what_has_not_succeeded_again() {
     let lab = Lab::open(LONG).await;
     let id = lab.submit().await;
     let lease = lab.lease().await;
-    lab.checkpoint_with(&lease, b"as far as it came", 1.0)
-        .await;
+    lab.checkpoint_with(&lease, b"as far as it came", 1.0).await;
     let failure = FailRequest {
         code: FailCode::SimulationError,
         reason: "it diverged".to_owned(),

@@ -8,6 +8,7 @@ use std::io;
 use tokio::sync::oneshot::error::RecvError;
 
 use super::lease_client::LeaseClient;
+use super::stop::AttemptSwitch;
 
 /// What became of a run: what the simulation said, or why its thread did not come back.
 pub(super) type RunEnd = Result<Result<Ended, RunError>, RecvError>;
@@ -19,20 +20,27 @@ enum LeaseEnd {
     Fail(FailCode, String),
     Fault(FaultCode, String),
     Release(ReleaseReason),
+    /// It has taken more than it may.
+    Exceeded,
 }
 
 /// Ends the lease of a run that ended as `run`, whose results arrived as `uploaded` says.
 pub(super) async fn end(
     lease: &LeaseClient,
-    cause: Option<StopCause>,
+    switch: &AttemptSwitch,
     run: RunEnd,
     uploaded: Result<(), ServerError>,
 ) -> Result<(), ServerError> {
-    match lease_end(cause, run, uploaded)? {
+    let release = |reason, detail| ReleaseRequest { reason, detail };
+    match lease_end(switch.cause(), run, uploaded)? {
         LeaseEnd::Complete(request) => lease.complete(&request).await,
         LeaseEnd::Fail(code, reason) => lease.fail(&FailRequest { code, reason }).await,
         LeaseEnd::Fault(code, reason) => lease.fault(&FaultRequest { code, reason }).await,
-        LeaseEnd::Release(reason) => lease.release(&ReleaseRequest { reason }).await,
+        LeaseEnd::Release(reason) => lease.release(&release(reason, None)).await,
+        LeaseEnd::Exceeded => {
+            let request = release(ReleaseReason::BeyondEstimate, switch.excess());
+            lease.release(&request).await
+        }
     }
 }
 
@@ -48,7 +56,7 @@ fn lease_end(
             let reason = "the job took longer than it may".to_owned();
             return Ok(LeaseEnd::Fail(FailCode::TimeLimit, reason));
         }
-        Some(StopCause::Pause | StopCause::Shutdown) | None => {}
+        Some(StopCause::BeyondEstimate | StopCause::Pause | StopCause::Shutdown) | None => {}
     }
     match uploaded {
         Ok(()) => {}
@@ -72,6 +80,7 @@ fn lease_end(
                 files,
             }))
         }
+        Ok(Ok(Ended::Suspended)) if cause == Some(StopCause::BeyondEstimate) => LeaseEnd::Exceeded,
         Ok(Ok(Ended::Suspended)) if cause == Some(StopCause::Pause) => {
             LeaseEnd::Release(ReleaseReason::Paused)
         }
@@ -124,6 +133,8 @@ mod tests {
         assert_eq!(paused, LeaseEnd::Release(ReleaseReason::Paused));
         let stopped = end_of(Some(StopCause::Shutdown), Ok(Ended::Suspended));
         assert_eq!(stopped, LeaseEnd::Release(ReleaseReason::Shutdown));
+        let exceeded = end_of(Some(StopCause::BeyondEstimate), Ok(Ended::Suspended));
+        assert_eq!(exceeded, LeaseEnd::Exceeded);
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod stop;
 mod uploader;
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 use std::time::Duration;
 
 use loadframe_api::worker::{FaultCode, FaultRequest, Lease};
@@ -55,9 +56,10 @@ impl AttemptContext {
     pub(crate) async fn carry_out(&self, lease: Lease) -> Result<(), ServerError> {
         let switch = Arc::new(AttemptSwitch::default());
         let client = LeaseClient::new(self.server.clone(), &lease, Arc::clone(&switch));
+        let files = Arc::new(AtomicU64::new(0));
         let _heartbeat = AbortOnDropHandle::new(tokio::spawn(heartbeat::keep_alive(
             client.over(self.heartbeat_server.clone()),
-            heartbeat::Schedule::of(&lease),
+            heartbeat::Schedule::of(&lease, Arc::clone(&files)),
             Arc::clone(&switch),
         )));
         let _shutdown = AbortOnDropHandle::new(tokio::spawn({
@@ -67,11 +69,11 @@ impl AttemptContext {
                 switch.stop(StopCause::Shutdown);
             }
         }));
-        match self.run(&lease, &client, &switch).await {
+        match self.run(&lease, &client, &switch, &files).await {
             Ok(ended) => ended,
             Err(AttemptError::Server(error @ ServerError::LeaseLost)) => Err(error),
             Err(AttemptError::Stopped) => {
-                ending::end(&client, switch.cause(), Ok(Ok(Ended::Suspended)), Ok(())).await
+                ending::end(&client, &switch, Ok(Ok(Ended::Suspended)), Ok(())).await
             }
             Err(error) => {
                 let fault = FaultRequest {
@@ -91,6 +93,7 @@ impl AttemptContext {
         lease: &Lease,
         client: &LeaseClient,
         switch: &Arc<AttemptSwitch>,
+        files: &Arc<AtomicU64>,
     ) -> Result<Result<(), ServerError>, AttemptError> {
         // before anything of the job is looked at: whatever it does to this process counts as its doing
         client.begin().await.map_err(AttemptError::Server)?;
@@ -110,7 +113,7 @@ impl AttemptContext {
         for part in [&results, &outgoing] {
             std::fs::create_dir(part).map_err(AttemptError::Scratch)?;
         }
-        let (mut queue, uploader) = uploader::queue(outgoing);
+        let (mut queue, uploader) = uploader::queue(outgoing, Arc::clone(files));
         let uploader = AbortOnDropHandle::new(tokio::spawn({
             let (client, switch) = (client.clone(), Arc::clone(switch));
             async move {
@@ -155,7 +158,7 @@ impl AttemptContext {
             .map_err(AttemptError::Thread)?;
         let run: RunEnd = end.await;
         let uploaded = uploader.await.unwrap_or(Err(ServerError::LeaseLost));
-        Ok(ending::end(client, switch.cause(), run, uploaded).await)
+        Ok(ending::end(client, switch, run, uploaded).await)
     }
 
     /// What an earlier attempt left, or why it cannot be used.

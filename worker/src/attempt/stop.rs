@@ -1,4 +1,6 @@
 //! The stop switch of an attempt, which tasks of this process can wait for.
+use std::sync::OnceLock;
+
 use loadframe_run::{StopCause, StopSwitch};
 use tokio_util::sync::CancellationToken;
 
@@ -8,6 +10,7 @@ pub(super) struct AttemptSwitch {
     run: StopSwitch,
     stopped: CancellationToken,
     given_up: CancellationToken,
+    excess: OnceLock<String>,
 }
 
 impl AttemptSwitch {
@@ -18,6 +21,17 @@ impl AttemptSwitch {
         if !cause.keeps_checkpoint() {
             self.given_up.cancel();
         }
+    }
+
+    /// Asks the run to stop because it has taken more than it may, as `excess` says.
+    pub(super) fn stop_for(&self, excess: String) {
+        let _ = self.excess.set(excess);
+        self.stop(StopCause::BeyondEstimate);
+    }
+
+    /// What the run has taken too much of.
+    pub(super) fn excess(&self) -> Option<String> {
+        self.excess.get().cloned()
     }
 
     /// Why the run shall stop, `None` while it shall go on.

@@ -3,7 +3,8 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use loadframe_api::worker::{
-    CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, ProgressReport, ReleaseRequest,
+    CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, ProgressReport, ReleaseReason,
+    ReleaseRequest,
 };
 
 use super::super::AppState;
@@ -128,7 +129,8 @@ pub(super) async fn fault(
 
 /// Give the lease back
 ///
-/// The job is cancelled or paused if its user asked for that, and else queued again, at no charge.
+/// The job is cancelled or paused if its user asked for that, paused if it has taken more than its limits,
+/// and else queued again, at no charge.
 /// The same message may be repeated.
 #[utoipa::path(post, path = "/v1/worker/leases/{id}/release", tag = "Worker",
     params(("id" = Uuid, Path, description = "Id of the lease"),
@@ -146,6 +148,16 @@ pub(super) async fn release(
     body: JsonBody,
 ) -> Result<StatusCode> {
     let request: ReleaseRequest = message(&state, body).await?;
-    counted(state.store.release(key, request.reason).await)?;
+    let released = match request.reason {
+        ReleaseReason::BeyondEstimate => {
+            let detail = request
+                .detail
+                .as_deref()
+                .unwrap_or("it has taken more than its limit");
+            state.store.exceed_estimate(key, detail).await
+        }
+        reason => state.store.release(key, reason).await,
+    };
+    counted(released)?;
     Ok(StatusCode::NO_CONTENT)
 }
