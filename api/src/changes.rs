@@ -3,7 +3,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The body of `PATCH /v1/jobs/{id}`; what is left out stays as it is.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct JobChanges {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -23,6 +23,10 @@ pub struct JobChanges {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "i32", range(min = -1000, max = 1000))]
     pub priority: Option<i32>,
+    /// How many times its estimate the job may take before it is paused (dimensionless).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", range(min = 1.0, max = 1e6))]
+    pub overrun_factor: Option<f64>,
 }
 
 #[cfg(test)]
@@ -35,12 +39,16 @@ mod tests {
         let changes = JobChanges::from_slice(br#"{"priority": 5, "tags": ["a"]}"#).expect("valid");
         assert_eq!(changes.priority, Some(5));
         assert_eq!(changes.name, None);
-        let refused = br#"{"priority": 1001, "name": null, "tags": [""], "spec": {}}"#;
+        let refused =
+            br#"{"priority": 1001, "name": null, "tags": [""], "spec": {}, "overrun_factor": 0.5}"#;
         let Err(SubmissionError::Invalid(violations)) = JobChanges::from_slice(refused) else {
             panic!("accepted");
         };
         let mut pointers: Vec<_> = violations.iter().map(|v| v.pointer.as_str()).collect();
         pointers.sort_unstable();
-        assert_eq!(pointers, ["/name", "/priority", "/spec", "/tags/0"]);
+        assert_eq!(
+            pointers,
+            ["/name", "/overrun_factor", "/priority", "/spec", "/tags/0"]
+        );
     }
 }

@@ -11,6 +11,7 @@ use crate::earlier::{Earlier, UNKNOWN_RESULTS};
 use crate::json::{parse, typed};
 use crate::kind_schemas::spec_violations;
 use crate::kinds::{JobKind, JobSpec, SpecVisitor};
+use crate::limits::OVERRUN_FACTOR;
 use crate::problem::{Problem, Violation};
 use crate::schema::Checker;
 use crate::spec_trait::Spec;
@@ -35,9 +36,18 @@ pub struct Envelope {
     #[serde(default)]
     #[schemars(range(min = -1000, max = 1000))]
     pub priority: i32,
+    /// How many times its estimated time, memory and files the job may take before it is paused with its
+    /// checkpoint (dimensionless).
+    #[serde(default = "overrun_factor")]
+    #[schemars(range(min = 1.0, max = 1e6))]
+    pub overrun_factor: f64,
     /// The kind's spec, see `/v1/kinds/{kind}/schema`.
     #[schemars(with = "serde_json::Map<String, Value>")]
     pub spec: Box<RawValue>,
+}
+
+fn overrun_factor() -> f64 {
+    OVERRUN_FACTOR
 }
 
 /// A submission that has passed every check.
@@ -47,6 +57,8 @@ pub struct Submission {
     pub notes: String,
     pub tags: Vec<String>,
     pub priority: i32,
+    /// How many times its estimate the job may take.
+    pub overrun_factor: f64,
     pub spec: JobSpec,
 }
 
@@ -102,6 +114,7 @@ impl Submission {
             notes,
             tags,
             priority,
+            overrun_factor,
             ..
         } = envelope;
         Ok(Self {
@@ -109,6 +122,7 @@ impl Submission {
             notes,
             tags,
             priority,
+            overrun_factor,
             spec,
         })
     }

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use uuid::Uuid;
 
-use crate::{JobKind, Quantity, Timestamp};
+use crate::worker::FaultCode;
+use crate::{JobKind, JobLimits, Quantity, Timestamp};
 
 /// Where a job is in its life; the diagram is in the server's `queue` module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -52,9 +53,13 @@ pub enum ReasonCode {
     TooManyLosses,
     /// The simulation could not give a result.
     SimulationError,
-    /// The worker could not carry out the job (disk full, files unreadable).
+    /// A fault of the worker's machine (disk full, files unreadable): another one is to carry it out.
+    WorkerFault,
+    /// Machine after machine could not carry it out.
     WorkerError,
     TimeLimit,
+    /// It has taken far more than it was estimated to, and is paused.
+    BeyondEstimate,
     Completed,
 }
 
@@ -70,6 +75,8 @@ pub enum AttemptEnd {
     Released,
     /// The lease ran out.
     Lost,
+    /// A fault of the machine; costs no attempt.
+    Faulted,
     TimedOut,
 }
 
@@ -104,6 +111,12 @@ pub struct JobView {
     pub finished_at: Option<Timestamp>,
     pub updated_at: Timestamp,
     pub spec_sha256: String,
+    /// How many times its estimate the job may take.
+    #[serde(default)]
+    pub overrun_factor: f64,
+    /// What the job may take before it is paused; `null` for jobs of earlier versions.
+    #[serde(default)]
+    pub limits: Option<JobLimits>,
     /// The normalised spec; only on a single job.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spec: Option<Value>,
@@ -123,6 +136,9 @@ pub struct AttemptView {
     pub started_at: Timestamp,
     pub ended_at: Option<Timestamp>,
     pub end_reason: Option<AttemptEnd>,
+    /// Version and commit of the worker's build; empty where that was not noted.
+    #[serde(default)]
+    pub engine: String,
 }
 
 /// Where to go on from a job.
@@ -163,6 +179,20 @@ pub struct Page<T> {
     pub items: Vec<T>,
     /// Give this as `cursor` for the next page.
     pub next: Option<String>,
+    /// Rows of this page that could not be read and are left out; the server's log names them.
+    #[serde(default)]
+    pub unreadable: u64,
+}
+
+impl<T> Page<T> {
+    /// A list that is one page.
+    pub fn whole(items: Vec<T>) -> Self {
+        Self {
+            items,
+            next: None,
+            unreadable: 0,
+        }
+    }
 }
 
 /// Part of a job's curve.
@@ -199,4 +229,18 @@ pub struct WorkerView {
     pub alive: bool,
     pub job_id: Option<Uuid>,
     pub last_seen_at: Timestamp,
+    /// Why it is given no jobs for a while; `null` when it is.
+    #[serde(default)]
+    pub set_aside: Option<SetAside>,
+}
+
+/// Why a worker is given no jobs for a while.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct SetAside {
+    /// When it is tried again; sooner when its process is started again.
+    pub until: Timestamp,
+    /// Faults since it last carried out a job.
+    pub faults: u32,
+    pub code: FaultCode,
+    pub reason: String,
 }

@@ -24,6 +24,7 @@ pub mod kinds;
 mod limits;
 mod message;
 mod outcome;
+mod plain;
 mod problem;
 mod results;
 mod schema;
@@ -50,16 +51,17 @@ pub use examples::UnknownExample;
 pub use file_name::{FileNameError, PARTIAL_FOLDER, check_file_name};
 pub use job::{
     AttemptEnd, AttemptView, CurveView, JobLinks, JobOutcome, JobStatus, JobView, LogLine, Page,
-    ReasonCode, WorkerView,
+    ReasonCode, SetAside, WorkerView,
 };
 pub use kind_schemas::kind_schema;
 pub use kinds::{Example, JobKind, JobSpec};
-pub use limits::{Excess, Limits};
+pub use limits::{Excess, JobLimits, Limits, OVERRUN_FACTOR};
 pub use message::Message;
 pub use outcome::{
     BodyProperties, Cost, ErrorBasis, ErrorEstimate, ErrorPart, FileEntry, Outcome, OutcomeStatus,
     Provenance, QualityCheck, Quantity, Report, Warning,
 };
+pub use plain::{csv_cell, printable};
 pub use problem::{Problem, Violation};
 pub use results::{result_names, result_units};
 pub use schema::{answer_schemas, body_schemas};

@@ -1,6 +1,55 @@
 //! What a single job may take, where it is to run.
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::calibration::Estimate;
 use crate::problem::Violation;
+
+/// How many times its estimate a job may take unless it says another number. Estimates of time are off by
+/// a factor of two, on a busy machine of four.
+pub const OVERRUN_FACTOR: f64 = 10.0;
+/// No job is paused before it has taken so much: wall time [s], memory and files [MB]. Below this the
+/// process itself and other work on the machine weigh as much as the job.
+const LEAST: JobLimits = JobLimits {
+    wall_s: 600.0,
+    memory_mb: 500.0,
+    disk_mb: 100.0,
+};
+
+/// What a job may take; beyond it, it is paused with its checkpoint.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct JobLimits {
+    /// Wall time over all attempts [s].
+    pub wall_s: f64,
+    /// Memory [MB].
+    pub memory_mb: f64,
+    /// Size of all result files [MB].
+    pub disk_mb: f64,
+}
+
+impl JobLimits {
+    /// `factor` times the estimate, and never less than what every job may take.
+    pub fn beyond(estimate: &Estimate, factor: f64) -> Self {
+        Self {
+            wall_s: LEAST.wall_s.max(factor * estimate.wall_s),
+            memory_mb: LEAST.memory_mb.max(factor * estimate.memory_mb),
+            disk_mb: LEAST.disk_mb.max(factor * estimate.disk_mb),
+        }
+    }
+
+    /// A sentence about the first limit that `used` exceeds.
+    pub fn exceeded_by(&self, used: &Self) -> Option<String> {
+        let all = [
+            ("s of wall time", used.wall_s, self.wall_s),
+            ("MB of memory", used.memory_mb, self.memory_mb),
+            ("MB of files", used.disk_mb, self.disk_mb),
+        ];
+        let beyond = all.into_iter().find(|(_, used, limit)| used > limit);
+        beyond.map(|(what, used, limit)| {
+            format!("it has taken {used:.0} {what}, where {limit:.0} is its limit")
+        })
+    }
+}
 
 /// What a single job may take: of a server, or of a machine without one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,6 +121,35 @@ impl Limits {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_job_may_take_ten_times_its_estimate_and_a_little_is_always_free() {
+        let estimate = Estimate {
+            wall_s: 3600.0,
+            memory_mb: 80.0,
+            disk_mb: 0.1,
+            calibrated: true,
+        };
+        let limits = JobLimits::beyond(&estimate, OVERRUN_FACTOR);
+        // 10 · 3600 s and 10 · 80 MB; 1 MB of files is less than the 100 that are free
+        assert_eq!(
+            limits,
+            JobLimits {
+                wall_s: 36_000.0,
+                memory_mb: 800.0,
+                disk_mb: 100.0
+            }
+        );
+        assert_eq!(limits.exceeded_by(&limits), None);
+        let used = JobLimits {
+            memory_mb: 801.0,
+            ..limits
+        };
+        assert_eq!(
+            limits.exceeded_by(&used).expect("one MB more"),
+            "it has taken 801 MB of memory, where 800 is its limit"
+        );
+    }
 
     #[test]
     fn only_what_is_beyond_its_limit_is_named() {

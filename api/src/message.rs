@@ -7,7 +7,9 @@ use serde::de::DeserializeOwned;
 use crate::json::{parse, typed};
 use crate::schema::Checker;
 use crate::study::ParameterStudy;
-use crate::worker::{ClaimRequest, CompleteRequest, FailRequest, ProgressReport, ReleaseRequest};
+use crate::worker::{
+    ClaimRequest, CompleteRequest, FailRequest, FaultRequest, ProgressReport, ReleaseRequest,
+};
 use crate::{JobChanges, SubmissionError};
 
 /// The body of a request, or a file that is no submission.
@@ -42,6 +44,7 @@ messages!(
     ProgressReport,
     CompleteRequest,
     FailRequest,
+    FaultRequest,
     ReleaseRequest,
     ParameterStudy
 );

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use uuid::Uuid;
 
-use crate::{Calibration, FileEntry, JobKind, Outcome, Quantity};
+use crate::{Calibration, FileEntry, JobKind, JobLimits, Outcome, Quantity};
 
 /// Header that carries [`Lease::token`].
 pub const LEASE_TOKEN_HEADER: &str = "loadframe-lease-token";
@@ -55,6 +55,9 @@ pub struct Lease {
     pub heartbeat_s: f64,
     /// The job may take this much wall time [s] over all attempts.
     pub time_limit_s: Option<f64>,
+    /// Beyond this the job is to be paused.
+    #[serde(default)]
+    pub limits: Option<JobLimits>,
     /// What an earlier attempt left to go on from.
     pub checkpoint: Option<CheckpointInfo>,
 }
@@ -126,6 +129,10 @@ pub struct ProgressReport {
     #[serde(default)]
     #[schemars(length(max = 1000))]
     pub log: Vec<String>,
+    /// Log lines of this attempt before these. Lines that the server has already are passed over, so a
+    /// report may be repeated; without this number they are taken as new.
+    #[serde(default)]
+    pub log_from: Option<u64>,
 }
 
 /// Columns that a curve may have.
@@ -163,23 +170,57 @@ pub struct FailRequest {
     pub reason: String,
 }
 
+/// `POST /v1/worker/leases/{id}/fault`: this machine cannot carry the job out, another one may. It costs
+/// the job nothing; the machine is set aside for a while.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FaultRequest {
+    pub code: FaultCode,
+    /// What happened, for people.
+    #[schemars(length(min = 1, max = 10_000))]
+    pub reason: String,
+}
+
+/// What is wrong with a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FaultCode {
+    /// Its scratch folder is full, missing, read-only or fails.
+    Disk,
+    /// It has not the memory that the job is estimated to need.
+    Memory,
+    /// It starts no more threads.
+    Threads,
+    /// It cannot fetch the checkpoint.
+    Checkpoint,
+    /// Its build does not know the job's spec.
+    Version,
+    /// Anything else, and what workers of earlier versions report as `worker_error`.
+    Other,
+}
+
 /// Whose fault a failure is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FailCode {
     /// The simulation has no result for this spec.
     SimulationError,
-    /// The worker could not carry it out.
+    /// The worker could not carry it out. Workers of earlier versions say this; it is taken as a
+    /// [`FaultRequest`].
     WorkerError,
     /// The job took longer than it may.
     TimeLimit,
 }
 
 /// `POST /v1/worker/leases/{id}/release`: gives the lease back before the end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReleaseRequest {
     pub reason: ReleaseReason,
+    /// What was exceeded, for people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(max = 1000))]
+    pub detail: Option<String>,
 }
 
 /// Why a lease is given back.
@@ -190,6 +231,8 @@ pub enum ReleaseReason {
     Shutdown,
     Paused,
     Cancelled,
+    /// It has taken more than [`Lease::limits`]; the job is paused.
+    BeyondEstimate,
 }
 
 /// Results named in lists of jobs.

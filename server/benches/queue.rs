@@ -302,6 +302,7 @@ fn delay(criterion: &mut Criterion) {
                 delays.push(delay);
                 let release = ReleaseRequest {
                     reason: ReleaseReason::Cancelled,
+                    detail: None,
                 };
                 let cancel = format!("/v1/jobs/{}/cancel", lease.job_id);
                 let _ = server.request(Method::POST, &cancel).send().await;

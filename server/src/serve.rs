@@ -71,9 +71,12 @@ pub async fn serve(
         );
     }
     let stopping = state.stopping.clone();
-    let scrubbed = store.clone();
+    let (scrubbed, filled) = (store.clone(), store.clone());
     let sweeping = keep_up("sweeping", move || store.clone().keep_sweeping());
     let scrubbing = keep_up("scrubbing", move || scrubbed.clone().keep_scrubbing());
+    let looking = keep_up("looking for room", move || {
+        filled.clone().keep_looking_for_room()
+    });
     let announcer = state.clone();
     let announcing = keep_up("announcing", move || announcer.announce());
     let folding = keep_up("folding metrics", http::keep_metrics_folded);
@@ -101,7 +104,7 @@ pub async fn serve(
             tokio::time::timeout(SHUTDOWN_GRACE, serving).await.unwrap_or(Ok(()))
         }
     };
-    for task in [sweeping, scrubbing, announcing, folding] {
+    for task in [sweeping, scrubbing, looking, announcing, folding] {
         task.abort();
     }
     end.map_err(ServeError::Serve)

@@ -10,6 +10,7 @@
 )]
 mod cancelled;
 mod exclusive;
+mod faulty_machines;
 mod killed_server;
 mod killed_workers;
 mod planned_stops;

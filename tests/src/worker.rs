@@ -17,10 +17,15 @@ impl Worker {
 
     /// Starts a worker that reaches the server at `url`, such as a [`crate::Relay`]'s.
     pub fn start_through(server: &Server, url: &str, name: &str) -> Self {
+        Self::start_with(server, url, name, &[])
+    }
+
+    /// Starts a worker with further options of `worker`.
+    pub fn start_with(server: &Server, url: &str, name: &str, options: &[&str]) -> Self {
         let mut command = loadframe();
         command.args(["worker", "--server", url, "--name", name, "--threads", "1"]);
         // several checkpoints even in jobs of a second
-        command.args(["--checkpoint-every", "0.2"]);
+        command.args(["--checkpoint-every", "0.2"]).args(options);
         let process = Process::start(command, server.folder().join(format!("{name}.log")));
         Self {
             process,

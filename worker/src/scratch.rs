@@ -2,6 +2,7 @@
 use std::fs::{File, TryLockError};
 use std::io;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use tempfile::TempDir;
 
@@ -15,7 +16,7 @@ const LOCK: &str = "lock";
 #[derive(Debug)]
 pub(crate) struct Scratch {
     folder: TempDir,
-    _lock: File,
+    lock: Mutex<File>,
 }
 
 impl Scratch {
@@ -24,21 +25,32 @@ impl Scratch {
         std::fs::create_dir_all(parent)?;
         remove_abandoned(parent);
         let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent)?;
-        // locked before it has its name: another worker that starts now must not find it free
-        let unnamed = folder.path().join("lock.new");
-        let lock = File::create(&unnamed)?;
-        lock.lock()?;
-        std::fs::rename(unnamed, folder.path().join(LOCK))?;
-        Ok(Self {
-            folder,
-            _lock: lock,
-        })
+        let lock = Mutex::new(lock(folder.path())?);
+        Ok(Self { folder, lock })
     }
 
-    /// A fresh folder for one attempt.
+    /// A fresh folder for one attempt. Where somebody has tidied away the whole, it is made anew.
     pub(crate) fn attempt(&self) -> io::Result<TempDir> {
-        tempfile::tempdir_in(self.folder.path())
+        match tempfile::tempdir_in(self.folder.path()) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                std::fs::create_dir_all(self.folder.path())?;
+                let lock = lock(self.folder.path())?;
+                *self.lock.lock().unwrap_or_else(PoisonError::into_inner) = lock;
+                tempfile::tempdir_in(self.folder.path())
+            }
+            folder => folder,
+        }
     }
+}
+
+/// Locks a scratch folder before the lock has its name: another worker that starts now must not find it
+/// free.
+fn lock(folder: &Path) -> io::Result<File> {
+    let unnamed = folder.join("lock.new");
+    let lock = File::create(&unnamed)?;
+    lock.lock()?;
+    std::fs::rename(unnamed, folder.join(LOCK))?;
+    Ok(lock)
 }
 
 /// Cleaning is a courtesy: what cannot be read or removed is left alone.
@@ -81,6 +93,16 @@ mod tests {
         for scratch in &all {
             scratch.attempt().expect("an attempt's folder");
         }
+    }
+
+    #[test]
+    fn a_folder_that_was_tidied_away_is_made_anew() {
+        let parent = tempfile::tempdir().expect("a temporary folder");
+        let scratch = Scratch::open(parent.path()).expect("a scratch folder");
+        std::fs::remove_dir_all(scratch.folder.path()).expect("removed");
+        let attempt = scratch.attempt().expect("an attempt's folder");
+        let _other = Scratch::open(parent.path()).expect("a second scratch folder");
+        assert!(attempt.path().exists(), "it is locked again");
     }
 
     #[test]

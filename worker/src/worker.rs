@@ -89,7 +89,7 @@ impl Worker {
             name: options.name,
             host: host_name(),
             threads: u32::try_from(options.threads).unwrap_or(u32::MAX),
-            engine_version: options.engine.version.to_owned(),
+            engine_version: options.engine.build(),
             kinds: JobKind::ALL.to_vec(),
             calibration: calibrate(),
             wait_s: CLAIM_WAIT_S,

@@ -1,6 +1,6 @@
 //! `loadframe list`
 use clap::Args;
-use loadframe_api::{JobKind, JobOutcome, JobStatus, JobView, Page};
+use loadframe_api::{JobKind, JobOutcome, JobStatus, JobView, Page, printable};
 use reqwest::Method;
 
 use super::connection::Connection;
@@ -87,6 +87,6 @@ fn line(job: &JobView) -> String {
         "{}  {state:11} {share:5}  {:18}  {}{left}",
         job.id,
         job.kind.name(),
-        job.name
+        printable(&job.name)
     )
 }

@@ -2,6 +2,7 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use loadframe_api::printable;
 use loadframe_run::Progress;
 
 use super::terminal::{print_error, span};
@@ -28,7 +29,7 @@ impl ProgressDisplay {
         if let Ok(style) = style {
             bar.set_style(style.progress_chars("━━╌"));
         }
-        bar.set_prefix(title.to_owned());
+        bar.set_prefix(printable(title).into_owned());
         bar.enable_steady_tick(Duration::from_millis(500));
         Self {
             bar,
@@ -41,7 +42,7 @@ impl ProgressDisplay {
         let left = left.map_or(String::new(), |left| {
             format!(", about {} to go", span(left))
         });
-        let message = format!("{}{left}", progress.phase);
+        let message = format!("{}{left}", printable(&progress.phase));
         if self.bar.is_hidden() {
             let line = format!("{:3.0} %  {message}", (100.0 * progress.fraction).floor());
             let last = self.last_line.as_ref();

@@ -1,6 +1,7 @@
 //! The one way out to the terminal.
 use std::io::{self, IsTerminal, Write};
 
+use loadframe_api::printable;
 use serde::Serialize;
 use tracing_subscriber::EnvFilter;
 
@@ -8,12 +9,21 @@ use super::failure::Failure;
 
 /// A line for people or scripts on standard output. A reader that went away is not an error.
 pub(crate) fn print_line(line: &str) {
-    let _ = writeln!(io::stdout(), "{line}");
+    let _ = writeln!(io::stdout(), "{}", safe(line));
 }
 
 /// A line on standard error.
 pub(crate) fn print_error(line: &str) {
-    let _ = writeln!(io::stderr(), "{line}");
+    let _ = writeln!(io::stderr(), "{}", safe(line));
+}
+
+/// Lines in which nothing acts on the terminal, whoever gave the names in them.
+fn safe(lines: &str) -> String {
+    let lines = lines.split('\n').map(|line| {
+        let cells: Vec<_> = line.split('\t').map(printable).collect();
+        cells.join("\t")
+    });
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// A value as JSON on standard output.
@@ -79,6 +89,15 @@ mod tests {
         );
         let sizes = [0.5, 12.34, 340.0, 20_000.0].map(size);
         assert_eq!(sizes, ["500 kB", "12.3 MB", "340 MB", "20.0 GB"]);
+    }
+
+    #[test]
+    fn what_is_printed_moves_no_cursor_and_keeps_its_lines() {
+        assert_eq!(safe("a\tb\n  c"), "a\tb\n  c");
+        assert_eq!(
+            safe("a\u{1b}]0;title\u{7}\nb"),
+            "a\\u001b]0;title\\u0007\nb"
+        );
     }
 
     #[test]

@@ -5,7 +5,7 @@ use axum::extract::{Path, Query, State};
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream::{self, StreamExt, TryStreamExt};
-use loadframe_api::CurveView;
+use loadframe_api::{CurveView, csv_cell};
 use serde::Deserialize;
 use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
@@ -167,7 +167,10 @@ async fn thinned(store: &Store, id: Uuid, since: u64, most: usize) -> Result<Cur
 fn heading(curve: &CurveView) -> String {
     match curve.columns.as_slice() {
         [] => String::new(),
-        columns => columns.join(",") + "\n",
+        columns => {
+            let cells: Vec<_> = columns.iter().map(|name| csv_cell(name)).collect();
+            cells.join(",") + "\n"
+        }
     }
 }
 

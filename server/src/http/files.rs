@@ -35,7 +35,7 @@ async fn list(
     Path(id): Path<Uuid>,
 ) -> Result<Json<Page<FileEntry>>> {
     let items = state.store.files(id).await?;
-    Ok(Json(Page { items, next: None }))
+    Ok(Json(Page::whole(items)))
 }
 
 /// Download a result file
@@ -139,7 +139,7 @@ async fn log(
 ) -> Result<Json<Page<LogLine>>> {
     let since = query.since.map_or(0, |Number(since)| since);
     let items = state.store.log(id, since).await?;
-    Ok(Json(Page { items, next: None }))
+    Ok(Json(Page::whole(items)))
 }
 
 /// The range as far as it is one of bytes; others are to be ignored (RFC 9110, 14.2). The last

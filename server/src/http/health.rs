@@ -11,6 +11,7 @@ use utoipa_axum::routes;
 
 use super::AppState;
 use super::problem::{ApiError, Result};
+use crate::store::StoreError;
 
 /// A store that takes longer to write is not ready.
 const LONGEST_WRITE: Duration = Duration::from_secs(2);
@@ -45,23 +46,27 @@ async fn alive() -> Json<Health> {
 
 /// Does the service take requests?
 ///
-/// 503 while it stops, or when the store takes no writes.
+/// 503 while it stops, or when a write to the database or the folder of files does not work within 2 s;
+/// `detail` says why.
 #[utoipa::path(get, operation_id = "check_ready", path = "/readyz", tag = "Service",
     responses((status = 200, description = "It does", body = ref("#/components/schemas/Health"))))]
 async fn ready(State(state): State<AppState>) -> Result<Json<Health>> {
     if state.stopping.is_cancelled() {
         return Err(ApiError::busy("the server is stopping", 5));
     }
+    let refuse = |why: String| {
+        tracing::error!(%why, "the store takes no writes");
+        let detail = format!("the store takes no writes: {why}");
+        Err(ApiError::busy(&detail, 5))
+    };
     match timeout(LONGEST_WRITE, state.store.try_write()).await {
         Ok(Ok(())) => Ok(Json(Health { status: "ready" })),
+        Ok(Err(StoreError::Full)) => refuse(StoreError::Full.to_string()),
         Ok(Err(error)) => {
-            tracing::error!(%error, "the store takes no writes");
-            Err(ApiError::busy("the store takes no writes", 5))
+            tracing::error!(%error, "a trial to write failed");
+            refuse("the server's log says more".to_owned())
         }
-        Err(_) => {
-            tracing::error!("the store takes no writes in time");
-            Err(ApiError::busy("the store takes no writes", 5))
-        }
+        Err(_) => refuse(format!("none was done in {LONGEST_WRITE:?}")),
     }
 }
 

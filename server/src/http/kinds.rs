@@ -102,10 +102,7 @@ impl ExampleView {
     responses((status = 200, description = "Every kind", body = ref("#/components/schemas/KindViewPage"))))]
 async fn list() -> Json<Page<KindView>> {
     let items = JobKind::ALL.iter().map(|kind| KindView::of(*kind));
-    Json(Page {
-        items: items.collect(),
-        next: None,
-    })
+    Json(Page::whole(items.collect()))
 }
 
 /// Read a kind
@@ -150,7 +147,7 @@ async fn examples(Path(KindPath { kind }): Path<KindPath>) -> Result<Json<Page<E
     let items = known(&kind)?.examples().iter().map(ExampleView::of);
     let items = items.collect::<Result<_, _>>();
     let items = items.map_err(|error| ApiError::internal(&error))?;
-    Ok(Json(Page { items, next: None }))
+    Ok(Json(Page::whole(items)))
 }
 
 fn known(name: &str) -> Result<JobKind> {

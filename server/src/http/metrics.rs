@@ -62,8 +62,20 @@ fn describe() {
         "Workers heard of within their lease"
     );
     gauge!(
+        "loadframe_workers_set_aside",
+        "Of these, workers that are given no jobs for a while after a fault of their machine"
+    );
+    gauge!(
         "loadframe_attempts_lost",
         "Attempts that ended because their worker fell silent"
+    );
+    gauge!(
+        "loadframe_store_full",
+        "1 while the disk is full: jobs, results and claims wait"
+    );
+    gauge!(
+        "loadframe_store_restarts",
+        "How often the writer and the collector of the store were taken up again after they failed"
     );
     gauge!(
         "loadframe_files_unnamed",
@@ -105,8 +117,16 @@ async fn read(State(state): State<AppState>) -> Result<Response> {
     }
     metrics::gauge!("loadframe_queue_age_seconds").set(counts.oldest_queued_s);
     metrics::gauge!("loadframe_workers_alive").set(counts.workers_alive as f64);
+    metrics::gauge!("loadframe_workers_set_aside").set(counts.workers_set_aside as f64);
     metrics::gauge!("loadframe_attempts_lost").set(counts.attempts_lost as f64);
     metrics::gauge!("loadframe_file_bytes").set(counts.file_bytes as f64);
+    metrics::gauge!("loadframe_store_full").set(f64::from(u8::from(counts.is_full)));
+    for (task, restarts) in [
+        ("writer", counts.writer_restarts),
+        ("collector", counts.collector_restarts),
+    ] {
+        metrics::gauge!("loadframe_store_restarts", "task" => task).set(restarts as f64);
+    }
     metrics::gauge!("loadframe_files_unnamed").set(counts.files_unnamed as f64);
     metrics::gauge!("loadframe_files_lost").set(counts.files_lost as f64);
     let media_type = "text/plain; version=0.0.4; charset=utf-8";

@@ -48,6 +48,7 @@ problem_kinds! {
     TOO_MANY_GUESSES = 429, "too-many-guesses", "Too many wrong tokens";
     INTERNAL = 500, "internal", "The server failed";
     FILE_LOST = 500, "file-lost", "A stored file is lost";
+    STORAGE_FULL = 507, "storage-full", "The server's disk is full";
     BUSY = 503, "busy", "The server is busy";
 }
 
@@ -130,6 +131,7 @@ impl From<StoreError> for ApiError {
                 Self::new(FILE_LOST, detail)
             }
             StoreError::Interrupted(_) => Self::new(BAD_REQUEST, detail),
+            StoreError::Full => Self::later(STORAGE_FULL, detail, 10),
             StoreError::Unavailable | StoreError::InUse(_) => Self::busy(&detail, 1),
             fault => Self::internal(&fault),
         }

@@ -18,6 +18,5 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
 #[utoipa::path(get, operation_id = "list_workers", path = "/v1/workers", tag = "Workers",
     responses((status = 200, description = "The workers", body = ref("#/components/schemas/WorkerViewPage"))))]
 async fn list(State(state): State<AppState>) -> Result<Json<Page<WorkerView>>> {
-    let items = state.store.workers().await?;
-    Ok(Json(Page { items, next: None }))
+    Ok(Json(Page::whole(state.store.workers().await?)))
 }

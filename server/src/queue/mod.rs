@@ -9,13 +9,15 @@
 //!               │  │                                 │
 //!               │ claim            ┌── the attempt ends, pause was asked
 //!               │  ▼               │
+//!               │  │               ├── it has taken far more than estimated
 //!               │ running ─────────┼── the attempt ends, cancel was asked ─▶ finished (cancelled)
 //!               │  │  ↻ cancel, pause, resume: asked, and told to the worker
 //!               │  │
 //!               │  ├── complete ───────────────────▶ finished (succeeded)
 //!               │  ├── fail ───────────────────────▶ finished (failed)
 //!               │  ├── time is over ───────────────▶ finished (timed_out)
-//!               ├──┼── release (planned stop)
+//!               ├──┼── release (planned stop), or a lease that was never used
+//!               ├──┼── fault (of the machine) ── the third machine ─▶ finished (failed)
 //!               └──┴── lose (lease ran out) ── third time ─▶ finished (quarantined)
 //!
 //!  finished, but not succeeded ── retry ─▶ queued
@@ -23,7 +25,7 @@
 //!
 //! The function is pure: it knows neither clock nor database. The store brings the state of a job
 //! and what happened, and writes down what comes out, inside one transaction.
-use loadframe_api::worker::{Command, FailCode};
+use loadframe_api::worker::Command;
 use loadframe_api::{AttemptEnd, JobOutcome, ReasonCode};
 
 #[cfg(test)]
@@ -31,6 +33,9 @@ mod tests;
 
 /// A job whose workers fell silent this often is set aside: it may be the job that kills them.
 pub const LOSSES_UNTIL_QUARANTINE: u32 = 3;
+
+/// A job that so many machines could not carry out is at fault itself.
+pub const MACHINES_UNTIL_FAILED: u32 = 3;
 
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,14 +70,23 @@ pub enum Input {
     Resume,
     Retry,
     Complete,
-    Fail(FailCode),
+    /// The simulation has no result.
+    Fail,
+    /// A fault of the machine. So many could not carry out the job, this one included.
+    Fault {
+        machines: u32,
+    },
     /// The worker gives the job back, for whatever reason: what becomes of it follows from what
     /// the user asked.
     Release,
     /// The lease ran out.
     Lose,
+    /// The lease ran out before its worker was ever heard of: it may never have got it.
+    NeverUse,
     /// The job has taken longer than it may.
     ExceedTime,
+    /// The job has taken far more than was estimated, and its worker has left a checkpoint.
+    ExceedEstimate,
 }
 
 /// What a step leads to.
@@ -175,7 +189,9 @@ fn running(losses: u32, asked: Option<UserRequest>, input: Input) -> Result<Step
         }
 
         // a cancel that was accepted first holds, whatever the attempt has come to meanwhile
-        (Input::Lose, Some(UserRequest::Cancel)) => Ok(cancelled(Some(AttemptEnd::Lost))),
+        (Input::Lose | Input::NeverUse, Some(UserRequest::Cancel)) => {
+            Ok(cancelled(Some(AttemptEnd::Lost)))
+        }
         (_, Some(UserRequest::Cancel)) => Ok(cancelled(Some(AttemptEnd::Cancelled))),
 
         (Input::Complete, _) => Ok(finished(
@@ -183,21 +199,27 @@ fn running(losses: u32, asked: Option<UserRequest>, input: Input) -> Result<Step
             ReasonCode::Completed,
             AttemptEnd::Completed,
         )),
-        (Input::Fail(FailCode::SimulationError), _) => Ok(finished(
+        (Input::Fail, _) => Ok(finished(
             JobOutcome::Failed,
             ReasonCode::SimulationError,
             AttemptEnd::Failed,
         )),
-        (Input::Fail(FailCode::WorkerError), _) => Ok(finished(
+        (Input::Fault { machines }, _) if machines >= MACHINES_UNTIL_FAILED => Ok(finished(
             JobOutcome::Failed,
             ReasonCode::WorkerError,
-            AttemptEnd::Failed,
+            AttemptEnd::Faulted,
         )),
-        (Input::Fail(FailCode::TimeLimit) | Input::ExceedTime, _) => Ok(finished(
+        (Input::ExceedTime, _) => Ok(finished(
             JobOutcome::TimedOut,
             ReasonCode::TimeLimit,
             AttemptEnd::TimedOut,
         )),
+
+        (Input::ExceedEstimate, _) => Ok(Step {
+            state: State::Paused { losses },
+            reason: Some(ReasonCode::BeyondEstimate),
+            attempt_end: Some(AttemptEnd::Paused),
+        }),
 
         (Input::Release, Some(UserRequest::Pause)) => Ok(Step {
             state: State::Paused { losses },
@@ -208,6 +230,21 @@ fn running(losses: u32, asked: Option<UserRequest>, input: Input) -> Result<Step
             state: State::Queued { losses },
             reason: Some(ReasonCode::WorkerReleased),
             attempt_end: Some(AttemptEnd::Released),
+        }),
+
+        // what is no fault of the job's costs it nothing
+        (Input::Fault { .. } | Input::NeverUse, Some(UserRequest::Pause)) => Ok(Step {
+            state: State::Paused { losses },
+            reason: Some(ReasonCode::PausedByUser),
+            attempt_end: Some(unpaid_end(input)),
+        }),
+        (Input::Fault { .. } | Input::NeverUse, None) => Ok(Step {
+            state: State::Queued { losses },
+            reason: Some(match input {
+                Input::Fault { .. } => ReasonCode::WorkerFault,
+                _ => ReasonCode::WorkerLost,
+            }),
+            attempt_end: Some(unpaid_end(input)),
         }),
 
         (Input::Lose, Some(UserRequest::Pause)) => Ok(Step {
@@ -228,6 +265,14 @@ fn running(losses: u32, asked: Option<UserRequest>, input: Input) -> Result<Step
     }
 }
 
+/// How an attempt ended that costs the job nothing.
+fn unpaid_end(input: Input) -> AttemptEnd {
+    match input {
+        Input::Fault { .. } => AttemptEnd::Faulted,
+        _ => AttemptEnd::Lost,
+    }
+}
+
 impl UserRequest {
     /// What the worker is told.
     pub fn command(asked: Option<Self>) -> Command {
@@ -239,10 +284,10 @@ impl UserRequest {
     }
 }
 
-/// Whether a job that ended this way may go on from its checkpoint when it is retried. What went
-/// wrong in the other cases may be in the checkpoint, so they start afresh.
+/// Whether a job that ended this way keeps its checkpoints, and goes on from them when it is retried:
+/// all do that have no result. Who wants to begin anew submits it again.
 pub fn keeps_checkpoint(outcome: JobOutcome) -> bool {
-    matches!(outcome, JobOutcome::Cancelled | JobOutcome::TimedOut)
+    outcome != JobOutcome::Succeeded
 }
 
 fn unchanged(state: State) -> Step {

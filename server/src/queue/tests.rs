@@ -1,24 +1,29 @@
 //! Every input in every state.
 #![allow(clippy::unwrap_used, reason = "a refusal fails the test")]
-use loadframe_api::worker::FailCode;
 use loadframe_api::{AttemptEnd, JobOutcome, ReasonCode};
 use proptest::prelude::*;
 
-use super::{Input, LOSSES_UNTIL_QUARANTINE, Refusal, State, UserRequest, transition};
+use super::{
+    Input, LOSSES_UNTIL_QUARANTINE, MACHINES_UNTIL_FAILED, Refusal, State, UserRequest, transition,
+};
 
-const INPUTS: [Input; 12] = [
+const INPUTS: [Input; 14] = [
     Input::Claim,
     Input::Cancel,
     Input::Pause,
     Input::Resume,
     Input::Retry,
     Input::Complete,
-    Input::Fail(FailCode::SimulationError),
-    Input::Fail(FailCode::WorkerError),
-    Input::Fail(FailCode::TimeLimit),
+    Input::Fail,
+    Input::Fault { machines: 1 },
+    Input::Fault {
+        machines: MACHINES_UNTIL_FAILED,
+    },
     Input::Release,
     Input::Lose,
+    Input::NeverUse,
     Input::ExceedTime,
+    Input::ExceedEstimate,
 ];
 
 const OUTCOMES: [JobOutcome; 5] = [
@@ -138,24 +143,45 @@ fn how_attempts_end() {
         ),
         (
             None,
-            Input::Fail(FailCode::SimulationError),
+            Input::Fail,
             finished(JobOutcome::Failed),
             AttemptEnd::Failed,
             ReasonCode::SimulationError,
         ),
         (
             None,
-            Input::Fail(FailCode::WorkerError),
+            Input::Fault { machines: 2 },
+            queued(0),
+            AttemptEnd::Faulted,
+            ReasonCode::WorkerFault,
+        ),
+        (
+            pause,
+            Input::Fault { machines: 2 },
+            paused(0),
+            AttemptEnd::Faulted,
+            ReasonCode::PausedByUser,
+        ),
+        (
+            None,
+            Input::Fault { machines: 3 },
             finished(JobOutcome::Failed),
-            AttemptEnd::Failed,
+            AttemptEnd::Faulted,
             ReasonCode::WorkerError,
         ),
         (
             None,
-            Input::Fail(FailCode::TimeLimit),
-            finished(JobOutcome::TimedOut),
-            AttemptEnd::TimedOut,
-            ReasonCode::TimeLimit,
+            Input::NeverUse,
+            queued(0),
+            AttemptEnd::Lost,
+            ReasonCode::WorkerLost,
+        ),
+        (
+            pause,
+            Input::NeverUse,
+            paused(0),
+            AttemptEnd::Lost,
+            ReasonCode::PausedByUser,
         ),
         (
             None,
@@ -163,6 +189,13 @@ fn how_attempts_end() {
             finished(JobOutcome::TimedOut),
             AttemptEnd::TimedOut,
             ReasonCode::TimeLimit,
+        ),
+        (
+            None,
+            Input::ExceedEstimate,
+            paused(0),
+            AttemptEnd::Paused,
+            ReasonCode::BeyondEstimate,
         ),
         (
             None,
@@ -205,7 +238,7 @@ fn how_attempts_end() {
         let (state, end, reason) = ended(cancel, *input);
         assert_eq!(state, finished(JobOutcome::Cancelled), "{input:?}");
         assert_eq!(reason, ReasonCode::CancelledByUser);
-        let lost = *input == Input::Lose;
+        let lost = matches!(input, Input::Lose | Input::NeverUse);
         assert_eq!(
             end,
             if lost {

@@ -19,6 +19,7 @@ use tokio::task::spawn_blocking;
 
 use super::collector::{Collector, Faults, Garbage};
 use super::error::{Result, StoreError};
+use super::supervision::Restarts;
 
 /// Bytes read and written at a time.
 const CHUNK: usize = 256 << 10;
@@ -270,6 +271,17 @@ impl Blobs {
         self.verified.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Writes and removes a small file, to find out whether a write works.
+    pub(super) async fn try_write(&self) -> Result<()> {
+        let folder = self.incoming.clone();
+        blocking(&self.incoming, move || {
+            let mut file = tempfile::tempfile_in(folder)?;
+            std::io::Write::write_all(&mut file, &[0x5a; 4096])?;
+            file.sync_all()
+        })
+        .await
+    }
+
     /// Has the whole folder looked through for files without a row.
     pub(super) fn look_through(&self) {
         let _ = self.garbage.send(Garbage::PerhapsAny);
@@ -295,6 +307,7 @@ impl Blobs {
         reads: SqlitePool,
         wait: Duration,
         is_behind: bool,
+        restarts: Arc<Restarts>,
     ) -> Collector {
         // not the whole of `self`: that can report, and would keep the collector alive
         Collector {
@@ -304,6 +317,7 @@ impl Blobs {
             reads,
             wait,
             is_behind,
+            restarts,
         }
     }
 }

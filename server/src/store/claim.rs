@@ -2,11 +2,12 @@
 use loadframe_api::worker::{CheckpointInfo, ClaimRequest, Lease};
 use loadframe_api::{FileEntry, JobKind};
 use serde_json::value::RawValue;
-use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
+use super::checkpoints::CheckpointRow;
 use super::encoding::{json, variant};
 use super::error::{Result, StoreError};
+use super::jobs::limits;
 use super::row::row;
 use super::state::LifecycleRow;
 use super::writer::Change;
@@ -21,7 +22,6 @@ const HEARTBEATS_A_LEASE: f64 = 4.0;
 row! {
     /// The job that a worker gets.
     struct ClaimedJob {
-        attempt: i64,
         id: Uuid,
         token: Uuid,
         number: u32,
@@ -29,7 +29,10 @@ row! {
         kind: String,
         spec: String,
         spec_sha256: String,
-        has_checkpoint: bool,
+        /// The job's row.
+        job_row: i64,
+        estimate: Option<String>,
+        overrun_factor: f64,
     }
 }
 
@@ -63,6 +66,7 @@ impl Store {
                 .options()
                 .job_time_limit
                 .map(|limit| limit.as_secs_f64()),
+            limits: limits(claimed.estimate.as_deref(), claimed.overrun_factor)?,
             checkpoint,
         }))
     }
@@ -74,6 +78,7 @@ impl Change {
         worker: &ClaimRequest,
         lease: i64,
     ) -> Result<Option<(ClaimedJob, Option<CheckpointInfo>)>> {
+        self.try_restarted(worker).await?;
         self.register_worker(worker).await?;
         let attempt = match self.unused_lease(worker.worker_id, lease).await? {
             Some(attempt) => attempt,
@@ -83,19 +88,20 @@ impl Change {
             },
         };
         let claimed: ClaimedJob = sqlx::query_as(
-            "SELECT a.seq AS attempt, a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
-                    j.spec_sha256,
-                    EXISTS (SELECT 1 FROM checkpoints c WHERE c.job = a.job) AS has_checkpoint
+            "SELECT a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
+                    j.spec_sha256, j.seq AS job_row, j.estimate, j.overrun_factor
              FROM attempts a JOIN jobs j ON j.seq = a.job JOIN specs s ON s.job = a.job
              WHERE a.seq = ?",
         )
         .bind(attempt)
         .fetch_one(&mut self.connection)
         .await?;
-        let checkpoint = if claimed.has_checkpoint {
-            checkpoint_of(&mut self.connection, claimed.attempt).await?
-        } else {
-            None
+        let engine = &worker.engine_version;
+        let connection = &mut self.connection;
+        let newest = CheckpointRow::newest(connection, claimed.job_row, engine, None).await?;
+        let checkpoint = match newest {
+            Some(newest) => Some(newest.info(connection).await?),
+            None => None,
         };
         Ok(Some((claimed, checkpoint)))
     }
@@ -113,16 +119,31 @@ impl Change {
         Ok(attempt)
     }
 
+    /// The first job of the queue, for a machine that is not set aside: one that it could not carry out
+    /// before comes after all others.
     async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<LifecycleRow>> {
-        let job = sqlx::query_as(
-            "SELECT seq, id, status, outcome, asked, losses, attempt, version FROM jobs
-             WHERE status = 'queued' AND kind IN (SELECT value FROM json_each(?))
-             ORDER BY priority DESC, seq LIMIT 1",
-        )
-        .bind(json(&worker.kinds)?)
-        .fetch_optional(&mut self.connection)
-        .await?;
-        Ok(job)
+        for with_faults in [false, true] {
+            let job = sqlx::query_as(
+                "SELECT seq, id, status, outcome, asked, losses, attempt, version FROM jobs
+                 WHERE status = 'queued' AND kind IN (SELECT value FROM json_each(?1))
+                    AND NOT EXISTS (SELECT 1 FROM machines
+                        WHERE host = ?2 AND worker_name = ?3 AND until > ?4)
+                    AND (?5 OR NOT EXISTS (SELECT 1 FROM job_faults f
+                        WHERE f.job = jobs.seq AND f.host = ?2))
+                 ORDER BY priority DESC, seq LIMIT 1",
+            )
+            .bind(json(&worker.kinds)?)
+            .bind(&worker.host)
+            .bind(&worker.name)
+            .bind(self.now.as_millis())
+            .bind(with_faults)
+            .fetch_optional(&mut self.connection)
+            .await?;
+            if job.is_some() {
+                return Ok(job);
+            }
+        }
+        Ok(None)
     }
 
     /// Starts an attempt at a queued job; the files of its checkpoint, if it has one, are carried
@@ -135,10 +156,11 @@ impl Change {
     ) -> Result<i64> {
         let why = format!("running on {} ({})", worker.name, worker.host);
         self.step(job, Input::Claim, Some(why), None).await?;
-        let (number, resumed_wall_s): (i64, Option<f64>) = sqlx::query_as(
+        let engine = &worker.engine_version;
+        let newest = CheckpointRow::newest(&mut self.connection, job.seq, engine, None).await?;
+        let number: u32 = sqlx::query_scalar(
             "UPDATE jobs SET attempt = attempt + 1, started_at = COALESCE(started_at, ?)
-             WHERE seq = ?
-             RETURNING attempt, (SELECT wall_s FROM checkpoints c WHERE c.job = jobs.seq)",
+             WHERE seq = ? RETURNING attempt",
         )
         .bind(self.now.as_millis())
         .bind(job.seq)
@@ -146,8 +168,8 @@ impl Change {
         .await?;
         let attempt = sqlx::query(
             "INSERT INTO attempts (id, token, job, number, worker, worker_name, host, started_at,
-                                   lease_until, resumed_wall_s)
-             VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                                   lease_until, resumed_wall_s, engine)
+             VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         )
         .bind(Uuid::now_v7())
         .bind(Uuid::new_v4())
@@ -158,51 +180,17 @@ impl Change {
         .bind(&worker.host)
         .bind(self.now.as_millis())
         .bind(self.now.as_millis() + lease)
-        .bind(resumed_wall_s.unwrap_or(0.0))
+        .bind(newest.as_ref().map_or(0.0, |newest| newest.wall_s))
+        .bind(engine)
         .execute(&mut self.connection)
         .await?
         .last_insert_rowid();
-        if resumed_wall_s.is_some() {
-            sqlx::query(
-                "INSERT INTO attempt_files (attempt, name, bytes, sha256)
-                 SELECT ?, name, bytes, sha256 FROM checkpoint_files WHERE job = ?",
-            )
-            .bind(attempt)
-            .bind(job.seq)
-            .execute(&mut self.connection)
-            .await?;
+        match &newest {
+            Some(newest) => self.carry_over(attempt, newest).await?,
+            None => self.tell_of_other_builds(job, number, engine).await?,
         }
         Ok(attempt)
     }
-}
-
-/// The checkpoint of the job that `attempt` belongs to.
-pub(super) async fn checkpoint_of(
-    connection: &mut SqliteConnection,
-    attempt: i64,
-) -> Result<Option<CheckpointInfo>> {
-    let found: Option<(i64, i64, String, f64, f64)> = sqlx::query_as(
-        "SELECT c.job, c.bytes, c.sha256, c.wall_s, c.cpu_s
-         FROM checkpoints c JOIN attempts a ON a.job = c.job WHERE a.seq = ?",
-    )
-    .bind(attempt)
-    .fetch_optional(&mut *connection)
-    .await?;
-    let Some((job, bytes, sha256, wall_s, cpu_s)) = found else {
-        return Ok(None);
-    };
-    let files: Vec<(String, i64, String)> =
-        sqlx::query_as("SELECT name, bytes, sha256 FROM checkpoint_files WHERE job = ?")
-            .bind(job)
-            .fetch_all(connection)
-            .await?;
-    Ok(Some(CheckpointInfo {
-        bytes: bytes.unsigned_abs(),
-        sha256,
-        files: files.into_iter().map(entry).collect(),
-        wall_s,
-        cpu_s,
-    }))
 }
 
 /// A file from its row.

@@ -19,6 +19,7 @@ use super::blobs::blocking;
 use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::millis;
+use super::supervision::{Restarts, caught};
 
 /// Names looked up at a time.
 const NAMES_AT_ONCE: usize = 500;
@@ -62,22 +63,28 @@ pub(super) struct Collector {
     pub(super) wait: Duration,
     /// Whether what is found first waits for a person.
     pub(super) is_behind: bool,
+    pub(super) restarts: Arc<Restarts>,
 }
 
 impl Collector {
     /// Removes what no row names, as it is reported; ends with the last reporter.
     pub(super) async fn run(mut self, mut reports: mpsc::UnboundedReceiver<Garbage>) {
         while let Some(report) = reports.recv().await {
-            let removed = match report {
-                Garbage::Perhaps(names) => self.remove_unnamed(names).await,
-                Garbage::PerhapsAny => self.look_through().await,
-                Garbage::Barrier(done) => {
-                    // whoever waited may have gone
-                    let _ = done.send(());
-                    continue;
+            let restarts = Arc::clone(&self.restarts);
+            let work = async {
+                match report {
+                    Garbage::Perhaps(names) => self.remove_unnamed(names).await,
+                    Garbage::PerhapsAny => self.look_through().await,
+                    Garbage::Barrier(done) => {
+                        // whoever waited may have gone
+                        let _ = done.send(());
+                        Ok(())
+                    }
                 }
             };
-            if let Err(error) = removed {
+            // a panic leaves files without a row, which are found when the folder is looked through
+            let removed = caught("collector", &restarts.collector, work).await;
+            if let Ok(Err(error)) = removed {
                 tracing::error!(%error, "files without a row stay for now");
             }
         }

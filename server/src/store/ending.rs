@@ -1,8 +1,10 @@
-//! How a worker ends its attempt: complete, fail or release. A message sent twice, because the answer
+//! How a worker ends its attempt: complete, fail or release (a fault: see [`super::machines`]). A message sent twice, because the answer
 //! to the first was lost, is answered twice.
 use std::collections::HashMap;
 
-use loadframe_api::worker::{CompleteRequest, FailRequest, ReleaseReason};
+use loadframe_api::worker::{
+    CompleteRequest, FailCode, FailRequest, FaultCode, FaultRequest, ReleaseReason,
+};
 use loadframe_api::{FileEntry, JobOutcome, sha256_hex};
 use serde::Serialize;
 
@@ -33,16 +35,51 @@ impl Store {
         .await
     }
 
-    /// Ends the job without a result.
+    /// Ends the job without a result; a fault of the worker is taken as [`Self::fault`].
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`].
     pub async fn fail(&self, key: LeaseKey, request: &FailRequest) -> Result<()> {
         let message = digest("fail", request)?;
-        let (input, why) = (Input::Fail(request.code), request.reason.clone());
-        self.write(move |change| {
+        let why = request.reason.clone();
+        let input = match request.code {
+            FailCode::SimulationError => Input::Fail,
+            FailCode::TimeLimit => Input::ExceedTime,
+            FailCode::WorkerError => {
+                let code = FaultCode::Other;
+                let fault = FaultRequest { code, reason: why };
+                return self.take_fault(key, message, fault).await;
+            }
+        };
+        self.write_from_reserve(move |change| {
             Box::pin(async move {
                 change.end(key, message, input, Some(why)).await?;
+                Ok(())
+            })
+        })
+        .await
+    }
+
+    /// Pauses a job that has taken more than it may by its estimate; `detail` says what it has taken.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`].
+    pub async fn exceed_estimate(&self, key: LeaseKey, detail: &str) -> Result<()> {
+        let message = digest("exceed", &detail)?;
+        let detail = detail.to_owned();
+        self.write_from_reserve(move |change| {
+            Box::pin(async move {
+                let attempt = LeasedAttempt::find(&mut change.connection, key).await?;
+                let factor: f64 =
+                    sqlx::query_scalar("SELECT overrun_factor FROM jobs WHERE id = ?")
+                        .bind(attempt.job)
+                        .fetch_one(&mut change.connection)
+                        .await?;
+                let why = format!(
+                    "{detail} (overrun_factor {factor}); paused with its checkpoint. To let it go on, raise overrun_factor (on its page, or PATCH /v1/jobs/{}) and resume it",
+                    attempt.job
+                );
+                change.end(key, message, Input::ExceedEstimate, Some(why)).await?;
                 Ok(())
             })
         })
@@ -56,7 +93,7 @@ impl Store {
     /// [`StoreError::LeaseLost`].
     pub async fn release(&self, key: LeaseKey, reason: ReleaseReason) -> Result<()> {
         let message = digest("release", &reason)?;
-        self.write(move |change| {
+        self.write_from_reserve(move |change| {
             Box::pin(async move {
                 change.end(key, message, Input::Release, None).await?;
                 Ok(())
@@ -67,13 +104,13 @@ impl Store {
 }
 
 /// SHA-256 of a message.
-fn digest(route: &str, message: &impl Serialize) -> Result<String> {
+pub(super) fn digest(route: &str, message: &impl Serialize) -> Result<String> {
     Ok(sha256_hex(format!("{route} {}", json(message)?).as_bytes()))
 }
 
 impl Change {
     /// Ends the attempt of `key` by `input`; `None` when this same message has ended it before.
-    async fn end(
+    pub(super) async fn end(
         &mut self,
         key: LeaseKey,
         message: String,
@@ -95,6 +132,9 @@ impl Change {
             expired: false,
         };
         let step = self.step(&job, input, why, Some(ending)).await?;
+        if matches!(input, Input::Complete | Input::Fail) {
+            self.note_work(&attempt).await?;
+        }
         Ok(Some((job, attempt, step.state)))
     }
 

@@ -38,6 +38,11 @@ pub enum StoreError {
     /// 503: the writer has stopped or its transaction was rolled back; trying again may help.
     #[error("the store did not take the change; try again")]
     Unavailable,
+    /// 507: the disk is full; what frees or saves something is still taken.
+    #[error(
+        "the server's disk is full: jobs, results and claims have to wait, cancels still work; it heals by itself when there is room again"
+    )]
+    Full,
     /// 503: the data folder belongs to a running server.
     #[error("{} is in use by another loadframe server", .0.display())]
     InUse(PathBuf),
@@ -50,6 +55,11 @@ pub enum StoreError {
     /// 500: the database refused a statement.
     #[error("the database failed")]
     Database(#[from] sqlx::Error),
+    /// The database has been brought up to date by a newer version.
+    #[error(
+        "the database is of a newer version of loadframe: it has step {found} of its schema, this version knows {known}; start the newer version, or put back a backup from before it"
+    )]
+    Newer { found: i64, known: i64 },
     /// 500: the database cannot be brought to this version's schema.
     #[error("the database could not be migrated")]
     Migration(#[from] sqlx::migrate::MigrateError),

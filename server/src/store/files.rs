@@ -1,22 +1,21 @@
-//! Files and checkpoints: taken in from workers, given out to everybody.
+//! Result files: taken in from workers, given out to everybody.
 use std::path::PathBuf;
 
-use loadframe_api::worker::{CheckpointInfo, CheckpointQuery};
 use loadframe_api::{FileEntry, check_file_name};
 use tokio::io::AsyncRead;
 use uuid::Uuid;
 
-use super::claim::{checkpoint_of, entry};
+use super::blobs::Received;
+use super::claim::entry;
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
+use super::reserve::admit;
 use super::state::LifecycleRow;
 use super::writer::Change;
 use super::{LeaseKey, Store};
 
 /// Largest result file [bytes].
 const LARGEST_FILE: u64 = 8 << 30;
-/// Largest checkpoint [bytes].
-const LARGEST_CHECKPOINT: u64 = 8 << 30;
 
 impl Store {
     /// Takes in a result file. It belongs to the attempt, and to the job only after `complete`.
@@ -33,16 +32,14 @@ impl Store {
     ) -> Result<FileEntry> {
         check_file_name(name).map_err(|error| StoreError::Invalid(error.to_string()))?;
         self.check_lease(key).await?;
-        let received = self
-            .blobs()
-            .receive("a file", sha256, LARGEST_FILE, body)
-            .await?;
+        let received = self.received("a file", sha256, LARGEST_FILE, body).await?;
         let entry = FileEntry {
             name: name.to_owned(),
             bytes: received.bytes,
             sha256: received.sha256.clone(),
         };
-        let guard = self.blobs().keep(received).await?;
+        let guard = self.blobs().keep(received).await;
+        let guard = guard.map_err(|error| self.noted(error))?;
         let (row, lease) = (entry.clone(), self.lease_millis());
         // a refused upload may have left bytes that no row names
         let written = self
@@ -55,74 +52,6 @@ impl Store {
             .await;
         self.undo_unless_written(&entry.sha256, written)?;
         Ok(entry)
-    }
-
-    /// Takes in a checkpoint, to which all files uploaded so far by this attempt belong. It
-    /// replaces the job's earlier one.
-    ///
-    /// # Errors
-    /// As [`Self::upload`].
-    pub async fn save_checkpoint(
-        &self,
-        key: LeaseKey,
-        query: &CheckpointQuery,
-        body: impl AsyncRead + Send + Unpin,
-    ) -> Result<CheckpointInfo> {
-        if [query.wall_s, query.cpu_s]
-            .iter()
-            .any(|time| time.is_nan() || *time < 0.0)
-        {
-            let sentence = "wall_s and cpu_s are not negative";
-            return Err(StoreError::Invalid(sentence.to_owned()));
-        }
-        self.check_lease(key).await?;
-        let received = self
-            .blobs()
-            .receive("a checkpoint", &query.sha256, LARGEST_CHECKPOINT, body)
-            .await?;
-        let bytes = received.bytes;
-        let guard = self.blobs().keep(received).await?;
-        let (row, lease) = (query.clone(), self.lease_millis());
-        let written = self
-            .write(move |change| {
-                Box::pin(async move {
-                    let info = change.set_checkpoint(key, lease, &row, bytes).await?;
-                    Ok((info, guard))
-                })
-            })
-            .await;
-        let (info, _) = self.undo_unless_written(&query.sha256, written)?;
-        Ok(info)
-    }
-
-    /// The checkpoint of the lease's job, and where its bytes are. One that is missing or has changed is
-    /// forgotten, and the job's log tells that it begins anew.
-    ///
-    /// # Errors
-    /// [`StoreError::LeaseLost`]; [`StoreError::NotFound`] when there is none.
-    pub async fn checkpoint(&self, key: LeaseKey) -> Result<(CheckpointInfo, PathBuf)> {
-        let mut snapshot = self.reads().begin().await?;
-        let attempt = LeasedAttempt::live(&mut snapshot, key).await?;
-        let info = checkpoint_of(&mut snapshot, attempt.seq).await?;
-        let info = info.ok_or_else(|| StoreError::NotFound("checkpoint".to_owned()))?;
-        drop(snapshot);
-        match self.blobs().verified(&info.sha256, info.bytes).await? {
-            Ok(path) => Ok((info, path)),
-            Err(loss) => {
-                let why = format!("the checkpoint {loss}; the job begins anew");
-                tracing::error!(job_id = %attempt.job, "{why}");
-                self.write(move |change| {
-                    Box::pin(async move {
-                        let attempt = LeasedAttempt::live(&mut change.connection, key).await?;
-                        let job = LifecycleRow::of(&mut change.connection, attempt.job).await?;
-                        change.drop_checkpoint(job.seq).await?;
-                        change.append_log(&job, attempt.number, &[why]).await
-                    })
-                })
-                .await?;
-                Err(StoreError::NotFound("checkpoint any more".to_owned()))
-            }
-        }
     }
 
     /// Files of the job's result, or of the failure that ended it, which are in a folder that says
@@ -196,15 +125,28 @@ impl Store {
         .ok_or_else(|| StoreError::NotFound(format!("outcome of job {id}")))
     }
 
+    /// Takes in a body while there is room for it.
+    pub(super) async fn received(
+        &self,
+        what: &'static str,
+        sha256: &str,
+        limit: u64,
+        body: impl AsyncRead + Send + Unpin,
+    ) -> Result<Received> {
+        admit(&self.0.reserve)?;
+        let received = self.blobs().receive(what, sha256, limit, body).await;
+        received.map_err(|error| self.noted(error))
+    }
+
     /// Refuses a stale worker before its body is taken in.
-    async fn check_lease(&self, key: LeaseKey) -> Result<()> {
+    pub(super) async fn check_lease(&self, key: LeaseKey) -> Result<()> {
         let mut connection = self.reads().acquire().await?;
         LeasedAttempt::live(&mut connection, key).await?;
         Ok(())
     }
 
     /// Bytes whose row was refused are named by nothing: the collector shall look at them.
-    fn undo_unless_written<T>(&self, sha256: &str, written: Result<T>) -> Result<T> {
+    pub(super) fn undo_unless_written<T>(&self, sha256: &str, written: Result<T>) -> Result<T> {
         if written.is_err() {
             self.blobs().report_unnamed(vec![sha256.to_owned()]);
         }
@@ -233,37 +175,5 @@ impl Change {
         .execute(&mut self.connection)
         .await?;
         Ok(())
-    }
-
-    async fn set_checkpoint(
-        &mut self,
-        key: LeaseKey,
-        lease: i64,
-        query: &CheckpointQuery,
-        bytes: u64,
-    ) -> Result<CheckpointInfo> {
-        let attempt = self.extend(key, lease).await?;
-        let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
-        self.drop_checkpoint(job.seq).await?;
-        sqlx::query(
-            "INSERT INTO checkpoints (job, bytes, sha256, wall_s, cpu_s) VALUES (?, ?, ?, ?, ?)",
-        )
-        .bind(job.seq)
-        .bind(i64::try_from(bytes).unwrap_or(i64::MAX))
-        .bind(&query.sha256)
-        .bind(query.wall_s)
-        .bind(query.cpu_s)
-        .execute(&mut self.connection)
-        .await?;
-        sqlx::query(
-            "INSERT INTO checkpoint_files (job, name, bytes, sha256)
-             SELECT ?, name, bytes, sha256 FROM attempt_files WHERE attempt = ?",
-        )
-        .bind(job.seq)
-        .bind(attempt.seq)
-        .execute(&mut self.connection)
-        .await?;
-        let info = checkpoint_of(&mut self.connection, attempt.seq).await?;
-        info.ok_or(StoreError::Unavailable)
     }
 }

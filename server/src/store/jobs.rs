@@ -1,8 +1,8 @@
 //! Jobs as clients see them: one, many, and how to tell cheaply whether anything changed.
 use indexmap::IndexMap;
 use loadframe_api::{
-    AttemptEnd, AttemptView, JobKind, JobLinks, JobOutcome, JobStatus, JobView, Page, Quantity,
-    ReasonCode, Timestamp,
+    AttemptEnd, AttemptView, Estimate, JobKind, JobLimits, JobLinks, JobOutcome, JobStatus,
+    JobView, Page, Quantity, ReasonCode, Timestamp,
 };
 use serde::Deserialize;
 use uuid::Uuid;
@@ -22,14 +22,14 @@ macro_rules! select_jobs {
         concat!(
             "SELECT j.seq, j.id, j.kind, j.name, j.notes, j.tags, j.priority, j.status, j.outcome,
                 j.reason, j.reason_code, j.progress, j.phase, j.eta_s, j.attempt, j.created_at,
-                j.started_at, j.finished_at, j.updated_at, j.spec_sha256,
+                j.started_at, j.finished_at, j.updated_at, j.spec_sha256, j.estimate, j.overrun_factor,
                 (SELECT summary FROM results r WHERE r.job = j.seq) AS summary,
                 CASE j.status WHEN 'queued' THEN 1 + (SELECT COUNT(*) FROM jobs b
                     WHERE b.status = 'queued' AND (b.priority > j.priority
                        OR (b.priority = j.priority AND b.seq < j.seq))) END AS position,
                 (SELECT json_group_array(json_object('number', number, 'worker', worker_name,
                     'host', host, 'started_at', started_at, 'ended_at', ended_at,
-                    'end_reason', end_reason) ORDER BY number)
+                    'end_reason', end_reason, 'engine', engine) ORDER BY number)
                  FROM attempts a WHERE a.job = j.seq) AS attempts
              FROM jobs j ",
             $rest
@@ -61,6 +61,8 @@ row! {
         finished_at: Option<i64>,
         updated_at: i64,
         spec_sha256: String,
+        estimate: Option<String>,
+        overrun_factor: f64,
         summary: Option<String>,
         position: Option<i64>,
         attempts: String,
@@ -76,6 +78,7 @@ struct AttemptRow {
     started_at: i64,
     ended_at: Option<i64>,
     end_reason: Option<AttemptEnd>,
+    engine: String,
 }
 
 impl JobRow {
@@ -108,11 +111,22 @@ impl JobRow {
             finished_at: self.finished_at.map(Timestamp),
             updated_at: Timestamp(self.updated_at),
             spec_sha256: self.spec_sha256,
+            overrun_factor: self.overrun_factor,
+            limits: limits(self.estimate.as_deref(), self.overrun_factor)?,
             spec: None,
             summary,
             links: JobLinks::of(self.id),
         })
     }
+}
+
+/// What a job may take, by its estimate as it was written down.
+pub(super) fn limits(estimate: Option<&str>, factor: f64) -> Result<Option<JobLimits>> {
+    let Some(estimate) = estimate else {
+        return Ok(None);
+    };
+    let estimate: Estimate = parsed(estimate, "estimate")?;
+    Ok(Some(JobLimits::beyond(&estimate, factor)))
 }
 
 impl AttemptRow {
@@ -124,6 +138,7 @@ impl AttemptRow {
             started_at: Timestamp(self.started_at),
             ended_at: self.ended_at.map(Timestamp),
             end_reason: self.end_reason,
+            engine: self.engine,
         }
     }
 }
@@ -230,8 +245,12 @@ impl Store {
             .last()
             .filter(|_| !is_last)
             .map(|row| row.seq.to_string());
-        let items = rows.into_iter().map(JobRow::view).collect::<Result<_>>()?;
-        Ok(Page { items, next })
+        let (items, unreadable) = readable(rows);
+        Ok(Page {
+            items,
+            next,
+            unreadable,
+        })
     }
 
     /// Jobs by id, in any order; those that are gone are left out.
@@ -243,6 +262,22 @@ impl Store {
         .bind(json(&names)?)
         .fetch_all(self.reads())
         .await?;
-        rows.into_iter().map(JobRow::view).collect()
+        Ok(readable(rows).0)
     }
+}
+
+/// The jobs that can be read, and how many cannot: what stands in one row keeps nobody from the others.
+fn readable(rows: Vec<JobRow>) -> (Vec<JobView>, u64) {
+    let (mut views, mut unreadable) = (Vec::with_capacity(rows.len()), 0);
+    for row in rows {
+        let id = row.id;
+        match row.view() {
+            Ok(view) => views.push(view),
+            Err(error) => {
+                unreadable += 1;
+                tracing::error!(job_id = %id, %error, "a job cannot be read and is left out of the list");
+            }
+        }
+    }
+    (views, unreadable)
 }

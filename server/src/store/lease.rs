@@ -22,10 +22,16 @@ row! {
         pub(super) token: Uuid,
         pub(super) number: u32,
         pub(super) worker: Uuid,
+        pub(super) worker_name: String,
+        pub(super) host: String,
+        /// The build of the worker.
+        pub(super) engine: String,
         pub(super) ended_at: Option<i64>,
         pub(super) ended_by: Option<String>,
         pub(super) columns: String,
         pub(super) points: i64,
+        /// Log lines its worker has brought.
+        log_lines: i64,
         /// The job's id.
         pub(super) job: Uuid,
     }
@@ -38,8 +44,8 @@ impl LeasedAttempt {
     /// [`StoreError::LeaseLost`] when there is none.
     pub(super) async fn find(connection: &mut SqliteConnection, key: LeaseKey) -> Result<Self> {
         sqlx::query_as(
-            "SELECT a.seq, a.token, a.number, a.worker, a.ended_at, a.ended_by, a.columns, a.points,
-                    j.id AS job
+            "SELECT a.seq, a.token, a.number, a.worker, a.worker_name, a.host, a.engine, a.ended_at,
+                    a.ended_by, a.columns, a.points, a.log_lines, j.id AS job
              FROM attempts a JOIN jobs j ON j.seq = a.job WHERE a.id = ? AND a.token = ?",
         )
         .bind(key.id)
@@ -72,7 +78,8 @@ impl Change {
         let attempt: LeasedAttempt = sqlx::query_as(
             "UPDATE attempts SET lease_until = ?, heard = 1
              WHERE id = ? AND token = ? AND ended_at IS NULL
-             RETURNING seq, token, number, worker, ended_at, ended_by, columns, points,
+             RETURNING seq, token, number, worker, worker_name, host, engine, ended_at, ended_by,
+                       columns, points, log_lines,
                        (SELECT id FROM jobs WHERE jobs.seq = attempts.job) AS job",
         )
         .bind(self.now.as_millis() + lease)
@@ -105,9 +112,33 @@ impl Change {
         {
             self.event(job.seq, job.id, EventType::Points).await?;
         }
-        self.append_log(&job, attempt.number, &report.log).await?;
+        self.append_report(&job, &attempt, report).await?;
         self.event(job.seq, job.id, EventType::Progress).await?;
         Ok(UserRequest::command(job.asked()?))
+    }
+}
+
+impl Change {
+    /// Takes in the log lines of a report that the server has not yet.
+    async fn append_report(
+        &mut self,
+        job: &LifecycleRow,
+        attempt: &LeasedAttempt,
+        report: &ProgressReport,
+    ) -> Result<()> {
+        let known = attempt.log_lines.unsigned_abs();
+        let from = report.log_from.unwrap_or(known);
+        let repeated = usize::try_from(known.saturating_sub(from)).unwrap_or(usize::MAX);
+        let Some(lines) = report.log.get(repeated..).filter(|lines| !lines.is_empty()) else {
+            return Ok(());
+        };
+        let known = from.saturating_add(report.log.len() as u64);
+        sqlx::query("UPDATE attempts SET log_lines = ? WHERE seq = ?")
+            .bind(i64::try_from(known).unwrap_or(i64::MAX))
+            .bind(attempt.seq)
+            .execute(&mut self.connection)
+            .await?;
+        self.append_log(job, attempt.number, lines).await
     }
 }
 
@@ -118,7 +149,7 @@ impl Store {
     /// [`StoreError::LeaseLost`] when the lease is not held.
     pub async fn heartbeat(&self, key: LeaseKey) -> Result<Command> {
         let lease = self.lease_millis();
-        self.write(move |change| {
+        self.write_from_reserve(move |change| {
             Box::pin(async move {
                 let attempt = change.extend(key, lease).await?;
                 let job = LifecycleRow::of(&mut change.connection, attempt.job).await?;

@@ -3,20 +3,23 @@
 //!
 //! In `data` lie `loadframe.db` (SQLite: write-ahead log, durable at every commit), `blobs/` (files
 //! under their SHA-256, with the name of the store), `incoming/` (files on their way), `set-aside/` (files
-//! that were not what their names say) and `lock` (one server a folder).
+//! that were not what their names say), `reserve` (given up when the disk is full) and `lock` (one server
+//! a folder).
 //!
 //! A change goes `Store::…` → [`writer`] (one connection, group commit) → the command's method on
 //! [`writer::Change`] → for steps of a job's lifecycle [`state`], which asks [`crate::queue`] → events →
 //! commit → answer. Reads go to a pool of connections that cannot write, beside it.
 //!
 //! The worker's side in the order of a job: [`claim`], [`lease`] with [`curve`] and [`log`],
-//! [`files`] over [`blobs`], [`ending`]; if the worker falls silent, [`sweep`].
+//! [`files`] and [`checkpoints`] over [`blobs`], [`ending`]; if the worker falls silent, [`sweep`]; if its
+//! machine is at fault, [`machines`].
 //!
 //! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
 //! [`collector`] removes what no row names, [`scrub`] finds what is missing or has changed, and [`backup`]
-//! copies both in the right order.
+//! copies both in the right order. That a full disk or a panic ends nothing: [`reserve`], [`supervision`].
 mod backup;
 mod blobs;
+mod checkpoints;
 mod claim;
 mod collector;
 mod curve;
@@ -29,12 +32,15 @@ mod identity;
 mod jobs;
 mod lease;
 mod log;
+mod machines;
 mod migrations;
 mod open;
+mod reserve;
 mod row;
 mod scrub;
 mod state;
 mod submit;
+mod supervision;
 mod sweep;
 mod token_cache;
 mod tokens;
@@ -54,7 +60,9 @@ use blobs::Blobs;
 pub use blobs::Loss;
 use error::Result;
 pub use error::StoreError;
+use reserve::Reserve;
 pub use scrub::{LostFile, ScrubReport};
+use supervision::Restarts;
 use token_cache::TokenCache;
 pub use types::*;
 use writer::{Change, Work, Writer};
@@ -67,6 +75,8 @@ pub struct Store(Arc<Inner>);
 struct Inner {
     options: StoreOptions,
     writer: Writer,
+    reserve: Arc<Reserve>,
+    restarts: Arc<Restarts>,
     reads: SqlitePool,
     blobs: Blobs,
     last_event: watch::Receiver<u64>,
@@ -103,12 +113,48 @@ impl Store {
         &self.0.token_cache
     }
 
+    /// Writes what has to wait while the disk is full.
+    ///
+    /// # Errors
+    /// [`StoreError::Full`], and those of the command and its commit.
     async fn write<T, F>(&self, command: F) -> Result<T>
     where
         T: Send + 'static,
         F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
     {
-        self.0.writer.write(command).await
+        reserve::admit(&self.0.reserve)?;
+        self.write_from_reserve(command).await
+    }
+
+    /// Writes what frees or saves something (a cancel, a heartbeat, an end), whatever room there is.
+    async fn write_from_reserve<T, F>(&self, command: F) -> Result<T>
+    where
+        T: Send + 'static,
+        F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
+    {
+        let written = self.0.writer.write(command).await;
+        written.map_err(
+            |error| match (self.0.reserve.note(error), self.0.reserve.full()) {
+                // the transaction it was in did not fit
+                (StoreError::Unavailable, Some(_)) => StoreError::Full,
+                (error, _) => error,
+            },
+        )
+    }
+
+    /// An error of the disk, looked at.
+    fn noted(&self, error: StoreError) -> StoreError {
+        self.0.reserve.note(error)
+    }
+
+    /// Why the disk is taken for full, if it is.
+    pub fn full(&self) -> Option<String> {
+        self.0.reserve.full()
+    }
+
+    /// Looks whether a disk that was full has room again, until dropped.
+    pub async fn keep_looking_for_room(self) {
+        self.0.reserve.keep_looking().await;
     }
 }
 

@@ -5,15 +5,20 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use sqlx::ConnectOptions;
-use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
+use sqlx::migrate::MigrateError;
+use sqlx::sqlite::{
+    SqliteConnectOptions, SqliteConnection, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous,
+};
 use tokio::sync::{mpsc, watch};
 
 use super::blobs::Blobs;
 use super::error::{Result, StoreError};
 use super::identity::{Opening, identify, refuse_new_beside_files};
 use super::migrations::migrations;
+use super::reserve::{Reserve, is_full};
+use super::supervision::Restarts;
 use super::token_cache::TokenCache;
-use super::writer::{Announcements, Writer};
+use super::writer::{Announcements, Guards, Writer};
 use super::{Inner, Store, StoreOptions};
 
 /// Reads at once.
@@ -48,7 +53,22 @@ impl Store {
         Self::connect(options, None).await
     }
 
+    /// Opens it; where the disk is too full for that, on the room of the reserve.
     async fn connect(options: StoreOptions, lock: Option<File>) -> Result<Self> {
+        let data = options.data.clone();
+        let mut connected = Self::prepare(&options, lock.is_some()).await;
+        if connected.as_ref().is_err_and(is_full) && Reserve::release(&data) {
+            connected = Self::prepare(&options, lock.is_some()).await;
+        }
+        let (database, connection, is_behind) = connected?;
+        Self::start(options, lock, database, connection, is_behind).await
+    }
+
+    /// Brings the schema up to date, and holds the database against the files.
+    async fn prepare(
+        options: &StoreOptions,
+        is_server: bool,
+    ) -> Result<(SqliteConnectOptions, SqliteConnection, bool)> {
         refuse_new_beside_files(&options.data)?;
         let database = SqliteConnectOptions::new()
             .filename(options.data.join("loadframe.db"))
@@ -63,8 +83,9 @@ impl Store {
         // `run` makes this future one that the compiler cannot see to be `Send`
         migrations()
             .run_direct(None, &mut connection, false)
-            .await?;
-        let opening = if lock.is_some() {
+            .await
+            .map_err(newer)?;
+        let opening = if is_server {
             Opening::Server
         } else {
             Opening::Beside
@@ -75,13 +96,23 @@ impl Store {
                 "the database is older than its files, as one from a backup is: files that it does not know stay until `loadframe scrub --remove-unnamed`"
             );
         }
+        Ok((database, connection, identity.is_behind))
+    }
+
+    async fn start(
+        options: StoreOptions,
+        lock: Option<File>,
+        database: SqliteConnectOptions,
+        mut connection: SqliteConnection,
+        is_behind: bool,
+    ) -> Result<Self> {
         let last: Option<i64> = sqlx::query_scalar("SELECT MAX(seq) FROM events")
             .fetch_one(&mut connection)
             .await?;
         let reads = SqlitePoolOptions::new()
             .max_connections(READERS)
             .test_before_acquire(false)
-            .connect_with(database.pragma("query_only", "on"))
+            .connect_with(database.clone().pragma("query_only", "on"))
             .await?;
 
         let (last_event, last_event_receiver) =
@@ -90,16 +121,24 @@ impl Store {
         let (garbage, reports) = mpsc::unbounded_channel();
         let blobs = Blobs::open(&options.data, garbage.clone()).await?;
         let wait = options.unnamed_wait;
-        let collector = blobs.collector(reads.clone(), wait, identity.is_behind);
+        let restarts = Arc::<Restarts>::default();
+        let reserve = Arc::new(Reserve::open(&options.data, lock.is_some()));
+        let collector = blobs.collector(reads.clone(), wait, is_behind, Arc::clone(&restarts));
         tokio::spawn(collector.run(reports));
         let announcements = Announcements {
             last_event,
             queued,
             garbage,
         };
+        let guards = Guards {
+            reserve: Arc::clone(&reserve),
+            restarts: Arc::clone(&restarts),
+        };
         Ok(Self(Arc::new(Inner {
             options,
-            writer: Writer::start(connection, announcements),
+            writer: Writer::start(connection, database, announcements, guards),
+            reserve,
+            restarts,
             reads,
             blobs,
             last_event: last_event_receiver,
@@ -107,6 +146,18 @@ impl Store {
             token_cache: TokenCache::default(),
             _lock: lock,
         })))
+    }
+}
+
+/// What a step of the schema that this version does not know means.
+fn newer(error: MigrateError) -> StoreError {
+    let known = migrations().iter().map(|step| step.version).max();
+    match error {
+        MigrateError::VersionMissing(found) => StoreError::Newer {
+            found,
+            known: known.unwrap_or_default(),
+        },
+        error => error.into(),
     }
 }
 

@@ -73,7 +73,8 @@ impl Content {
         let owners = sqlx::query_as(
             "SELECT j.id, f.name FROM attempt_files f JOIN attempts a ON a.seq = f.attempt
                 JOIN jobs j ON j.seq = a.job WHERE f.sha256 = ?1
-             UNION SELECT j.id, f.name FROM checkpoint_files f JOIN jobs j ON j.seq = f.job
+             UNION SELECT j.id, f.name FROM checkpoint_files f
+                JOIN checkpoints k ON k.seq = f.checkpoint JOIN jobs j ON j.seq = k.job
                 WHERE f.sha256 = ?1
              UNION SELECT j.id, 'checkpoint' FROM checkpoints c JOIN jobs j ON j.seq = c.job
                 WHERE c.sha256 = ?1

@@ -130,7 +130,7 @@ impl Change {
         match step.state {
             State::Queued { .. } => self.queued(),
             State::Finished(outcome) if !keeps_checkpoint(outcome) => {
-                self.drop_checkpoint(job.seq).await?;
+                self.remove_checkpoints(job.seq, None).await?;
             }
             _ => {}
         }
@@ -188,25 +188,6 @@ impl Change {
             .await?;
         Ok(())
     }
-
-    /// Forgets the checkpoint of a job.
-    pub(super) async fn drop_checkpoint(&mut self, job: i64) -> Result<()> {
-        let files: Vec<String> = sqlx::query_scalar(
-            "SELECT sha256 FROM checkpoints WHERE job = ?1
-             UNION SELECT sha256 FROM checkpoint_files WHERE job = ?1",
-        )
-        .bind(job)
-        .fetch_all(&mut self.connection)
-        .await?;
-        if !files.is_empty() {
-            self.garbage(files);
-            sqlx::query("DELETE FROM checkpoints WHERE job = ?")
-                .bind(job)
-                .execute(&mut self.connection)
-                .await?;
-        }
-        Ok(())
-    }
 }
 
 /// A refusal, seen by who asked: a worker has lost its lease, a user hears why.
@@ -248,8 +229,10 @@ pub(super) fn sentence(code: ReasonCode) -> &'static str {
         ReasonCode::WorkerLost => "its worker fell silent; waiting for another",
         ReasonCode::TooManyLosses => "its workers fell silent too often",
         ReasonCode::SimulationError => "the simulation has no result",
-        ReasonCode::WorkerError => "the worker could not carry it out",
+        ReasonCode::WorkerFault => "its worker could not carry it out; waiting for another machine",
+        ReasonCode::WorkerError => "machine after machine could not carry it out",
         ReasonCode::TimeLimit => "it took longer than it may",
+        ReasonCode::BeyondEstimate => "it has taken far more than estimated",
         ReasonCode::Completed => "completed",
     }
 }

@@ -17,6 +17,8 @@ struct NewJob {
     notes: String,
     tags: String,
     priority: i32,
+    estimate: String,
+    overrun_factor: f64,
     spec: String,
     spec_sha256: String,
     key: Option<IdempotencyKey>,
@@ -54,6 +56,8 @@ impl Store {
             notes: submission.notes,
             tags: json(&submission.tags)?,
             priority: submission.priority,
+            estimate: json(&checked.estimate)?,
+            overrun_factor: submission.overrun_factor,
             spec_sha256: checked.spec_sha256,
             spec: checked.spec,
             key,
@@ -74,7 +78,7 @@ impl Store {
         })
     }
 
-    /// Changes name, notes, tags or priority.
+    /// Changes name, notes, tags, priority or how far beyond its estimate the job may go.
     ///
     /// # Errors
     /// [`StoreError::NotFound`].
@@ -84,12 +88,14 @@ impl Store {
                 let job = LifecycleRow::of(&mut change.connection, id).await?;
                 sqlx::query(
                     "UPDATE jobs SET name = COALESCE(?, name), notes = COALESCE(?, notes),
-                        tags = COALESCE(?, tags), priority = COALESCE(?, priority) WHERE seq = ?",
+                        tags = COALESCE(?, tags), priority = COALESCE(?, priority),
+                        overrun_factor = COALESCE(?, overrun_factor) WHERE seq = ?",
                 )
                 .bind(edit.name)
                 .bind(edit.notes)
                 .bind(edit.tags.as_ref().map(json).transpose()?)
                 .bind(edit.priority)
+                .bind(edit.overrun_factor)
                 .bind(job.seq)
                 .execute(&mut change.connection)
                 .await?;
@@ -105,7 +111,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`]; [`StoreError::Conflict`] while it runs.
     pub async fn delete(&self, id: Uuid) -> Result<()> {
-        self.write(move |change| Box::pin(async move { change.delete(id).await }))
+        self.write_from_reserve(move |change| Box::pin(async move { change.delete(id).await }))
             .await?;
         self.blobs().collected().await;
         Ok(())
@@ -127,7 +133,7 @@ impl Store {
             UserAction::Resume => Input::Resume,
             UserAction::Retry => Input::Retry,
         };
-        self.write(move |change| {
+        self.write_from_reserve(move |change| {
             Box::pin(async move {
                 let job = LifecycleRow::of(&mut change.connection, id).await?;
                 let before = job.state()?;
@@ -160,8 +166,8 @@ impl Change {
         }
         let seq = sqlx::query(
             "INSERT INTO jobs (id, kind, name, notes, tags, priority, spec_sha256, reason_code,
-                               reason, created_at, updated_at)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?10)",
+                               reason, created_at, updated_at, estimate, overrun_factor)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?10, ?11, ?12)",
         )
         .bind(job.id)
         .bind(job.kind)
@@ -173,6 +179,8 @@ impl Change {
         .bind(wire_name(&ReasonCode::Submitted)?)
         .bind(sentence(ReasonCode::Submitted))
         .bind(self.now.as_millis())
+        .bind(&job.estimate)
+        .bind(job.overrun_factor)
         .execute(&mut self.connection)
         .await?
         .last_insert_rowid();
@@ -204,7 +212,7 @@ impl Change {
         if matches!(job.state()?, State::Running { .. }) {
             return Err(StoreError::Conflict(Refusal::StillRunning.to_string()));
         }
-        self.drop_checkpoint(job.seq).await?;
+        self.remove_checkpoints(job.seq, None).await?;
         let files: Vec<String> = sqlx::query_scalar(
             "SELECT sha256 FROM attempt_files
              WHERE attempt IN (SELECT seq FROM attempts WHERE job = ?)",
@@ -228,6 +236,10 @@ impl Change {
     /// Clears the traces of the attempts before a retry.
     async fn start_over(&mut self, job: &LifecycleRow) -> Result<()> {
         sqlx::query("UPDATE jobs SET started_at = NULL, progress = 0 WHERE seq = ?")
+            .bind(job.seq)
+            .execute(&mut self.connection)
+            .await?;
+        sqlx::query("DELETE FROM job_faults WHERE job = ?")
             .bind(job.seq)
             .execute(&mut self.connection)
             .await?;

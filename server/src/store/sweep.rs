@@ -29,6 +29,7 @@ row! {
         job: Uuid,
         worker_name: String,
         host: String,
+        heard: bool,
         expired: bool,
     }
 }
@@ -43,7 +44,7 @@ impl Store {
         // its worker knows the limit too, and ends the attempt in order if it can
         let limit = limit.map(|limit| limit.saturating_add(self.lease_millis()));
         let overdue: Vec<Overdue> = sqlx::query_as(
-            "SELECT a.seq, a.token, j.id AS job, a.worker_name, a.host,
+            "SELECT a.seq, a.token, j.id AS job, a.worker_name, a.host, a.heard,
                     a.lease_until <= ?1 AS expired
              FROM attempts a JOIN jobs j ON j.seq = a.job
              WHERE a.ended_at IS NULL AND (a.lease_until <= ?1
@@ -56,7 +57,9 @@ impl Store {
         let (mut ended, lease) = (0, self.lease_millis());
         for attempt in overdue {
             let swept = self
-                .write(move |change| Box::pin(async move { change.sweep(attempt, lease).await }))
+                .write_from_reserve(move |change| {
+                    Box::pin(async move { change.sweep(attempt, lease).await })
+                })
                 .await;
             match swept {
                 Ok(()) => ended += 1,
@@ -102,7 +105,7 @@ impl Store {
     /// Gives every live attempt a lease from now: the server's absence is not the workers' fault.
     pub(super) async fn renew_leases(&self) -> Result<()> {
         let lease = self.lease_millis();
-        self.write(move |change| {
+        self.write_from_reserve(move |change| {
             Box::pin(async move {
                 sqlx::query("UPDATE attempts SET lease_until = ? WHERE ended_at IS NULL")
                     .bind(change.now.as_millis() + lease)
@@ -114,11 +117,14 @@ impl Store {
         .await
     }
 
-    /// Writes something that changes nothing, to find out whether a write works.
+    /// Writes something that changes nothing, to the database and to the folder of files, to find out
+    /// whether a write works.
     ///
     /// # Errors
-    /// [`StoreError::Unavailable`] and the database's.
+    /// [`StoreError::Full`], [`StoreError::Unavailable`], the database's and the disk's.
     pub async fn try_write(&self) -> Result<()> {
+        let tried = self.blobs().try_write().await;
+        tried.map_err(|error| self.noted(error))?;
         self.write(|change| {
             Box::pin(async move {
                 sqlx::query("UPDATE store SET starts = starts")
@@ -131,7 +137,8 @@ impl Store {
     }
 
     async fn tidy(&self) -> Result<()> {
-        self.write(|change| Box::pin(change.tidy())).await
+        self.write_from_reserve(|change| Box::pin(change.tidy()))
+            .await
     }
 }
 
@@ -143,10 +150,10 @@ impl Change {
             return Err(StoreError::LeaseLost);
         }
         let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
-        let input = if attempt.expired {
-            Input::Lose
-        } else {
-            Input::ExceedTime
+        let input = match (attempt.expired, attempt.heard) {
+            (true, true) => Input::Lose,
+            (true, false) => Input::NeverUse,
+            (false, _) => Input::ExceedTime,
         };
         let why = self.why(&job, input, &attempt).await?;
         let ending = Ending {
@@ -171,6 +178,9 @@ impl Change {
         };
         let who = format!("{} ({})", attempt.worker_name, attempt.host);
         Ok(match (input, step.state) {
+            (Input::NeverUse, State::Queued { .. }) => Some(format!(
+                "worker {who} was never heard of after it took the job; waiting for another"
+            )),
             (Input::Lose, State::Queued { losses }) => Some(format!(
                 "worker {who} fell silent, loss {losses} of {LOSSES_UNTIL_QUARANTINE}; waiting for another"
             )),
@@ -195,6 +205,7 @@ impl Change {
             for (statement, word) in [
                 ("DELETE FROM idempotency_keys WHERE created_at < ?", None),
                 ("DELETE FROM workers WHERE last_seen_at < ?", None),
+                ("DELETE FROM machines WHERE MAX(until, worked_at) < ?", None),
                 (
                     "DELETE FROM events WHERE at < ? AND type = ?",
                     Some(deleted),

@@ -20,6 +20,8 @@ pub struct StoreOptions {
     pub job_time_limit: Option<Duration>,
     /// How long a stored file that no job names waits before it is removed.
     pub unnamed_wait: Duration,
+    /// How long a machine is given no jobs after its first fault; twice as long after every further one.
+    pub fault_pause: Duration,
 }
 
 impl StoreOptions {
@@ -30,6 +32,7 @@ impl StoreOptions {
             lease: Duration::from_secs(30),
             job_time_limit: None,
             unnamed_wait: Duration::from_secs(7 * 24 * 3600),
+            fault_pause: Duration::from_secs(10),
         }
     }
 }
@@ -97,6 +100,7 @@ pub struct JobEdit {
     pub notes: Option<String>,
     pub tags: Option<Vec<String>>,
     pub priority: Option<i32>,
+    pub overrun_factor: Option<f64>,
 }
 
 /// What a user may ask of a job.
@@ -146,12 +150,19 @@ pub struct Counts {
     /// How long the oldest queued job has been waiting [s].
     pub oldest_queued_s: f64,
     pub workers_alive: u64,
+    /// Of these, workers that are given no jobs after a fault of their machine.
+    pub workers_set_aside: u64,
     /// Attempts that ended because their worker fell silent, ever.
     pub attempts_lost: u64,
     /// Bytes of result files and checkpoints that jobs name.
     pub file_bytes: u64,
     /// Stored files that no job names, which wait before they are removed.
     pub files_unnamed: u64,
+    /// Whether the disk is full.
+    pub is_full: bool,
+    /// How often the writer and the collector were taken up again after they failed.
+    pub writer_restarts: u64,
+    pub collector_restarts: u64,
     /// Files that jobs name and that were missing or had changed when last looked at.
     pub files_lost: u64,
 }

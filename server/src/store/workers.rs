@@ -2,9 +2,10 @@
 use std::sync::atomic::Ordering;
 
 use loadframe_api::worker::ClaimRequest;
-use loadframe_api::{Calibration, Timestamp, WorkerView};
+use loadframe_api::{Calibration, SetAside, Timestamp, WorkerView};
 use uuid::Uuid;
 
+use super::encoding::variant;
 use super::error::Result;
 use super::row::row;
 use super::writer::Change;
@@ -28,6 +29,25 @@ row! {
         engine_version: String,
         last_seen_at: i64,
         job: Option<Uuid>,
+        /// The rest is null unless its machine is set aside.
+        until: Option<i64>,
+        faults: Option<u32>,
+        code: Option<String>,
+        reason: Option<String>,
+    }
+}
+
+impl WorkerRow {
+    fn set_aside(&self) -> Result<Option<SetAside>> {
+        let (Some(until), Some(code)) = (self.until, &self.code) else {
+            return Ok(None);
+        };
+        Ok(Some(SetAside {
+            until: Timestamp(until),
+            faults: self.faults.unwrap_or_default(),
+            code: variant(code)?,
+            reason: self.reason.clone().unwrap_or_default(),
+        }))
     }
 }
 
@@ -83,23 +103,30 @@ impl Store {
         let rows: Vec<WorkerRow> = sqlx::query_as(
             "SELECT w.id, w.name, w.host, w.threads, w.engine_version, w.last_seen_at,
                     (SELECT j.id FROM attempts a JOIN jobs j ON j.seq = a.job
-                     WHERE a.worker = w.id AND a.ended_at IS NULL) AS job
-             FROM workers w ORDER BY w.last_seen_at DESC, w.name LIMIT 1000",
+                     WHERE a.worker = w.id AND a.ended_at IS NULL) AS job,
+                    m.until, m.faults, m.code, m.reason
+             FROM workers w LEFT JOIN machines m
+                ON m.host = w.host AND m.worker_name = w.name AND m.until > ?
+             ORDER BY w.last_seen_at DESC, w.name LIMIT 1000",
         )
+        .bind(Timestamp::now().as_millis())
         .fetch_all(self.reads())
         .await?;
         let since = self.alive_since();
-        let view = |row: WorkerRow| WorkerView {
-            id: row.id,
-            name: row.name,
-            host: row.host,
-            threads: row.threads,
-            engine_version: row.engine_version,
-            alive: row.last_seen_at >= since,
-            job_id: row.job,
-            last_seen_at: Timestamp(row.last_seen_at),
+        let view = |row: WorkerRow| -> Result<WorkerView> {
+            Ok(WorkerView {
+                set_aside: row.set_aside()?,
+                id: row.id,
+                name: row.name,
+                host: row.host,
+                threads: row.threads,
+                engine_version: row.engine_version,
+                alive: row.last_seen_at >= since,
+                job_id: row.job,
+                last_seen_at: Timestamp(row.last_seen_at),
+            })
         };
-        Ok(rows.into_iter().map(view).collect())
+        rows.into_iter().map(view).collect()
     }
 
     /// The median of the speeds of live workers, of two the slower, so that one that measured wrongly
@@ -161,8 +188,12 @@ impl Store {
         let waiting = oldest.map_or(0, |moment| Timestamp::now().as_millis() - moment);
         counts.oldest_queued_s = waiting.max(0) as f64 / 1000.0;
         counts.workers_alive = alive.unsigned_abs();
+        counts.workers_set_aside = self.count_set_aside(self.alive_since()).await?;
         counts.attempts_lost = lost.unsigned_abs();
         counts.file_bytes = bytes.unsigned_abs();
+        counts.is_full = self.full().is_some();
+        counts.writer_restarts = self.0.restarts.writer.load(Ordering::Relaxed);
+        counts.collector_restarts = self.0.restarts.collector.load(Ordering::Relaxed);
         let faults = &self.blobs().faults;
         counts.files_unnamed = faults.unnamed.load(Ordering::Relaxed);
         counts.files_lost = faults.lost.load(Ordering::Relaxed);

@@ -3,16 +3,24 @@
 //! Making a commit durable takes the disk far longer than making a change. So the task takes all
 //! commands that are waiting, runs each in a savepoint of its own inside one transaction, commits
 //! once, and only then answers. A command alone does not wait for company.
+//!
+//! A command that panics, or a connection that fails, costs the transaction: the connection is opened anew,
+//! as often as it takes, and the task goes on.
 use std::pin::Pin;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use loadframe_api::Timestamp;
-use sqlx::sqlite::SqliteConnection;
+use sqlx::ConnectOptions;
+use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
 
 use super::collector::Garbage;
 use super::error::{Result, StoreError};
+use super::reserve::Reserve;
+use super::supervision::{Restarts, caught, until_done};
 
 /// Commands in one commit; beyond this, the first of them would wait too long for the last.
 const LARGEST_BATCH: usize = 256;
@@ -119,9 +127,21 @@ pub(super) struct Announcements {
     pub(super) garbage: mpsc::UnboundedSender<Garbage>,
 }
 
+/// What is told of trouble.
+#[derive(Debug)]
+pub(super) struct Guards {
+    pub(super) reserve: Arc<Reserve>,
+    pub(super) restarts: Arc<Restarts>,
+}
+
 impl Writer {
     /// Starts the task; it ends when the last writer is dropped.
-    pub(super) fn start(connection: SqliteConnection, announcements: Announcements) -> Self {
+    pub(super) fn start(
+        connection: SqliteConnection,
+        database: SqliteConnectOptions,
+        announcements: Announcements,
+        guards: Guards,
+    ) -> Self {
         let (commands, waiting) = mpsc::channel(4 * LARGEST_BATCH);
         let change = Change {
             connection,
@@ -129,7 +149,7 @@ impl Writer {
             last_trouble: i64::MIN,
             effects: Effects::default(),
         };
-        tokio::spawn(run(change, waiting, announcements));
+        tokio::spawn(run(change, database, waiting, announcements, guards));
         Self { commands }
     }
 
@@ -168,25 +188,63 @@ impl Writer {
 
 async fn run(
     mut change: Change,
+    database: SqliteConnectOptions,
     mut waiting: mpsc::Receiver<Command>,
     announcements: Announcements,
+    guards: Guards,
 ) {
     let mut batch = Vec::with_capacity(LARGEST_BATCH);
     while waiting.recv_many(&mut batch, LARGEST_BATCH).await > 0 {
-        match commit(&mut change, batch.drain(..)).await {
-            Ok((effects, answers)) => {
+        let committing = commit(&mut change, batch.drain(..));
+        let committed = caught("writer", &guards.restarts.writer, committing).await;
+        // the answers are dropped where it failed, which tells every caller that nothing was kept
+        let is_usable = match committed {
+            Ok(Ok((effects, answers))) => {
                 announcements.announce(effects);
                 answers.into_iter().for_each(|deliver| deliver());
+                continue;
             }
-            // the answers are dropped, which tells every caller that nothing was kept
-            Err(error) => {
-                tracing::error!(%error, "a transaction was rolled back");
-                change.last_trouble = Timestamp::now().as_millis();
-                change.effects = Effects::default();
-                // the database may have rolled back by itself, and then there is nothing to undo
-                let _ = statement(&mut change, "ROLLBACK").await;
+            Ok(Err(error)) => {
+                tracing::error!(error = %chain(&error), "a transaction was rolled back");
+                let is_usable = !is_broken(&error);
+                if !is_usable {
+                    guards.restarts.writer.fetch_add(1, Ordering::Relaxed);
+                }
+                let _ = guards.reserve.note(error);
+                is_usable
             }
+            Err(_) => false,
+        };
+        change.last_trouble = Timestamp::now().as_millis();
+        change.effects = Effects::default();
+        if is_usable {
+            // the database may have rolled back by itself, and then there is nothing to undo
+            let _ = statement(&mut change, "ROLLBACK").await;
+        } else {
+            change.connection = until_done("writer", || database.connect()).await;
+            change.last_trouble = Timestamp::now().as_millis();
         }
+    }
+}
+
+/// An error with its causes.
+fn chain(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(Some(error), |error| error.source());
+    let causes: Vec<String> = causes.map(ToString::to_string).collect();
+    causes.join(": ")
+}
+
+/// Whether the connection itself has failed: it is not there any more, or its disk does not read or write
+/// (`SQLITE_IOERR`, `SQLITE_CORRUPT`, `SQLITE_NOTADB`; the low byte of a code is its class).
+fn is_broken(error: &StoreError) -> bool {
+    const CLASSES: [u32; 3] = [10, 11, 26];
+    match error {
+        StoreError::Database(sqlx::Error::Database(error)) => {
+            let code = error.code().and_then(|code| code.parse::<u32>().ok());
+            code.is_some_and(|code| CLASSES.contains(&(code & 0xff)))
+        }
+        StoreError::Database(_) => true,
+        _ => false,
     }
 }
 
@@ -238,6 +296,28 @@ impl Announcements {
         if !effects.garbage.is_empty() {
             // the collector outlives the writer; when it is gone, the next start collects
             let _ = self.garbage.send(Garbage::Perhaps(effects.garbage));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::store::{Store, StoreError, StoreOptions};
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn a_command_that_panics_costs_its_transaction_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = Store::open(StoreOptions::new(folder.path())).await;
+        let store = store.expect("a store");
+        for round in 1..=3 {
+            let panicked = store
+                .write(|_| Box::pin(async { panic!("of a test") }))
+                .await;
+            let panicked: Result<(), StoreError> = panicked;
+            assert!(matches!(panicked, Err(StoreError::Unavailable)));
+            store.try_write().await.expect("the writer goes on");
+            let counts = store.counts().await.expect("counts");
+            assert_eq!(counts.writer_restarts, round);
         }
     }
 }

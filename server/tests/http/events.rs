@@ -24,6 +24,9 @@ impl Listener {
         let answer = lab.begin(request("GET", path, headers, "")).await;
         assert_eq!(answer.status(), 200);
         assert_eq!(answer.headers()["content-type"], "text/event-stream");
+        // no proxy gathers events until they are no news
+        assert_eq!(answer.headers()["x-accel-buffering"], "no");
+        assert_eq!(answer.headers()["cache-control"], "no-cache, no-transform");
         let body: Body = answer.into_body();
         let mut listener = Self {
             stream: body.into_data_stream(),

@@ -122,6 +122,7 @@ impl Lab {
                 rows,
             }),
             log: vec!["a line".to_owned()],
+            log_from: None,
         };
         let reported = self.store.report(key(lease), &report).await;
         reported.expect("the lease is held");

@@ -19,6 +19,7 @@ fn block(first: u64, count: u64) -> ProgressReport {
             rows: (first..first + count).map(row).collect(),
         }),
         log: Vec::new(),
+        log_from: None,
     }
 }
 

@@ -84,7 +84,7 @@ async fn an_attempt_that_ends_without_a_result_leaves_only_its_checkpoint() {
         .unwrap();
 
     let next = lab.lease().await;
-    let (_, path) = lab.checkpoint(key(&next)).await.unwrap();
+    let (_, path) = lab.checkpoint(key(&next), None).await.unwrap();
     assert_eq!(std::fs::read(path).unwrap(), b"second");
     lab.finish(&next).await;
     // the checkpoint has served, and what it brought was not named by the result
@@ -92,7 +92,7 @@ async fn an_attempt_that_ends_without_a_result_leaves_only_its_checkpoint() {
     lab.delete(other).await.unwrap();
     assert_eq!(lab.blobs().await, lab.files(id).await.unwrap().len());
     assert!(is_missing(lab.file(id, "kept.vtp").await));
-    assert!(is_lost(lab.checkpoint(key(&next)).await));
+    assert!(is_lost(lab.checkpoint(key(&next), None).await));
 }
 
 #[tokio::test]

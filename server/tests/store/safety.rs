@@ -211,14 +211,14 @@ async fn a_job_whose_checkpoint_has_changed_begins_anew_and_says_so() {
     let id = lab.submit().await;
     let lease = lab.lease().await;
     lab.checkpoint_with(&lease, b"state", 1.0).await;
-    let (_, path) = lab.checkpoint(key(&lease)).await.unwrap();
+    let (_, path) = lab.checkpoint(key(&lease), None).await.unwrap();
     spoil(&path);
-    assert!(is_missing(lab.checkpoint(key(&lease)).await));
+    assert!(is_missing(lab.checkpoint(key(&lease), None).await));
     let log = lab.log(id, 0).await.unwrap();
     assert!(log[0].message.contains("begins anew"), "{log:?}");
     // it can leave another, and nothing holds the job
     lab.checkpoint_with(&lease, b"state", 2.0).await;
-    assert!(lab.checkpoint(key(&lease)).await.is_ok());
+    assert!(lab.checkpoint(key(&lease), None).await.is_ok());
     lab.finish(&lease).await;
 }
 
@@ -313,4 +313,48 @@ async fn time_in_which_the_database_cannot_be_written_is_not_charged_to_workers(
     assert!(knocking.await.unwrap().is_ok(), "it still holds its lease");
     sweeping.abort();
     assert_eq!(lab.view(id).await.status, loadframe_api::JobStatus::Running);
+}
+
+/// Runs a statement on the database of a closed store, or beside it.
+async fn tampered(data: &Path, statement: &'static str) {
+    use sqlx::{ConnectOptions as _, Executor as _};
+    let database = data.join("loadframe.db");
+    let options = sqlx::sqlite::SqliteConnectOptions::new().filename(database);
+    let mut connection = options.connect().await.unwrap();
+    connection.execute(statement).await.unwrap();
+}
+
+#[tokio::test]
+async fn a_database_of_a_newer_version_is_refused_in_those_words() {
+    let Lab { store, folder } = Lab::open(LONG).await;
+    drop(store);
+    tampered(
+        folder.path(),
+        "INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time)
+         VALUES (999, 'of tomorrow', 1, x'00', 0)",
+    )
+    .await;
+    let refused = Store::open(options(&folder, LONG)).await.unwrap_err();
+    let sentence = refused.to_string();
+    assert!(
+        sentence.contains("newer version of loadframe") && sentence.contains("step 999"),
+        "{sentence}"
+    );
+}
+
+#[tokio::test]
+async fn one_job_that_cannot_be_read_does_not_empty_the_list() {
+    let lab = Lab::open(LONG).await;
+    let [first, broken, last] = [lab.submit().await, lab.submit().await, lab.submit().await];
+    tampered(
+        lab.folder.path(),
+        "UPDATE jobs SET kind = 'of tomorrow' WHERE seq = 2",
+    )
+    .await;
+    let page = lab.jobs(&Default::default(), None, 10).await.unwrap();
+    let ids: Vec<_> = page.items.iter().map(|job| job.id).collect();
+    assert_eq!((ids, page.unreadable), (vec![last, first], 1));
+    assert!(lab.job(broken).await.is_err());
+    // nor does it keep the events of others from being told
+    assert!(!lab.events_after(0, None, 100).await.unwrap().is_empty());
 }

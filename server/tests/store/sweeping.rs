@@ -49,7 +49,7 @@ async fn a_stale_lease_is_refused_everywhere_and_publishes_nothing() {
             is_lost(lab.save_checkpoint(stale, &query, content).await),
             "{when}"
         );
-        assert!(is_lost(lab.checkpoint(stale).await), "{when}");
+        assert!(is_lost(lab.checkpoint(stale, None).await), "{when}");
         assert!(is_lost(lab.complete(stale, &request).await), "{when}");
         assert!(is_lost(lab.fail(stale, &failure).await), "{when}");
         assert!(

@@ -8,3 +8,10 @@ pub struct Engine {
     pub version: &'static str,
     pub commit: &'static str,
 }
+
+impl Engine {
+    /// Version and commit as one word, the commit as what semantic versions call build metadata.
+    pub fn build(&self) -> String {
+        format!("{}+{}", self.version, self.commit)
+    }
+}

@@ -31,7 +31,9 @@ pub use directory::{DirectoryEnd, DirectoryError, DirectoryOptions, RunUpdate, r
 pub use engine::Engine;
 pub use eta::TimeToGo;
 pub use execute::{Ended, Plan, RunError, execute};
-pub use machine::{available_threads, free_memory_mb, host_name, thread_processor_time_s};
+pub use machine::{
+    available_threads, free_memory_mb, host_name, resident_memory_mb, thread_processor_time_s,
+};
 pub use recording::{Destination, Progress};
 pub use result_files::sha256_of_file;
 pub use saved_run::{SavedRun, SavedRunError};

@@ -60,10 +60,20 @@ pub(crate) fn peak_memory_mb() -> f64 {
         .map_or(0.0, |kilobytes| kilobytes * 1024.0 / 1e6)
 }
 
+/// Resident memory of this process now [MB]; 0 where the system does not say.
+pub fn resident_memory_mb() -> f64 {
+    std::fs::read_to_string("/proc/self/status")
+        .ok()
+        .and_then(|status| line_kb(&status, "VmRSS:"))
+        .map_or(0.0, |kilobytes| kilobytes * 1024.0 / 1e6)
+}
+
 fn high_water_mark_kb(status: &str) -> Option<f64> {
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line_kb(status, "VmHWM:")
+}
+
+fn line_kb(status: &str, name: &str) -> Option<f64> {
+    let line = status.lines().find_map(|line| line.strip_prefix(name))?;
     line.split_whitespace().next()?.parse().ok()
 }
 
@@ -87,6 +97,7 @@ mod tests {
     fn the_high_water_mark_is_read_from_its_line() {
         let status = "VmPeak:\t  900 kB\nVmHWM:\t   2000 kB\nVmRSS:\t 1 kB\n";
         assert_eq!(high_water_mark_kb(status), Some(2000.0));
+        assert_eq!(line_kb(status, "VmRSS:"), Some(1.0));
         assert_eq!(high_water_mark_kb("VmRSS:\t 1 kB\n"), None);
     }
 }

@@ -24,6 +24,9 @@ pub struct SavedRun {
 struct Header {
     format: u32,
     engine_version: String,
+    /// Absent before format 1 knew it, and then of another build.
+    #[serde(default)]
+    engine_commit: String,
     spec_sha256: String,
     wall_s: f64,
     cpu_s: f64,
@@ -40,12 +43,9 @@ pub enum SavedRunError {
     #[error("the checkpoint has format {0}, this engine reads {FORMAT}")]
     Format(u32),
     #[error(
-        "the checkpoint is of engine version {saved}, this is version {present}; results must come from one version"
+        "the checkpoint is of build {saved}, this is {present}; results must come from one build"
     )]
-    EngineVersion {
-        saved: String,
-        present: &'static str,
-    },
+    OtherBuild { saved: String, present: String },
     #[error("the checkpoint belongs to another spec")]
     OtherSpec,
 }
@@ -76,6 +76,7 @@ impl SavedRun {
             header: Header {
                 format: FORMAT,
                 engine_version: engine.version.to_owned(),
+                engine_commit: engine.commit.to_owned(),
                 spec_sha256: spec_sha256.to_owned(),
                 wall_s: spent.wall_s,
                 cpu_s: spent.cpu_s,
@@ -95,7 +96,7 @@ impl SavedRun {
         bytes
     }
 
-    /// Reads a run of the spec with the given hash, of this version of the engine.
+    /// Reads a run of the spec with the given hash, of this build of the engine.
     ///
     /// # Errors
     /// When the run cannot be gone on from.
@@ -116,10 +117,10 @@ impl SavedRun {
         if header.spec_sha256 != spec_sha256 {
             return Err(SavedRunError::OtherSpec);
         }
-        if header.engine_version != engine.version {
-            return Err(SavedRunError::EngineVersion {
-                saved: header.engine_version,
-                present: engine.version,
+        if (&*header.engine_version, &*header.engine_commit) != (engine.version, engine.commit) {
+            return Err(SavedRunError::OtherBuild {
+                saved: format!("{}+{}", header.engine_version, header.engine_commit),
+                present: engine.build(),
             });
         }
         let state = state.get(1..).unwrap_or_default().to_vec();
@@ -191,9 +192,13 @@ mod tests {
         assert!(matches!(other, Err(SavedRunError::OtherSpec)));
         let cut = SavedRun::from_bytes(&bytes[..9], ENGINE, "ab");
         assert!(matches!(cut, Err(SavedRunError::Header(_))));
-        let mut old = saved();
-        old.header.engine_version = "0.0.1".to_owned();
-        let old = SavedRun::from_bytes(&old.to_bytes(), ENGINE, "ab");
-        assert!(matches!(old, Err(SavedRunError::EngineVersion { .. })));
+        for (version, commit) in [("0.0.1", "abc"), ("1.2.3", "abd")] {
+            let other = Engine { version, commit };
+            let read = SavedRun::from_bytes(&bytes, other, "ab");
+            let Err(error @ SavedRunError::OtherBuild { .. }) = read else {
+                panic!("{other:?}: {read:?}");
+            };
+            assert!(error.to_string().contains("1.2.3+abc"), "{error}");
+        }
     }
 }

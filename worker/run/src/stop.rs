@@ -12,6 +12,8 @@ pub enum StopCause {
     Shutdown = 1,
     /// The job is to pause: leave a checkpoint.
     Pause,
+    /// The job has taken far more than estimated: leave a checkpoint.
+    BeyondEstimate,
     /// The job took longer than it may.
     TimeLimit,
     /// Nobody wants the result any more.
@@ -34,17 +36,24 @@ impl StopSwitch {
 
     /// Why the run shall stop, `None` while it shall go on.
     pub fn cause(&self) -> Option<StopCause> {
-        use StopCause::{Cancel, LeaseLost, Pause, Shutdown, TimeLimit};
-        [LeaseLost, Cancel, TimeLimit, Pause, Shutdown]
-            .into_iter()
-            .find(|cause| *cause as u8 == self.cause.load(Ordering::Relaxed))
+        use StopCause::{BeyondEstimate, Cancel, LeaseLost, Pause, Shutdown, TimeLimit};
+        [
+            LeaseLost,
+            Cancel,
+            TimeLimit,
+            BeyondEstimate,
+            Pause,
+            Shutdown,
+        ]
+        .into_iter()
+        .find(|cause| *cause as u8 == self.cause.load(Ordering::Relaxed))
     }
 }
 
 impl StopCause {
     /// Whether the run is to go on later; otherwise nothing of it is wanted any more.
     pub fn keeps_checkpoint(self) -> bool {
-        self <= Self::Pause
+        self <= Self::BeyondEstimate
     }
 }
 

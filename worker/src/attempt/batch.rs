@@ -18,6 +18,8 @@ pub(super) struct Batch {
     first: u64,
     rows: Vec<Vec<f64>>,
     log: Vec<String>,
+    /// Log lines reported before.
+    logged: u64,
 }
 
 impl Batch {
@@ -51,6 +53,9 @@ impl Batch {
         let rows = std::mem::take(&mut self.rows);
         let first = self.first;
         self.first += rows.len() as u64;
+        let log = std::mem::take(&mut self.log);
+        let log_from = self.logged;
+        self.logged += log.len() as u64;
         ProgressReport {
             progress: progress.fraction,
             phase: progress.phase.chars().take(PHASE_LENGTH).collect(),
@@ -60,7 +65,8 @@ impl Batch {
                 first,
                 rows,
             }),
-            log: std::mem::take(&mut self.log),
+            log,
+            log_from: Some(log_from),
         }
     }
 }
@@ -123,9 +129,13 @@ mod tests {
             eta_s: Some(2.0),
         };
         let report = batch.take(&progress);
-        assert_eq!(report.log, ["a"]);
+        assert_eq!(
+            (report.log, report.log_from),
+            (vec!["a".to_owned()], Some(0))
+        );
         assert_eq!(report.phase.chars().count(), PHASE_LENGTH);
         assert!(report.points.is_none());
-        assert!(batch.take(&progress).log.is_empty());
+        let next = batch.take(&progress);
+        assert_eq!((next.log, next.log_from), (vec![], Some(1)));
     }
 }

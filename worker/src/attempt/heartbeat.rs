@@ -1,28 +1,39 @@
 //! The heartbeat of a lease, sent beside the solver.
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use loadframe_api::JobLimits;
 use loadframe_api::worker::Lease;
 use loadframe_client::ServerError;
-use loadframe_run::StopCause;
+use loadframe_run::{StopCause, resident_memory_mb};
 use tokio::time::{MissedTickBehavior, interval};
 
 use super::lease_client::LeaseClient;
 use super::stop::AttemptSwitch;
 
 /// How often a worker shows that it lives, and how long it may take.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(super) struct Schedule {
     every: Duration,
     /// A heartbeat without an answer by then is sent again.
     timeout: Duration,
     /// When the job has taken as long as it may.
     deadline: Option<Instant>,
+    /// What the job may take by its estimate.
+    limits: Option<JobLimits>,
+    begin: Instant,
+    /// Wall time [s] and bytes of files of the work before this attempt.
+    before: (f64, u64),
+    /// Bytes of files of this attempt.
+    files: Arc<AtomicU64>,
 }
 
 impl Schedule {
-    pub(super) fn of(lease: &Lease) -> Self {
-        let before = lease.checkpoint.as_ref().map_or(0.0, |info| info.wall_s);
+    pub(super) fn of(lease: &Lease, files: Arc<AtomicU64>) -> Self {
+        let saved = lease.checkpoint.as_ref();
+        let before = saved.map_or(0.0, |info| info.wall_s);
+        let bytes = saved.map_or(0, |info| info.files.iter().map(|file| file.bytes).sum());
         let left = lease.time_limit_s.map(|limit| (limit - before).max(0.0));
         // a limit beyond what a clock can hold is none
         let deadline = left.and_then(|left| {
@@ -33,7 +44,22 @@ impl Schedule {
             every: Duration::from_secs_f64(lease.heartbeat_s),
             timeout: Duration::from_secs_f64(lease.lease_s / 3.0),
             deadline,
+            limits: lease.limits,
+            begin: Instant::now(),
+            before: (before, bytes),
+            files,
         }
+    }
+
+    /// What the job has taken too much of, if it has.
+    fn excess(&self) -> Option<String> {
+        let bytes = self.before.1 + self.files.load(Ordering::Relaxed);
+        let used = JobLimits {
+            wall_s: self.before.0 + self.begin.elapsed().as_secs_f64(),
+            memory_mb: resident_memory_mb(),
+            disk_mb: bytes as f64 / 1e6,
+        };
+        self.limits.and_then(|limits| limits.exceeded_by(&used))
     }
 }
 
@@ -48,6 +74,9 @@ pub(super) async fn keep_alive(lease: LeaseClient, schedule: Schedule, switch: A
             .is_some_and(|deadline| Instant::now() >= deadline)
         {
             switch.stop(StopCause::TimeLimit);
+        }
+        if let Some(excess) = schedule.excess() {
+            switch.stop_for(excess);
         }
         match lease.heartbeat(schedule.timeout).await {
             Ok(()) => {}

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use backon::{ExponentialBuilder, Retryable};
 use loadframe_api::worker::{
-    CheckpointQuery, Command, CompleteRequest, FailRequest, HeartbeatAnswer, LEASE_TOKEN_HEADER,
-    Lease, ProgressReport, ReleaseRequest, UploadQuery,
+    CheckpointQuery, Command, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer,
+    LEASE_TOKEN_HEADER, Lease, ProgressReport, ReleaseRequest, UploadQuery,
 };
 use loadframe_api::{FileEntry, sha256_hex};
 use loadframe_client::{ServerClient, ServerError};
@@ -21,6 +21,8 @@ use super::stop::AttemptSwitch;
 /// A server that is away for longer than so many leases is taken for gone. Longer than one: a
 /// server that starts again gives its workers a fresh lease, and what was computed is worth a wait.
 const PRESUMED_LOST_AFTER_LEASES: f64 = 4.0;
+/// A checkpoint that has not come by so many leases is not waited for.
+const LEASES_FOR_A_CHECKPOINT: f64 = 2.0;
 /// First and longest pause between two tries.
 const FIRST_PAUSE: Duration = Duration::from_millis(50);
 const LONGEST_PAUSE: Duration = Duration::from_secs(1);
@@ -33,6 +35,8 @@ pub(super) struct LeaseClient {
     token: String,
     /// A server silent for longer is taken for gone.
     longest_silence: Duration,
+    /// How long a checkpoint is waited for.
+    checkpoint_patience: Duration,
     /// When the server last answered anything.
     last_answer: Arc<Mutex<Instant>>,
     switch: Arc<AttemptSwitch>,
@@ -45,6 +49,7 @@ impl LeaseClient {
             path: format!("/v1/worker/leases/{}", lease.id),
             token: lease.token.to_string(),
             longest_silence: Duration::from_secs_f64(lease.lease_s * PRESUMED_LOST_AFTER_LEASES),
+            checkpoint_patience: Duration::from_secs_f64(lease.lease_s * LEASES_FOR_A_CHECKPOINT),
             last_answer: Arc::new(Mutex::new(Instant::now())),
             switch,
         }
@@ -56,6 +61,14 @@ impl LeaseClient {
             server,
             ..self.clone()
         }
+    }
+
+    /// Tells the server that this worker has begun, until it has heard so.
+    pub(super) async fn begin(&self) -> Result<(), ServerError> {
+        let answer = self
+            .with_retries(|| self.send_once(self.request(Method::POST, "/heartbeat")))
+            .await?;
+        self.follow_command(answer).await
     }
 
     /// Tells the server that this worker lives; tried once, its caller comes again anyway.
@@ -112,17 +125,33 @@ impl LeaseClient {
         Ok(())
     }
 
-    /// Bytes of the checkpoint the lease goes on from.
-    pub(super) async fn checkpoint(&self) -> Result<Vec<u8>, ServerError> {
-        self.with_retries(|| async {
-            let answer = self
-                .send_once(self.request(Method::GET, "/checkpoint"))
-                .await?;
+    /// Bytes of the checkpoint the lease goes on from, or of the one before that of content `before`;
+    /// `None` when the server has none.
+    pub(super) async fn checkpoint(
+        &self,
+        before: Option<&str>,
+    ) -> Result<Option<Vec<u8>>, ServerError> {
+        let begin = Instant::now();
+        let fetch = || async {
+            let request = self.request(Method::GET, "/checkpoint");
+            let request = request.query(&before.map(|sha256| [("before", sha256)]));
+            let answer = self.server.send(request).await;
+            let answer = match self.noted(answer) {
+                Err(ServerError::Refused(problem)) if problem.status == 404 => return Ok(None),
+                answer => self.held(answer)?,
+            };
             let bytes = answer.bytes().await;
-            bytes.map_err(|error| self.server.unreachable(&error))
-        })
-        .await
-        .map(Vec::from)
+            let bytes = bytes.map_err(|error| self.server.unreachable(&error))?;
+            Ok(Some(Vec::from(bytes)))
+        };
+        fetch
+            .retry(pauses())
+            .when(|error: &ServerError| {
+                error.is_transient()
+                    && !self.is_presumed_lost()
+                    && begin.elapsed() < self.checkpoint_patience
+            })
+            .await
     }
 
     pub(super) async fn complete(&self, request: &CompleteRequest) -> Result<(), ServerError> {
@@ -131,6 +160,10 @@ impl LeaseClient {
 
     pub(super) async fn fail(&self, request: &FailRequest) -> Result<(), ServerError> {
         self.end("/fail", request).await
+    }
+
+    pub(super) async fn fault(&self, request: &FaultRequest) -> Result<(), ServerError> {
+        self.end("/fault", request).await
     }
 
     pub(super) async fn release(&self, request: &ReleaseRequest) -> Result<(), ServerError> {
@@ -160,32 +193,42 @@ impl LeaseClient {
 
     async fn send_once(&self, request: RequestBuilder) -> Result<Response, ServerError> {
         let answer = self.server.send(request).await;
+        match self.noted(answer) {
+            // the job and its lease are gone
+            Err(ServerError::Refused(problem)) if problem.status == 404 => Err(self.lost()),
+            answer => self.held(answer),
+        }
+    }
+
+    /// Notes that the server was heard of.
+    fn noted(&self, answer: Result<Response, ServerError>) -> Result<Response, ServerError> {
         if !matches!(answer, Err(ServerError::Unreachable { .. })) {
             *self
                 .last_answer
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner) = Instant::now();
         }
+        answer
+    }
+
+    /// Stops the run when the answer is that the lease is not held.
+    fn held(&self, answer: Result<Response, ServerError>) -> Result<Response, ServerError> {
         match answer {
-            // 409: the lease is not held; 404: job and lease are gone
-            Err(ServerError::Refused(problem)) if matches!(problem.status, 404 | 409) => {
-                self.switch.stop(StopCause::LeaseLost);
-                Err(ServerError::LeaseLost)
-            }
+            Err(ServerError::Refused(problem)) if problem.status == 409 => Err(self.lost()),
             answer => answer,
         }
+    }
+
+    fn lost(&self) -> ServerError {
+        self.switch.stop(StopCause::LeaseLost);
+        ServerError::LeaseLost
     }
 
     async fn with_retries<T, F>(&self, call: impl FnMut() -> F) -> Result<T, ServerError>
     where
         F: Future<Output = Result<T, ServerError>>,
     {
-        let pauses = ExponentialBuilder::default()
-            .with_min_delay(FIRST_PAUSE)
-            .with_max_delay(LONGEST_PAUSE)
-            .with_jitter()
-            .without_max_times();
-        call.retry(pauses)
+        call.retry(pauses())
             .when(|error| error.is_transient() && !self.is_presumed_lost())
             .notify(|error, pause| {
                 tracing::warn!(%error, pause_ms = pause.as_millis() as u64, "trying again");
@@ -206,4 +249,13 @@ impl LeaseClient {
         }
         Ok(())
     }
+}
+
+/// Growing pauses between tries, without an end.
+fn pauses() -> ExponentialBuilder {
+    ExponentialBuilder::default()
+        .with_min_delay(FIRST_PAUSE)
+        .with_max_delay(LONGEST_PAUSE)
+        .with_jitter()
+        .without_max_times()
 }

@@ -4,7 +4,8 @@
 //! `uploader` that sends points, files and checkpoints to the server. Whoever learns first that
 //! the run shall stop (a command in an answer, a lost lease, the time limit, this process told to
 //! end) turns the `AttemptSwitch`; the simulation looks at it many times a second. When all
-//! results have arrived the lease is ended: complete, fail or release. Once the lease is lost,
+//! results have arrived the lease is ended: complete, fail, release, or fault when this machine
+//! cannot carry the job out and another may. Once the lease is lost,
 //! everything is dropped; the server refuses what may still be under way.
 mod batch;
 mod ending;
@@ -14,12 +15,16 @@ mod stop;
 mod uploader;
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
 use std::time::Duration;
 
-use loadframe_api::JobSpec;
-use loadframe_api::worker::{FailCode, FailRequest, Lease};
+use loadframe_api::worker::{FaultCode, FaultRequest, Lease};
+use loadframe_api::{Calibration, JobSpec, sha256_hex};
 use loadframe_client::{ServerClient, ServerError};
-use loadframe_run::{Destination, Engine, Plan, SavedRun, StopCause, execute};
+use loadframe_run::{
+    Destination, Ended, Engine, Plan, SavedRun, StopCause, execute, free_memory_mb,
+};
+use tokio::sync::oneshot;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::AbortOnDropHandle;
 
@@ -51,9 +56,10 @@ impl AttemptContext {
     pub(crate) async fn carry_out(&self, lease: Lease) -> Result<(), ServerError> {
         let switch = Arc::new(AttemptSwitch::default());
         let client = LeaseClient::new(self.server.clone(), &lease, Arc::clone(&switch));
+        let files = Arc::new(AtomicU64::new(0));
         let _heartbeat = AbortOnDropHandle::new(tokio::spawn(heartbeat::keep_alive(
             client.over(self.heartbeat_server.clone()),
-            heartbeat::Schedule::of(&lease),
+            heartbeat::Schedule::of(&lease, Arc::clone(&files)),
             Arc::clone(&switch),
         )));
         let _shutdown = AbortOnDropHandle::new(tokio::spawn({
@@ -63,40 +69,51 @@ impl AttemptContext {
                 switch.stop(StopCause::Shutdown);
             }
         }));
-        match self.run(&lease, &client, &switch).await {
+        match self.run(&lease, &client, &switch, &files).await {
             Ok(ended) => ended,
             Err(AttemptError::Server(error @ ServerError::LeaseLost)) => Err(error),
+            Err(AttemptError::Stopped) => {
+                ending::end(&client, &switch, Ok(Ok(Ended::Suspended)), Ok(())).await
+            }
             Err(error) => {
-                let reason = FailRequest {
-                    code: FailCode::WorkerError,
+                let fault = FaultRequest {
+                    code: error.code(),
                     reason: error.to_string(),
                 };
-                client.fail(&reason).await
+                tracing::error!(job = %lease.job_id, error = %fault.reason, "this machine cannot carry it out");
+                client.fault(&fault).await
             }
         }
     }
 
-    /// Runs the job and ends the lease. The outer error is one that fails the job, the inner one
-    /// is that of the lease's end.
+    /// Runs the job and ends the lease. The outer error is one of this machine, the inner
+    /// one that of the lease's end.
     async fn run(
         &self,
         lease: &Lease,
         client: &LeaseClient,
         switch: &Arc<AttemptSwitch>,
+        files: &Arc<AtomicU64>,
     ) -> Result<Result<(), ServerError>, AttemptError> {
+        // before anything of the job is looked at: whatever it does to this process counts as its doing
+        client.begin().await.map_err(AttemptError::Server)?;
         let spec = JobSpec::from_json(lease.kind, lease.spec.get()).map_err(|error| {
             AttemptError::Spec {
                 version: self.engine.version,
                 reason: error.into_problem().to_string(),
             }
         })?;
-        let saved = self.saved_run(lease, client).await?;
+        check_memory(&spec)?;
+        let saved = tokio::select! {
+            saved = self.saved_run(lease, client) => saved?,
+            () = switch.stopped() => return Err(AttemptError::Stopped),
+        };
         let folder = self.scratch.attempt().map_err(AttemptError::Scratch)?;
         let [results, outgoing] = ["results", "outgoing"].map(|name| folder.path().join(name));
         for part in [&results, &outgoing] {
             std::fs::create_dir(part).map_err(AttemptError::Scratch)?;
         }
-        let (mut queue, uploader) = uploader::queue(outgoing);
+        let (mut queue, uploader) = uploader::queue(outgoing, Arc::clone(files));
         let uploader = AbortOnDropHandle::new(tokio::spawn({
             let (client, switch) = (client.clone(), Arc::clone(switch));
             async move {
@@ -106,7 +123,8 @@ impl AttemptContext {
                 }
             }
         }));
-        let run = tokio::task::spawn_blocking({
+        let (ended, end) = oneshot::channel();
+        let run = {
             let switch = Arc::clone(switch);
             let (engine, threads) = (self.engine, self.threads);
             let checkpoint_every = self.checkpoint_every;
@@ -130,12 +148,17 @@ impl AttemptContext {
                     switch: switch.run(),
                 };
                 // the queue goes with this closure, which lets the uploader finish
-                execute(&spec, saved, plan, &mut queue)
+                let _ = ended.send(execute(&spec, saved, plan, &mut queue));
             }
-        });
-        let run: RunEnd = run.await;
+        };
+        // not one of the runtime's threads: those panic where the system has none to give
+        std::thread::Builder::new()
+            .name("simulation".to_owned())
+            .spawn(run)
+            .map_err(AttemptError::Thread)?;
+        let run: RunEnd = end.await;
         let uploaded = uploader.await.unwrap_or(Err(ServerError::LeaseLost));
-        Ok(ending::end(client, switch.cause(), run, uploaded).await)
+        Ok(ending::end(client, switch, run, uploaded).await)
     }
 
     /// What an earlier attempt left, or why it cannot be used.
@@ -144,19 +167,37 @@ impl AttemptContext {
         lease: &Lease,
         client: &LeaseClient,
     ) -> Result<Option<Result<SavedRun, String>>, AttemptError> {
-        if lease.checkpoint.is_none() {
+        let Some(newest) = &lease.checkpoint else {
             return Ok(None);
-        }
-        let bytes = match client.checkpoint().await {
-            Ok(bytes) => bytes,
-            // the server has found it missing or changed, and forgotten it
-            Err(ServerError::Refused(problem)) if problem.status == 404 => {
-                return Ok(Some(Err(problem.detail)));
-            }
-            Err(error) => return Err(AttemptError::Server(error)),
         };
-        let saved = SavedRun::from_bytes(&bytes, self.engine, &lease.spec_sha256);
-        Ok(Some(saved.map_err(|error| error.to_string())))
+        let mut unusable: Option<(String, String)> = None;
+        // the newest, and the one before
+        for _ in 0..2 {
+            let before = unusable.as_ref().map(|(sha256, _)| sha256.as_str());
+            let fetched = client.checkpoint(before).await;
+            let Some(bytes) = fetched.map_err(AttemptError::Server)? else {
+                break;
+            };
+            match SavedRun::from_bytes(&bytes, self.engine, &lease.spec_sha256) {
+                Ok(saved) => return Ok(Some(Ok(saved))),
+                Err(error) => unusable = Some((sha256_hex(&bytes), error.to_string())),
+            }
+        }
+        let reason = match unusable {
+            Some((_, reason)) => reason,
+            None => format!("the checkpoint of {:.0} s of work is lost", newest.wall_s),
+        };
+        Ok(Some(Err(reason)))
+    }
+}
+
+/// Refuses a job that is estimated to need more memory than this machine has free; where the system does
+/// not say how much that is, none.
+fn check_memory(spec: &JobSpec) -> Result<(), AttemptError> {
+    let needed = spec.estimate(&Calibration::default()).memory_mb;
+    match free_memory_mb() {
+        Some(free) if needed > free => Err(AttemptError::Memory { needed, free }),
+        _ => Ok(()),
     }
 }
 
@@ -170,6 +211,27 @@ enum AttemptError {
     },
     #[error("this worker has no scratch folder: {0}")]
     Scratch(#[source] std::io::Error),
+    #[error("this worker can start no thread: {0}")]
+    Thread(#[source] std::io::Error),
+    #[error("it needs about {needed:.0} MB of memory, and this machine has {free:.0} MB free")]
+    Memory { needed: f64, free: f64 },
     #[error("the checkpoint could not be fetched: {0}")]
     Server(#[source] ServerError),
+    /// It was told to stop before.
+    #[error("stopped")]
+    Stopped,
+}
+
+impl AttemptError {
+    /// What is wrong with this machine.
+    fn code(&self) -> FaultCode {
+        match self {
+            Self::Spec { .. } => FaultCode::Version,
+            Self::Scratch(_) => FaultCode::Disk,
+            Self::Thread(_) => FaultCode::Threads,
+            Self::Memory { .. } => FaultCode::Memory,
+            Self::Server(_) => FaultCode::Checkpoint,
+            Self::Stopped => FaultCode::Other,
+        }
+    }
 }

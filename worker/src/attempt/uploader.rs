@@ -3,10 +3,11 @@
 //! The run puts items into a bounded queue and waits when it is full, so that a slow server
 //! slows the run instead of filling the memory. Order is what makes checkpoints whole: a
 //! checkpoint is sent after every file and point that came before it.
+use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use loadframe_api::FileEntry;
@@ -41,6 +42,9 @@ pub(super) struct UploadQueue {
     /// first version has left.
     outgoing: PathBuf,
     files: u64,
+    /// Bytes of each file so far, and their sum for others.
+    sizes: BTreeMap<String, u64>,
+    bytes: Arc<AtomicU64>,
     progress: watch::Sender<Progress>,
     checkpoint_is_under_way: Arc<AtomicBool>,
 }
@@ -55,8 +59,8 @@ pub(super) struct Uploader {
     reported: Progress,
 }
 
-/// Both ends of a queue whose files wait in the folder `outgoing`.
-pub(super) fn queue(outgoing: PathBuf) -> (UploadQueue, Uploader) {
+/// Both ends of a queue whose files wait in the folder `outgoing`; it adds up their `bytes`.
+pub(super) fn queue(outgoing: PathBuf, bytes: Arc<AtomicU64>) -> (UploadQueue, Uploader) {
     let (items, waiting) = mpsc::channel(WAITING_ITEMS);
     let (progress, seen) = watch::channel(Progress::default());
     let checkpoint_is_under_way = Arc::new(AtomicBool::new(false));
@@ -64,6 +68,8 @@ pub(super) fn queue(outgoing: PathBuf) -> (UploadQueue, Uploader) {
         items,
         outgoing,
         files: 0,
+        sizes: BTreeMap::new(),
+        bytes,
         progress,
         checkpoint_is_under_way: Arc::clone(&checkpoint_is_under_way),
     };
@@ -147,6 +153,9 @@ impl Destination for UploadQueue {
     fn file(&mut self, entry: &FileEntry, path: &Path) -> io::Result<()> {
         let waiting = self.outgoing.join(self.files.to_string());
         self.files += 1;
+        let before = self.sizes.insert(entry.name.clone(), entry.bytes);
+        self.bytes.fetch_add(entry.bytes, Ordering::Relaxed);
+        self.bytes.fetch_sub(before.unwrap_or(0), Ordering::Relaxed);
         std::fs::rename(path, &waiting)?;
         self.put(Item::File(entry.clone(), waiting))
     }

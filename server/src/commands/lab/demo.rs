@@ -1,5 +1,5 @@
 //! `loadframe lab --demo`: the first example job, from submission to results.
-use loadframe_api::{JobKind, JobStatus, JobView, Page};
+use loadframe_api::{JobKind, JobStatus, JobView, Page, printable};
 use loadframe_client::ServerClient;
 use reqwest::Method;
 use serde_json::Value;
@@ -20,7 +20,7 @@ pub(super) async fn run(server: &ServerClient) -> Result<(), Failure> {
     };
     print_line(&format!(
         "Demo: {}  {}{}\n",
-        job.name,
+        printable(&job.name),
         server.address(),
         job.links.page
     ));

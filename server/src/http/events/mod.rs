@@ -122,7 +122,13 @@ async fn follow(
         Some((Ok::<_, Infallible>(on_the_wire(&event)), follower))
     });
     let events = stream::once(async { Ok(opening) }).chain(events);
-    Ok(Sse::new(events).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)))
+    // a proxy that gathers a stream, or packs it, delivers events when they are no news
+    let headers = [
+        ("x-accel-buffering", "no"),
+        ("cache-control", "no-cache, no-transform"),
+    ];
+    let events = Sse::new(events).keep_alive(KeepAlive::new().interval(KEEP_ALIVE));
+    Ok((headers, events))
 }
 
 fn on_the_wire(event: &Announced) -> sse::Event {

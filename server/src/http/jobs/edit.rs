@@ -9,7 +9,7 @@ use super::super::body::JsonBody;
 use super::super::problem::Result;
 use crate::store::JobEdit;
 
-/// Change name, notes, tags or priority
+/// Change name, notes, tags, priority or the overrun factor
 ///
 /// What is left out stays as it is (JSON Merge Patch, RFC 7396, without deletions). The spec of a
 /// job never changes.
@@ -34,12 +34,14 @@ pub(super) async fn edit(
         notes,
         tags,
         priority,
+        overrun_factor,
     } = state.checks.run(client, read).await??;
     let edit = JobEdit {
         name,
         notes,
         tags,
         priority,
+        overrun_factor,
     };
     Ok(Json(state.store.edit(id, edit).await?))
 }

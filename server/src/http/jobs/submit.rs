@@ -4,7 +4,7 @@ use axum::extract::{Query, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use loadframe_api::{
-    Calibration, Earlier, Estimate, Submission, SubmissionError, Warning, sha256_hex,
+    Calibration, Earlier, Estimate, JobLimits, Submission, SubmissionError, Warning, sha256_hex,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -39,6 +39,8 @@ pub(in crate::http) struct DryRun {
     spec: Box<RawValue>,
     spec_sha256: String,
     estimate: Estimate,
+    /// What the job may take before it is paused: its estimate, `overrun_factor` times.
+    limits: JobLimits,
     warnings: Vec<Warning>,
 }
 
@@ -159,6 +161,7 @@ fn dry_run_of(checked: CheckedSubmission, measured: Option<Calibration>) -> Resu
     Ok(DryRun {
         spec: spec.map_err(|error| ApiError::internal(&error))?,
         spec_sha256: checked.spec_sha256,
+        limits: JobLimits::beyond(&checked.estimate, checked.submission.overrun_factor),
         estimate: checked.estimate,
         warnings,
     })

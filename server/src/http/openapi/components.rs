@@ -1,7 +1,7 @@
 //! `#/components/schemas`: every type of the wire by name.
 use loadframe_api::worker::{
-    ClaimRequest, CompleteRequest, FailRequest, HeartbeatAnswer, Lease, ProgressReport,
-    ReleaseRequest,
+    ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,
+    ProgressReport, ReleaseRequest,
 };
 use loadframe_api::{
     CurveView, Envelope, Event, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
@@ -54,7 +54,8 @@ pub(super) fn schemas() -> Map<String, Value> {
 fn bodies() -> Map<String, Value> {
     body_schemas(|generator: &mut SchemaGenerator| {
         add!(generator: JobChanges, Envelope,
-            ClaimRequest, ProgressReport, CompleteRequest, FailRequest, ReleaseRequest);
+            ClaimRequest, ProgressReport, CompleteRequest, FailRequest, FaultRequest,
+            ReleaseRequest);
     })
 }
 

@@ -3,7 +3,8 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use loadframe_api::worker::{
-    CompleteRequest, FailRequest, HeartbeatAnswer, ProgressReport, ReleaseRequest,
+    CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, ProgressReport, ReleaseReason,
+    ReleaseRequest,
 };
 
 use super::super::AppState;
@@ -101,9 +102,35 @@ pub(super) async fn fail(
     Ok(StatusCode::NO_CONTENT)
 }
 
+/// Send the job to another machine
+///
+/// For a fault of this one: a full disk, no memory, no threads. It costs the job nothing; this machine is
+/// given no jobs for a while, the longer the more often. A job that three machines could not carry out
+/// has failed. The same message may be repeated.
+#[utoipa::path(post, path = "/v1/worker/leases/{id}/fault", tag = "Worker",
+    params(("id" = Uuid, Path, description = "Id of the lease"),
+           ("Loadframe-Lease-Token" = Uuid, Header, description = "Token of the lease")),
+    request_body(content = ref("#/components/schemas/FaultRequest"), description = "What is wrong with the machine"),
+    responses((status = 204, description = "The job goes to another machine"),
+              (status = 408, description = "The body did not arrive in time"),
+              (status = 409, description = "The lease is no longer held"),
+              (status = 413, description = "The body is too large"),
+              (status = 415, description = "The body is not declared as JSON"),
+              (status = 422, description = "The message does not fit its schema")))]
+pub(super) async fn fault(
+    State(state): State<AppState>,
+    LeaseCredentials(key): LeaseCredentials,
+    body: JsonBody,
+) -> Result<StatusCode> {
+    let request: FaultRequest = message(&state, body).await?;
+    counted(state.store.fault(key, &request).await)?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
 /// Give the lease back
 ///
-/// The job is cancelled or paused if its user asked for that, and else queued again, at no charge.
+/// The job is cancelled or paused if its user asked for that, paused if it has taken more than its limits,
+/// and else queued again, at no charge.
 /// The same message may be repeated.
 #[utoipa::path(post, path = "/v1/worker/leases/{id}/release", tag = "Worker",
     params(("id" = Uuid, Path, description = "Id of the lease"),
@@ -121,6 +148,16 @@ pub(super) async fn release(
     body: JsonBody,
 ) -> Result<StatusCode> {
     let request: ReleaseRequest = message(&state, body).await?;
-    counted(state.store.release(key, request.reason).await)?;
+    let released = match request.reason {
+        ReleaseReason::BeyondEstimate => {
+            let detail = request
+                .detail
+                .as_deref()
+                .unwrap_or("it has taken more than its limit");
+            state.store.exceed_estimate(key, detail).await
+        }
+        reason => state.store.release(key, reason).await,
+    };
+    counted(released)?;
     Ok(StatusCode::NO_CONTENT)
 }

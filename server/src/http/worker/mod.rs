@@ -19,6 +19,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
         .routes(routes!(leases::progress))
         .routes(routes!(leases::complete))
         .routes(routes!(leases::fail))
+        .routes(routes!(leases::fault))
         .routes(routes!(leases::release))
         .merge(uploads::router())
 }

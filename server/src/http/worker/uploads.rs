@@ -9,9 +9,11 @@ use axum::response::{IntoResponse, Response};
 use futures_util::TryStreamExt;
 use loadframe_api::FileEntry;
 use loadframe_api::worker::{CheckpointInfo, CheckpointQuery, UploadQuery};
+use serde::Deserialize;
 use tokio::fs::File;
 use tokio::io::AsyncRead;
 use tokio_util::io::{ReaderStream, StreamReader};
+use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -54,8 +56,8 @@ async fn upload(
 
 /// Store a checkpoint
 ///
-/// The body is the checkpoint. All files uploaded so far by this attempt belong to it; it replaces
-/// the job's earlier one.
+/// The body is the checkpoint. All files uploaded so far by this attempt belong to it. The one before it
+/// is kept as well.
 #[utoipa::path(put, path = "/v1/worker/leases/{id}/checkpoint", tag = "Worker",
     params(("id" = Uuid, Path, description = "Id of the lease"),
            ("sha256" = String, Query, description = "SHA-256 of the body in hexadecimal digits", min_length = 64, max_length = 64),
@@ -77,9 +79,21 @@ async fn save_checkpoint(
     Ok(Json(counted(saved.await)?))
 }
 
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct CheckpointRead {
+    /// SHA-256 of a checkpoint that could not be used: the one before it is wanted.
+    #[param(required = false, min_length = 64, max_length = 64)]
+    before: Option<String>,
+}
+
 /// Fetch the checkpoint to go on from
+///
+/// The newest of this worker's build of which nothing is missing.
 #[utoipa::path(get, path = "/v1/worker/leases/{id}/checkpoint", tag = "Worker",
     params(("id" = Uuid, Path, description = "Id of the lease"),
+           CheckpointRead,
            ("Loadframe-Lease-Token" = Uuid, Header, description = "Token of the lease")),
     responses((status = 200, description = "The checkpoint", body = Vec<u8>, content_type = "application/octet-stream"),
               (status = 404, description = "The job has no checkpoint"),
@@ -87,8 +101,10 @@ async fn save_checkpoint(
 async fn checkpoint(
     State(state): State<AppState>,
     LeaseCredentials(key): LeaseCredentials,
+    Query(query): Query<CheckpointRead>,
 ) -> Result<Response> {
-    let (info, path) = counted(state.store.checkpoint(key).await)?;
+    let found = state.store.checkpoint(key, query.before.as_deref()).await;
+    let (info, path) = counted(found)?;
     let file = File::open(path)
         .await
         .map_err(|error| ApiError::internal(&error))?;

@@ -1,11 +1,14 @@
 //! Tables as CSV: one header row with units in the names, dot decimals, full digits.
 use std::io::{self, Write};
 
+use loadframe_api::csv_cell;
+
 /// Writes the row of column names.
 ///
 /// # Errors
 /// When `out` does not take it.
 pub fn header(out: &mut dyn Write, names: &[&str]) -> io::Result<()> {
+    let names: Vec<_> = names.iter().map(|name| csv_cell(name)).collect();
     writeln!(out, "{}", names.join(","))
 }
 

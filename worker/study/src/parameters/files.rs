@@ -1,6 +1,7 @@
 //! `parameters.csv`, `parameters.json`, `parameters.md` and `parameters.svg`.
 use std::io::{self, Write};
 
+use loadframe_api::csv_cell;
 use loadframe_physics::csv;
 
 use super::analysis::Study;
@@ -51,9 +52,9 @@ fn table(study: &Study) -> io::Result<Vec<u8>> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     csv::header(&mut out, &names)?;
     for case in &study.cases {
-        let label = case.label.replace('"', "\"\"");
+        let label = csv_cell(&case.label);
         for test in &case.tests {
-            write!(out, "\"{label}\",")?;
+            write!(out, "{label},")?;
             let mut row = vec![test.seed as f64];
             row.extend(test.values.iter().map(|value| value.unwrap_or(f64::NAN)));
             row.extend([test.warnings.len() as f64, test.cpu_s]);
