@@ -6,6 +6,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use loadframe_api::{Problem, SubmissionError, Violation};
 
+use super::body::{is_too_slow, too_slow};
 use crate::store::StoreError;
 
 /// Media type of every error answer.
@@ -129,6 +130,7 @@ impl From<StoreError> for ApiError {
                 tracing::error!(error = %detail, "a stored file is lost");
                 Self::new(FILE_LOST, detail)
             }
+            StoreError::Interrupted(ref cause) if is_too_slow(cause) => too_slow(),
             StoreError::Interrupted(_) => Self::new(BAD_REQUEST, detail),
             StoreError::Unavailable | StoreError::InUse(_) => Self::busy(&detail, 1),
             fault => Self::internal(&fault),
