@@ -115,9 +115,12 @@ impl Change {
 
     async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<LifecycleRow>> {
         let job = sqlx::query_as(
-            "SELECT seq, id, status, outcome, asked, losses, attempt, version FROM jobs
-             WHERE status = 'queued' AND kind IN (SELECT value FROM json_each(?))
-             ORDER BY priority DESC, seq LIMIT 1",
+            // the first of each kind, however many others wait before it
+            "SELECT j.seq, j.id, j.status, j.outcome, j.asked, j.losses, j.attempt, j.version
+             FROM json_each(?) k CROSS JOIN jobs j ON j.seq = (SELECT b.seq FROM jobs b
+                WHERE b.status = 'queued' AND b.kind = k.value
+                ORDER BY b.priority DESC, b.seq LIMIT 1)
+             ORDER BY j.priority DESC, j.seq LIMIT 1",
         )
         .bind(json(&worker.kinds)?)
         .fetch_optional(&mut self.connection)

@@ -20,6 +20,7 @@ migrations! {
     1 "jobs" "0001_jobs.sql",
     2 "events workers tokens" "0002_events_workers_tokens.sql",
     3 "store" "0003_store.sql",
+    6 "long queue" "0006_long_queue.sql",
 }
 
 pub(super) fn migrations() -> Migrator {
@@ -63,7 +64,7 @@ mod tests {
         // the first bytes of `SELECT checksum FROM _sqlx_migrations` in a database of version 0.1
         assert_eq!(
             first_bytes,
-            ["113f34295d37f7b1", "7b1cc992a8fbe6cf", "1279b1c9613624d6"]
+            ["113f34295d37f7b1", "7b1cc992a8fbe6cf", "1279b1c9613624d6", "f0bf1adba9114bf2"]
         );
     }
 }

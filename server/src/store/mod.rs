@@ -7,9 +7,10 @@
 //!
 //! A change goes `Store::…` → [`writer`] (one connection, group commit) → the command's method on
 //! [`writer::Change`] → for steps of a job's lifecycle [`state`], which asks [`crate::queue`] → events →
-//! commit → answer. Reads go to a pool of connections that cannot write, beside it.
+//! commit → answer. Reads go to pools of connections that cannot write, beside it: one for lists and
+//! results, one for what takes a moment and must not wait behind them.
 //!
-//! The worker's side in the order of a job: [`claim`], [`lease`] with [`curve`] and [`log`],
+//! Lists are [`list`], jobs one by one [`jobs`]. The worker's side in the order of a job: [`claim`], [`lease`] with [`curve`] and [`log`],
 //! [`files`] over [`blobs`], [`ending`]; if the worker falls silent, [`sweep`].
 //!
 //! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
@@ -28,6 +29,7 @@ mod files;
 mod identity;
 mod jobs;
 mod lease;
+mod list;
 mod log;
 mod migrations;
 mod open;
@@ -68,6 +70,8 @@ struct Inner {
     options: StoreOptions,
     writer: Writer,
     reads: SqlitePool,
+    /// For what a worker or a health check waits for: never behind a list.
+    lookups: SqlitePool,
     blobs: Blobs,
     last_event: watch::Receiver<u64>,
     queued: watch::Receiver<u64>,
@@ -93,6 +97,10 @@ impl Store {
 
     fn reads(&self) -> &SqlitePool {
         &self.0.reads
+    }
+
+    fn lookups(&self) -> &SqlitePool {
+        &self.0.lookups
     }
 
     fn blobs(&self) -> &Blobs {

@@ -6,6 +6,7 @@ mod endings;
 mod events;
 mod files;
 mod lab;
+mod long_queue;
 mod recovery;
 mod requests;
 mod safety;
