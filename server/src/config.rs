@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use loadframe_api::Limits;
 
+use crate::connections::{ConnectionLimits, TlsFiles};
 use crate::store::StoreOptions;
 
 /// Everything `loadframe serve` and `loadframe lab` can choose.
@@ -21,6 +22,10 @@ pub struct ServeConfig {
     pub token: Option<String>,
     /// Names besides `localhost`, `127.0.0.1` and `[::1]` under which an open server answers.
     pub allowed_hosts: Vec<String>,
+    /// How many connections there may be, and how long clients may take.
+    pub connections: ConnectionLimits,
+    /// The certificate under which the server speaks TLS; without it, plain HTTP.
+    pub tls: Option<TlsFiles>,
 }
 
 impl ServeConfig {
@@ -44,6 +49,8 @@ impl ServeConfig {
             require_token: false,
             token: None,
             allowed_hosts: Vec::new(),
+            connections: ConnectionLimits::default(),
+            tls: None,
         }
     }
 }

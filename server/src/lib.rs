@@ -1,10 +1,11 @@
 //! The loadframe service: jobs come in over REST, wait in the store, are claimed by workers over
 //! HTTP, and their results go out again.
 //!
-//! The road of a request: [`serve`] binds the address and hands every connection to the router of
-//! [`http`]; its layers count, protect and authenticate; a handler reads the request with the
+//! The road of a request: [`serve`] binds the address, [`connections`] accepts within limits and hands
+//! every request to the router of [`http`]; its layers count, protect and authenticate; a handler reads the request with the
 //! vocabulary of `loadframe-api` and asks the [`store`], which alone knows SQL and files.
 pub mod config;
+pub mod connections;
 pub mod http;
 pub mod queue;
 mod serve;

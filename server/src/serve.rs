@@ -1,12 +1,13 @@
 //! A server's life: open the store, bind, answer until told to stop.
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::time::Duration;
 
-use axum::serve::ListenerExt;
 use tokio::net::TcpListener;
 use tokio::task::{JoinHandle, JoinSet};
 
 use crate::config::{SHUTDOWN_GRACE, ServeConfig};
+use crate::connections::{Listening, Tls, TlsError};
 use crate::http::{self, AppState};
 use crate::store::{Store, StoreError};
 
@@ -29,8 +30,8 @@ pub enum ServeError {
         #[source]
         source: std::io::Error,
     },
-    #[error("the server broke off")]
-    Serve(#[source] std::io::Error),
+    #[error("the certificate cannot be used")]
+    Tls(#[source] TlsError),
 }
 
 /// Serves until `shutdown` resolves; calls `ready` with the bound address once requests are taken.
@@ -50,6 +51,8 @@ pub async fn serve(
         listen: config.listen.clone(),
         source,
     };
+    let tls = config.tls.clone().map(Tls::open).transpose();
+    let tls = tls.map_err(ServeError::Tls)?.map(Arc::new);
     // the address first: a second server on it must not touch the store
     let listener = TcpListener::bind(&config.listen)
         .await
@@ -81,33 +84,42 @@ pub async fn serve(
     let announcing = keep_up("announcing", move || announcer.announce());
     let folding = keep_up("folding metrics", http::keep_metrics_folded);
 
-    // an answer is often one small packet: waiting to fill it would add 40 ms
-    let listener = listener.tap_io(|connection| {
-        if let Err(error) = connection.set_nodelay(true) {
-            tracing::debug!(%error, "TCP_NODELAY was refused");
-        }
-    });
-    let app = http::router(state).into_make_service_with_connect_info::<SocketAddr>();
-    let serving = axum::serve(listener, app)
-        .with_graceful_shutdown(stopping.clone().cancelled_owned())
-        .into_future();
+    if tls.is_none() && !address.ip().is_loopback() {
+        tracing::warn!(
+            "without --tls-certificate everybody between here and the clients can read tokens and results"
+        );
+    }
+    let mut tasks = vec![sweeping, scrubbing, looking, announcing, folding];
+    if let Some(tls) = tls.clone() {
+        tasks.push(keep_up("renewing the certificate", move || {
+            tls.clone().keep_renewed()
+        }));
+    }
+    let listening = Listening {
+        listener,
+        tls,
+        limits: config.connections,
+        stopping: stopping.clone(),
+        app: http::router(state),
+    };
+    let serving = listening.serve();
     tokio::pin!(serving);
     tracing::info!(%address, "serving");
     ready(address);
 
-    let end = tokio::select! {
-        end = &mut serving => end,
+    tokio::select! {
+        () = &mut serving => {}
         () = shutdown => {
             tracing::info!("stopping");
             stopping.cancel();
             // a client that never finishes its request does not keep the server
-            tokio::time::timeout(SHUTDOWN_GRACE, serving).await.unwrap_or(Ok(()))
+            let _ = tokio::time::timeout(SHUTDOWN_GRACE, serving).await;
         }
-    };
-    for task in [sweeping, scrubbing, looking, announcing, folding] {
+    }
+    for task in tasks {
         task.abort();
     }
-    end.map_err(ServeError::Serve)
+    Ok(())
 }
 
 /// Runs a task that should not end, and again should it end after all, until aborted.

@@ -1,4 +1,6 @@
 //! Which server a command speaks with.
+use std::path::PathBuf;
+
 use clap::Args;
 use loadframe_client::{ServerClient, ServerError};
 
@@ -21,10 +23,20 @@ pub(crate) struct Connection {
         value_name = "TOKEN"
     )]
     token: Option<String>,
+    /// Certificates in PEM that alone are believed, for a server with one of your own making
+    #[arg(long, env = "LOADFRAME_CA", value_name = "FILE")]
+    ca: Option<PathBuf>,
 }
 
 impl Connection {
     pub(crate) fn client(&self) -> Result<ServerClient, ServerError> {
-        ServerClient::new(&self.server, self.token.clone())
+        let read = |path: &PathBuf| {
+            std::fs::read(path).map_err(|error| ServerError::File {
+                path: path.display().to_string(),
+                reason: error.to_string(),
+            })
+        };
+        let ca = self.ca.as_ref().map(read).transpose()?;
+        ServerClient::trusting(&self.server, self.token.clone(), ca.as_deref())
     }
 }

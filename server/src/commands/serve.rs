@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use loadframe_server::connections::{ConnectionLimits, TlsFiles};
 use loadframe_server::store::StoreOptions;
 use loadframe_server::{ServeConfig, ServeError, serve};
 
@@ -52,12 +53,35 @@ pub(crate) struct ServerOptions {
     /// Most bytes of files that a job's estimate may reach
     #[arg(long, value_name = "MB", default_value_t = ServeConfig::DEFAULT_LIMITS.disk_mb, value_parser = positive)]
     limit_disk_mb: f64,
+    /// Most connections at once, half of which one address may have
+    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u16).range(2..))]
+    connections: u16,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     server: ServerOptions,
+    #[command(flatten)]
+    tls: TlsOptions,
+}
+
+/// The certificate of a server, where it has one.
+#[derive(Clone, Debug, Args)]
+struct TlsOptions {
+    /// Speak TLS with the certificate in this file (PEM, those between it and its authority after it)
+    #[arg(long, value_name = "FILE", requires = "tls_key")]
+    tls_certificate: Option<PathBuf>,
+    /// Key of the certificate (PEM), which others must not be able to read
+    #[arg(long, value_name = "FILE", requires = "tls_certificate")]
+    tls_key: Option<PathBuf>,
+}
+
+impl TlsOptions {
+    fn files(self) -> Option<TlsFiles> {
+        let (certificate, key) = self.tls_certificate.zip(self.tls_key)?;
+        Some(TlsFiles { certificate, key })
+    }
 }
 
 /// A number of seconds or megabytes; a day in a thousand years is as good as none.
@@ -87,14 +111,22 @@ impl ServerOptions {
             require_token: self.require_token,
             token: self.token.clone().filter(|token| !token.is_empty()),
             allowed_hosts: self.allowed_hosts.clone(),
+            connections: ConnectionLimits::with_places(self.connections.into()),
+            tls: None,
         }
     }
 }
 
 pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     start_log("info");
-    let ready = |address| tracing::info!("open http://{}/ for the lab page", reachable(address));
-    serve(arguments.server.config(), ready, stop_signal())
+    let config = ServeConfig {
+        tls: arguments.tls.files(),
+        ..arguments.server.config()
+    };
+    let scheme = if config.tls.is_some() { "https" } else { "http" };
+    let ready =
+        |address| tracing::info!("open {scheme}://{}/ for the lab page", reachable(address));
+    serve(config, ready, stop_signal())
         .await
         .map_err(|error| failure(&error))
 }
@@ -112,6 +144,7 @@ pub(crate) fn failure(error: &ServeError) -> Failure {
             let message = format!("cannot listen on {listen} ({source}): {advice}");
             Failure::new(Code::Usage, message)
         }
+        ServeError::Tls(_) => Failure::new(Code::Usage, chain(error)),
         error => Failure::new(Code::Failed, chain(error)),
     }
 }

@@ -1,27 +1,25 @@
 //! Everything a job left, as a zip that is written while it is sent.
 use std::fs::File;
-use std::io::{self, Write};
-use std::path::PathBuf;
-use std::time::Duration;
+use std::io::{self, Read, Write};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::body::{Body, Bytes};
 use axum::extract::{Path, State};
 use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
-use loadframe_api::{JobView, check_file_name};
-use tokio::sync::mpsc;
-use tokio_stream::wrappers::ReceiverStream;
+use futures_util::stream;
+use loadframe_api::{FileEntry, JobView, check_file_name};
+use tokio::task::spawn_blocking;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use uuid::Uuid;
-use zip::write::SimpleFileOptions;
+use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, ZipWriter};
 
 use super::AppState;
 use super::problem::{ApiError, Result};
 
-/// Pieces between the writer and the connection, and their size [bytes].
-const PIECES: usize = 4;
+/// What is written at a time [bytes].
 const PIECE: usize = 64 << 10;
 /// Larger files need the 64-bit form of zip.
 const LARGE: u64 = u32::MAX as u64 / 2;
@@ -44,42 +42,14 @@ async fn download(State(state): State<AppState>, Path(id): Path<Uuid>) -> Result
     if entries.is_empty() {
         return Err(ApiError::not_found("file of this job yet"));
     }
-    let waiting = Duration::from_secs(10);
-    let turn = tokio::time::timeout(waiting, state.archives.clone().acquire_owned()).await;
-    let Ok(Ok(turn)) = turn else {
-        return Err(ApiError::busy("too many archives are being downloaded", 10));
-    };
     let folder = folder_name(&job);
     let disposition = HeaderValue::try_from(format!("attachment; filename=\"{folder}.zip\""))
         .map_err(|error| ApiError::internal(&error))?;
 
-    let (pieces, sent) = mpsc::channel(PIECES);
-    let runtime = tokio::runtime::Handle::current();
-    tokio::task::spawn_blocking(move || {
-        let _turn = turn;
-        let mut out = ChunkWriter::new(pieces.clone());
-        let mut zip = ZipWriter::new_stream(&mut out);
-        let mut write = || -> io::Result<()> {
-            for entry in &entries {
-                let path = runtime.block_on(state.store.content(id, entry));
-                let path = path.map_err(io::Error::other)?;
-                add(
-                    &mut zip,
-                    &format!("{folder}/{}", entry.name),
-                    path,
-                    entry.bytes,
-                )?;
-            }
-            Ok(())
-        };
-        let written = write();
-        let ended = zip.finish().map(drop).map_err(io::Error::other);
-        let sent = out.send();
-        if let Err(error) = written.and(ended).and(sent) {
-            tracing::info!(job_id = %id, %error, "an archive was broken off");
-            // an error as the last piece breaks the connection: the client must not take a part for the whole
-            let _ = pieces.blocking_send(Err(error));
-        }
+    let archive = Archive::new(state, id, folder, entries);
+    let pieces = stream::try_unfold(archive, move |archive| async move {
+        let next = archive.next().await;
+        next.inspect_err(|error| tracing::info!(job_id = %id, %error, "an archive was broken off"))
     });
     let headers = [
         (
@@ -88,26 +58,109 @@ async fn download(State(state): State<AppState>, Path(id): Path<Uuid>) -> Result
         ),
         (header::CONTENT_DISPOSITION, disposition),
     ];
-    Ok((headers, Body::from_stream(ReceiverStream::new(sent))).into_response())
+    Ok((headers, Body::from_stream(pieces)).into_response())
 }
 
-fn add<W: Write>(
-    zip: &mut ZipWriter<zip::write::StreamWriter<W>>,
-    name: &str,
-    path: PathBuf,
-    bytes: u64,
-) -> io::Result<()> {
-    // snapshots are compressed inside
-    let method = match name.rsplit_once('.') {
-        Some((_, "vtp" | "vtu")) => CompressionMethod::Stored,
-        _ => CompressionMethod::Deflated,
-    };
-    let options = SimpleFileOptions::default()
-        .compression_method(method)
-        .large_file(bytes > LARGE);
-    zip.start_file(name, options).map_err(io::Error::other)?;
-    io::copy(&mut File::open(path)?, zip)?;
-    Ok(())
+/// An archive as far as it is written.
+///
+/// It is written a piece at a time, when its client has taken the one before: a client that does not
+/// read holds no thread and no turn of others.
+struct Archive {
+    state: AppState,
+    id: Uuid,
+    folder: String,
+    entries: std::vec::IntoIter<FileEntry>,
+    written: Written,
+}
+
+/// What a thread that compresses takes along.
+struct Written {
+    /// `None` after the end.
+    zip: Option<ZipWriter<StreamWriter<Piece>>>,
+    piece: Piece,
+    /// What is being added.
+    file: Option<File>,
+    buffer: Vec<u8>,
+}
+
+impl Archive {
+    fn new(state: AppState, id: Uuid, folder: String, entries: Vec<FileEntry>) -> Self {
+        let piece = Piece::default();
+        Self {
+            state,
+            id,
+            folder,
+            entries: entries.into_iter(),
+            written: Written {
+                zip: Some(ZipWriter::new_stream(piece.clone())),
+                piece,
+                file: None,
+                buffer: vec![0; PIECE],
+            },
+        }
+    }
+
+    /// The next piece and the rest; `None` after the end. An error breaks the connection: the client
+    /// must not take a part for the whole.
+    async fn next(mut self) -> io::Result<Option<(Bytes, Self)>> {
+        while self.written.zip.is_some() && self.written.piece.len() < PIECE {
+            if self.written.file.is_none()
+                && let Some(entry) = self.entries.next()
+            {
+                let path = self.state.store.content(self.id, &entry).await;
+                let path = path.map_err(io::Error::other)?;
+                let name = format!("{}/{}", self.folder, entry.name);
+                self.written.begin(&name, File::open(path)?, entry.bytes)?;
+            }
+            let turn = self.state.archives.clone().acquire_owned().await;
+            let _turn = turn.map_err(io::Error::other)?;
+            let written = self.written;
+            let worked = spawn_blocking(move || written.go_on()).await;
+            self.written = worked.map_err(io::Error::other)??;
+        }
+        let piece = self.written.piece.take();
+        Ok((!piece.is_empty()).then_some((piece, self)))
+    }
+}
+
+impl Written {
+    /// Begins a file of the archive.
+    fn begin(&mut self, name: &str, file: File, bytes: u64) -> io::Result<()> {
+        // snapshots are compressed inside
+        let method = match name.rsplit_once('.') {
+            Some((_, "vtp" | "vtu")) => CompressionMethod::Stored,
+            _ => CompressionMethod::Deflated,
+        };
+        let options = SimpleFileOptions::default()
+            .compression_method(method)
+            .large_file(bytes > LARGE);
+        if let Some(zip) = &mut self.zip {
+            zip.start_file(name, options).map_err(io::Error::other)?;
+        }
+        self.file = Some(file);
+        Ok(())
+    }
+
+    /// Writes until there is a piece to send, or the file at hand ends; without one, the end.
+    fn go_on(mut self) -> io::Result<Self> {
+        let Some(file) = &mut self.file else {
+            if let Some(zip) = self.zip.take() {
+                zip.finish().map_err(io::Error::other)?;
+            }
+            return Ok(self);
+        };
+        while self.piece.len() < PIECE {
+            let count = file.read(&mut self.buffer)?;
+            if count == 0 {
+                self.file = None;
+                break;
+            }
+            if let Some(zip) = &mut self.zip {
+                zip.write_all(&self.buffer[..count])?;
+            }
+        }
+        Ok(self)
+    }
 }
 
 /// The job's name as a file name, with the beginning of its id.
@@ -132,38 +185,30 @@ fn folder_name(job: &JobView) -> String {
     name
 }
 
-/// A writer whose bytes go to a channel in pieces.
-#[derive(Debug)]
-struct ChunkWriter {
-    sender: mpsc::Sender<io::Result<Bytes>>,
-    piece: Vec<u8>,
-}
+/// What is written and not sent yet; a clone is another handle on the same.
+#[derive(Clone, Debug, Default)]
+struct Piece(Arc<Mutex<Vec<u8>>>);
 
-impl ChunkWriter {
-    fn new(sender: mpsc::Sender<io::Result<Bytes>>) -> Self {
-        Self {
-            sender,
-            piece: Vec::with_capacity(PIECE),
-        }
+impl Piece {
+    fn bytes(&self) -> MutexGuard<'_, Vec<u8>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn send(&mut self) -> io::Result<()> {
-        let piece = std::mem::replace(&mut self.piece, Vec::with_capacity(PIECE));
-        let gone = |_| io::Error::new(io::ErrorKind::BrokenPipe, "the client has gone");
-        self.sender.blocking_send(Ok(piece.into())).map_err(gone)
+    fn len(&self) -> usize {
+        self.bytes().len()
+    }
+
+    fn take(&self) -> Bytes {
+        std::mem::take(&mut *self.bytes()).into()
     }
 }
 
-impl Write for ChunkWriter {
+impl Write for Piece {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.piece.extend_from_slice(bytes);
-        if self.piece.len() >= PIECE {
-            self.send()?;
-        }
+        self.bytes().extend_from_slice(bytes);
         Ok(bytes.len())
     }
 
-    /// Deflate flushes often; only a full piece or the end is worth a packet.
     fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }

@@ -1,22 +1,21 @@
 //! Large bodies without large memory.
 //!
-//! A body is admitted only while the bodies under way fit a fixed budget; others wait for a
-//! moment unread, which costs a connection and no memory, and are then sent away with 503.
-use std::time::Duration;
+//! A body is read while there is room for what comes ([`super::body_budget`]); else it waits for a
+//! moment unread, which costs a connection and no memory, and is then sent away with 503. How slowly
+//! it may come is the connection's to say ([`crate::connections`]).
+use std::error::Error;
+use std::io;
 
-use axum::body::{Bytes, to_bytes};
+use axum::body::{Body, Bytes};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};
-use tokio::sync::OwnedSemaphorePermit;
-use tokio::time::timeout;
+use tokio::time::{Instant, timeout_at};
+use tokio_stream::StreamExt;
 
-use super::body_budget::LARGEST;
+use super::body_budget::{LARGEST, LONGEST_BEYOND, Room};
 use super::checks::Client;
 use super::problem::{ApiError, BAD_REQUEST, NOT_JSON_TYPE, Result, TOO_LARGE, TOO_SLOW};
 use super::state::AppState;
-
-/// How long a body may take to arrive: the largest one at 0.5 MB/s.
-const ARRIVAL: Duration = Duration::from_secs(60);
 
 /// A JSON body as sent, with its room in the budget until it is dropped.
 #[derive(Debug)]
@@ -24,7 +23,7 @@ pub(super) struct JsonBody {
     pub(super) bytes: Bytes,
     /// Who sent it.
     pub(super) client: Client,
-    _room: OwnedSemaphorePermit,
+    _room: Room,
 }
 
 impl FromRequest<AppState> for JsonBody {
@@ -35,36 +34,70 @@ impl FromRequest<AppState> for JsonBody {
             let detail = "send it with `Content-Type: application/json`";
             return Err(ApiError::new(NOT_JSON_TYPE, detail));
         }
-        let too_large =
-            || ApiError::new(TOO_LARGE, format!("at most {} MB are taken", LARGEST >> 20));
-        // without a length, the body may turn out to be the largest
-        let length = content_length(request.headers()).unwrap_or(LARGEST);
-        if length > LARGEST {
+        let length = content_length(request.headers());
+        if length.is_some_and(|length| length > LARGEST) {
             return Err(too_large());
         }
-        let room = state.bodies.admit(length).await?;
         let client = state.checks.client(&request);
-        let reading = to_bytes(request.into_body(), length);
-        match timeout(ARRIVAL, reading).await {
-            Ok(Ok(bytes)) => Ok(Self {
-                bytes,
-                client,
-                _room: room,
-            }),
-            Ok(Err(error)) if is_too_long(&error) => Err(too_large()),
-            Ok(Err(_)) => Err(ApiError::new(BAD_REQUEST, "the body broke off")),
-            Err(_) => {
-                let detail = format!("a body may take {} s", ARRIVAL.as_secs());
-                Err(ApiError::new(TOO_SLOW, detail))
-            }
-        }
+        let mut room = state.bodies.begin();
+        let bytes = read(request.into_body(), length, &mut room).await?;
+        Ok(Self {
+            bytes,
+            client,
+            _room: room,
+        })
     }
 }
 
-fn is_too_long(error: &axum::Error) -> bool {
-    let mut cause: Option<&dyn std::error::Error> = Some(error);
+/// Reads a body to its end, of at most so many bytes as it says.
+async fn read(body: Body, length: Option<usize>, room: &mut Room) -> Result<Bytes> {
+    // what is reserved takes memory only where something is written
+    let mut bytes = Vec::with_capacity(length.unwrap_or_default());
+    let mut pieces = body.into_data_stream();
+    let mut end = None;
+    loop {
+        if room.is_beyond() {
+            end.get_or_insert_with(|| Instant::now() + LONGEST_BEYOND);
+        }
+        let next = pieces.next();
+        let piece = match end {
+            None => next.await,
+            Some(end) => timeout_at(end, next).await.map_err(|_| too_slow())?,
+        };
+        let Some(piece) = piece else {
+            return Ok(bytes.into());
+        };
+        let piece = piece.map_err(|error| broken(&error))?;
+        if bytes.len() + piece.len() > LARGEST {
+            return Err(too_large());
+        }
+        room.grow(bytes.len() + piece.len()).await?;
+        bytes.extend_from_slice(&piece);
+    }
+}
+
+fn too_large() -> ApiError {
+    ApiError::new(TOO_LARGE, format!("at most {} MB are taken", LARGEST >> 20))
+}
+
+pub(super) fn too_slow() -> ApiError {
+    ApiError::new(TOO_SLOW, "the body did not go on in time")
+}
+
+/// A body that did not come to its end.
+fn broken(error: &(dyn Error + 'static)) -> ApiError {
+    if is_too_slow(error) {
+        return too_slow();
+    }
+    ApiError::new(BAD_REQUEST, "the body broke off")
+}
+
+/// Whether the connection ended the body because it came too slowly.
+pub(super) fn is_too_slow(error: &(dyn Error + 'static)) -> bool {
+    let mut cause = Some(error);
     while let Some(error) = cause {
-        if error.to_string().contains("length limit exceeded") {
+        let own = error.downcast_ref::<io::Error>();
+        if own.is_some_and(|error| error.kind() == io::ErrorKind::TimedOut) {
             return true;
         }
         cause = error.source();

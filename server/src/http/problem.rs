@@ -6,6 +6,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use loadframe_api::{Problem, SubmissionError, Violation};
 
+use super::body::{is_too_slow, too_slow};
 use crate::store::StoreError;
 
 /// Media type of every error answer.
@@ -130,6 +131,7 @@ impl From<StoreError> for ApiError {
                 tracing::error!(error = %detail, "a stored file is lost");
                 Self::new(FILE_LOST, detail)
             }
+            StoreError::Interrupted(ref cause) if is_too_slow(cause) => too_slow(),
             StoreError::Interrupted(_) => Self::new(BAD_REQUEST, detail),
             StoreError::Full => Self::later(STORAGE_FULL, detail, 10),
             StoreError::Unavailable | StoreError::InUse(_) => Self::busy(&detail, 1),

@@ -13,8 +13,8 @@ use super::events::Announcements;
 use crate::ServeConfig;
 use crate::store::Store;
 
-/// Archives sent at once; each holds a thread, and there are to be some left for others.
-const ARCHIVES_AT_ONCE: usize = 32;
+/// Archives written at once, each until it has a piece to send: compressing takes a core each.
+const ARCHIVES_AT_ONCE: usize = 4;
 
 /// What all handlers share; a clone is another handle on the same.
 #[derive(Clone, Debug)]

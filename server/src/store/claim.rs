@@ -124,13 +124,16 @@ impl Change {
     async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<LifecycleRow>> {
         for with_faults in [false, true] {
             let job = sqlx::query_as(
-                "SELECT seq, id, status, outcome, asked, losses, attempt, version FROM jobs
-                 WHERE status = 'queued' AND kind IN (SELECT value FROM json_each(?1))
-                    AND NOT EXISTS (SELECT 1 FROM machines
-                        WHERE host = ?2 AND worker_name = ?3 AND until > ?4)
-                    AND (?5 OR NOT EXISTS (SELECT 1 FROM job_faults f
-                        WHERE f.job = jobs.seq AND f.host = ?2))
-                 ORDER BY priority DESC, seq LIMIT 1",
+                // the first of each kind, however many others wait before it
+                "SELECT j.seq, j.id, j.status, j.outcome, j.asked, j.losses, j.attempt, j.version
+                 FROM json_each(?1) k CROSS JOIN jobs j ON j.seq = (SELECT b.seq FROM jobs b
+                    WHERE b.status = 'queued' AND b.kind = k.value
+                       AND (?5 OR NOT EXISTS (SELECT 1 FROM job_faults f
+                            WHERE f.job = b.seq AND f.host = ?2))
+                    ORDER BY b.priority DESC, b.seq LIMIT 1)
+                 WHERE NOT EXISTS (SELECT 1 FROM machines
+                    WHERE host = ?2 AND worker_name = ?3 AND until > ?4)
+                 ORDER BY j.priority DESC, j.seq LIMIT 1",
             )
             .bind(json(&worker.kinds)?)
             .bind(&worker.host)

@@ -140,7 +140,7 @@ impl Store {
 
     /// Refuses a stale worker before its body is taken in.
     pub(super) async fn check_lease(&self, key: LeaseKey) -> Result<()> {
-        let mut connection = self.reads().acquire().await?;
+        let mut connection = self.lookups().acquire().await?;
         LeasedAttempt::live(&mut connection, key).await?;
         Ok(())
     }

@@ -1,47 +1,57 @@
-//! Jobs as clients see them: one, many, and how to tell cheaply whether anything changed.
+//! Jobs as clients see them, and how to tell cheaply whether anything changed.
 use indexmap::IndexMap;
 use loadframe_api::{
     AttemptEnd, AttemptView, Estimate, JobKind, JobLimits, JobLinks, JobOutcome, JobStatus,
-    JobView, Page, Quantity, ReasonCode, Timestamp,
+    JobView, Quantity, ReasonCode, Timestamp,
 };
 use serde::Deserialize;
 use uuid::Uuid;
 
-use super::encoding::{json, parsed, variant, wire_name};
+use super::Store;
+use super::encoding::{json, parsed, variant};
 use super::error::{Result, StoreError};
 use super::row::row;
-use super::{JobFilter, Store};
 
-/// Longest page of a list.
-const LONGEST_PAGE: u32 = 1000;
-
-/// The statement that reads jobs, ended by `$rest`. One statement, so that what it reads belongs
-/// together without a transaction.
+/// The statement that reads jobs, up to where they come from. One statement, so that what it reads
+/// belongs together without a transaction. A place in the queue is one more than the jobs before it: of
+/// higher priorities, of the same in blocks before, in smaller blocks before, and within its own.
 macro_rules! select_jobs {
-    ($rest:literal) => {
+    ($from:literal) => {
         concat!(
             "SELECT j.seq, j.id, j.kind, j.name, j.notes, j.tags, j.priority, j.status, j.outcome,
                 j.reason, j.reason_code, j.progress, j.phase, j.eta_s, j.attempt, j.created_at,
                 j.started_at, j.finished_at, j.updated_at, j.spec_sha256, j.estimate, j.overrun_factor,
                 (SELECT summary FROM results r WHERE r.job = j.seq) AS summary,
-                CASE j.status WHEN 'queued' THEN 1 + (SELECT COUNT(*) FROM jobs b
-                    WHERE b.status = 'queued' AND (b.priority > j.priority
-                       OR (b.priority = j.priority AND b.seq < j.seq))) END AS position,
+                CASE j.status WHEN 'queued' THEN 1
+                    + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
+                       WHERE w.bits = 16 AND w.priority > j.priority)
+                    + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
+                       WHERE w.bits = 16 AND w.priority = j.priority AND w.block < j.seq >> 16)
+                    + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
+                       WHERE w.bits = 8 AND w.priority = j.priority
+                         AND w.block >= j.seq >> 16 << 8 AND w.block < j.seq >> 8)
+                    + (SELECT COUNT(*) FROM jobs b
+                       WHERE b.status = 'queued' AND b.priority = j.priority
+                         AND b.seq >= j.seq >> 8 << 8 AND b.seq < j.seq)
+                END AS position,
                 (SELECT json_group_array(json_object('number', number, 'worker', worker_name,
                     'host', host, 'started_at', started_at, 'ended_at', ended_at,
                     'end_reason', end_reason, 'engine', engine) ORDER BY number)
                  FROM attempts a WHERE a.job = j.seq) AS attempts
-             FROM jobs j ",
-            $rest
+             FROM ",
+            $from
         )
     };
 }
+
+/// The same, to be gone on with.
+pub(super) const SELECT_JOBS: &str = select_jobs!("");
 
 row! {
     /// A job's row with what belongs to it.
     #[derive(Debug)]
     pub(super) struct JobRow {
-        seq: i64,
+        pub(super) seq: i64,
         id: Uuid,
         kind: String,
         name: String,
@@ -150,7 +160,7 @@ impl Store {
     /// [`StoreError::NotFound`].
     pub async fn job(&self, id: Uuid) -> Result<JobView> {
         let mut connection = self.reads().acquire().await?;
-        let row: Option<JobRow> = sqlx::query_as(select_jobs!("WHERE j.id = ?"))
+        let row: Option<JobRow> = sqlx::query_as(select_jobs!("jobs j WHERE j.id = ?"))
             .bind(id)
             .fetch_optional(&mut *connection)
             .await?;
@@ -182,7 +192,7 @@ impl Store {
              FROM jobs WHERE id = ?",
         )
         .bind(id)
-        .fetch_optional(self.reads())
+        .fetch_optional(self.lookups())
         .await?;
         let version = version.ok_or_else(|| StoreError::NotFound(format!("job {id}")))?;
         Ok(version.unsigned_abs())
@@ -194,70 +204,16 @@ impl Store {
     /// The database's.
     pub async fn jobs_version(&self) -> Result<u64> {
         let version: Option<i64> = sqlx::query_scalar("SELECT MAX(seq) FROM events")
-            .fetch_one(self.reads())
+            .fetch_one(self.lookups())
             .await?;
         Ok(version.unwrap_or_default().unsigned_abs())
-    }
-
-    /// Jobs that pass the filter, newest first; `cursor` is the `next` of the page before.
-    ///
-    /// # Errors
-    /// [`StoreError::Invalid`] for a cursor that was never given out.
-    pub async fn jobs(
-        &self,
-        filter: &JobFilter,
-        cursor: Option<&str>,
-        limit: u32,
-    ) -> Result<Page<JobView>> {
-        let limit = limit.clamp(1, LONGEST_PAGE);
-        let before: Option<i64> = match cursor {
-            None => None,
-            Some(text) => Some(text.parse().map_err(|_| {
-                StoreError::Invalid("the cursor is not one that a page gave as `next`".to_owned())
-            })?),
-        };
-        let mut rows: Vec<JobRow> = sqlx::query_as(select_jobs!(
-            "WHERE (?1 IS NULL OR j.seq < ?1)
-               AND (?2 IS NULL OR j.status = ?2)
-               AND (?3 IS NULL OR j.outcome = ?3)
-               AND (?4 IS NULL OR j.kind = ?4)
-               AND (?5 IS NULL OR EXISTS (SELECT 1 FROM json_each(j.tags) WHERE value = ?5))
-               AND (?6 IS NULL OR instr(lower(j.name), ?6) OR instr(lower(j.notes), ?6)
-                    OR instr(lower(j.tags), ?6) OR instr(lower(hex(j.id)), replace(?6, '-', '')) = 1)
-               AND (?7 IS NULL OR j.created_at > ?7)
-               AND (?8 IS NULL OR j.created_at < ?8)
-             ORDER BY j.seq DESC LIMIT ?9"
-        ))
-        .bind(before)
-        .bind(filter.status.as_ref().map(wire_name).transpose()?)
-        .bind(filter.outcome.as_ref().map(wire_name).transpose()?)
-        .bind(filter.kind.map(JobKind::name))
-        .bind(filter.tag.as_deref())
-        .bind(filter.q.as_ref().map(|text| text.to_ascii_lowercase()))
-        .bind(filter.created_after.map(Timestamp::as_millis))
-        .bind(filter.created_before.map(Timestamp::as_millis))
-        .bind(limit + 1)
-        .fetch_all(self.reads())
-        .await?;
-        let is_last = rows.len() <= limit as usize;
-        rows.truncate(limit as usize);
-        let next = rows
-            .last()
-            .filter(|_| !is_last)
-            .map(|row| row.seq.to_string());
-        let (items, unreadable) = readable(rows);
-        Ok(Page {
-            items,
-            next,
-            unreadable,
-        })
     }
 
     /// Jobs by id, in any order; those that are gone are left out.
     pub(super) async fn jobs_by_id(&self, ids: &[Uuid]) -> Result<Vec<JobView>> {
         let names: Vec<String> = ids.iter().map(|id| format!("{:X}", id.simple())).collect();
         let rows: Vec<JobRow> = sqlx::query_as(select_jobs!(
-            "WHERE j.id IN (SELECT unhex(value) FROM json_each(?))"
+            "jobs j WHERE j.id IN (SELECT unhex(value) FROM json_each(?))"
         ))
         .bind(json(&names)?)
         .fetch_all(self.reads())
@@ -267,7 +223,7 @@ impl Store {
 }
 
 /// The jobs that can be read, and how many cannot: what stands in one row keeps nobody from the others.
-fn readable(rows: Vec<JobRow>) -> (Vec<JobView>, u64) {
+pub(super) fn readable(rows: Vec<JobRow>) -> (Vec<JobView>, u64) {
     let (mut views, mut unreadable) = (Vec::with_capacity(rows.len()), 0);
     for row in rows {
         let id = row.id;

@@ -21,6 +21,7 @@ migrations! {
     2 "events workers tokens" "0002_events_workers_tokens.sql",
     3 "store" "0003_store.sql",
     4 "faults" "0004_faults.sql",
+    6 "long queue" "0006_long_queue.sql",
 }
 
 pub(super) fn migrations() -> Migrator {
@@ -68,7 +69,8 @@ mod tests {
                 "113f34295d37f7b1",
                 "7b1cc992a8fbe6cf",
                 "1279b1c9613624d6",
-                "0db3a0d1a44e743a"
+                "0db3a0d1a44e743a",
+                "f0bf1adba9114bf2"
             ]
         );
     }

@@ -8,11 +8,12 @@
 //!
 //! A change goes `Store::…` → [`writer`] (one connection, group commit) → the command's method on
 //! [`writer::Change`] → for steps of a job's lifecycle [`state`], which asks [`crate::queue`] → events →
-//! commit → answer. Reads go to a pool of connections that cannot write, beside it.
+//! commit → answer. Reads go to pools of connections that cannot write, beside it: one for lists and
+//! results, one for what takes a moment and must not wait behind them.
 //!
-//! The worker's side in the order of a job: [`claim`], [`lease`] with [`curve`] and [`log`],
-//! [`files`] and [`checkpoints`] over [`blobs`], [`ending`]; if the worker falls silent, [`sweep`]; if its
-//! machine is at fault, [`machines`].
+//! Lists are [`list`], jobs one by one [`jobs`]. The worker's side in the order of a job: [`claim`],
+//! [`lease`] with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`], [`ending`]; if the
+//! worker falls silent, [`sweep`]; if its machine is at fault, [`machines`].
 //!
 //! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
 //! [`collector`] removes what no row names, [`scrub`] finds what is missing or has changed, and [`backup`]
@@ -31,6 +32,7 @@ mod files;
 mod identity;
 mod jobs;
 mod lease;
+mod list;
 mod log;
 mod machines;
 mod migrations;
@@ -78,6 +80,8 @@ struct Inner {
     reserve: Arc<Reserve>,
     restarts: Arc<Restarts>,
     reads: SqlitePool,
+    /// For what a worker or a health check waits for: never behind a list.
+    lookups: SqlitePool,
     blobs: Blobs,
     last_event: watch::Receiver<u64>,
     queued: watch::Receiver<u64>,
@@ -103,6 +107,10 @@ impl Store {
 
     fn reads(&self) -> &SqlitePool {
         &self.0.reads
+    }
+
+    fn lookups(&self) -> &SqlitePool {
+        &self.0.lookups
     }
 
     fn blobs(&self) -> &Blobs {

@@ -23,6 +23,8 @@ use super::{Inner, Store, StoreOptions};
 
 /// Reads at once.
 const READERS: u32 = 4;
+/// Reads at once that take a moment.
+const LOOKUPS: u32 = 2;
 /// How long a statement waits for another process, such as a token command, to finish writing.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// The write-ahead log is cut back to this [bytes] after a burst.
@@ -109,11 +111,14 @@ impl Store {
         let last: Option<i64> = sqlx::query_scalar("SELECT MAX(seq) FROM events")
             .fetch_one(&mut connection)
             .await?;
-        let reads = SqlitePoolOptions::new()
-            .max_connections(READERS)
-            .test_before_acquire(false)
-            .connect_with(database.clone().pragma("query_only", "on"))
-            .await?;
+        let reading = database.clone().pragma("query_only", "on");
+        let pool = |connections| {
+            SqlitePoolOptions::new()
+                .max_connections(connections)
+                .test_before_acquire(false)
+                .connect_with(reading.clone())
+        };
+        let (reads, lookups) = (pool(READERS).await?, pool(LOOKUPS).await?);
 
         let (last_event, last_event_receiver) =
             watch::channel(last.unwrap_or_default().unsigned_abs());
@@ -140,6 +145,7 @@ impl Store {
             reserve,
             restarts,
             reads,
+            lookups,
             blobs,
             last_event: last_event_receiver,
             queued: queued_receiver,

@@ -52,7 +52,7 @@ impl Store {
         )
         .bind(Timestamp::now().as_millis())
         .bind(limit)
-        .fetch_all(self.reads())
+        .fetch_all(self.lookups())
         .await?;
         let (mut ended, lease) = (0, self.lease_millis());
         for attempt in overdue {

@@ -105,7 +105,7 @@ impl Store {
             "SELECT EXISTS (SELECT 1 FROM tokens WHERE secret_sha256 = ? AND revoked_at IS NULL)",
         )
         .bind(&hash)
-        .fetch_one(self.reads())
+        .fetch_one(self.lookups())
         .await?;
         if is_good {
             self.token_cache().insert(hash);

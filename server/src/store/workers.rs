@@ -143,7 +143,7 @@ impl Store {
                 WHERE bond_evaluations_per_s IS NOT NULL AND last_seen_at >= ?1)",
         )
         .bind(self.alive_since())
-        .fetch_optional(self.reads())
+        .fetch_optional(self.lookups())
         .await?;
         Ok(speed.map(|bond_evaluations_per_s| Calibration {
             bond_evaluations_per_s,
@@ -157,7 +157,7 @@ impl Store {
     pub async fn counts(&self) -> Result<Counts> {
         let mut counts = Counts::default();
         let jobs: Vec<(String, i64)> =
-            sqlx::query_as("SELECT COALESCE(outcome, status), COUNT(*) FROM jobs GROUP BY 1")
+            sqlx::query_as("SELECT state, jobs FROM job_counts")
                 .fetch_all(self.reads())
                 .await?;
         for (state, count) in jobs {

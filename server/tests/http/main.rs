@@ -1,6 +1,8 @@
-//! The service by its router: every test has its own store in a fresh folder, and no socket.
+//! The service by its router: every test has its own store in a fresh folder, and no socket but where
+//! connections are what is tested.
 mod access;
 mod archive;
+mod connections;
 mod curve;
 mod errors;
 mod events;
@@ -12,3 +14,4 @@ mod openapi;
 mod page;
 mod service;
 mod support;
+mod tls;

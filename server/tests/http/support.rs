@@ -21,7 +21,7 @@ const MOST: usize = 64 << 20;
 pub(crate) struct Lab {
     pub(crate) store: Store,
     pub(crate) state: AppState,
-    router: Router,
+    pub(crate) router: Router,
     _data: TempDir,
 }
 

@@ -8,6 +8,7 @@ mod faults;
 mod files;
 mod full_disk;
 mod lab;
+mod long_queue;
 mod recovery;
 mod requests;
 mod safety;

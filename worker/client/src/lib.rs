@@ -2,7 +2,7 @@
 use std::time::Duration;
 
 use loadframe_api::Problem;
-use reqwest::{Method, RequestBuilder, Response, StatusCode, Url};
+use reqwest::{Certificate, Method, RequestBuilder, Response, StatusCode, Url};
 use serde::de::DeserializeOwned;
 
 /// A server on the same network answers a connection at once or not at all.
@@ -20,7 +20,7 @@ pub struct ServerClient {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ServerError {
-    /// `--server` is not an address this build can speak with.
+    /// `--server` is not an address that can be spoken with, or its certificate cannot be checked.
     #[error("{address:?} is not a server's address: {reason}")]
     Address { address: String, reason: String },
     /// No answer, or one that broke off. Trying again may help.
@@ -48,32 +48,45 @@ impl ServerError {
 }
 
 impl ServerClient {
-    /// A client of the server at `address`, such as `http://127.0.0.1:8400`.
+    /// A client of the server at `address`, such as `http://127.0.0.1:8400`. Servers of `https` are
+    /// believed by the certificates that this machine trusts.
     ///
     /// # Errors
     /// When the address is not one of HTTP.
     pub fn new(address: &str, token: Option<String>) -> Result<Self, ServerError> {
+        Self::trusting(address, token, None)
+    }
+
+    /// The same, believing the certificates in `authorities` (PEM) alone where they are given.
+    ///
+    /// # Errors
+    /// When the address is not one of HTTP, or the certificates cannot be read.
+    pub fn trusting(
+        address: &str,
+        token: Option<String>,
+        authorities: Option<&[u8]>,
+    ) -> Result<Self, ServerError> {
         let refuse = |reason: String| ServerError::Address {
             address: address.to_owned(),
             reason,
         };
         let base = Url::parse(address).map_err(|error| refuse(error.to_string()))?;
-        match base.scheme() {
-            "http" => {}
-            "https" if cfg!(feature = "tls") => {}
-            "https" => {
-                return Err(refuse(
-                    "this build speaks http only (build with --features tls for https)".to_owned(),
-                ));
-            }
-            _ => return Err(refuse("it must begin with http://".to_owned())),
+        if !matches!(base.scheme(), "http" | "https") {
+            return Err(refuse("it must begin with http:// or https://".to_owned()));
         }
+        // a second installation finds the first
+        let _ = rustls::crypto::ring::default_provider().install_default();
         let http = reqwest::Client::builder()
             .connect_timeout(CONNECT_TIMEOUT)
             .tcp_nodelay(true)
-            .user_agent(concat!("loadframe/", env!("CARGO_PKG_VERSION")))
-            .build()
-            .map_err(|error| refuse(chain(&error)))?;
+            .user_agent(concat!("loadframe/", env!("CARGO_PKG_VERSION")));
+        let http = match authorities {
+            Some(pem) => http.tls_certs_only(certificates(pem).map_err(refuse)?),
+            // the machine's own certificates take a moment to read, and some machines have none
+            None if base.scheme() == "http" => http.tls_certs_only([]),
+            None => http,
+        };
+        let http = http.build().map_err(|error| refuse(chain(&error)))?;
         Ok(Self { base, token, http })
     }
 
@@ -146,6 +159,18 @@ impl ServerClient {
     }
 }
 
+/// The certificates of a file in PEM.
+fn certificates(pem: &[u8]) -> Result<Vec<Certificate>, String> {
+    match Certificate::from_pem_bundle(pem) {
+        Ok(found) if !found.is_empty() => Ok(found),
+        Ok(_) => Err("the file of trusted certificates has none in PEM".to_owned()),
+        Err(error) => Err(format!(
+            "the trusted certificates cannot be read: {}",
+            chain(&error)
+        )),
+    }
+}
+
 /// An error with its causes; the outermost one of the HTTP client only repeats the address.
 fn chain(error: &reqwest::Error) -> String {
     let causes = std::iter::successors(std::error::Error::source(error), |cause| cause.source());
@@ -165,6 +190,9 @@ mod tests {
     fn only_addresses_of_http_are_taken() {
         let client = ServerClient::new("http://127.0.0.1:8400/", None).expect("a good address");
         assert_eq!(client.address(), "http://127.0.0.1:8400");
+        let nobody = ServerClient::trusting("https://lab", None, Some(b"no certificate"));
+        let nobody = nobody.expect_err("nobody to trust").to_string();
+        assert!(nobody.contains("none in PEM"), "{nobody}");
         for bad in ["127.0.0.1:8400", "ftp://lab", "lab", ""] {
             let refused = ServerClient::new(bad, None);
             assert!(matches!(refused, Err(ServerError::Address { .. })), "{bad}");

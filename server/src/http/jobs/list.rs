@@ -38,7 +38,8 @@ pub(in crate::http) struct ListQuery {
     /// Only jobs with this tag.
     #[param(value_type = String, required = false, min_length = 1, max_length = 50)]
     tag: Option<Text<1, 50>>,
-    /// Only jobs with this text in name, notes or tags, or whose id begins with it; case does not matter.
+    /// Only jobs with this text in name, notes or tags, or whose id begins with it (eight digits or
+    /// more); case does not matter.
     #[param(value_type = String, required = false, min_length = 1, max_length = 200)]
     q: Option<Text<1, 200>>,
     /// Only jobs submitted after this moment (RFC 3339).

@@ -1,0 +1,331 @@
+//! Lists of jobs: which statement finds a page quickly, whatever it is filtered by.
+//!
+//! A page walks one index from its newest entry on and looks at each job until it is full. Which one
+//! decides how many jobs are looked at in vain. Where only some hundred have the status, outcome, kind
+//! or tag asked for, these are walked; else what is searched for; else the tag; else the status,
+//! outcome and kind; and without any of them the jobs themselves.
+use loadframe_api::{JobKind, JobView, Page, Timestamp};
+use sqlx::sqlite::SqliteConnection;
+use sqlx::{QueryBuilder, Sqlite};
+use uuid::Uuid;
+
+use super::encoding::wire_name;
+use super::error::{Result, StoreError};
+use super::jobs::{JobRow, SELECT_JOBS, readable};
+use super::{JobFilter, Store};
+
+/// Longest page of a list.
+const LONGEST_PAGE: u32 = 1000;
+/// So many jobs are looked at one by one: a page's work, whatever else is asked of them.
+const FEW: i64 = 500;
+/// Where a moment parts the jobs, so many are passed over without asking where it does.
+const PASSED_OVER: i64 = 20_000;
+/// Texts are found by any three neighbouring characters of theirs; shorter ones by looking at all.
+const SHORTEST_FOUND: usize = 3;
+/// So many hexadecimal digits may begin an id: fewer are those of the moment, which many share.
+const SHORTEST_ID: usize = 8;
+
+/// A filter in the database's words.
+struct Words {
+    status: Option<String>,
+    outcome: Option<String>,
+    kind: Option<&'static str>,
+    tag: Option<String>,
+    text: Option<Text>,
+    after: Option<Moment>,
+    before: Option<Moment>,
+}
+
+/// A moment, and whether the numbers of the jobs after or before it are worth asking for.
+#[derive(Clone, Copy)]
+struct Moment {
+    at: i64,
+    bounds_numbers: bool,
+}
+
+/// What is searched for.
+struct Text {
+    /// As typed, in small letters.
+    typed: String,
+    /// For the index of texts, if it can find it.
+    phrase: Option<String>,
+    /// First and last id that begin so, if enough of it is given.
+    ids: Option<[Uuid; 2]>,
+}
+
+/// What a page walks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Walk {
+    /// The jobs themselves, by their status, outcome or kind where these are asked for.
+    Jobs,
+    Tag,
+    Text,
+}
+
+type Query = QueryBuilder<Sqlite>;
+
+impl Store {
+    /// Jobs that pass the filter, newest first; `cursor` is the `next` of the page before.
+    ///
+    /// # Errors
+    /// [`StoreError::Invalid`] for a cursor that was never given out.
+    pub async fn jobs(
+        &self,
+        filter: &JobFilter,
+        cursor: Option<&str>,
+        limit: u32,
+    ) -> Result<Page<JobView>> {
+        let limit = limit.clamp(1, LONGEST_PAGE);
+        let before: Option<i64> = match cursor {
+            None => None,
+            Some(text) => Some(text.parse().map_err(|_| {
+                StoreError::Invalid("the cursor is not one that a page gave as `next`".to_owned())
+            })?),
+        };
+        let mut words = Words::of(filter)?;
+        let mut connection = self.reads().acquire().await?;
+        words.bound(&mut connection).await?;
+        let walk = words.walk(&mut connection).await?;
+        let mut query = words.statement(walk, before, limit + 1);
+        let mut rows: Vec<JobRow> = query
+            .build_query_as()
+            .fetch_all(&mut *connection)
+            .await?;
+        drop(connection);
+        let is_last = rows.len() <= limit as usize;
+        rows.truncate(limit as usize);
+        let next = rows
+            .last()
+            .filter(|_| !is_last)
+            .map(|row| row.seq.to_string());
+        let (items, unreadable) = readable(rows);
+        Ok(Page {
+            items,
+            next,
+            unreadable,
+        })
+    }
+}
+
+impl Words {
+    fn of(filter: &JobFilter) -> Result<Self> {
+        Ok(Self {
+            status: filter.status.as_ref().map(wire_name).transpose()?,
+            outcome: filter.outcome.as_ref().map(wire_name).transpose()?,
+            kind: filter.kind.map(JobKind::name),
+            tag: filter.tag.clone(),
+            text: filter.q.as_deref().map(Text::of),
+            after: filter.created_after.map(Moment::of),
+            before: filter.created_before.map(Moment::of),
+        })
+    }
+
+    /// Finds out where numbers bound a page: numbers are given in the order of submission, but for a
+    /// clock that was set. Few after a moment are soon found; so are those before it, unless many are not.
+    async fn bound(&mut self, connection: &mut SqliteConnection) -> Result<()> {
+        let after = "SELECT COUNT(*) FROM (SELECT 1 FROM jobs WHERE created_at > ";
+        let from = "SELECT COUNT(*) FROM (SELECT 1 FROM jobs WHERE created_at >= ";
+        if let Some(moment) = &mut self.after {
+            let mut query = Query::new(after);
+            query.push_bind(moment.at);
+            moment.bounds_numbers = is_few(query, PASSED_OVER, connection).await?;
+        }
+        if let Some(moment) = &mut self.before {
+            let mut query = Query::new(from);
+            query.push_bind(moment.at);
+            moment.bounds_numbers = !is_few(query, PASSED_OVER, connection).await?;
+        }
+        Ok(())
+    }
+
+    /// What to walk.
+    async fn walk(&self, connection: &mut SqliteConnection) -> Result<Walk> {
+        let has_state = self.status.is_some() || self.outcome.is_some() || self.kind.is_some();
+        let is_found = self.text.as_ref().is_some_and(Text::is_indexed);
+        if !is_found && self.tag.is_none() {
+            return Ok(Walk::Jobs);
+        }
+        if has_state {
+            let mut query = Query::new("SELECT COUNT(*) FROM (SELECT 1 FROM jobs j WHERE TRUE");
+            self.push_state(&mut query);
+            if is_few(query, FEW, connection).await? {
+                return Ok(Walk::Jobs);
+            }
+        }
+        match &self.tag {
+            Some(_) if !is_found => Ok(Walk::Tag),
+            Some(tag) => {
+                let mut query =
+                    Query::new("SELECT COUNT(*) FROM (SELECT 1 FROM job_tags WHERE tag = ");
+                query.push_bind(tag.clone());
+                let few = is_few(query, FEW, connection).await?;
+                Ok(if few { Walk::Tag } else { Walk::Text })
+            }
+            None => Ok(Walk::Text),
+        }
+    }
+
+    /// The statement for a page of `limit` jobs before number `before`.
+    fn statement(&self, walk: Walk, before: Option<i64>, limit: u32) -> Query {
+        let mut query = Query::new(SELECT_JOBS);
+        let number = match walk {
+            Walk::Jobs => {
+                query.push("jobs j WHERE TRUE");
+                "j.seq"
+            }
+            // CROSS: in this order
+            Walk::Tag => {
+                query.push("job_tags t CROSS JOIN jobs j ON j.seq = t.job WHERE t.tag = ");
+                query.push_bind(self.tag.clone());
+                "t.job"
+            }
+            Walk::Text => {
+                query.push("job_texts t CROSS JOIN jobs j ON j.seq = t.rowid WHERE t.job_texts MATCH ");
+                query.push_bind(self.text.as_ref().and_then(|text| text.phrase.clone()));
+                "t.rowid"
+            }
+        };
+        self.push_state(&mut query);
+        if let (Some(tag), Walk::Jobs | Walk::Text) = (&self.tag, walk) {
+            query.push(" AND EXISTS (SELECT 1 FROM job_tags o WHERE o.job = j.seq AND o.tag = ");
+            query.push_bind(tag.clone()).push(")");
+        }
+        if let (Some(text), Walk::Jobs | Walk::Tag) = (&self.text, walk) {
+            text.push(&mut query);
+        }
+        if let Some(Moment { at, bounds_numbers }) = self.after {
+            query.push(" AND j.created_at > ").push_bind(at);
+            if bounds_numbers {
+                let first = "(SELECT MIN(seq) FROM jobs WHERE created_at > ";
+                query.push(format!(" AND {number} >= {first}"));
+                query.push_bind(at).push(")");
+            }
+        }
+        if let Some(Moment { at, bounds_numbers }) = self.before {
+            query.push(" AND j.created_at < ").push_bind(at);
+            if bounds_numbers {
+                let last = "(SELECT MAX(seq) FROM jobs WHERE created_at < ";
+                query.push(format!(" AND {number} <= {last}"));
+                query.push_bind(at).push(")");
+            }
+        }
+        if let Some(before) = before {
+            query.push(format!(" AND {number} < ")).push_bind(before);
+        }
+        query.push(format!(" ORDER BY {number} DESC LIMIT ")).push_bind(limit);
+        query
+    }
+
+    fn push_state(&self, query: &mut Query) {
+        if let Some(status) = &self.status {
+            query.push(" AND j.status = ").push_bind(status.clone());
+        }
+        if let Some(outcome) = &self.outcome {
+            query.push(" AND j.outcome = ").push_bind(outcome.clone());
+        }
+        if let Some(kind) = self.kind {
+            query.push(" AND j.kind = ").push_bind(kind);
+        }
+    }
+}
+
+/// Whether the rows of a count that is still open are no more than `few`.
+async fn is_few(mut query: Query, few: i64, connection: &mut SqliteConnection) -> Result<bool> {
+    query.push(" LIMIT ").push_bind(few + 1).push(")");
+    let count: i64 = query.build_query_scalar().fetch_one(connection).await?;
+    Ok(count <= few)
+}
+
+impl Moment {
+    fn of(moment: Timestamp) -> Self {
+        Self {
+            at: moment.as_millis(),
+            bounds_numbers: false,
+        }
+    }
+}
+
+impl Text {
+    fn of(typed: &str) -> Self {
+        let typed = typed.to_lowercase();
+        // a text of the database's index ends at its first zero
+        let is_found = typed.chars().count() >= SHORTEST_FOUND && !typed.contains('\0');
+        Self {
+            phrase: is_found.then(|| format!("\"{}\"", typed.replace('"', "\"\""))),
+            ids: ids_beginning_with(&typed),
+            typed,
+        }
+    }
+
+    /// Whether walking the index of texts finds all of it.
+    fn is_indexed(&self) -> bool {
+        self.phrase.is_some() && self.ids.is_none()
+    }
+
+    /// The condition on a job that is at hand.
+    fn push(&self, query: &mut Query) {
+        match (&self.phrase, self.ids) {
+            (Some(phrase), None) => {
+                query.push(" AND EXISTS (SELECT 1 FROM job_texts x WHERE x.rowid = j.seq AND x.job_texts MATCH ");
+                query.push_bind(phrase.clone()).push(")");
+            }
+            // what reads like an id is in few texts
+            (Some(phrase), Some([first, last])) => {
+                query.push(" AND j.seq IN (SELECT rowid FROM job_texts WHERE job_texts MATCH ");
+                query.push_bind(phrase.clone());
+                query.push(" UNION SELECT seq FROM jobs WHERE id BETWEEN ");
+                query.push_bind(first).push(" AND ").push_bind(last).push(")");
+            }
+            (None, _) => {
+                query.push(" AND (FALSE");
+                for column in ["j.name", "j.notes", "j.tags"] {
+                    query.push(format!(" OR instr(lower({column}), "));
+                    query.push_bind(self.typed.clone()).push(")");
+                }
+                query.push(")");
+            }
+        }
+    }
+}
+
+/// The first and the last id that begin with these digits, with or without hyphens.
+fn ids_beginning_with(typed: &str) -> Option<[Uuid; 2]> {
+    let digits = typed.replace('-', "");
+    let is_one = (SHORTEST_ID..=32).contains(&digits.len())
+        && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+    if !is_one {
+        return None;
+    }
+    let id = |fill: &str| {
+        let rest = fill.repeat(32 - digits.len());
+        Uuid::try_parse(&format!("{digits}{rest}")).ok()
+    };
+    id("0").zip(id("f")).map(|(first, last)| [first, last])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_known_by_eight_digits_or_more() {
+        let [first, last] = ids_beginning_with("0192-abcd").expect("eight digits");
+        assert_eq!(first.to_string(), "0192abcd-0000-0000-0000-000000000000");
+        assert_eq!(last.to_string(), "0192abcd-ffff-ffff-ffff-ffffffffffff");
+        let whole = "0192abcd-0000-7000-8000-00000000000a";
+        let [first, last] = ids_beginning_with(whole).expect("a whole id");
+        assert_eq!((first.to_string(), first), (whole.to_owned(), last));
+        for no_id in ["0192abc", "series 192abcdef", "", &"0".repeat(33)] {
+            assert!(ids_beginning_with(no_id).is_none(), "{no_id}");
+        }
+    }
+
+    #[test]
+    fn whatever_is_typed_is_one_phrase() {
+        let phrase = |typed: &str| Text::of(typed).phrase;
+        assert_eq!(phrase("Wet\" OR \"dry").as_deref(), Some("\"wet\"\" or \"\"dry\""));
+        assert_eq!(phrase("ab"), None);
+        assert_eq!(phrase("ab\0c"), None);
+        assert_eq!(phrase("äöü").as_deref(), Some("\"äöü\""));
+    }
+}
