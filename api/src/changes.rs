@@ -1,6 +1,7 @@
 //! What may be changed of a job after its submission.
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use uuid::Uuid;
 
 /// The body of `PATCH /v1/jobs/{id}`; what is left out stays as it is.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -23,6 +24,10 @@ pub struct JobChanges {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "i32", range(min = -1000, max = 1000))]
     pub priority: Option<i32>,
+    /// Moves the job to this project.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Uuid")]
+    pub project: Option<Uuid>,
 }
 
 #[cfg(test)]

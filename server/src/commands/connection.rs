@@ -1,6 +1,9 @@
 //! Which server a command speaks with.
 use clap::Args;
-use loadframe_client::{ServerClient, ServerError};
+use loadframe_client::ServerClient;
+
+use super::failure::Failure;
+use super::secret::TokenSource;
 
 /// Options of every command that speaks with a server.
 #[derive(Clone, Debug, Args)]
@@ -13,18 +16,12 @@ pub(crate) struct Connection {
         value_name = "URL"
     )]
     server: String,
-    /// Access token, where the server demands one
-    #[arg(
-        long,
-        env = "LOADFRAME_TOKEN",
-        hide_env_values = true,
-        value_name = "TOKEN"
-    )]
-    token: Option<String>,
+    #[command(flatten)]
+    token: TokenSource,
 }
 
 impl Connection {
-    pub(crate) fn client(&self) -> Result<ServerClient, ServerError> {
-        ServerClient::new(&self.server, self.token.clone())
+    pub(crate) fn client(&self) -> Result<ServerClient, Failure> {
+        Ok(ServerClient::new(&self.server, self.token.read()?)?)
     }
 }

@@ -7,12 +7,13 @@ use std::time::Duration;
 use axum::body::{Bytes, to_bytes};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};
+use loadframe_api::{Message, SubmissionError};
 use tokio::sync::OwnedSemaphorePermit;
 use tokio::time::timeout;
 
-use super::body_budget::LARGEST;
+use super::body_budget::{LARGEST, SMALL};
 use super::checks::Client;
-use super::problem::{ApiError, BAD_REQUEST, NOT_JSON_TYPE, Result, TOO_LARGE, TOO_SLOW};
+use super::problem::{ApiError, BAD_REQUEST, INVALID, NOT_JSON_TYPE, Result, TOO_LARGE, TOO_SLOW};
 use super::state::AppState;
 
 /// How long a body may take to arrive: the largest one at 0.5 MB/s.
@@ -79,6 +80,26 @@ fn content_length(headers: &HeaderMap) -> Option<usize> {
         .ok()?
         .parse()
         .ok()
+}
+
+/// Reads a message, a large one where it holds up nobody.
+pub(super) async fn message<T>(state: &AppState, body: JsonBody) -> Result<T>
+where
+    T: Message + Send + 'static,
+{
+    let read = if body.bytes.len() <= SMALL {
+        T::from_slice(&body.bytes)
+    } else {
+        let client = body.client;
+        let check = move || T::from_slice(&body.bytes);
+        state.checks.run(client, check).await?
+    };
+    read.map_err(|error| match error {
+        SubmissionError::Invalid(violations) => {
+            ApiError::new(INVALID, "the message does not fit its schema").violations(violations)
+        }
+        syntax => syntax.into(),
+    })
 }
 
 /// `application/json` or anything `+json`.

@@ -1,5 +1,6 @@
 //! Jobs as clients see them: one, many, and how to tell cheaply whether anything changed.
 use indexmap::IndexMap;
+use loadframe_api::people::Named;
 use loadframe_api::{
     AttemptEnd, AttemptView, JobKind, JobLinks, JobOutcome, JobStatus, JobView, Page, Quantity,
     ReasonCode, Timestamp,
@@ -11,6 +12,13 @@ use super::encoding::{json, parsed, variant, wire_name};
 use super::error::{Result, StoreError};
 use super::row::row;
 use super::{JobFilter, Store};
+use crate::access::Sight;
+
+/// Ids as a JSON array, for `unhex` in a statement.
+pub(super) fn hex_names(ids: &[Uuid]) -> Result<String> {
+    let names: Vec<String> = ids.iter().map(|id| format!("{:X}", id.simple())).collect();
+    json(&names)
+}
 
 /// Longest page of a list.
 const LONGEST_PAGE: u32 = 1000;
@@ -23,6 +31,8 @@ macro_rules! select_jobs {
             "SELECT j.seq, j.id, j.kind, j.name, j.notes, j.tags, j.priority, j.status, j.outcome,
                 j.reason, j.reason_code, j.progress, j.phase, j.eta_s, j.attempt, j.created_at,
                 j.started_at, j.finished_at, j.updated_at, j.spec_sha256,
+                j.owner, (SELECT name FROM people o WHERE o.id = j.owner) AS owner_name,
+                j.project, (SELECT name FROM projects p WHERE p.id = j.project) AS project_name,
                 (SELECT summary FROM results r WHERE r.job = j.seq) AS summary,
                 CASE j.status WHEN 'queued' THEN 1 + (SELECT COUNT(*) FROM jobs b
                     WHERE b.status = 'queued' AND (b.priority > j.priority
@@ -61,6 +71,10 @@ row! {
         finished_at: Option<i64>,
         updated_at: i64,
         spec_sha256: String,
+        owner: Option<Uuid>,
+        owner_name: Option<String>,
+        project: Option<Uuid>,
+        project_name: Option<String>,
         summary: Option<String>,
         position: Option<i64>,
         attempts: String,
@@ -110,9 +124,15 @@ impl JobRow {
             spec_sha256: self.spec_sha256,
             spec: None,
             summary,
+            owner: named(self.owner, self.owner_name),
+            project: named(self.project, self.project_name),
             links: JobLinks::of(self.id),
         })
     }
+}
+
+fn named(id: Option<Uuid>, name: Option<String>) -> Option<Named> {
+    id.zip(name).map(|(id, name)| Named { id, name })
 }
 
 impl AttemptRow {
@@ -201,6 +221,8 @@ impl Store {
                 StoreError::Invalid("the cursor is not one that a page gave as `next`".to_owned())
             })?),
         };
+        let everything = Sight::everything();
+        let sight = filter.sight.as_ref().unwrap_or(&everything);
         let mut rows: Vec<JobRow> = sqlx::query_as(select_jobs!(
             "WHERE (?1 IS NULL OR j.seq < ?1)
                AND (?2 IS NULL OR j.status = ?2)
@@ -211,6 +233,11 @@ impl Store {
                     OR instr(lower(j.tags), ?6) OR instr(lower(hex(j.id)), replace(?6, '-', '')) = 1)
                AND (?7 IS NULL OR j.created_at > ?7)
                AND (?8 IS NULL OR j.created_at < ?8)
+               AND (?10 OR j.owner = ?11 OR j.id = ?12
+                    OR j.project IN (SELECT unhex(value) FROM json_each(?13)))
+               AND (?14 = '[]' OR j.project IS NULL
+                    OR j.project NOT IN (SELECT unhex(value) FROM json_each(?14)))
+               AND (?15 IS NULL OR j.owner IS NOT ?15) AND (?16 IS NULL OR j.project = ?16)
              ORDER BY j.seq DESC LIMIT ?9"
         ))
         .bind(before)
@@ -222,6 +249,13 @@ impl Store {
         .bind(filter.created_after.map(Timestamp::as_millis))
         .bind(filter.created_before.map(Timestamp::as_millis))
         .bind(limit + 1)
+        .bind(sight.everything)
+        .bind(sight.owner)
+        .bind(sight.job)
+        .bind(hex_names(&sight.projects)?)
+        .bind(hex_names(&sight.not_in)?)
+        .bind(sight.not_of)
+        .bind(filter.project)
         .fetch_all(self.reads())
         .await?;
         let is_last = rows.len() <= limit as usize;
@@ -236,11 +270,10 @@ impl Store {
 
     /// Jobs by id, in any order; those that are gone are left out.
     pub(super) async fn jobs_by_id(&self, ids: &[Uuid]) -> Result<Vec<JobView>> {
-        let names: Vec<String> = ids.iter().map(|id| format!("{:X}", id.simple())).collect();
         let rows: Vec<JobRow> = sqlx::query_as(select_jobs!(
             "WHERE j.id IN (SELECT unhex(value) FROM json_each(?))"
         ))
-        .bind(json(&names)?)
+        .bind(hex_names(ids)?)
         .fetch_all(self.reads())
         .await?;
         rows.into_iter().map(JobRow::view).collect()

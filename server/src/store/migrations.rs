@@ -20,6 +20,7 @@ migrations! {
     1 "jobs" "0001_jobs.sql",
     2 "events workers tokens" "0002_events_workers_tokens.sql",
     3 "store" "0003_store.sql",
+    5 "people" "0005_people.sql",
 }
 
 pub(super) fn migrations() -> Migrator {

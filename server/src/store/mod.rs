@@ -10,7 +10,8 @@
 //! commit → answer. Reads go to a pool of connections that cannot write, beside it.
 //!
 //! The worker's side in the order of a job: [`claim`], [`lease`] with [`curve`] and [`log`],
-//! [`files`] over [`blobs`], [`ending`]; if the worker falls silent, [`sweep`].
+//! [`files`] over [`blobs`], [`ending`]; if the worker falls silent, [`sweep`]. Whose things are, and what
+//! was done by whom: [`people`].
 //!
 //! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
 //! [`collector`] removes what no row names, [`scrub`] finds what is missing or has changed, and [`backup`]
@@ -31,13 +32,13 @@ mod lease;
 mod log;
 mod migrations;
 mod open;
+pub mod people;
+mod private;
 mod row;
 mod scrub;
 mod state;
 mod submit;
 mod sweep;
-mod token_cache;
-mod tokens;
 mod types;
 mod workers;
 mod writer;
@@ -54,14 +55,16 @@ use blobs::Blobs;
 pub use blobs::Loss;
 use error::Result;
 pub use error::StoreError;
+pub use events::StoredEvent;
 pub use scrub::{LostFile, ScrubReport};
-use token_cache::TokenCache;
+use people::{AccessState, Actor};
 pub use types::*;
 use writer::{Change, Work, Writer};
 
-/// The store; a clone is another handle on the same one.
+/// The store; a clone is another handle on the same one. What is changed through a handle is written
+/// down as done by its actor, if it has one.
 #[derive(Clone, Debug)]
-pub struct Store(Arc<Inner>);
+pub struct Store(Arc<Inner>, Option<Arc<Actor>>);
 
 #[derive(Debug)]
 struct Inner {
@@ -71,7 +74,9 @@ struct Inner {
     blobs: Blobs,
     last_event: watch::Receiver<u64>,
     queued: watch::Receiver<u64>,
-    token_cache: TokenCache,
+    /// Who a caller is and whose things are: never behind long reads.
+    access_reads: SqlitePool,
+    access: Arc<AccessState>,
     /// Held as long as the store is open, by a server's store.
     _lock: Option<File>,
 }
@@ -99,8 +104,12 @@ impl Store {
         &self.0.blobs
     }
 
-    fn token_cache(&self) -> &TokenCache {
-        &self.0.token_cache
+    fn access_reads(&self) -> &SqlitePool {
+        &self.0.access_reads
+    }
+
+    fn access_state(&self) -> &Arc<AccessState> {
+        &self.0.access
     }
 
     async fn write<T, F>(&self, command: F) -> Result<T>
@@ -108,7 +117,14 @@ impl Store {
         T: Send + 'static,
         F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
     {
-        self.0.writer.write(command).await
+        let actor = self.1.clone();
+        self.0
+            .writer
+            .write(move |change| {
+                change.actor = actor;
+                command(change)
+            })
+            .await
     }
 }
 

@@ -12,12 +12,15 @@ use super::blobs::Blobs;
 use super::error::{Result, StoreError};
 use super::identity::{Opening, identify, refuse_new_beside_files};
 use super::migrations::migrations;
-use super::token_cache::TokenCache;
+use super::people::AccessState;
+use super::private::{private_database, private_folder};
 use super::writer::{Announcements, Writer};
 use super::{Inner, Store, StoreOptions};
 
 /// Reads at once.
 const READERS: u32 = 4;
+/// Looks at who a caller is at once; each takes a moment.
+const ACCESS_READERS: u32 = 2;
 /// How long a statement waits for another process, such as a token command, to finish writing.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// The write-ahead log is cut back to this [bytes] after a burst.
@@ -31,7 +34,7 @@ impl Store {
     /// [`StoreError::InUse`] when another server has the folder; [`StoreError::NotTogether`] when the
     /// database and the files are not those of one store; file and database errors.
     pub async fn open(options: StoreOptions) -> Result<Self> {
-        std::fs::create_dir_all(&options.data).map_err(StoreError::file(&options.data))?;
+        private_folder(&options.data)?;
         let lock = lock(&options.data)?;
         let store = Self::connect(options, Some(lock)).await?;
         store.renew_leases().await?;
@@ -44,7 +47,7 @@ impl Store {
     /// # Errors
     /// File and database errors.
     pub async fn open_beside(options: StoreOptions) -> Result<Self> {
-        std::fs::create_dir_all(&options.data).map_err(StoreError::file(&options.data))?;
+        private_folder(&options.data)?;
         Self::connect(options, None).await
     }
 
@@ -81,8 +84,16 @@ impl Store {
         let reads = SqlitePoolOptions::new()
             .max_connections(READERS)
             .test_before_acquire(false)
+            .connect_with(database.clone().pragma("query_only", "on"))
+            .await?;
+        let access_reads = SqlitePoolOptions::new()
+            .max_connections(ACCESS_READERS)
+            .test_before_acquire(false)
             .connect_with(database.pragma("query_only", "on"))
             .await?;
+        private_database(&options.data);
+        let access = AccessState::read(&access_reads).await?;
+        tokio::spawn(access.clone().keep_fresh(access_reads.clone()));
 
         let (last_event, last_event_receiver) =
             watch::channel(last.unwrap_or_default().unsigned_abs());
@@ -104,9 +115,10 @@ impl Store {
             blobs,
             last_event: last_event_receiver,
             queued: queued_receiver,
-            token_cache: TokenCache::default(),
+            access_reads,
+            access,
             _lock: lock,
-        })))
+        }), None))
     }
 }
 

@@ -4,6 +4,7 @@
 //! commands that are waiting, runs each in a savepoint of its own inside one transaction, commits
 //! once, and only then answers. A command alone does not wait for company.
 use std::pin::Pin;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use loadframe_api::Timestamp;
@@ -13,6 +14,7 @@ use uuid::Uuid;
 
 use super::collector::Garbage;
 use super::error::{Result, StoreError};
+use super::people::Actor;
 
 /// Commands in one commit; beyond this, the first of them would wait too long for the last.
 const LARGEST_BATCH: usize = 256;
@@ -43,6 +45,8 @@ pub(super) struct Change {
     /// When a transaction last failed, or waited long to begin [ms since 1970]: nobody could be heard
     /// of until then.
     pub(super) last_trouble: i64,
+    /// Who makes the change, where somebody does.
+    pub(super) actor: Option<Arc<Actor>>,
     effects: Effects,
 }
 
@@ -127,6 +131,7 @@ impl Writer {
             connection,
             now: Timestamp::now(),
             last_trouble: i64::MIN,
+            actor: None,
             effects: Effects::default(),
         };
         tokio::spawn(run(change, waiting, announcements));

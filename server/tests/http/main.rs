@@ -10,5 +10,6 @@ mod jobs;
 mod kinds;
 mod openapi;
 mod page;
+mod people;
 mod service;
 mod support;
