@@ -1,6 +1,7 @@
 //! What may be changed of a job after its submission.
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use uuid::Uuid;
 
 /// The body of `PATCH /v1/jobs/{id}`; what is left out stays as it is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -27,6 +28,10 @@ pub struct JobChanges {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", range(min = 1.0, max = 1e6))]
     pub overrun_factor: Option<f64>,
+    /// Moves the job to this project.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Uuid")]
+    pub project: Option<Uuid>,
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use uuid::Uuid;
 
+use crate::people::Named;
 use crate::worker::FaultCode;
 use crate::{JobKind, JobLimits, Quantity, Timestamp};
 
@@ -123,6 +124,12 @@ pub struct JobView {
     /// Results of a succeeded job, as in `outcome.json`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub summary: Option<IndexMap<String, Quantity>>,
+    /// Who submitted it, where the server has accounts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub owner: Option<Named>,
+    /// The project it belongs to, where the server has accounts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub project: Option<Named>,
     pub links: JobLinks,
 }
 

@@ -24,6 +24,7 @@ pub mod kinds;
 mod limits;
 mod message;
 mod outcome;
+pub mod people;
 mod plain;
 mod problem;
 mod results;

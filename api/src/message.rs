@@ -5,6 +5,10 @@ use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 
 use crate::json::{parse, typed};
+use crate::people::{
+    Acceptance, HandOver, NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange,
+    PersonChanges, ProjectChanges, SignIn,
+};
 use crate::schema::Checker;
 use crate::study::ParameterStudy;
 use crate::worker::{
@@ -40,6 +44,17 @@ macro_rules! messages {
 
 messages!(
     JobChanges,
+    SignIn,
+    PasswordChange,
+    NewInvitation,
+    Acceptance,
+    PersonChanges,
+    HandOver,
+    NewToken,
+    NewGroup,
+    NewProject,
+    ProjectChanges,
+    NewShare,
     ClaimRequest,
     ProgressReport,
     CompleteRequest,

@@ -18,8 +18,13 @@ pub struct ServeConfig {
     pub limits: Limits,
     /// Demand a token on a loopback address too; elsewhere it is always demanded.
     pub require_token: bool,
-    /// Secret that is made a valid token at the start (`LOADFRAME_TOKEN`).
+    /// Secret that is a valid token as long as this server runs (`LOADFRAME_TOKEN`): it does everything
+    /// on a server without people, and only works for one with people.
     pub token: Option<String>,
+    /// Secret of the server's own workers, which only works, as long as this server runs.
+    pub worker_token: Option<String>,
+    /// Take passwords in the clear over a network.
+    pub plain_sign_in: bool,
     /// Names besides `localhost`, `127.0.0.1` and `[::1]` under which an open server answers.
     pub allowed_hosts: Vec<String>,
     /// How many connections there may be, and how long clients may take.
@@ -48,6 +53,8 @@ impl ServeConfig {
             limits: Self::DEFAULT_LIMITS,
             require_token: false,
             token: None,
+            worker_token: None,
+            plain_sign_in: false,
             allowed_hosts: Vec::new(),
             connections: ConnectionLimits::default(),
             tls: None,

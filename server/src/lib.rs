@@ -4,6 +4,7 @@
 //! The road of a request: [`serve`] binds the address, [`connections`] accepts within limits and hands
 //! every request to the router of [`http`]; its layers count, protect and authenticate; a handler reads the request with the
 //! vocabulary of `loadframe-api` and asks the [`store`], which alone knows SQL and files.
+pub mod access;
 pub mod config;
 pub mod connections;
 pub mod http;

@@ -61,14 +61,9 @@ pub async fn serve(
     let store = Store::open(config.store.clone())
         .await
         .map_err(store_error)?;
-    if let Some(secret) = &config.token {
-        store
-            .ensure_token("environment", secret)
-            .await
-            .map_err(store_error)?;
-    }
     let state = AppState::new(store.clone(), &config, address);
-    if state.access.demands_token() && !store.has_tokens().await.map_err(store_error)? {
+    let is_closed = state.access.needs_tokens() && !store.has_people();
+    if is_closed && !store.has_tokens().await.map_err(store_error)? {
         tracing::warn!(
             "every request needs a token and there is none yet: `loadframe token create` makes one"
         );

@@ -5,6 +5,10 @@ export type Route =
   | { view: "jobs"; query: URLSearchParams }
   | { view: "job"; id: string }
   | { view: "submit"; query: URLSearchParams }
+  | { view: "account" }
+  | { view: "people" }
+  | { view: "invitation" }
+  | { view: "shared" }
   | { view: "unknown" };
 
 export const router = $state({ route: read() });
@@ -16,6 +20,8 @@ function read(): Route {
   if (first === undefined || (first === "jobs" && id === undefined)) return { view: "jobs", query };
   if (first === "jobs" && id !== undefined && more.length === 0) return { view: "job", id };
   if (first === "submit" && id === undefined) return { view: "submit", query };
+  if (id === undefined && (first === "account" || first === "people")) return { view: first };
+  if (id === undefined && (first === "invitation" || first === "shared")) return { view: first };
   return { view: "unknown" };
 }
 

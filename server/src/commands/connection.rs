@@ -4,6 +4,9 @@ use std::path::PathBuf;
 use clap::Args;
 use loadframe_client::{ServerClient, ServerError};
 
+use super::failure::Failure;
+use super::secret::TokenSource;
+
 /// Options of every command that speaks with a server.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Connection {
@@ -15,21 +18,15 @@ pub(crate) struct Connection {
         value_name = "URL"
     )]
     server: String,
-    /// Access token, where the server demands one
-    #[arg(
-        long,
-        env = "LOADFRAME_TOKEN",
-        hide_env_values = true,
-        value_name = "TOKEN"
-    )]
-    token: Option<String>,
+    #[command(flatten)]
+    token: TokenSource,
     /// Certificates in PEM that alone are believed, for a server with one of your own making
     #[arg(long, env = "LOADFRAME_CA", value_name = "FILE")]
     ca: Option<PathBuf>,
 }
 
 impl Connection {
-    pub(crate) fn client(&self) -> Result<ServerClient, ServerError> {
+    pub(crate) fn client(&self) -> Result<ServerClient, Failure> {
         let read = |path: &PathBuf| {
             std::fs::read(path).map_err(|error| ServerError::File {
                 path: path.display().to_string(),
@@ -37,6 +34,7 @@ impl Connection {
             })
         };
         let ca = self.ca.as_ref().map(read).transpose()?;
-        ServerClient::trusting(&self.server, self.token.clone(), ca.as_deref())
+        let token = self.token.read()?;
+        Ok(ServerClient::trusting(&self.server, token, ca.as_deref())?)
     }
 }

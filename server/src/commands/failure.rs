@@ -77,7 +77,7 @@ impl From<ServerError> for Failure {
                 "\nIs it running? `loadframe lab` starts one here; --server names another."
             }
             ServerError::Refused(problem) if problem.status == 401 => {
-                "\nGive the token with --token or LOADFRAME_TOKEN."
+                "\nGive the token with --token-file or LOADFRAME_TOKEN."
             }
             _ => "",
         };

@@ -14,10 +14,12 @@ mod kinds;
 mod lab;
 mod list;
 mod memory;
+mod people;
 mod progress;
 mod results;
 mod run;
 mod scrub;
+mod secret;
 mod serve;
 mod signals;
 mod source;
@@ -85,6 +87,8 @@ enum Command {
     Retry(job::Arguments),
     /// List jobs, newest first
     List(list::Arguments),
+    /// Make a server a group's, beside it
+    People(people::Arguments),
     /// Manage access tokens, beside the server
     Token(token::Arguments),
     /// Copy a server's database and files to an empty folder, while it may be running
@@ -138,6 +142,7 @@ async fn perform(command: Command) -> Result<(), Failure> {
         Command::Resume(arguments) => job::perform(arguments, "resume").await,
         Command::Retry(arguments) => job::perform(arguments, "retry").await,
         Command::List(arguments) => list::perform(arguments).await,
+        Command::People(arguments) => people::perform(arguments).await,
         Command::Token(arguments) => token::perform(arguments).await,
         Command::Backup(arguments) => backup::back_up(arguments).await,
         Command::Restore(arguments) => backup::bring_back(arguments).await,

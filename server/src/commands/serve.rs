@@ -9,6 +9,7 @@ use loadframe_server::store::StoreOptions;
 use loadframe_server::{ServeConfig, ServeError, serve};
 
 use super::failure::{Code, Failure, chain};
+use super::secret::TokenSource;
 use super::signals::stop_signal;
 use super::terminal::start_log;
 
@@ -24,14 +25,11 @@ pub(crate) struct ServerOptions {
     /// Demand a token on this machine too
     #[arg(long)]
     require_token: bool,
-    /// A token that is always valid
-    #[arg(
-        long,
-        env = "LOADFRAME_TOKEN",
-        hide_env_values = true,
-        value_name = "TOKEN"
-    )]
-    pub(crate) token: Option<String>,
+    #[command(flatten)]
+    token: TokenSource,
+    /// Take passwords in the clear over a network, where there is no https
+    #[arg(long)]
+    plain_sign_in: bool,
     /// A further name under which a server without tokens answers
     #[arg(long = "allow-host", value_name = "NAME")]
     allowed_hosts: Vec<String>,
@@ -94,8 +92,8 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 }
 
 impl ServerOptions {
-    pub(crate) fn config(&self) -> ServeConfig {
-        ServeConfig {
+    pub(crate) fn config(&self) -> Result<ServeConfig, Failure> {
+        Ok(ServeConfig {
             listen: self.listen.clone(),
             store: StoreOptions {
                 lease: Duration::from_secs_f64(self.lease_s),
@@ -109,11 +107,13 @@ impl ServerOptions {
                 disk_mb: self.limit_disk_mb,
             },
             require_token: self.require_token,
-            token: self.token.clone().filter(|token| !token.is_empty()),
+            token: self.token.read()?,
+            worker_token: None,
+            plain_sign_in: self.plain_sign_in,
             allowed_hosts: self.allowed_hosts.clone(),
             connections: ConnectionLimits::with_places(self.connections.into()),
             tls: None,
-        }
+        })
     }
 }
 
@@ -121,7 +121,7 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     start_log("info");
     let config = ServeConfig {
         tls: arguments.tls.files(),
-        ..arguments.server.config()
+        ..arguments.server.config()?
     };
     let scheme = if config.tls.is_some() { "https" } else { "http" };
     let ready =

@@ -1,87 +1,158 @@
-//! Who may use the server.
+//! How a caller is known: what a request carries, held against what is in force.
 //!
-//! On a loopback address the server is open to its own machine. A web page from elsewhere, opened
-//! in a browser on that machine, must not drive it: `Host` and `Origin` have to name this machine
-//! (no DNS rebinding, no cross-site request). On any other address, or with `--require-token`,
-//! everything under `/v1` and `/metrics` demands `Authorization: Bearer`; the page itself,
-//! documentation and health stay readable, for they hold nothing of the users'.
+//! On a loopback address a server without people is open to its own machine, by the rules of
+//! [`super::origin`]. Everywhere else, and wherever there are people, everything under `/v1` and
+//! `/metrics` demands `Authorization: Bearer` or the cookie of a session; the page itself,
+//! documentation and health stay readable, for they hold nothing of the users'. What the caller may
+//! do then is decided by [`crate::access`].
 use std::collections::HashMap;
 use std::net::{IpAddr, SocketAddr};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use axum::http::{HeaderMap, HeaderValue, Uri, header, uri::Authority};
+use axum::http::{HeaderMap, header};
+use loadframe_api::people::Scope;
+use loadframe_api::sha256_hex;
+use tokio::sync::Semaphore;
+use uuid::Uuid;
 
-use super::problem::{ApiError, FOREIGN_HOST, Result};
+use super::origin::Names;
+use super::problem::Result;
+use super::state::AppState;
 use crate::ServeConfig;
+use crate::access::{Caller, Credential, Guesses};
 
-/// How requests are admitted.
+/// What a link's secret begins with.
+const LINK: &str = "lfs_";
+/// Cookie of a session over TLS: bound to this very host, unseen by scripts.
+pub(super) const SECURE_COOKIE: &str = "__Host-loadframe";
+/// The same within one machine, where there is no TLS.
+pub(super) const PLAIN_COOKIE: &str = "loadframe";
+/// Passwords hashed at once: each takes 19 MB and tens of milliseconds of a core.
+const HASHES_AT_ONCE: usize = 2;
+/// An address counts as a visit of a link once in this time.
+const VISIT: Duration = Duration::from_secs(3600);
+/// Visits remembered; beyond it the old ones are forgotten.
+const VISITS: usize = 10_000;
+
+/// How callers are known.
 #[derive(Debug)]
-pub(crate) enum Access {
-    /// Everybody on this machine, under these names.
-    Open { hosts: Vec<String> },
-    /// Everybody who has a token.
-    Token { wrong_tokens: WrongTokens },
+pub(crate) struct Access {
+    /// The server is open to its own machine as long as there are no people.
+    is_open: bool,
+    pub(super) names: Names,
+    /// SHA-256 of the secrets the server was started with: its own, and its workers'.
+    own: Option<String>,
+    workers: Option<String>,
+    /// Signing in is allowed in the clear over a network.
+    pub(super) plain_sign_in: bool,
+    pub(super) wrong_tokens: Guesses<IpAddr>,
+    pub(super) wrong_passwords: Guesses<Option<IpAddr>>,
+    pub(super) wrong_for_account: Guesses<String>,
+    pub(super) hashing: Arc<Semaphore>,
+    visits: Mutex<HashMap<(Uuid, Option<IpAddr>), Instant>>,
 }
 
 impl Access {
     pub(super) fn new(config: &ServeConfig, address: SocketAddr) -> Self {
-        if config.require_token || !address.ip().is_loopback() {
-            return Self::Token {
-                wrong_tokens: WrongTokens::default(),
-            };
-        }
-        let own = ["localhost", "127.0.0.1", "[::1]"].map(str::to_owned);
-        let allowed = config.allowed_hosts.iter().map(|host| host.to_lowercase());
-        Self::Open {
-            hosts: own.into_iter().chain(allowed).collect(),
+        let hash = |secret: &Option<String>| secret.as_ref().map(|text| sha256_hex(text.as_bytes()));
+        Self {
+            is_open: !config.require_token && address.ip().is_loopback(),
+            names: Names::new(&config.allowed_hosts),
+            own: hash(&config.token),
+            workers: hash(&config.worker_token),
+            plain_sign_in: config.plain_sign_in,
+            wrong_tokens: Guesses::default(),
+            wrong_passwords: Guesses::default(),
+            wrong_for_account: Guesses::default(),
+            hashing: Arc::new(Semaphore::new(HASHES_AT_ONCE)),
+            visits: Mutex::default(),
         }
     }
 
-    /// Whether requests need a token.
-    pub(crate) fn demands_token(&self) -> bool {
-        matches!(self, Self::Token { .. })
+    /// Whether the server answers its own machine only.
+    pub(super) fn is_open(&self) -> bool {
+        self.is_open
     }
+
+    /// Whether requests need a token that the server was not started with.
+    pub(crate) fn needs_tokens(&self) -> bool {
+        !self.is_open && self.own.is_none()
+    }
+
+    /// Whether a visit of a link by this address is a new one.
+    pub(super) fn is_new_visit(&self, link: Uuid, address: Option<IpAddr>, now: Instant) -> bool {
+        let mut visits = self.visits.lock().unwrap_or_else(PoisonError::into_inner);
+        if visits.len() >= VISITS {
+            visits.retain(|_, since| now.duration_since(*since) < VISIT);
+        }
+        if visits.len() >= VISITS {
+            visits.clear();
+        }
+        let last = visits.get(&(link, address));
+        let is_new = last.is_none_or(|since| now.duration_since(*since) >= VISIT);
+        if is_new {
+            visits.insert((link, address), now);
+        }
+        is_new
+    }
+}
+
+/// How a request tries to be known.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Given {
+    Nothing,
+    Bearer,
+    Cookie,
+}
+
+/// Who sends a request with these headers, and how it tried to be known.
+pub(super) async fn identify(
+    state: &AppState,
+    headers: &HeaderMap,
+) -> Result<(Option<Caller>, Given)> {
+    let (access, store) = (&state.access, &state.store);
+    let has_people = store.has_people();
+    if access.is_open && !has_people {
+        return Ok((Some(Caller::sole(Scope::Everything)), Given::Nothing));
+    }
+    if let Some(secret) = bearer(headers) {
+        let sha256 = sha256_hex(secret.as_bytes());
+        let caller = if is_same(access.own.as_deref(), &sha256) {
+            // among people nobody is without a name: what the server was started with only works
+            Some(match has_people {
+                true => Caller::worker(),
+                false => Caller::sole(Scope::Everything),
+            })
+        } else if is_same(access.workers.as_deref(), &sha256) {
+            Some(Caller::worker())
+        } else if secret.starts_with(LINK) {
+            store.caller_by_link(&sha256).await?
+        } else {
+            store.caller_by_token(&sha256).await?
+        };
+        return Ok((caller, Given::Bearer));
+    }
+    for (name, is_secure) in [(SECURE_COOKIE, true), (PLAIN_COOKIE, false)] {
+        if let Some(secret) = cookie(headers, name) {
+            let sha256 = sha256_hex(secret.as_bytes());
+            let caller = store.caller_by_session(&sha256, is_secure).await?;
+            return Ok((caller, Given::Cookie));
+        }
+    }
+    Ok((None, Given::Nothing))
+}
+
+/// Whether two hashes are the same, in a time that does not tell where they differ.
+fn is_same(kept: Option<&str>, given: &str) -> bool {
+    kept.is_some_and(|kept| {
+        let differences = kept.bytes().zip(given.bytes()).fold(0, |sum, (a, b)| sum | (a ^ b));
+        kept.len() == given.len() && differences == 0
+    })
 }
 
 pub(super) fn is_guarded(path: &str) -> bool {
     path == "/v1" || path.starts_with("/v1/") || path == "/metrics"
-}
-
-/// Refuses requests that were meant for another name or sent by a page of another origin.
-pub(super) fn check_names(hosts: &[String], uri: &Uri, headers: &HeaderMap) -> Result<()> {
-    let refuse = |what: &str, value: &str| {
-        let detail = format!(
-            "{what} is {value:?}; an open server answers {} only; `--allow-host` adds a name, `--require-token` opens it by token",
-            hosts.join(", ")
-        );
-        Err(ApiError::new(FOREIGN_HOST, detail))
-    };
-    let is_known = |host: &str| hosts.iter().any(|known| known.eq_ignore_ascii_case(host));
-    let text = |value: &HeaderValue| String::from_utf8_lossy(value.as_bytes()).into_owned();
-
-    // HTTP/2 and proxies put the name into the request's target instead of the header
-    let target = uri
-        .authority()
-        .map(|authority| authority.as_str().to_owned());
-    let host = headers.get(header::HOST).map(text);
-    for host in target.iter().chain(&host) {
-        let authority = host.parse::<Authority>().ok();
-        if !authority.is_some_and(|authority| is_known(authority.host())) {
-            return refuse("Host", host);
-        }
-    }
-    if target.is_none() && host.is_none() {
-        return refuse("Host", "");
-    }
-    for origin in headers.get_all(header::ORIGIN) {
-        let origin = text(origin);
-        let name = origin.parse::<Uri>().ok();
-        if !name.is_some_and(|uri| uri.host().is_some_and(is_known)) {
-            return refuse("Origin", &origin);
-        }
-    }
-    Ok(())
 }
 
 /// The secret of an `Authorization: Bearer` header.
@@ -92,39 +163,31 @@ pub(super) fn bearer(headers: &HeaderMap) -> Option<&str> {
     (scheme.eq_ignore_ascii_case("bearer") && !secret.is_empty()).then_some(secret)
 }
 
-/// Wrong tokens one address may send in a [`WINDOW`] before it is slowed down.
-const FREE_GUESSES: u32 = 10;
-const WINDOW: Duration = Duration::from_secs(60);
-/// Addresses remembered; beyond it the old ones are forgotten.
-const REMEMBERED: usize = 10_000;
+fn cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
+    let values = headers.get_all(header::COOKIE).iter();
+    let pairs = values
+        .filter_map(|value| value.to_str().ok())
+        .flat_map(|value| value.split(';'));
+    let mut pairs = pairs.filter_map(|pair| pair.trim().split_once('='));
+    pairs.find(|(key, _)| *key == name).map(|(_, value)| value)
+}
 
-/// Wrong tokens by address: how many since when.
-#[derive(Debug, Default)]
-pub(crate) struct WrongTokens(Mutex<HashMap<IpAddr, (u32, Instant)>>);
-
-impl WrongTokens {
-    /// Counts a wrong token; `Err` holds how long the address should wait.
-    pub(super) fn count(&self, address: IpAddr, now: Instant) -> Result<(), Duration> {
-        let mut seen = self
-            .0
-            .lock()
-            .unwrap_or_else(|poisoned| poisoned.into_inner());
-        if seen.len() >= REMEMBERED {
-            seen.retain(|_, (_, since)| now.duration_since(*since) < WINDOW);
-        }
-        if seen.len() >= REMEMBERED {
-            seen.clear();
-        }
-        let (count, since) = seen.entry(address).or_insert((0, now));
-        let age = now.duration_since(*since);
-        if age >= WINDOW {
-            (*count, *since) = (0, now);
-        }
-        *count += 1;
-        if *count <= FREE_GUESSES {
-            Ok(())
-        } else {
-            Err(WINDOW.saturating_sub(age))
+impl Access {
+    /// Counts the visit of a link.
+    pub(super) async fn note_visit(
+        &self,
+        state: &AppState,
+        caller: &Caller,
+        trace: &super::permit::Trace,
+    ) {
+        let Credential::Link(id) = caller.credential else {
+            return;
+        };
+        if self.is_new_visit(id, trace.address, Instant::now()) {
+            let counted = state.store.acting(trace.actor(Some(caller))).count_visit(id).await;
+            if let Err(error) = counted {
+                tracing::error!(%error, "a visit was not counted");
+            }
         }
     }
 }
@@ -134,42 +197,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wrong_tokens_are_free_until_the_limit_and_again_after_the_window() {
-        let wrong_tokens = WrongTokens::default();
-        let start = Instant::now();
-        let address = IpAddr::from([192, 0, 2, 1]);
-        for _ in 0..FREE_GUESSES {
-            assert_eq!(wrong_tokens.count(address, start).ok(), Some(()));
-        }
-        assert_eq!(wrong_tokens.count(address, start).err(), Some(WINDOW));
-        assert!(
-            wrong_tokens
-                .count(IpAddr::from([192, 0, 2, 2]), start)
-                .is_ok()
-        );
-        assert!(wrong_tokens.count(address, start + WINDOW).is_ok());
+    fn cookies_are_found_by_their_whole_name() {
+        let mut headers = HeaderMap::new();
+        let value = "theme=dark; loadframe=b; __Host-loadframe=a=; x";
+        headers.insert(header::COOKIE, value.parse().expect("a header"));
+        assert_eq!(cookie(&headers, SECURE_COOKIE), Some("a="));
+        assert_eq!(cookie(&headers, PLAIN_COOKIE), Some("b"));
+        assert_eq!(cookie(&headers, "frame"), None);
     }
 
     #[test]
-    fn only_this_machine_is_answered() {
-        let hosts = ["localhost", "127.0.0.1", "[::1]"].map(str::to_owned);
-        let check = |host: &str, origin: Option<&str>| {
-            let mut headers = HeaderMap::new();
-            headers.insert(header::HOST, host.parse().expect("a header"));
-            if let Some(origin) = origin {
-                headers.insert(header::ORIGIN, origin.parse().expect("a header"));
-            }
-            check_names(&hosts, &Uri::from_static("/v1/jobs"), &headers).is_ok()
-        };
-        assert!(check("localhost", None));
-        assert!(check("LOCALHOST:8400", Some("http://127.0.0.1:5173")));
-        assert!(check("[::1]:8400", Some("http://[::1]:8400")));
-        assert!(!check("evil.example:8400", None));
-        assert!(!check("localhost.evil.example", None));
-        assert!(!check("localhost@evil.example", None));
-        assert!(!check("", None));
-        assert!(!check("localhost", Some("null")));
-        assert!(!check("localhost", Some("https://evil.example")));
-        assert!(!check("localhost", Some("https://localhost.evil.example")));
+    fn hashes_are_the_same_or_not() {
+        assert!(is_same(Some("abc"), "abc"));
+        for (kept, given) in [(Some("abc"), "abd"), (Some("abc"), "ab"), (Some(""), "a"), (None, "")] {
+            assert!(!is_same(kept, given), "{kept:?} {given}");
+        }
     }
 }

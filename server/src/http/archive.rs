@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::body::{Body, Bytes};
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream;
@@ -12,11 +12,11 @@ use loadframe_api::{FileEntry, JobView, check_file_name};
 use tokio::task::spawn_blocking;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
-use uuid::Uuid;
 use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, ZipWriter};
 
 use super::AppState;
+use super::permit::{JobPermit, ReadFiles};
 use super::problem::{ApiError, Result};
 
 /// What is written at a time [bytes].
@@ -32,11 +32,15 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
 ///
 /// A zip in which every name begins with a folder named for the job.
 #[utoipa::path(get, operation_id = "download_archive", path = "/v1/jobs/{id}/archive.zip", tag = "Results",
-    params(("id" = Uuid, Path, description = "Id of the job")),
+    params(("id" = uuid::Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The zip, written while it is sent", body = String, content_type = "application/zip",
                headers(("Content-Disposition" = String))),
               (status = 404, description = "There is no such job, or it has no files yet")))]
-async fn download(State(state): State<AppState>, Path(id): Path<Uuid>) -> Result<Response> {
+async fn download(
+    State(state): State<AppState>,
+    permit: JobPermit<ReadFiles>,
+) -> Result<Response> {
+    let id = permit.id;
     let job = state.store.job(id).await?;
     let entries = state.store.files(id).await?;
     if entries.is_empty() {

@@ -9,12 +9,13 @@ use std::io;
 use axum::body::{Body, Bytes};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};
+use loadframe_api::{Message, SubmissionError};
 use tokio::time::{Instant, timeout_at};
 use tokio_stream::StreamExt;
 
 use super::body_budget::{LARGEST, LONGEST_BEYOND, Room};
 use super::checks::Client;
-use super::problem::{ApiError, BAD_REQUEST, NOT_JSON_TYPE, Result, TOO_LARGE, TOO_SLOW};
+use super::problem::{ApiError, BAD_REQUEST, INVALID, NOT_JSON_TYPE, Result, TOO_LARGE, TOO_SLOW};
 use super::state::AppState;
 
 /// A JSON body as sent, with its room in the budget until it is dropped.
@@ -112,6 +113,26 @@ fn content_length(headers: &HeaderMap) -> Option<usize> {
         .ok()?
         .parse()
         .ok()
+}
+
+/// Reads a message, a large one where it holds up nobody.
+pub(super) async fn message<T>(state: &AppState, body: JsonBody) -> Result<T>
+where
+    T: Message + Send + 'static,
+{
+    let read = if body.bytes.len() <= SMALL {
+        T::from_slice(&body.bytes)
+    } else {
+        let client = body.client;
+        let check = move || T::from_slice(&body.bytes);
+        state.checks.run(client, check).await?
+    };
+    read.map_err(|error| match error {
+        SubmissionError::Invalid(violations) => {
+            ApiError::new(INVALID, "the message does not fit its schema").violations(violations)
+        }
+        syntax => syntax.into(),
+    })
 }
 
 /// `application/json` or anything `+json`.

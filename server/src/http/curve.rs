@@ -1,7 +1,7 @@
 //! The curve of a job, while it grows and after.
 use axum::Json;
 use axum::body::Body;
-use axum::extract::{Path, Query, State};
+use axum::extract::Query;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream::{self, StreamExt, TryStreamExt};
@@ -15,6 +15,7 @@ use uuid::Uuid;
 use super::AppState;
 use super::bounded::Number;
 use super::decimate::Decimation;
+use super::permit::{JobPermit, Read};
 use super::problem::{ApiError, Result};
 use crate::store::{Store, StoreError};
 
@@ -59,15 +60,14 @@ fn start() -> Number<0, 9_007_199_254_740_991> {
                   (String = "text/csv"))),
               (status = 404, description = "There is no such job")))]
 async fn by_accept(
-    state: State<AppState>,
-    id: Path<Uuid>,
+    job: JobPermit<Read>,
     query: Query<CurveQuery>,
     headers: HeaderMap,
 ) -> Result<Response> {
     let mut response = if prefers_csv(&headers) {
-        as_csv(state, id, query).await?
+        as_csv(job, query).await?
     } else {
-        as_json(state, id, query).await?
+        as_json(job, query).await?
     };
     let vary = HeaderValue::from_static("accept");
     response.headers_mut().append(header::VARY, vary);
@@ -80,14 +80,14 @@ async fn by_accept(
     responses((status = 200, description = "Points of the curve", body = ref("#/components/schemas/CurveView")),
               (status = 404, description = "There is no such job")))]
 async fn as_json(
-    State(state): State<AppState>,
-    Path(id): Path<Uuid>,
+    job: JobPermit<Read>,
     Query(query): Query<CurveQuery>,
 ) -> Result<Response> {
+    let (store, id) = (job.store, job.id);
     let since = query.since.0;
     let curve = match query.max_points {
-        None => state.store.curve(id, since, Some(BLOCK)).await?,
-        Some(Number(most)) => thinned(&state.store, id, since, most as usize).await?,
+        None => store.curve(id, since, Some(BLOCK)).await?,
+        Some(Number(most)) => thinned(&store, id, since, most as usize).await?,
     };
     Ok(Json(curve).into_response())
 }
@@ -100,22 +100,22 @@ async fn as_json(
     responses((status = 200, description = "Points of the curve", body = String, content_type = "text/csv"),
               (status = 404, description = "There is no such job")))]
 async fn as_csv(
-    State(state): State<AppState>,
-    Path(id): Path<Uuid>,
+    job: JobPermit<Read>,
     Query(query): Query<CurveQuery>,
 ) -> Result<Response> {
+    let (store, id) = (job.store, job.id);
     let since = query.since.0;
     let body = match query.max_points {
         Some(Number(most)) => {
-            let curve = thinned(&state.store, id, since, most as usize).await?;
+            let curve = thinned(&store, id, since, most as usize).await?;
             Body::from(heading(&curve) + &rows(&curve))
         }
         // block after block, for a curve can be longer than memory should be
         None => {
-            let first = state.store.curve(id, since, Some(BLOCK)).await?;
+            let first = store.curve(id, since, Some(BLOCK)).await?;
             let head = heading(&first);
             let blocks = stream::try_unfold(Some(first), move |block| {
-                next_block(state.store.clone(), id, block)
+                next_block(store.clone(), id, block)
             });
             let rows = blocks.map_ok(|block| rows(&block));
             let head = stream::once(async { Ok::<_, StoreError>(head) });

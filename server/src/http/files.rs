@@ -1,7 +1,7 @@
 //! The files of a job, its outcome and its log.
 use axum::Json;
 use axum::body::Body;
-use axum::extract::{Path, Query, Request, State};
+use axum::extract::{Path, Query, Request};
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use loadframe_api::{FileEntry, LogLine, Page, check_file_name};
@@ -15,6 +15,7 @@ use uuid::Uuid;
 use super::AppState;
 use super::bounded::Number;
 use super::conditional::EntityTag;
+use super::permit::{JobPermit, Read, ReadFiles};
 use super::problem::{ApiError, RANGE, Result};
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
@@ -30,11 +31,8 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
     params(("id" = Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The files", body = ref("#/components/schemas/FileEntryPage")),
               (status = 404, description = "There is no such job")))]
-async fn list(
-    State(state): State<AppState>,
-    Path(id): Path<Uuid>,
-) -> Result<Json<Page<FileEntry>>> {
-    let items = state.store.files(id).await?;
+async fn list(job: JobPermit<ReadFiles>) -> Result<Json<Page<FileEntry>>> {
+    let items = job.store.files(job.id).await?;
     Ok(Json(Page::whole(items)))
 }
 
@@ -59,19 +57,19 @@ async fn list(
               (status = 500, description = "What was stored is missing or has changed; `detail` names job and file"),
               (status = 416, description = "The file has no such range", headers(("Content-Range" = String)))))]
 async fn read(
-    State(state): State<AppState>,
+    job: JobPermit<ReadFiles>,
     Path((id, name)): Path<(Uuid, String)>,
     method: Method,
     headers: HeaderMap,
 ) -> Result<Response> {
     let unknown = || ApiError::not_found(format_args!("file {name:?}"));
     check_file_name(&name).map_err(|_| unknown())?;
-    let entry = state.store.file(id, &name).await?;
+    let entry = job.store.file(id, &name).await?;
     let tag = EntityTag::strong(&entry.sha256);
     if tag.is_known(&headers) {
         return Ok(tag.not_modified());
     }
-    let path = state.store.content(id, &entry).await?;
+    let path = job.store.content(id, &entry).await?;
     // only what concerns the range goes on: the tag of the file's content is known better here
     let mut request = Request::new(Body::empty());
     *request.method_mut() = method;
@@ -113,8 +111,8 @@ async fn read(
     params(("id" = Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The outcome", body = ref("#/components/schemas/Outcome")),
               (status = 404, description = "There is no such job, or it has not succeeded yet")))]
-async fn outcome(State(state): State<AppState>, Path(id): Path<Uuid>) -> Result<Response> {
-    let text = state.store.outcome(id).await?;
+async fn outcome(job: JobPermit<Read>) -> Result<Response> {
+    let text = job.store.outcome(job.id).await?;
     Ok(([(header::CONTENT_TYPE, "application/json")], text).into_response())
 }
 
@@ -133,12 +131,11 @@ struct LogQuery {
     responses((status = 200, description = "Lines of the log", body = ref("#/components/schemas/LogLinePage")),
               (status = 404, description = "There is no such job")))]
 async fn log(
-    State(state): State<AppState>,
-    Path(id): Path<Uuid>,
+    job: JobPermit<ReadFiles>,
     Query(query): Query<LogQuery>,
 ) -> Result<Json<Page<LogLine>>> {
     let since = query.since.map_or(0, |Number(since)| since);
-    let items = state.store.log(id, since).await?;
+    let items = job.store.log(job.id, since).await?;
     Ok(Json(Page::whole(items)))
 }
 

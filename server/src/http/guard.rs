@@ -1,68 +1,106 @@
-//! The middleware that lets requests pass or refuses them, by the rules of [`super::access`].
-use std::net::{IpAddr, SocketAddr};
+//! The middleware before every route: it finds out who asks, by [`super::access`], and refuses whoever
+//! is nobody. What is allowed then is asked by the routes themselves, by [`super::permit`].
+use std::net::SocketAddr;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::extract::{ConnectInfo, Request, State};
-use axum::http::{HeaderMap, HeaderValue, header};
+use axum::http::{HeaderValue, Method, header};
 use axum::middleware::Next;
 use axum::response::Response;
+use uuid::Uuid;
 
-use super::access::{Access, WrongTokens, bearer, check_names, is_guarded};
-use super::problem::{ApiError, Result, TOKEN_NEEDED, TOO_MANY_GUESSES};
+use super::access::{Given, identify, is_guarded};
+use super::origin::is_safe;
+use super::permit::{Call, Trace};
+use super::problem::{ApiError, Result, SIGN_IN_NEEDED, TOKEN_NEEDED, TOO_MANY_GUESSES};
 use super::state::AppState;
 
 /// How long every further guess takes.
 const PAUSE: Duration = Duration::from_secs(1);
 
+/// Routes for who is nobody yet.
+const BEFORE_SIGN_IN: &[(Method, &str)] = &[
+    (Method::POST, "/v1/sessions"),
+    (Method::POST, "/v1/invitations/accept"),
+];
+
 /// Lets a request pass or refuses it.
 pub(super) async fn guard(
     State(state): State<AppState>,
-    request: Request,
+    mut request: Request,
     next: Next,
 ) -> Result<Response> {
-    match &*state.access {
-        Access::Open { hosts } => check_names(hosts, request.uri(), request.headers())?,
-        Access::Token { wrong_tokens } if is_guarded(request.uri().path()) => {
-            let peer = request.extensions().get::<ConnectInfo<SocketAddr>>();
-            let peer = peer.map(|ConnectInfo(address)| address.ip());
-            check_token(&state, wrong_tokens, request.headers(), peer).await?;
-        }
-        Access::Token { .. } => {}
+    let peer = request.extensions().get::<ConnectInfo<SocketAddr>>();
+    let trace = Trace {
+        request: Uuid::now_v7(),
+        address: peer.map(|ConnectInfo(address)| address.ip()),
+    };
+    let names = &state.access.names;
+    if state.access.is_open() {
+        names.check_host(request.uri(), request.headers())?;
+        names.check_origin(request.method(), request.uri(), request.headers())?;
     }
-    Ok(next.run(request).await)
+    if is_guarded(request.uri().path()) {
+        let (caller, given) = identify(&state, request.headers()).await?;
+        if given == Given::Cookie && !is_safe(request.method()) {
+            names.demand_origin(request.method(), request.uri(), request.headers())?;
+        }
+        let path = request.uri().path();
+        let is_open = |(method, of): &(Method, &str)| method == request.method() && *of == path;
+        match caller {
+            Some(caller) => {
+                state.access.note_visit(&state, &caller, &trace).await;
+                let call = Call { caller, trace };
+                request.extensions_mut().insert(Arc::new(call));
+            }
+            None if BEFORE_SIGN_IN.iter().any(is_open) => {}
+            None => return Err(refuse(&state, &given, &trace).await),
+        }
+    }
+    request.extensions_mut().insert(trace);
+    let mut response = next.run(request).await;
+    let id = HeaderValue::try_from(trace.request.to_string());
+    if let Ok(id) = id {
+        response.headers_mut().insert("x-request-id", id);
+    }
+    Ok(response)
 }
 
-async fn check_token(
-    state: &AppState,
-    wrong_tokens: &WrongTokens,
-    headers: &HeaderMap,
-    peer: Option<IpAddr>,
-) -> Result<()> {
-    let refuse = |detail: &str| {
-        ApiError::new(TOKEN_NEEDED, detail).with(
-            header::WWW_AUTHENTICATE,
-            HeaderValue::from_static("Bearer realm=\"loadframe\""),
-        )
-    };
-    let Some(secret) = bearer(headers) else {
-        return Err(refuse(
+/// What to say to somebody who is nobody.
+async fn refuse(state: &AppState, given: &Given, trace: &Trace) -> ApiError {
+    let (kind, how) = match state.store.has_people() {
+        true => (SIGN_IN_NEEDED, "sign in on the page, or send `Authorization: Bearer TOKEN`"),
+        false => (
+            TOKEN_NEEDED,
             "send `Authorization: Bearer TOKEN`; `loadframe token create` on the server makes one",
-        ));
+        ),
     };
-    if state.store.check_token(secret).await? {
-        return Ok(());
+    let refusal = |detail: &str| {
+        let bearer = HeaderValue::from_static("Bearer realm=\"loadframe\"");
+        ApiError::new(kind, detail).with(header::WWW_AUTHENTICATE, bearer)
+    };
+    match given {
+        Given::Nothing => return refusal(how),
+        Given::Cookie => return refusal("the session has ended; sign in again"),
+        Given::Bearer => {}
     }
-    let Some(peer) = peer else {
-        return Err(refuse("this token is not in force"));
-    };
-    match wrong_tokens.count(peer, Instant::now()) {
-        Ok(()) => Err(refuse("this token is not in force")),
-        Err(wait) => {
+    let counted = trace.address.map(|address| {
+        let wrong_tokens = &state.access.wrong_tokens;
+        wrong_tokens.count(address, Instant::now())
+    });
+    match counted {
+        Some(Err(wait)) => {
             // a right token always passes, so that one lost worker cannot lock out its whole network
             tokio::time::sleep(PAUSE).await;
-            let detail = "too many wrong tokens came from your address";
-            let seconds = u32::try_from(wait.as_secs() + 1).unwrap_or(u32::MAX);
-            Err(ApiError::new(TOO_MANY_GUESSES, detail).with(header::RETRY_AFTER, seconds.into()))
+            too_many("too many wrong tokens came from your address", wait)
         }
+        _ => refusal("this token is not in force"),
     }
+}
+
+/// 429: the guesses were too many.
+pub(super) fn too_many(detail: &str, wait: Duration) -> ApiError {
+    let seconds = u32::try_from(wait.as_secs() + 1).unwrap_or(u32::MAX);
+    ApiError::later(TOO_MANY_GUESSES, detail, seconds)
 }

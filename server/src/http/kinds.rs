@@ -14,6 +14,7 @@ use utoipa_axum::routes;
 
 use super::AppState;
 use super::conditional::EntityTag;
+use super::permit::{Permit, Read};
 use super::problem::{ApiError, Result};
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
@@ -100,7 +101,7 @@ impl ExampleView {
 /// List the kinds of jobs
 #[utoipa::path(get, operation_id = "list_kinds", path = "/v1/kinds", tag = "Kinds",
     responses((status = 200, description = "Every kind", body = ref("#/components/schemas/KindViewPage"))))]
-async fn list() -> Json<Page<KindView>> {
+async fn list(_: Permit<Read>) -> Json<Page<KindView>> {
     let items = JobKind::ALL.iter().map(|kind| KindView::of(*kind));
     Json(Page::whole(items.collect()))
 }
@@ -110,7 +111,7 @@ async fn list() -> Json<Page<KindView>> {
     params(KindPath),
     responses((status = 200, description = "The kind", body = ref("#/components/schemas/KindView")),
               (status = 404, description = "There is no such kind")))]
-async fn read(Path(KindPath { kind }): Path<KindPath>) -> Result<Json<KindView>> {
+async fn read(_: Permit<Read>, Path(KindPath { kind }): Path<KindPath>) -> Result<Json<KindView>> {
     Ok(Json(KindView::of(known(&kind)?)))
 }
 
@@ -124,7 +125,11 @@ async fn read(Path(KindPath { kind }): Path<KindPath>) -> Result<Json<KindView>>
     responses((status = 200, description = "The schema", body = Object, content_type = "application/schema+json", headers(("ETag" = String))),
               (status = 304, description = "It has not changed"),
               (status = 404, description = "There is no such kind")))]
-async fn schema(Path(KindPath { kind }): Path<KindPath>, headers: HeaderMap) -> Result<Response> {
+async fn schema(
+    _: Permit<Read>,
+    Path(KindPath { kind }): Path<KindPath>,
+    headers: HeaderMap,
+) -> Result<Response> {
     let kind = known(&kind)?;
     let tag = EntityTag::weak(crate::VERSION);
     if tag.is_known(&headers) {
@@ -143,7 +148,10 @@ async fn schema(Path(KindPath { kind }): Path<KindPath>, headers: HeaderMap) -> 
     params(KindPath),
     responses((status = 200, description = "Examples, the one to start from first", body = ref("#/components/schemas/ExampleViewPage")),
               (status = 404, description = "There is no such kind")))]
-async fn examples(Path(KindPath { kind }): Path<KindPath>) -> Result<Json<Page<ExampleView>>> {
+async fn examples(
+    _: Permit<Read>,
+    Path(KindPath { kind }): Path<KindPath>,
+) -> Result<Json<Page<ExampleView>>> {
     let items = known(&kind)?.examples().iter().map(ExampleView::of);
     let items = items.collect::<Result<_, _>>();
     let items = items.map_err(|error| ApiError::internal(&error))?;

@@ -2,7 +2,7 @@
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use axum::extract::{MatchedPath, Request, State};
+use axum::extract::{MatchedPath, Request};
 use axum::http::header;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
@@ -11,6 +11,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::AppState;
+use super::permit::{Permit, ReadMetrics};
 use super::problem::{ApiError, Result};
 
 /// Upper bounds [s] of the buckets of request times: from a cached read to a long poll.
@@ -99,14 +100,14 @@ fn describe() {
 /// Prometheus metrics
 #[utoipa::path(get, operation_id = "read_metrics", path = "/metrics", tag = "Service",
     responses((status = 200, description = "Metrics as Prometheus text", body = String, content_type = "text/plain")))]
-async fn read(State(state): State<AppState>) -> Result<Response> {
+async fn read(permit: Permit<ReadMetrics>) -> Result<Response> {
     let Some(recorder) = recorder() else {
         return Err(ApiError::busy(
             "another recorder of metrics is in place",
             60,
         ));
     };
-    let counts = state.store.counts().await?;
+    let counts = permit.store.counts().await?;
     let jobs = [
         ("queued", counts.queued),
         ("running", counts.running),

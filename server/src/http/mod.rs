@@ -1,13 +1,14 @@
 //! REST, server-sent events and the lab page.
 //!
 //! One file for each resource: [`jobs`], [`events`], [`curve`], [`files`] and [`archive`],
-//! [`kinds`], [`workers`], the [`worker`] side, [`health`] and [`metrics`]. Every handler carries its
+//! [`kinds`], [`workers`], [`people`], the [`worker`] side, [`health`] and [`metrics`]. Every handler carries its
 //! part of the OpenAPI document, which [`openapi`] completes and [`docs`] shows to people. The [`guide`]
 //! tells what the tests are; both are [`sheet`]s of [`text`].
 //!
 //! Around them, from the outside: tracing, security headers, [`metrics`], compression,
 //! [`problem::only_problems`] (whatever goes wrong, the answer is `application/problem+json`),
-//! panics caught, [`access`].
+//! panics caught, [`guard`], which finds out by [`access`] who asks. Every handler under `/v1` takes a
+//! permit ([`permit`]), which asks the rules of [`crate::access`].
 mod access;
 mod archive;
 mod body;
@@ -27,7 +28,10 @@ mod jobs;
 mod kinds;
 mod metrics;
 mod openapi;
+mod origin;
 mod page;
+mod people;
+mod permit;
 pub mod problem;
 mod schema;
 mod sheet;
@@ -57,6 +61,7 @@ fn routes() -> OpenApiRouter<AppState> {
         .merge(archive::router())
         .merge(kinds::router())
         .merge(workers::router())
+        .merge(people::router())
         .merge(worker::router())
         .merge(health::router())
         .merge(metrics::router())

@@ -33,6 +33,11 @@ problem_kinds! {
     BAD_REQUEST = 400, "bad-request", "The request cannot be read";
     NOT_JSON = 400, "not-json", "The body is not JSON";
     TOKEN_NEEDED = 401, "token-needed", "A token is needed";
+    SIGN_IN_NEEDED = 401, "sign-in-needed", "Signing in is needed";
+    FORBIDDEN = 403, "not-allowed", "This is not for you to do";
+    WRONG_PASSWORD = 403, "wrong-password", "Name or password is wrong";
+    FOREIGN_ORIGIN = 403, "foreign-origin", "A page of another origin sent this";
+    IN_THE_CLEAR = 403, "in-the-clear", "A password would travel in the clear";
     FOREIGN_HOST = 403, "foreign-host", "This server answers its own machine only";
     NOT_FOUND = 404, "not-found", "There is no such thing";
     METHOD_NOT_ALLOWED = 405, "method-not-allowed", "This cannot be done here";
@@ -46,7 +51,7 @@ problem_kinds! {
     INVALID = 422, "invalid-request", "The request cannot be accepted";
     KEY_REUSED = 422, "idempotency-key-reused", "The Idempotency-Key was used before";
     TOO_MANY_REQUESTS = 429, "too-many-requests", "Too many requests at once";
-    TOO_MANY_GUESSES = 429, "too-many-guesses", "Too many wrong tokens";
+    TOO_MANY_GUESSES = 429, "too-many-guesses", "Too many wrong tokens or passwords";
     INTERNAL = 500, "internal", "The server failed";
     FILE_LOST = 500, "file-lost", "A stored file is lost";
     STORAGE_FULL = 507, "storage-full", "The server's disk is full";
@@ -90,7 +95,6 @@ impl ApiError {
     }
 
     /// Its status code.
-    #[cfg(test)]
     pub(super) fn status(&self) -> u16 {
         self.problem.status
     }
@@ -126,6 +130,9 @@ impl From<StoreError> for ApiError {
             StoreError::LeaseLost => Self::new(LEASE_LOST, detail),
             StoreError::KeyReused => Self::new(KEY_REUSED, detail),
             StoreError::Invalid(_) => Self::new(INVALID, detail),
+            StoreError::Refused(violations) => {
+                Self::new(INVALID, "see what is wrong with it").violations(violations)
+            }
             StoreError::TooLarge { .. } => Self::new(TOO_LARGE, detail),
             StoreError::Lost { .. } => {
                 tracing::error!(error = %detail, "a stored file is lost");

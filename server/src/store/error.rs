@@ -29,6 +29,9 @@ pub enum StoreError {
     /// 422: what was sent cannot be taken; the sentence says why.
     #[error("{0}")]
     Invalid(String),
+    /// 422: what is wrong with what was sent, each thing with its place.
+    #[error("{} violations", .0.len())]
+    Refused(Vec<loadframe_api::Violation>),
     /// 413: larger than the store takes.
     #[error("{what} is larger than {limit} bytes")]
     TooLarge { what: &'static str, limit: u64 },

@@ -6,8 +6,8 @@ use tokio::sync::watch;
 use uuid::Uuid;
 
 use super::Store;
-use super::encoding::json;
 use super::error::Result;
+use super::jobs::hex_names;
 use super::row::row;
 use super::writer::EventType;
 
@@ -22,7 +22,19 @@ row! {
         eta_s: Option<f64>,
         number: Option<u32>,
         points: Option<i64>,
+        /// Whose the job is or was.
+        owner: Option<Uuid>,
+        project: Option<Uuid>,
     }
+}
+
+/// An event, and whose the job is that it tells of.
+#[derive(Clone, Debug)]
+pub struct StoredEvent {
+    pub number: u64,
+    pub event: Event,
+    pub owner: Option<Uuid>,
+    pub project: Option<Uuid>,
 }
 
 impl Store {
@@ -46,13 +58,11 @@ impl Store {
         seq: u64,
         jobs: Option<&[Uuid]>,
         limit: u32,
-    ) -> Result<Vec<(u64, Event)>> {
-        let names = jobs.map(|ids| {
-            let names = ids.iter().map(|id| format!("{:X}", id.simple()));
-            names.collect::<Vec<_>>()
-        });
+    ) -> Result<Vec<StoredEvent>> {
+        let names = jobs.map(hex_names).transpose()?;
         let rows: Vec<EventRow> = sqlx::query_as(
-            "SELECT e.seq, e.job, e.type AS kind, j.progress, j.phase, j.eta_s, a.number, a.points
+            "SELECT e.seq, e.job, e.type AS kind, j.progress, j.phase, j.eta_s, a.number, a.points,
+                    COALESCE(j.owner, e.owner) AS owner, COALESCE(j.project, e.project) AS project
              FROM events e LEFT JOIN jobs j ON j.id = e.job
              LEFT JOIN attempts a ON a.seq = (SELECT seq FROM attempts b WHERE b.job = j.seq
                 AND e.type = 'points' ORDER BY b.points DESC, b.seq DESC LIMIT 1)
@@ -60,7 +70,7 @@ impl Store {
              ORDER BY e.seq LIMIT ?3",
         )
         .bind(i64::try_from(seq).unwrap_or(i64::MAX))
-        .bind(names.as_ref().map(json).transpose()?)
+        .bind(names)
         .bind(limit)
         .fetch_all(self.reads())
         .await?;
@@ -70,8 +80,13 @@ impl Store {
         let mut views: HashMap<Uuid, JobView> =
             views.into_iter().map(|view| (view.id, view)).collect();
         let events = rows.into_iter().filter_map(|row| {
-            let seq = row.seq.unsigned_abs();
-            row.event(&mut views).map(|event| (seq, event))
+            let (number, owner, project) = (row.seq.unsigned_abs(), row.owner, row.project);
+            row.event(&mut views).map(|event| StoredEvent {
+                number,
+                event,
+                owner,
+                project,
+            })
         });
         Ok(events.collect())
     }

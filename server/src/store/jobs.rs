@@ -1,5 +1,6 @@
 //! Jobs as clients see them, and how to tell cheaply whether anything changed.
 use indexmap::IndexMap;
+use loadframe_api::people::Named;
 use loadframe_api::{
     AttemptEnd, AttemptView, Estimate, JobKind, JobLimits, JobLinks, JobOutcome, JobStatus,
     JobView, Quantity, ReasonCode, Timestamp,
@@ -12,6 +13,12 @@ use super::encoding::{json, parsed, variant};
 use super::error::{Result, StoreError};
 use super::row::row;
 
+/// Ids as a JSON array, for `unhex` in a statement.
+pub(super) fn hex_names(ids: &[Uuid]) -> Result<String> {
+    let names: Vec<String> = ids.iter().map(|id| format!("{:X}", id.simple())).collect();
+    json(&names)
+}
+
 /// The statement that reads jobs, up to where they come from. One statement, so that what it reads
 /// belongs together without a transaction. A place in the queue is one more than the jobs before it: of
 /// higher priorities, of the same in blocks before, in smaller blocks before, and within its own.
@@ -21,6 +28,8 @@ macro_rules! select_jobs {
             "SELECT j.seq, j.id, j.kind, j.name, j.notes, j.tags, j.priority, j.status, j.outcome,
                 j.reason, j.reason_code, j.progress, j.phase, j.eta_s, j.attempt, j.created_at,
                 j.started_at, j.finished_at, j.updated_at, j.spec_sha256, j.estimate, j.overrun_factor,
+                j.owner, (SELECT name FROM people o WHERE o.id = j.owner) AS owner_name,
+                j.project, (SELECT name FROM projects p WHERE p.id = j.project) AS project_name,
                 (SELECT summary FROM results r WHERE r.job = j.seq) AS summary,
                 CASE j.status WHEN 'queued' THEN 1
                     + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
@@ -73,6 +82,10 @@ row! {
         spec_sha256: String,
         estimate: Option<String>,
         overrun_factor: f64,
+        owner: Option<Uuid>,
+        owner_name: Option<String>,
+        project: Option<Uuid>,
+        project_name: Option<String>,
         summary: Option<String>,
         position: Option<i64>,
         attempts: String,
@@ -125,6 +138,8 @@ impl JobRow {
             limits: limits(self.estimate.as_deref(), self.overrun_factor)?,
             spec: None,
             summary,
+            owner: named(self.owner, self.owner_name),
+            project: named(self.project, self.project_name),
             links: JobLinks::of(self.id),
         })
     }
@@ -137,6 +152,10 @@ pub(super) fn limits(estimate: Option<&str>, factor: f64) -> Result<Option<JobLi
     };
     let estimate: Estimate = parsed(estimate, "estimate")?;
     Ok(Some(JobLimits::beyond(&estimate, factor)))
+}
+
+fn named(id: Option<Uuid>, name: Option<String>) -> Option<Named> {
+    id.zip(name).map(|(id, name)| Named { id, name })
 }
 
 impl AttemptRow {
@@ -211,11 +230,10 @@ impl Store {
 
     /// Jobs by id, in any order; those that are gone are left out.
     pub(super) async fn jobs_by_id(&self, ids: &[Uuid]) -> Result<Vec<JobView>> {
-        let names: Vec<String> = ids.iter().map(|id| format!("{:X}", id.simple())).collect();
         let rows: Vec<JobRow> = sqlx::query_as(select_jobs!(
             "jobs j WHERE j.id IN (SELECT unhex(value) FROM json_each(?))"
         ))
-        .bind(json(&names)?)
+        .bind(hex_names(ids)?)
         .fetch_all(self.reads())
         .await?;
         Ok(readable(rows).0)

@@ -11,8 +11,9 @@ use uuid::Uuid;
 
 use super::encoding::wire_name;
 use super::error::{Result, StoreError};
-use super::jobs::{JobRow, SELECT_JOBS, readable};
+use super::jobs::{JobRow, SELECT_JOBS, hex_names, readable};
 use super::{JobFilter, Store};
+use crate::access::Sight;
 
 /// Longest page of a list.
 const LONGEST_PAGE: u32 = 1000;
@@ -34,6 +35,11 @@ struct Words {
     text: Option<Text>,
     after: Option<Moment>,
     before: Option<Moment>,
+    sight: Option<Sight>,
+    /// Projects whose jobs are seen, and those whose are not, as JSON.
+    seen_projects: String,
+    unseen_projects: String,
+    project: Option<Uuid>,
 }
 
 /// A moment, and whether the numbers of the jobs after or before it are worth asking for.
@@ -109,6 +115,10 @@ impl Store {
 
 impl Words {
     fn of(filter: &JobFilter) -> Result<Self> {
+        let projects = |of: fn(&Sight) -> &Vec<Uuid>| {
+            let named = filter.sight.as_ref().map(of);
+            hex_names(named.map_or(&[], Vec::as_slice))
+        };
         Ok(Self {
             status: filter.status.as_ref().map(wire_name).transpose()?,
             outcome: filter.outcome.as_ref().map(wire_name).transpose()?,
@@ -117,6 +127,10 @@ impl Words {
             text: filter.q.as_deref().map(Text::of),
             after: filter.created_after.map(Moment::of),
             before: filter.created_before.map(Moment::of),
+            seen_projects: projects(|sight| &sight.projects)?,
+            unseen_projects: projects(|sight| &sight.not_in)?,
+            sight: filter.sight.clone(),
+            project: filter.project,
         })
     }
 
@@ -186,6 +200,7 @@ impl Words {
             }
         };
         self.push_state(&mut query);
+        self.push_sight(&mut query);
         if let (Some(tag), Walk::Jobs | Walk::Text) = (&self.tag, walk) {
             query.push(" AND EXISTS (SELECT 1 FROM job_tags o WHERE o.job = j.seq AND o.tag = ");
             query.push_bind(tag.clone()).push(")");
@@ -214,6 +229,28 @@ impl Words {
         }
         query.push(format!(" ORDER BY {number} DESC LIMIT ")).push_bind(limit);
         query
+    }
+
+    /// What the caller may see, and the project asked for.
+    fn push_sight(&self, query: &mut Query) {
+        if let Some(sight) = &self.sight {
+            if !sight.everything {
+                query.push(" AND (j.owner = ").push_bind(sight.owner);
+                query.push(" OR j.id = ").push_bind(sight.job);
+                query.push(" OR j.project IN (SELECT unhex(value) FROM json_each(");
+                query.push_bind(self.seen_projects.clone()).push(")))");
+            }
+            if !sight.not_in.is_empty() {
+                query.push(" AND (j.project IS NULL OR j.project NOT IN (SELECT unhex(value) FROM json_each(");
+                query.push_bind(self.unseen_projects.clone()).push(")))");
+            }
+            if let Some(person) = sight.not_of {
+                query.push(" AND j.owner IS NOT ").push_bind(person);
+            }
+        }
+        if let Some(project) = self.project {
+            query.push(" AND j.project = ").push_bind(project);
+        }
     }
 
     fn push_state(&self, query: &mut Query) {

@@ -21,6 +21,7 @@ migrations! {
     2 "events workers tokens" "0002_events_workers_tokens.sql",
     3 "store" "0003_store.sql",
     4 "faults" "0004_faults.sql",
+    5 "people" "0005_people.sql",
     6 "long queue" "0006_long_queue.sql",
 }
 

@@ -13,7 +13,8 @@
 //!
 //! Lists are [`list`], jobs one by one [`jobs`]. The worker's side in the order of a job: [`claim`],
 //! [`lease`] with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`], [`ending`]; if the
-//! worker falls silent, [`sweep`]; if its machine is at fault, [`machines`].
+//! worker falls silent, [`sweep`]; if its machine is at fault, [`machines`]. Whose things are, and what
+//! was done by whom: [`people`].
 //!
 //! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
 //! [`collector`] removes what no row names, [`scrub`] finds what is missing or has changed, and [`backup`]
@@ -37,6 +38,8 @@ mod log;
 mod machines;
 mod migrations;
 mod open;
+pub mod people;
+mod private;
 mod reserve;
 mod row;
 mod scrub;
@@ -44,8 +47,6 @@ mod state;
 mod submit;
 mod supervision;
 mod sweep;
-mod token_cache;
-mod tokens;
 mod types;
 mod workers;
 mod writer;
@@ -62,16 +63,18 @@ use blobs::Blobs;
 pub use blobs::Loss;
 use error::Result;
 pub use error::StoreError;
+pub use events::StoredEvent;
+use people::{AccessState, Actor};
 use reserve::Reserve;
 pub use scrub::{LostFile, ScrubReport};
 use supervision::Restarts;
-use token_cache::TokenCache;
 pub use types::*;
 use writer::{Change, Work, Writer};
 
-/// The store; a clone is another handle on the same one.
+/// The store; a clone is another handle on the same one. What is changed through a handle is written
+/// down as done by its actor, if it has one.
 #[derive(Clone, Debug)]
-pub struct Store(Arc<Inner>);
+pub struct Store(Arc<Inner>, Option<Arc<Actor>>);
 
 #[derive(Debug)]
 struct Inner {
@@ -80,12 +83,12 @@ struct Inner {
     reserve: Arc<Reserve>,
     restarts: Arc<Restarts>,
     reads: SqlitePool,
-    /// For what a worker or a health check waits for: never behind a list.
+    /// For what a worker or a health check waits for, and who a caller is: never behind a list.
     lookups: SqlitePool,
     blobs: Blobs,
     last_event: watch::Receiver<u64>,
     queued: watch::Receiver<u64>,
-    token_cache: TokenCache,
+    access: Arc<AccessState>,
     /// Held as long as the store is open, by a server's store.
     _lock: Option<File>,
 }
@@ -117,8 +120,8 @@ impl Store {
         &self.0.blobs
     }
 
-    fn token_cache(&self) -> &TokenCache {
-        &self.0.token_cache
+    fn access_state(&self) -> &Arc<AccessState> {
+        &self.0.access
     }
 
     /// Writes what has to wait while the disk is full.
@@ -140,7 +143,12 @@ impl Store {
         T: Send + 'static,
         F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
     {
-        let written = self.0.writer.write(command).await;
+        let actor = self.1.clone();
+        let done_by = move |change: &mut Change| {
+            change.actor = actor;
+            command(change)
+        };
+        let written = self.0.writer.write(done_by).await;
         written.map_err(
             |error| match (self.0.reserve.note(error), self.0.reserve.full()) {
                 // the transaction it was in did not fit

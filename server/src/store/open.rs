@@ -15,16 +15,17 @@ use super::blobs::Blobs;
 use super::error::{Result, StoreError};
 use super::identity::{Opening, identify, refuse_new_beside_files};
 use super::migrations::migrations;
+use super::people::AccessState;
+use super::private::{private_database, private_folder};
 use super::reserve::{Reserve, is_full};
 use super::supervision::Restarts;
-use super::token_cache::TokenCache;
 use super::writer::{Announcements, Guards, Writer};
 use super::{Inner, Store, StoreOptions};
 
 /// Reads at once.
 const READERS: u32 = 4;
 /// Reads at once that take a moment.
-const LOOKUPS: u32 = 2;
+const LOOKUPS: u32 = 3;
 /// How long a statement waits for another process, such as a token command, to finish writing.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// The write-ahead log is cut back to this [bytes] after a burst.
@@ -38,7 +39,7 @@ impl Store {
     /// [`StoreError::InUse`] when another server has the folder; [`StoreError::NotTogether`] when the
     /// database and the files are not those of one store; file and database errors.
     pub async fn open(options: StoreOptions) -> Result<Self> {
-        std::fs::create_dir_all(&options.data).map_err(StoreError::file(&options.data))?;
+        private_folder(&options.data)?;
         let lock = lock(&options.data)?;
         let store = Self::connect(options, Some(lock)).await?;
         store.renew_leases().await?;
@@ -51,7 +52,7 @@ impl Store {
     /// # Errors
     /// File and database errors.
     pub async fn open_beside(options: StoreOptions) -> Result<Self> {
-        std::fs::create_dir_all(&options.data).map_err(StoreError::file(&options.data))?;
+        private_folder(&options.data)?;
         Self::connect(options, None).await
     }
 
@@ -119,6 +120,9 @@ impl Store {
                 .connect_with(reading.clone())
         };
         let (reads, lookups) = (pool(READERS).await?, pool(LOOKUPS).await?);
+        private_database(&options.data);
+        let access = AccessState::read(&lookups).await?;
+        tokio::spawn(access.clone().keep_fresh(lookups.clone()));
 
         let (last_event, last_event_receiver) =
             watch::channel(last.unwrap_or_default().unsigned_abs());
@@ -149,9 +153,9 @@ impl Store {
             blobs,
             last_event: last_event_receiver,
             queued: queued_receiver,
-            token_cache: TokenCache::default(),
+            access,
             _lock: lock,
-        })))
+        }), None))
     }
 }
 

@@ -21,6 +21,7 @@ struct NewJob {
     overrun_factor: f64,
     spec: String,
     spec_sha256: String,
+    project: Option<Uuid>,
     key: Option<IdempotencyKey>,
 }
 
@@ -60,6 +61,7 @@ impl Store {
             overrun_factor: submission.overrun_factor,
             spec_sha256: checked.spec_sha256,
             spec: checked.spec,
+            project: checked.project,
             key,
         };
         let new = job.id;
@@ -99,6 +101,16 @@ impl Store {
                 .bind(job.seq)
                 .execute(&mut change.connection)
                 .await?;
+                if let Some(project) = edit.project {
+                    sqlx::query("UPDATE jobs SET project = ? WHERE seq = ?")
+                        .bind(project)
+                        .bind(job.seq)
+                        .execute(&mut change.connection)
+                        .await?;
+                    let detail = format!("to project {project}");
+                    change.audit("job.moved", Some(id), &detail).await?;
+                }
+                change.audit("job.changed", Some(id), "").await?;
                 change.event(job.seq, id, EventType::Job).await
             })
         })
@@ -127,11 +139,11 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`]; [`StoreError::Conflict`] when the job's state does not allow it.
     pub async fn request(&self, id: Uuid, action: UserAction) -> Result<JobView> {
-        let input = match action {
-            UserAction::Cancel => Input::Cancel,
-            UserAction::Pause => Input::Pause,
-            UserAction::Resume => Input::Resume,
-            UserAction::Retry => Input::Retry,
+        let (input, done) = match action {
+            UserAction::Cancel => (Input::Cancel, "job.cancelled"),
+            UserAction::Pause => (Input::Pause, "job.paused"),
+            UserAction::Resume => (Input::Resume, "job.resumed"),
+            UserAction::Retry => (Input::Retry, "job.retried"),
         };
         self.write_from_reserve(move |change| {
             Box::pin(async move {
@@ -141,7 +153,7 @@ impl Store {
                 if input == Input::Retry && step.state != before {
                     change.start_over(&job).await?;
                 }
-                Ok(())
+                change.audit(done, Some(id), "").await
             })
         })
         .await?;
@@ -165,9 +177,12 @@ impl Change {
             }
         }
         let seq = sqlx::query(
+            // a job of before there were people is the first administrator's, also at the last moment
             "INSERT INTO jobs (id, kind, name, notes, tags, priority, spec_sha256, reason_code,
-                               reason, created_at, updated_at, estimate, overrun_factor)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?10, ?11, ?12)",
+                               reason, created_at, updated_at, estimate, overrun_factor, owner, project)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?10, ?11, ?12,
+                COALESCE(?13, (SELECT id FROM people WHERE role = 'administrator'
+                               ORDER BY created_at LIMIT 1)), ?14)",
         )
         .bind(job.id)
         .bind(job.kind)
@@ -181,6 +196,8 @@ impl Change {
         .bind(self.now.as_millis())
         .bind(&job.estimate)
         .bind(job.overrun_factor)
+        .bind(self.actor.as_ref().and_then(|actor| actor.person))
+        .bind(job.project)
         .execute(&mut self.connection)
         .await?
         .last_insert_rowid();
@@ -191,6 +208,7 @@ impl Change {
             .await?;
         self.event(seq, job.id, EventType::Job).await?;
         self.queued();
+        self.audit("job.submitted", Some(job.id), &job.name).await?;
         Ok(job.id)
     }
 
@@ -221,6 +239,11 @@ impl Change {
         .fetch_all(&mut self.connection)
         .await?;
         self.garbage(files);
+        let (name, owner, project): (String, Option<Uuid>, Option<Uuid>) =
+            sqlx::query_as("SELECT name, owner, project FROM jobs WHERE seq = ?")
+                .bind(job.seq)
+                .fetch_one(&mut self.connection)
+                .await?;
         for statement in [
             "DELETE FROM jobs WHERE id = ?",
             "DELETE FROM events WHERE job = ?",
@@ -230,7 +253,15 @@ impl Change {
                 .execute(&mut self.connection)
                 .await?;
         }
-        self.event(job.seq, id, EventType::Deleted).await
+        self.event(job.seq, id, EventType::Deleted).await?;
+        // whose it was: only who saw it is told that it is gone
+        sqlx::query("UPDATE events SET owner = ?, project = ? WHERE job = ?")
+            .bind(owner)
+            .bind(project)
+            .bind(id)
+            .execute(&mut self.connection)
+            .await?;
+        self.audit("job.deleted", Some(id), &name).await
     }
 
     /// Clears the traces of the attempts before a retry.

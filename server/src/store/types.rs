@@ -6,8 +6,9 @@ use loadframe_api::{
     Calibration, Estimate, JobKind, JobOutcome, JobStatus, JobView, Submission, Timestamp,
     sha256_hex,
 };
-use serde::Serialize;
 use uuid::Uuid;
+
+use crate::access::Sight;
 
 /// Where the store lives and what it promises.
 #[derive(Clone, Debug)]
@@ -54,6 +55,8 @@ pub struct CheckedSubmission {
     /// The normalised spec as JSON, and its SHA-256.
     pub spec: String,
     pub spec_sha256: String,
+    /// The project it goes to, where there are people.
+    pub project: Option<Uuid>,
 }
 
 impl CheckedSubmission {
@@ -68,6 +71,7 @@ impl CheckedSubmission {
             spec_sha256: sha256_hex(spec.as_bytes()),
             spec,
             submission,
+            project: None,
         }
     }
 }
@@ -91,6 +95,9 @@ pub struct JobFilter {
     pub q: Option<String>,
     pub created_after: Option<Timestamp>,
     pub created_before: Option<Timestamp>,
+    /// Only what the caller sees; `None` sees everything.
+    pub sight: Option<Sight>,
+    pub project: Option<Uuid>,
 }
 
 /// What may be changed of a job at any time; what is `None` stays.
@@ -101,6 +108,8 @@ pub struct JobEdit {
     pub tags: Option<Vec<String>>,
     pub priority: Option<i32>,
     pub overrun_factor: Option<f64>,
+    /// Moves the job to this project.
+    pub project: Option<Uuid>,
 }
 
 /// What a user may ask of a job.
@@ -117,23 +126,6 @@ pub enum UserAction {
 pub struct LeaseKey {
     pub id: Uuid,
     pub token: Uuid,
-}
-
-/// An access token, without its secret.
-#[derive(Clone, Debug, Serialize)]
-pub struct TokenView {
-    pub id: Uuid,
-    pub name: String,
-    pub created_at: Timestamp,
-    pub revoked_at: Option<Timestamp>,
-}
-
-/// A token just made; the only time its secret is seen.
-#[derive(Clone, Debug, Serialize)]
-pub struct NewToken {
-    pub id: Uuid,
-    pub name: String,
-    pub secret: String,
 }
 
 /// The queue in numbers, for `/metrics`.

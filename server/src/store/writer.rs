@@ -19,6 +19,7 @@ use uuid::Uuid;
 
 use super::collector::Garbage;
 use super::error::{Result, StoreError};
+use super::people::Actor;
 use super::reserve::Reserve;
 use super::supervision::{Restarts, caught, until_done};
 
@@ -51,6 +52,8 @@ pub(super) struct Change {
     /// When a transaction last failed, or waited long to begin [ms since 1970]: nobody could be heard
     /// of until then.
     pub(super) last_trouble: i64,
+    /// Who makes the change, where somebody does.
+    pub(super) actor: Option<Arc<Actor>>,
     effects: Effects,
 }
 
@@ -147,6 +150,7 @@ impl Writer {
             connection,
             now: Timestamp::now(),
             last_trouble: i64::MIN,
+            actor: None,
             effects: Effects::default(),
         };
         tokio::spawn(run(change, database, waiting, announcements, guards));

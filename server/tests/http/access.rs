@@ -1,4 +1,6 @@
 //! Who is let in.
+use loadframe_api::people::Scope;
+
 use crate::support::{Lab, request};
 
 #[tokio::test]
@@ -17,10 +19,14 @@ async fn an_open_server_answers_its_own_machine_only() {
         .problem(403, "foreign-host");
     ask(&[("origin", "https://evil.example")])
         .await
-        .problem(403, "foreign-host");
+        .problem(403, "foreign-origin");
     ask(&[("origin", "null")])
         .await
-        .problem(403, "foreign-host");
+        .problem(403, "foreign-origin");
+    // a page on another port of this machine is from elsewhere, too
+    ask(&[("host", "localhost:8400"), ("origin", "http://localhost:5173")])
+        .await
+        .problem(403, "foreign-origin");
     // the page as well: it must not be shown under a foreign name
     let page = lab
         .get_with("/", &[("host", "evil.example"), ("accept", "text/html")])
@@ -62,7 +68,7 @@ async fn elsewhere_a_token_is_demanded() {
     ] {
         assert_eq!(lab.get_with(path, &[host]).await.status, 200, "{path}");
     }
-    let token = lab.store.create_token("a person").await.expect("a token");
+    let token = lab.token(Scope::Submit).await;
     let bearer = format!("Bearer {}", token.secret);
     let ask = async || {
         lab.get_with("/v1/jobs", &[host, ("authorization", &bearer)])
@@ -76,7 +82,7 @@ async fn elsewhere_a_token_is_demanded() {
         ("origin", "https://lab.example"),
     ];
     assert_eq!(lab.get_with("/v1/jobs", &origin).await.status, 200);
-    lab.store.revoke_token(token.id).await.expect("revoked");
+    lab.store.revoke_token(token.id, None).await.expect("revoked");
     ask().await.problem(401, "token-needed");
 }
 
@@ -93,7 +99,7 @@ async fn a_token_can_be_demanded_on_this_machine_too() {
 #[tokio::test]
 async fn guessing_is_slowed_down_and_locks_out_nobody() {
     let lab = Lab::with(|config| config.require_token = true).await;
-    let token = lab.store.create_token("a person").await.expect("a token");
+    let token = lab.token(Scope::Submit).await;
     let ask = async |secret: &str| {
         let bearer = format!("Bearer {secret}");
         lab.send(request(
@@ -116,4 +122,80 @@ async fn guessing_is_slowed_down_and_locks_out_nobody() {
             .is_ok_and(|seconds| seconds <= 61)
     );
     assert_eq!(ask(&token.secret).await.status, 200);
+}
+
+#[tokio::test]
+async fn a_page_on_another_port_cancels_no_job() {
+    let lab = Lab::open().await;
+    let id = lab.submit().await;
+    let path = format!("/v1/jobs/{id}/cancel");
+    for header in [
+        ("origin", "http://localhost:5173"),
+        ("sec-fetch-site", "same-site"),
+        ("sec-fetch-site", "cross-site"),
+    ] {
+        let answer = lab.send(request("POST", &path, &[header], "")).await;
+        answer.problem(403, "foreign-origin");
+    }
+    let own = [("origin", "http://localhost"), ("sec-fetch-site", "same-origin")];
+    assert_eq!(lab.send(request("POST", &path, &own, "")).await.status, 200);
+}
+
+#[tokio::test]
+async fn the_secret_of_the_start_is_good_as_long_as_the_server_was_started_with_it() {
+    let lab = Lab::with(|config| {
+        config.require_token = true;
+        config.token = Some("of the environment".to_owned());
+        config.worker_token = Some("of the workers".to_owned());
+    })
+    .await;
+    let ask = async |secret: &str, path: &str| {
+        let bearer = format!("Bearer {secret}");
+        lab.get_with(path, &[("authorization", &bearer)]).await
+    };
+    assert_eq!(ask("of the environment", "/v1/jobs").await.status, 200);
+    ask("of before", "/v1/jobs").await.problem(401, "token-needed");
+    ask("of the workers", "/v1/jobs").await.problem(403, "not-allowed");
+    // it is written down nowhere: changed at the next start, it is out of force
+    assert!(lab.store.tokens(None).await.expect("tokens").is_empty());
+}
+
+#[tokio::test]
+async fn a_token_does_what_its_scope_says() {
+    let lab = Lab::with(|config| config.require_token = true).await;
+    let (read, submit) = (lab.token(Scope::Read).await, lab.token(Scope::Submit).await);
+    let worker = lab.token(Scope::Worker).await;
+    let send = async |method: &str, path: &str, secret: &str| {
+        let bearer = format!("Bearer {secret}");
+        let headers = [("authorization", &*bearer), crate::support::JSON];
+        lab.send(request(method, path, &headers, "{}")).await.status
+    };
+    for (token, expected) in [
+        (&read, [200, 403, 403]),
+        (&submit, [200, 422, 403]),
+        (&worker, [403, 403, 422]),
+    ] {
+        let got = [
+            send("GET", "/v1/jobs", &token.secret).await,
+            send("POST", "/v1/jobs", &token.secret).await,
+            send("POST", "/v1/worker/claims", &token.secret).await,
+        ];
+        assert_eq!(got, expected, "{:?}", token.scope);
+    }
+}
+
+#[tokio::test]
+async fn a_stream_ends_with_its_token() {
+    let lab = Lab::with(|config| config.require_token = true).await;
+    let token = lab.token(Scope::Read).await;
+    let bearer = format!("Bearer {}", token.secret);
+    let stream = lab
+        .begin(request("GET", "/v1/events", &[("authorization", &bearer)], ""))
+        .await;
+    assert_eq!(stream.status(), 200);
+    lab.store.revoke_token(token.id, None).await.expect("revoked");
+    // ended by the server: the body comes to its end
+    let body = axum::body::to_bytes(stream.into_body(), 1 << 20);
+    let ended = tokio::time::timeout(std::time::Duration::from_secs(10), body).await;
+    assert!(ended.expect("within a moment").is_ok());
 }

@@ -12,6 +12,7 @@ mod jobs;
 mod kinds;
 mod openapi;
 mod page;
+mod people;
 mod service;
 mod support;
 mod tls;

@@ -5,6 +5,7 @@ use axum::Router;
 use axum::body::{Body, Bytes, to_bytes};
 use axum::extract::ConnectInfo;
 use axum::http::{HeaderMap, Request, Response, header};
+use loadframe_api::people::{NewToken, Scope, TokenMade};
 use loadframe_api::worker::{ClaimRequest, CompleteRequest, CurveBlock, Lease, ProgressReport};
 use loadframe_api::{FileEntry, JobKind, Outcome, sha256_hex};
 use loadframe_server::ServeConfig;
@@ -57,8 +58,8 @@ impl Lab {
 
     /// The answer as it comes, for streams.
     pub(crate) async fn begin(&self, mut request: Request<Body>) -> Response<Body> {
-        let peer = SocketAddr::from(([192, 0, 2, 1], 40_000));
-        request.extensions_mut().insert(ConnectInfo(peer));
+        let peer = ConnectInfo(SocketAddr::from(([192, 0, 2, 1], 40_000)));
+        request.extensions_mut().get_or_insert(peer);
         let host = "localhost".parse().expect("a header");
         request.headers_mut().entry(header::HOST).or_insert(host);
         let answer = self.router.clone().oneshot(request).await;
@@ -66,12 +67,28 @@ impl Lab {
     }
 
     pub(crate) async fn send(&self, request: Request<Body>) -> Answer {
-        let (parts, body) = self.begin(request).await.into_parts();
+        let response = self.begin(request).await;
+        self.read(response).await
+    }
+
+    /// An answer read to its end.
+    pub(crate) async fn read(&self, response: Response<Body>) -> Answer {
+        let (parts, body) = response.into_parts();
         Answer {
             status: parts.status.as_u16(),
             headers: parts.headers,
             body: to_bytes(body, MOST).await.unwrap_or_default(),
         }
+    }
+
+    /// A token of nobody in particular.
+    pub(crate) async fn token(&self, scope: Scope) -> TokenMade {
+        let new = NewToken {
+            name: "a token".to_owned(),
+            scope,
+            days: None,
+        };
+        self.store.create_token(None, new).await.expect("a token")
     }
 
     pub(crate) async fn get(&self, path: &str) -> Answer {

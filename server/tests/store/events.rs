@@ -1,11 +1,12 @@
 //! What is told to those who watch.
 use loadframe_api::worker::{CurveBlock, ProgressReport};
 use loadframe_api::{Event, JobStatus};
+use loadframe_server::store::StoredEvent;
 
 use crate::lab::{LONG, Lab, key};
 
-fn names(events: &[(u64, Event)]) -> Vec<&'static str> {
-    events.iter().map(|(_, event)| event.name()).collect()
+fn names(events: &[StoredEvent]) -> Vec<&'static str> {
+    events.iter().map(|stored| stored.event.name()).collect()
 }
 
 #[tokio::test]
@@ -17,7 +18,7 @@ async fn events_follow_a_job_and_are_replayed_from_any_number() {
     assert!(changes.has_changed().unwrap());
     let submitted = lab.events_after(start, None, 100).await.unwrap();
     assert_eq!(names(&submitted), ["job"]);
-    assert_eq!(submitted[0].0, *changes.borrow_and_update());
+    assert_eq!(submitted[0].number, *changes.borrow_and_update());
 
     let lease = lab.lease().await;
     let mut report = ProgressReport {
@@ -32,28 +33,29 @@ async fn events_follow_a_job_and_are_replayed_from_any_number() {
         rows: vec![vec![1.0], vec![2.0]],
     });
     lab.report(key(&lease), &report).await.unwrap();
-    let running = lab.events_after(submitted[0].0, None, 100).await.unwrap();
+    let running = lab.events_after(submitted[0].number, None, 100).await.unwrap();
     assert_eq!(names(&running), ["job", "points", "progress"]);
-    let Event::Points(points) = &running[1].1 else {
+    let Event::Points(points) = &running[1].event else {
         panic!()
     };
     assert_eq!((points.total, points.attempt), (2, 1));
-    assert!(running.is_sorted_by_key(|(seq, _)| *seq));
+    assert!(running.is_sorted_by_key(|stored| stored.number));
 
     lab.finish(&lease).await;
-    let ended = lab.events_after(running[2].0, None, 100).await.unwrap();
-    let [(_, Event::Job(job))] = ended.as_slice() else {
+    let ended = lab.events_after(running[2].number, None, 100).await.unwrap();
+    let Some(Event::Job(job)) = ended.first().map(|stored| &stored.event) else {
         panic!("{ended:?}")
     };
+    assert_eq!(ended.len(), 1);
     assert_eq!(job.status, JobStatus::Finished);
     assert!(job.summary.is_some());
 
     lab.delete(id).await.unwrap();
     let all = lab.events_after(0, None, 100).await.unwrap();
     assert_eq!(names(&all), ["deleted"]);
-    assert_eq!(all[0].0, lab.last_event().await);
+    assert_eq!(all[0].number, lab.last_event().await);
     assert!(
-        lab.events_after(all[0].0, None, 100)
+        lab.events_after(all[0].number, None, 100)
             .await
             .unwrap()
             .is_empty()
@@ -66,7 +68,7 @@ async fn watchers_of_one_job_hear_of_that_job_only() {
     let (mine, other) = (lab.submit().await, lab.submit().await);
     let heard = lab.events_after(0, Some(&[mine]), 100).await.unwrap();
     assert_eq!(heard.len(), 1);
-    assert_eq!(heard[0].1.job_id(), mine);
+    assert_eq!(heard[0].event.job_id(), mine);
     let both = lab.events_after(0, Some(&[mine, other]), 1).await.unwrap();
     assert_eq!(both.len(), 1, "the limit holds");
 }

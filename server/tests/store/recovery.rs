@@ -1,6 +1,8 @@
 //! Servers that come and go.
 use std::time::Duration;
 
+use loadframe_api::people::{NewToken, Scope};
+use loadframe_api::sha256_hex;
 use loadframe_server::store::{IdempotencyKey, Store, StoreError, StoreOptions};
 use tokio::runtime::Builder;
 
@@ -60,8 +62,14 @@ async fn a_folder_has_one_server() {
     let beside = Store::open_beside(options(&lab.folder, LONG))
         .await
         .unwrap();
-    let token = beside.create_token("made beside").await.unwrap();
-    assert!(lab.check_token(&token.secret).await.unwrap());
+    let new = NewToken {
+        name: "made beside".to_owned(),
+        scope: Scope::Submit,
+        days: None,
+    };
+    let token = beside.create_token(None, new).await.unwrap();
+    let hash = sha256_hex(token.secret.as_bytes());
+    assert!(lab.caller_by_token(&hash).await.unwrap().is_some());
 }
 
 /// Everything in the process that belongs to the store is dropped in the middle of its work, at a

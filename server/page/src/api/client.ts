@@ -1,7 +1,7 @@
-// Requests to the server: token, errors as problems, the server's clock.
+// Requests to the server: who asks, errors as problems, the server's clock.
 import { setServerTime } from "../clock.svelte";
 import { sentence } from "../format/words";
-import { askForToken, session } from "./session.svelte";
+import { ask, session, timesGiven } from "./session.svelte";
 import type { Problem, Violation } from "./types";
 
 /** An answer that says no, with what the server says about it. */
@@ -53,10 +53,11 @@ export interface RequestOptions {
   signal?: AbortSignal;
 }
 
-/** Sends a request and returns its successful answer; asks for a token when one is needed. */
+/** Sends a request and returns its successful answer; asks the person in when that is needed. */
 export async function request(path: string, options: RequestOptions = {}): Promise<Response> {
   for (;;) {
     const token = session.token;
+    const before = timesGiven();
     const headers: Record<string, string> = { Accept: "application/json", ...options.headers };
     if (token) headers["Authorization"] = `Bearer ${token}`;
     if (options.body !== undefined) headers["Content-Type"] = "application/json";
@@ -70,8 +71,10 @@ export async function request(path: string, options: RequestOptions = {}): Promi
     }
     setServerTime(response.headers.get("Date"));
     if (response.ok) return response;
-    if (response.status !== 401) throw new Refusal(await readProblem(response));
-    await askForToken(token);
+    const problem = await readProblem(response);
+    // A link that has ended is not mended by signing in.
+    if (response.status !== 401 || session.isLink) throw new Refusal(problem);
+    await ask(problem.type === "/problems/sign-in-needed" ? "sign-in" : "token", before);
   }
 }
 

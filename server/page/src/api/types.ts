@@ -4,11 +4,16 @@ import type { components } from "./wire";
 type Schemas = components["schemas"];
 
 export type Attempt = Schemas["AttemptView"];
+export type AuditEntry = Schemas["AuditEntry"];
+export type Caller = Schemas["CallerView"];
 export type Curve = Schemas["CurveView"];
 export type DryRun = Schemas["DryRun"];
 export type ErrorPart = Schemas["ErrorPart"];
 export type Example = Schemas["ExampleView"];
 export type FileEntry = Schemas["FileEntry"];
+export type Group = Schemas["GroupView"];
+export type Invitation = Schemas["InvitationView"];
+export type InvitationMade = Schemas["InvitationMade"];
 export type Job = Schemas["JobView"];
 export type JobChanges = Schemas["JobChanges"];
 /** What the server tells as it happens. */
@@ -17,12 +22,21 @@ export type JobLinks = Schemas["JobLinks"];
 export type Kind = Schemas["KindView"];
 export type LogLine = Schemas["LogLine"];
 export type Outcome = Schemas["Outcome"];
+export type Person = Schemas["PersonView"];
 export type PointsReady = Schemas["PointsReady"];
 export type Problem = Schemas["Problem"];
+export type Project = Schemas["ProjectView"];
 export type QualityCheck = Schemas["QualityCheck"];
 export type Quantity = Schemas["Quantity"];
+export type Role = Schemas["Role"];
+export type Session = Schemas["SessionView"];
+export type Share = Schemas["ShareView"];
+export type ShareMade = Schemas["ShareMade"];
+export type Token = Schemas["TokenView"];
+export type TokenMade = Schemas["TokenMade"];
 export type Version = Schemas["VersionView"];
 export type Violation = Schemas["Violation"];
+export type Visibility = Schemas["Visibility"];
 export type Warning = Schemas["Warning"];
 export type Worker = Schemas["WorkerView"];
 

@@ -1,10 +1,20 @@
 // One job as it stands on the server, with everything its page shows.
-import { getJson, messageOf, sendJson, Unreachable } from "../api/client";
+import { getJson, messageOf, Refusal, sendJson, Unreachable } from "../api/client";
 import type { FileEntry, Job, JobChanges, JobEvent, LogLine, Outcome, Page } from "../api/types";
 import { LiveCurve } from "./liveCurve.svelte";
 
 /** The log has no event of its own; it is read again at most this often [ms] while events come. */
 const LOG_PAUSE = 3000;
+
+/** What a list holds; nothing where it is not shown, as by a share link without files. */
+async function itemsOf<T>(path: string): Promise<T[]> {
+  try {
+    return (await getJson<Page<T>>(path)).items;
+  } catch (error) {
+    if (error instanceof Refusal && error.status === 403) return [];
+    throw error;
+  }
+}
 
 export class LiveJob {
   job = $state.raw<Job | null>(null);
@@ -94,16 +104,16 @@ export class LiveJob {
     const succeeded = this.job?.outcome === "succeeded";
     const [outcome, files] = await Promise.all([
       succeeded ? getJson<Outcome>(`${this.#path}/outcome`) : null,
-      this.job?.status === "finished" ? getJson<Page<FileEntry>>(`${this.#path}/files`) : null,
+      this.job?.status === "finished" ? itemsOf<FileEntry>(`${this.#path}/files`) : [],
     ]);
     this.outcome = outcome;
-    this.files = files?.items ?? [];
+    this.files = files;
   }
 
   async #readLog(): Promise<void> {
     clearTimeout(this.#logTimer);
     this.#logTimer = undefined;
-    this.log = (await getJson<Page<LogLine>>(`${this.#path}/log`)).items;
+    this.log = await itemsOf<LogLine>(`${this.#path}/log`);
   }
 
   #readLogSoon(): void {

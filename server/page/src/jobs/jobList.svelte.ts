@@ -8,10 +8,16 @@ export interface Filter {
   kind: string;
   tag: string;
   text: string;
+  /** One's own, those of one's groups, or what others share. */
+  whose: string;
+  project: string;
 }
 
 export const STATUSES = ["queued", "running", "paused", "finished"];
 export const OUTCOMES = ["succeeded", "failed", "cancelled", "timed_out", "quarantined"];
+
+/** A filter that lets every job pass. */
+export const EVERYTHING: Filter = { status: "", kind: "", tag: "", text: "", whose: "", project: "" };
 
 const PAGE = 50;
 /** Largest page the server gives. */
@@ -25,7 +31,7 @@ export class JobList {
   isLoaded = $state(false);
   isLoadingMore = $state(false);
   error = $state("");
-  #filter: Filter = { status: "", kind: "", tag: "", text: "" };
+  #filter: Filter = EVERYTHING;
   #loading: AbortController | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
 
@@ -110,9 +116,10 @@ export class JobList {
 }
 
 /** Where the server lists `count` jobs that pass the filter, from the cursor on. */
-function addressOf({ status: state, kind, tag, text }: Filter, cursor: string | null, count: number): string {
+function addressOf(filter: Filter, cursor: string | null, count: number): string {
+  const { status: state, kind, tag, text, whose, project } = filter;
   const [status, outcome] = STATUSES.includes(state) ? [state, ""] : ["", state];
   const limit = String(Math.min(count, LARGEST_PAGE));
-  const given = Object.entries({ limit, status, outcome, kind, tag, q: text, cursor: cursor ?? "" });
+  const given = Object.entries({ limit, status, outcome, kind, tag, whose, project, q: text, cursor: cursor ?? "" });
   return `/v1/jobs?${new URLSearchParams(given.filter(([, value]) => value !== "")).toString()}`;
 }

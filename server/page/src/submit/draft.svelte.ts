@@ -27,6 +27,8 @@ export function isLarge(text: string): boolean {
 
 export class Draft {
   text = $state(sessionStorage.getItem(KEPT) ?? "");
+  /** The project it goes to; none named, the first of one's own. */
+  project = $state("");
   /** A job too large to edit, sent instead of the text. */
   large = $state.raw<string | null>(null);
   /** The text as it was when typing last rested; everything below belongs to it. */
@@ -102,10 +104,12 @@ export class Draft {
     this.#checking?.abort();
     this.isBusy = true;
     // The same text sent twice, after a lost answer, must not become two jobs.
-    if (this.#sendKey?.text !== this.settled) this.#sendKey = { text: this.settled, key: randomKey() };
+    const sent = this.project + this.settled;
+    if (this.#sendKey?.text !== sent) this.#sendKey = { text: sent, key: randomKey() };
     try {
       const headers = { "Idempotency-Key": this.#sendKey.key };
-      const response = await request("/v1/jobs", { method: "POST", body: this.settled, headers });
+      const address = this.project === "" ? "/v1/jobs" : `/v1/jobs?project=${this.project}`;
+      const response = await request(address, { method: "POST", body: this.settled, headers });
       sessionStorage.removeItem(KEPT);
       return (await response.json()) as Job;
     } catch (error) {

@@ -8,6 +8,8 @@ use tokio::process::{Child, Command};
 use tokio::task::JoinSet;
 use tokio_util::sync::CancellationToken;
 
+use super::super::secret::TOKEN;
+
 /// Pause before a worker that died is started again, doubled each time up to the longest.
 const FIRST_PAUSE: Duration = Duration::from_millis(500);
 const LONGEST_PAUSE: Duration = Duration::from_secs(30);
@@ -30,7 +32,7 @@ struct WorkerCommand {
     name: String,
     threads: u16,
     server: String,
-    token: Option<String>,
+    token: String,
 }
 
 impl Children {
@@ -40,7 +42,7 @@ impl Children {
         count: usize,
         threads: u16,
         server: &str,
-        token: Option<String>,
+        token: String,
     ) -> io::Result<Self> {
         // asked once: after an update of the file its name would no longer be known
         let executable = std::env::current_exe()?;
@@ -121,10 +123,7 @@ impl WorkerCommand {
         if std::env::var_os("LOADFRAME_LOG").is_none() {
             process.env("LOADFRAME_LOG", "warn");
         }
-        match &self.token {
-            Some(token) => process.env("LOADFRAME_TOKEN", token),
-            None => process.env_remove("LOADFRAME_TOKEN"),
-        };
+        process.env(TOKEN, &self.token);
         process.spawn()
     }
 }

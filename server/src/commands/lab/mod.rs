@@ -8,14 +8,17 @@ mod demo;
 
 use std::net::SocketAddr;
 
+use base64::Engine;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use clap::Args;
 use loadframe_client::ServerClient;
 use loadframe_run::available_threads;
 use loadframe_server::serve;
+use rand::Rng;
 use tokio::sync::oneshot;
 use tokio_util::sync::CancellationToken;
 
-use super::failure::{Code, Failure};
+use super::failure::Failure;
 use super::serve::{ServerOptions, failure, reachable};
 use super::signals::stop_signal;
 use super::terminal::{print_error, print_line, start_log};
@@ -46,8 +49,13 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     start_log("warn");
     let (ready, is_ready) = oneshot::channel();
     let stop_server = CancellationToken::new();
+    // its own workers have a secret of their own, which lives as long as this lab and only works
+    let mut config = arguments.server.config()?;
+    let worker_token = fresh_secret();
+    config.worker_token = Some(worker_token.clone());
+    let token = config.token.clone();
     let serving = serve(
-        arguments.server.config(),
+        config,
         |address| {
             let _ = ready.send(address);
         },
@@ -63,7 +71,13 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
         async {
             // a server that cannot start drops its end of the channel, and says why by its error
             let end = match is_ready.await {
-                Ok(address) => open(&arguments, address, &has_ended).await,
+                Ok(address) => {
+                    let secrets = Secrets {
+                        token,
+                        worker_token,
+                    };
+                    open(&arguments, address, secrets, &has_ended).await
+                },
                 Err(_) => Ok(()),
             };
             stop_server.cancel();
@@ -73,26 +87,32 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     served.map_err(|error| failure(&error)).and(end)
 }
 
+/// What the lab itself is known by: to the server as its user, and its workers.
+struct Secrets {
+    token: Option<String>,
+    worker_token: String,
+}
+
+fn fresh_secret() -> String {
+    let mut bytes = [0_u8; 32];
+    rand::rng().fill_bytes(&mut bytes);
+    URL_SAFE_NO_PAD.encode(bytes)
+}
+
 /// The lab around a server at `address`: workers, demo, and waiting for the end.
 async fn open(
     arguments: &Arguments,
     address: SocketAddr,
+    secrets: Secrets,
     server_has_ended: &CancellationToken,
 ) -> Result<(), Failure> {
-    let token = arguments.server.config().token;
-    if token.is_none() && !address.ip().is_loopback() {
-        return Err(Failure::new(
-            Code::Usage,
-            "beyond this machine a lab needs a token: set LOADFRAME_TOKEN to a long random text (openssl rand -hex 24) and start again",
-        ));
-    }
     let url = format!("http://{}", reachable(address));
-    let client = ServerClient::new(&url, token.clone())?;
+    let client = ServerClient::new(&url, secrets.token)?;
     let workers = arguments.workers.map_or_else(
         || (available_threads() / usize::from(arguments.threads)).max(1),
         usize::from,
     );
-    let children = Children::start(workers, arguments.threads, &url, token)
+    let children = Children::start(workers, arguments.threads, &url, secrets.worker_token)
         .map_err(|error| Failure::of(&error))?;
     print_line(&format!(
         "The lab is open at {url} ({})",

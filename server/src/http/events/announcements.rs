@@ -6,7 +6,7 @@ use loadframe_api::Event;
 use tokio::sync::broadcast;
 use uuid::Uuid;
 
-use crate::store::{Store, StoreError};
+use crate::store::{Store, StoreError, StoredEvent};
 
 /// Events kept for slow listeners; who falls further behind reads them from the store.
 const KEPT: usize = 1024;
@@ -20,12 +20,16 @@ const AFTER_FAILURE: Duration = Duration::from_secs(1);
 pub(super) struct Announced {
     pub(super) number: u64,
     pub(super) job: Uuid,
+    /// Whose the job is or was.
+    pub(super) owner: Option<Uuid>,
+    pub(super) project: Option<Uuid>,
     pub(super) name: &'static str,
     pub(super) data: String,
 }
 
 impl Announced {
-    pub(super) fn new(number: u64, event: &Event) -> serde_json::Result<Self> {
+    pub(super) fn new(stored: &StoredEvent) -> serde_json::Result<Self> {
+        let event = &stored.event;
         let data = match event {
             Event::Job(job) => serde_json::to_string(job),
             Event::Progress(progress) => serde_json::to_string(progress),
@@ -33,8 +37,10 @@ impl Announced {
             Event::Deleted(deleted) => serde_json::to_string(deleted),
         };
         Ok(Self {
-            number,
+            number: stored.number,
             job: event.job_id(),
+            owner: stored.owner,
+            project: stored.project,
             name: event.name(),
             data: data?,
         })
@@ -89,9 +95,10 @@ impl Announcements {
             if events.is_empty() {
                 return Ok(());
             }
-            for (number, event) in events {
+            for event in events {
+                let number = event.number;
                 *last = number;
-                match Announced::new(number, &event) {
+                match Announced::new(&event) {
                     // nobody listening any more is not an error
                     Ok(event) => drop(self.0.send(Arc::new(event))),
                     Err(error) => tracing::error!(%error, number, "an event could not be written"),

@@ -7,9 +7,10 @@ mod announcements;
 mod follower;
 
 use std::convert::Infallible;
+use std::sync::Arc;
 use std::time::Duration;
 
-use axum::extract::{Path, Query, State};
+use axum::extract::{Query, State};
 use axum::http::HeaderMap;
 use axum::response::IntoResponse;
 use axum::response::sse::{self, KeepAlive, Sse};
@@ -22,6 +23,7 @@ use uuid::Uuid;
 
 use super::AppState;
 use super::bounded::{Listed, Number};
+use super::permit::{Call, JobPermit, Permit, Read};
 use super::problem::{ApiError, BAD_REQUEST, Result};
 use announcements::Announced;
 pub(super) use announcements::Announcements;
@@ -76,7 +78,8 @@ fn jobs_schema() -> utoipa::openapi::schema::Object {
 ///
 /// A stream of server-sent events: `job` (it changed), `progress`, `points` (there are new curve
 /// points to fetch), `deleted`. It begins with a `job` event of the present state; with
-/// `Last-Event-ID`, it goes on after that event instead. The server ends it only when it stops.
+/// `Last-Event-ID`, it goes on after that event instead. The server ends it when it stops, or when the
+/// token or session ends that it was opened with.
 #[utoipa::path(get, operation_id = "follow_job", path = "/v1/jobs/{id}/events", tag = "Events",
     params(("id" = Uuid, Path, description = "Id of the job"), JobEventsQuery,
            ("Last-Event-ID" = Option<u64>, Header, description = "`id` of the last event received", minimum = 0, maximum = 9_007_199_254_740_991_u64)),
@@ -84,13 +87,13 @@ fn jobs_schema() -> utoipa::openapi::schema::Object {
               (status = 404, description = "There is no such job")))]
 async fn of_job(
     State(state): State<AppState>,
-    Path(id): Path<Uuid>,
+    job: JobPermit<Read>,
     Query(query): Query<JobEventsQuery>,
     headers: HeaderMap,
 ) -> Result<impl IntoResponse> {
-    state.store.job_version(id).await?;
+    state.store.job_version(job.id).await?;
     let last = last_event(&headers, query.last_event_id)?;
-    follow(&state, Some(vec![id]), last).await
+    follow(&state, &job.call, Some(vec![job.id]), last).await
 }
 
 /// Follow many jobs
@@ -103,19 +106,21 @@ async fn of_job(
     responses((status = 200, description = "Events; `data` is as in the schema `Event`", body = String, content_type = "text/event-stream")))]
 async fn of_jobs(
     State(state): State<AppState>,
+    permit: Permit<Read>,
     Query(query): Query<EventsQuery>,
     headers: HeaderMap,
 ) -> Result<impl IntoResponse> {
     let last = last_event(&headers, query.last_event_id)?;
-    follow(&state, query.jobs.map(|Listed(jobs)| jobs), last).await
+    follow(&state, &permit.call, query.jobs.map(|Listed(jobs)| jobs), last).await
 }
 
 async fn follow(
     state: &AppState,
+    call: &Arc<Call>,
     jobs: Option<Vec<Uuid>>,
     last: Option<u64>,
 ) -> Result<impl IntoResponse + use<>> {
-    let follower = Follower::start(state, jobs, last).await?;
+    let follower = Follower::start(state, call, jobs, last).await?;
     let opening = sse::Event::default().comment("events follow").retry(RETRY);
     let events = stream::unfold(follower, |mut follower| async {
         let event = follower.next().await?;

@@ -1,12 +1,13 @@
 //! `PATCH /v1/jobs/{id}`.
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use loadframe_api::{JobChanges, JobView, Message};
-use uuid::Uuid;
 
 use super::super::AppState;
 use super::super::body::JsonBody;
+use super::super::permit::{Change, JobPermit};
 use super::super::problem::Result;
+use crate::access::Action;
 use crate::store::JobEdit;
 
 /// Change name, notes, tags, priority or the overrun factor
@@ -14,7 +15,7 @@ use crate::store::JobEdit;
 /// What is left out stays as it is (JSON Merge Patch, RFC 7396, without deletions). The spec of a
 /// job never changes.
 #[utoipa::path(patch, operation_id = "change_job", path = "/v1/jobs/{id}", tag = "Jobs",
-    params(("id" = Uuid, Path, description = "Id of the job")),
+    params(("id" = uuid::Uuid, Path, description = "Id of the job")),
     request_body(content = ref("#/components/schemas/JobChanges"), description = "What to change"),
     responses((status = 200, description = "The changed job", body = ref("#/components/schemas/JobView")),
               (status = 404, description = "There is no such job"),
@@ -24,7 +25,7 @@ use crate::store::JobEdit;
               (status = 422, description = "The changes cannot be made, see `violations`")))]
 pub(super) async fn edit(
     State(state): State<AppState>,
-    Path(id): Path<Uuid>,
+    job: JobPermit<Change>,
     body: JsonBody,
 ) -> Result<Json<JobView>> {
     let client = body.client;
@@ -35,13 +36,19 @@ pub(super) async fn edit(
         tags,
         priority,
         overrun_factor,
+        project,
     } = state.checks.run(client, read).await??;
+    if let Some(project) = project {
+        let wanted = job.call.ask_of_project(&state.store, Action::Submit, project);
+        wanted.await?;
+    }
     let edit = JobEdit {
         name,
         notes,
         tags,
         priority,
         overrun_factor,
+        project,
     };
-    Ok(Json(state.store.edit(id, edit).await?))
+    Ok(Json(job.store.edit(job.id, edit).await?))
 }

@@ -6,11 +6,14 @@ use loadframe_api::{JobKind, JobOutcome, JobStatus, Timestamp};
 use serde::Deserialize;
 use utoipa::IntoParams;
 use utoipa::openapi::Ref;
+use uuid::Uuid;
 
 use super::super::AppState;
 use super::super::bounded::{Number, Text};
 use super::super::conditional::EntityTag;
+use super::super::permit::{Permit, Read};
 use super::super::problem::Result;
+use crate::access::{Identity, Sight, Whose};
 use crate::store::JobFilter;
 
 /// Jobs on a page unless asked otherwise.
@@ -48,6 +51,29 @@ pub(in crate::http) struct ListQuery {
     /// Only jobs submitted before this moment (RFC 3339).
     #[param(schema_with = moment_schema, required = false)]
     created_before: Option<Timestamp>,
+    /// Only jobs in this project; those in archived ones are listed only so.
+    #[param(value_type = Uuid, required = false)]
+    project: Option<Uuid>,
+    /// Only your own jobs, those in projects of your groups, or what others share with you.
+    #[param(schema_with = whose_schema, required = false)]
+    whose: Option<Part>,
+}
+
+/// Which part of what one sees.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Part {
+    Mine,
+    Groups,
+    Shared,
+}
+
+fn whose_schema() -> utoipa::openapi::schema::Object {
+    use utoipa::openapi::schema::{ObjectBuilder, Type};
+    ObjectBuilder::new()
+        .schema_type(Type::String)
+        .enum_values(Some(["mine", "groups", "shared"]))
+        .build()
 }
 
 /// List jobs
@@ -63,10 +89,12 @@ pub(in crate::http) struct ListQuery {
               (status = 422, description = "The cursor is not one of this server")))]
 pub(super) async fn list(
     State(state): State<AppState>,
+    permit: Permit<Read>,
     Query(query): Query<ListQuery>,
     headers: HeaderMap,
 ) -> Result<Response> {
-    let tag = EntityTag::weak(state.store.jobs_version().await?);
+    let (sight, version) = seen(&state, &permit, &query).await?;
+    let tag = EntityTag::weak(version);
     if tag.is_known(&headers) {
         return Ok(tag.not_modified());
     }
@@ -80,9 +108,44 @@ pub(super) async fn list(
         q: query.q.map(|Text(text)| text),
         created_after: query.created_after,
         created_before: query.created_before,
+        sight,
+        project: query.project,
     };
     let page = state.store.jobs(&filter, cursor.as_deref(), limit).await?;
     Ok(tag.json(&page))
+}
+
+/// What the caller sees of what it asks for, and what names the state of the list for it.
+async fn seen(
+    state: &AppState,
+    permit: &Permit<Read>,
+    query: &ListQuery,
+) -> Result<(Option<Sight>, String)> {
+    let jobs = state.store.jobs_version().await?;
+    let caller = &permit.call.caller;
+    if caller.identity == Identity::Sole {
+        return Ok((None, jobs.to_string()));
+    }
+    // the same jobs are another list for somebody else, and after a change of who sees what
+    let access = state.store.access_version().await?;
+    let who = match (caller.person(), caller.credential.id()) {
+        (Some(person), _) => person.id,
+        (None, id) => id.unwrap_or_default(),
+    };
+    let projects = state.store.project_facts().await?;
+    let mut sight = Sight::of(caller, &projects);
+    if query.project.is_none() {
+        sight = sight.without_archived(&projects);
+    }
+    if let Some(part) = query.whose {
+        let whose = match part {
+            Part::Mine => Whose::Mine,
+            Part::Groups => Whose::Groups,
+            Part::Shared => Whose::Shared,
+        };
+        sight = sight.only(whose, caller, &projects);
+    }
+    Ok((Some(sight), format!("{jobs}-{access}-{}", who.simple())))
 }
 
 fn status_schema() -> Ref {

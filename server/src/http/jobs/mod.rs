@@ -4,16 +4,15 @@ mod list;
 mod submit;
 
 use axum::Json;
-use axum::extract::{Path, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::Response;
 use loadframe_api::JobView;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
-use uuid::Uuid;
 
 use super::AppState;
 use super::conditional::EntityTag;
+use super::permit::{Change, JobPermit, Read};
 use super::problem::Result;
 use crate::store::UserAction;
 
@@ -34,34 +33,30 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
 /// With its normalised spec and, once succeeded, its results. Cheap to ask again: send the `ETag`
 /// back as `If-None-Match`.
 #[utoipa::path(get, operation_id = "read_job", path = "/v1/jobs/{id}", tag = "Jobs",
-    params(("id" = Uuid, Path, description = "Id of the job"),
+    params(("id" = uuid::Uuid, Path, description = "Id of the job"),
            ("If-None-Match" = Option<String>, Header, description = "`ETag` of the answer you have")),
     responses((status = 200, description = "The job", body = ref("#/components/schemas/JobView"), headers(("ETag" = String))),
               (status = 304, description = "It has not changed"),
               (status = 404, description = "There is no such job")))]
-async fn read(
-    State(state): State<AppState>,
-    Path(id): Path<Uuid>,
-    headers: HeaderMap,
-) -> Result<Response> {
+async fn read(job: JobPermit<Read>, headers: HeaderMap) -> Result<Response> {
     // the version before the content: a change in between makes the next question ask again
-    let tag = EntityTag::weak(state.store.job_version(id).await?);
+    let tag = EntityTag::weak(job.store.job_version(job.id).await?);
     if tag.is_known(&headers) {
         return Ok(tag.not_modified());
     }
-    Ok(tag.json(&state.store.job(id).await?))
+    Ok(tag.json(&job.store.job(job.id).await?))
 }
 
 /// Delete a job
 ///
 /// With its results, curve, log and files. A running job has to be cancelled first.
 #[utoipa::path(delete, operation_id = "delete_job", path = "/v1/jobs/{id}", tag = "Jobs",
-    params(("id" = Uuid, Path, description = "Id of the job")),
+    params(("id" = uuid::Uuid, Path, description = "Id of the job")),
     responses((status = 204, description = "It is gone, and its files are freed"),
               (status = 404, description = "There is no such job"),
               (status = 409, description = "It is running")))]
-async fn delete(State(state): State<AppState>, Path(id): Path<Uuid>) -> Result<StatusCode> {
-    state.store.delete(id).await?;
+async fn delete(job: JobPermit<Change>) -> Result<StatusCode> {
+    job.store.delete(job.id).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -70,54 +65,50 @@ async fn delete(State(state): State<AppState>, Path(id): Path<Uuid>) -> Result<S
 /// A queued or paused job ends at once, a running one within two seconds; what was computed so
 /// far is kept as its curve.
 #[utoipa::path(post, operation_id = "cancel_job", path = "/v1/jobs/{id}/cancel", tag = "Jobs",
-    params(("id" = Uuid, Path, description = "Id of the job")),
+    params(("id" = uuid::Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The job; cancelled, or about to be", body = ref("#/components/schemas/JobView")),
               (status = 404, description = "There is no such job"),
               (status = 409, description = "It has ended already")))]
-async fn cancel(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>> {
-    request(state, id, UserAction::Cancel).await
+async fn cancel(job: JobPermit<Change>) -> Result<Json<JobView>> {
+    request(job, UserAction::Cancel).await
 }
 
 /// Pause a job
 ///
 /// A running job leaves a checkpoint and frees its worker.
 #[utoipa::path(post, operation_id = "pause_job", path = "/v1/jobs/{id}/pause", tag = "Jobs",
-    params(("id" = Uuid, Path, description = "Id of the job")),
+    params(("id" = uuid::Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The job; paused, or about to be", body = ref("#/components/schemas/JobView")),
               (status = 404, description = "There is no such job"),
               (status = 409, description = "It has ended")))]
-async fn pause(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>> {
-    request(state, id, UserAction::Pause).await
+async fn pause(job: JobPermit<Change>) -> Result<Json<JobView>> {
+    request(job, UserAction::Pause).await
 }
 
 /// Resume a paused job
 ///
 /// It is queued again and goes on from its checkpoint.
 #[utoipa::path(post, operation_id = "resume_job", path = "/v1/jobs/{id}/resume", tag = "Jobs",
-    params(("id" = Uuid, Path, description = "Id of the job")),
+    params(("id" = uuid::Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The job, queued", body = ref("#/components/schemas/JobView")),
               (status = 404, description = "There is no such job"),
               (status = 409, description = "It has ended")))]
-async fn resume(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>> {
-    request(state, id, UserAction::Resume).await
+async fn resume(job: JobPermit<Change>) -> Result<Json<JobView>> {
+    request(job, UserAction::Resume).await
 }
 
 /// Run a job again
 ///
 /// For jobs that ended without a result; earlier attempts stay on record.
 #[utoipa::path(post, operation_id = "retry_job", path = "/v1/jobs/{id}/retry", tag = "Jobs",
-    params(("id" = Uuid, Path, description = "Id of the job")),
+    params(("id" = uuid::Uuid, Path, description = "Id of the job")),
     responses((status = 200, description = "The job, queued", body = ref("#/components/schemas/JobView")),
               (status = 404, description = "There is no such job"),
               (status = 409, description = "It has a result, is running or paused")))]
-async fn retry(state: State<AppState>, id: Path<Uuid>) -> Result<Json<JobView>> {
-    request(state, id, UserAction::Retry).await
+async fn retry(job: JobPermit<Change>) -> Result<Json<JobView>> {
+    request(job, UserAction::Retry).await
 }
 
-async fn request(
-    State(state): State<AppState>,
-    Path(id): Path<Uuid>,
-    action: UserAction,
-) -> Result<Json<JobView>> {
-    Ok(Json(state.store.request(id, action).await?))
+async fn request(job: JobPermit<Change>, action: UserAction) -> Result<Json<JobView>> {
+    Ok(Json(job.store.request(job.id, action).await?))
 }

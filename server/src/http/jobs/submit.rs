@@ -10,10 +10,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use utoipa::IntoParams;
+use uuid::Uuid;
 
 use super::super::AppState;
 use super::super::body::JsonBody;
+use super::super::permit::{Call, Permit, Submit};
 use super::super::problem::{ApiError, INVALID, INVALID_JOB, Result};
+use crate::access::Action;
 use crate::store::{CheckedSubmission, IdempotencyKey, StoreError};
 
 /// Longest idempotency key [characters].
@@ -29,6 +32,9 @@ pub(in crate::http) struct SubmitQuery {
     #[serde(default)]
     #[param(value_type = bool, required = false)]
     dry_run: bool,
+    /// The project the job goes to; left out, the first of your own. Only where the server has accounts.
+    #[param(value_type = Uuid, required = false)]
+    project: Option<Uuid>,
 }
 
 /// What a job would be and take.
@@ -67,13 +73,16 @@ pub(in crate::http) struct DryRun {
               (status = 422, description = "The job cannot be accepted, see `violations`; or the key belongs to another body")))]
 pub(super) async fn create(
     State(state): State<AppState>,
-    Query(SubmitQuery { dry_run }): Query<SubmitQuery>,
+    permit: Permit<Submit>,
+    Query(SubmitQuery { dry_run, project }): Query<SubmitQuery>,
     headers: HeaderMap,
     body: JsonBody,
 ) -> Result<Response> {
     let key = idempotency_key(&headers)?;
+    let project = project_of(&state, &permit.call, project).await?;
     let measured = state.store.calibration().await?;
-    let (checked, body) = read(&state, body, measured).await?;
+    let (mut checked, body) = read(&state, &permit.call, body, measured).await?;
+    checked.project = project;
     let violations = state.limits.violations(&checked.estimate);
     if !violations.is_empty() {
         let detail = "its estimate exceeds what this server gives a single job";
@@ -84,10 +93,14 @@ pub(super) async fn create(
     }
     let kind = checked.submission.spec.kind();
     let key = key.map(|key| IdempotencyKey {
-        key,
+        // two people may choose the same name
+        key: match permit.call.caller.person() {
+            Some(person) => format!("{}:{key}", person.id.simple()),
+            None => key,
+        },
         body_sha256: sha256_hex(&body.bytes),
     });
-    let enqueued = state.store.enqueue_checked(checked, key).await?;
+    let enqueued = permit.store.enqueue_checked(checked, key).await?;
     metrics::counter!("loadframe_submissions_total", "kind" => kind.name())
         .increment(u64::from(!enqueued.replayed));
     let location = HeaderValue::try_from(&enqueued.job.links.this)
@@ -103,9 +116,22 @@ pub(super) async fn create(
     Ok(response)
 }
 
+/// The project a job of the caller goes to; none where there are no people.
+async fn project_of(state: &AppState, call: &Call, named: Option<Uuid>) -> Result<Option<Uuid>> {
+    match (named, call.caller.person()) {
+        (Some(id), _) => {
+            let project = call.ask_of_project(&state.store, Action::Submit, id).await?;
+            Ok(Some(project.id))
+        }
+        (None, Some(person)) => Ok(Some(state.store.project_of(person.id).await?)),
+        (None, None) => Ok(None),
+    }
+}
+
 /// Checks the body, with the results of the jobs that it refers to.
 async fn read(
     state: &AppState,
+    call: &Call,
     body: JsonBody,
     measured: Option<Calibration>,
 ) -> Result<(CheckedSubmission, JsonBody)> {
@@ -119,10 +145,15 @@ async fn read(
     }
     let mut earlier = Earlier::default();
     for id in wanted.into_iter().take(MOST_REFERRED) {
-        let view = match state.store.job(id).await {
-            Ok(view) => Some(view),
-            Err(StoreError::NotFound(_)) => None,
-            Err(error) => return Err(error.into()),
+        // one that the caller does not see is not there
+        let view = match call.ask_of_job(&state.store, Action::Read, id).await {
+            Ok(()) => match state.store.job(id).await {
+                Ok(view) => Some(view),
+                Err(StoreError::NotFound(_)) => None,
+                Err(error) => return Err(error.into()),
+            },
+            Err(refusal) if refusal.status() == 404 => None,
+            Err(refusal) => return Err(refusal),
         };
         earlier.insert(id, view);
     }

@@ -6,7 +6,7 @@ const EVERYWHERE: &[(&str, &str)] = &[
     ("400", "The request cannot be read; `detail` says where"),
     (
         "403",
-        "An open server was addressed by another name than its machine's, or by a page from elsewhere",
+        "This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere",
     ),
     (
         "503",
@@ -16,7 +16,7 @@ const EVERYWHERE: &[(&str, &str)] = &[
 
 /// Answers of routes that demand a token where tokens are demanded.
 const BY_TOKEN: &[(&str, &str)] = &[
-    ("401", "A token is needed, or this one is not in force"),
+    ("401", "A token or a session is needed, or this one is not in force"),
     (
         "429",
         "Too many wrong tokens, or bodies at once, came from this client",
@@ -66,7 +66,7 @@ pub(super) fn complete(document: &mut Value) {
             }
             if is_guarded {
                 // an open server asks for none
-                operation["security"] = json!([{}, { "token": [] }]);
+                operation["security"] = json!([{}, { "token": [] }, { "session": [] }]);
             }
             if let Some(body) = operation.get_mut("requestBody") {
                 body["required"] = json!(true);

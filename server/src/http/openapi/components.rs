@@ -1,4 +1,9 @@
 //! `#/components/schemas`: every type of the wire by name.
+use loadframe_api::people::{
+    Acceptance, AuditEntry, CallerView, GroupView, HandOver, InvitationMade, InvitationView, NewGroup,
+    NewInvitation, NewProject, NewShare, NewToken, PasswordChange, PersonChanges, PersonView,
+    ProjectChanges, ProjectView, SessionView, ShareMade, ShareView, SignIn, TokenMade, TokenView,
+};
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,
     ProgressReport, ReleaseRequest,
@@ -53,7 +58,8 @@ pub(super) fn schemas() -> Map<String, Value> {
 /// What the service reads.
 fn bodies() -> Map<String, Value> {
     body_schemas(|generator: &mut SchemaGenerator| {
-        add!(generator: JobChanges, Envelope,
+        add!(generator: JobChanges, Envelope, SignIn, PasswordChange, NewInvitation, Acceptance,
+            PersonChanges, HandOver, NewToken, NewGroup, NewProject, ProjectChanges, NewShare,
             ClaimRequest, ProgressReport, CompleteRequest, FailRequest, FaultRequest,
             ReleaseRequest);
     })
@@ -65,7 +71,10 @@ fn answers() -> Map<String, Value> {
         add!(generator: Problem, Timestamp, JobKind, JobView, Page<JobView>, DryRun,
             CurveView, Page<FileEntry>, Outcome, Page<LogLine>, Event,
             KindView, Page<KindView>, Page<ExampleView>, Page<WorkerView>, Health, VersionView,
-            Lease, HeartbeatAnswer);
+            Lease, HeartbeatAnswer, CallerView, PersonView, Page<PersonView>, Page<SessionView>,
+            InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>, GroupView,
+            Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
+            Page<AuditEntry>);
     });
     for schema in schemas.values_mut() {
         let required = schema["required"].as_array().cloned().unwrap_or_default();

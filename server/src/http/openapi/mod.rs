@@ -66,14 +66,21 @@ fn build() -> serde_json::Result<Value> {
         { "name": "Events", "description": "What happens, as it happens" },
         { "name": "Kinds", "description": "What can be tested" },
         { "name": "Workers", "description": "The machines that compute" },
+        { "name": "People", "description": "Accounts, tokens, groups, projects, share links, the audit log" },
         { "name": "Worker", "description": "A worker's own side: it claims a job under a lease and writes under it until it ends" },
         { "name": "Service", "description": "Health, metrics, this document" },
     ]);
     document["components"]["schemas"] = Value::Object(components::schemas());
-    document["components"]["securitySchemes"] = json!({ "token": {
-        "type": "http", "scheme": "bearer",
-        "description": "Demanded where the server listens beyond its own machine. `loadframe token create` on the server makes one.",
-    }});
+    document["components"]["securitySchemes"] = json!({
+        "token": {
+            "type": "http", "scheme": "bearer",
+            "description": "Demanded where the server listens beyond its own machine or has people. A person makes one on the page, `loadframe token create` on the server another.",
+        },
+        "session": {
+            "type": "apiKey", "in": "cookie", "name": super::access::SECURE_COOKIE,
+            "description": "Of a person who is signed in, for the server's own page.",
+        },
+    });
     let submission = &mut document["paths"]["/v1/jobs"]["post"]["requestBody"];
     submission["content"]["application/json"]["examples"] = Value::Object(components::examples());
     name_wildcards(&mut document);

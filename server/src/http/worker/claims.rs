@@ -9,9 +9,9 @@ use loadframe_api::worker::ClaimRequest;
 use tokio::time::{Instant, timeout_at};
 
 use super::super::AppState;
-use super::super::body::JsonBody;
-use super::super::problem::{ApiError, Result};
-use super::request::message;
+use super::super::body::{JsonBody, message};
+use super::super::permit::{Permit, Work};
+use super::super::problem::{ApiError, Result, TOKEN_NEEDED};
 
 /// A waiting worker looks again at least this often: its row tells that it is there.
 const LOOK_EVERY: Duration = Duration::from_secs(2);
@@ -29,7 +29,11 @@ const LOOK_EVERY: Duration = Duration::from_secs(2);
               (status = 413, description = "The body is too large"),
               (status = 415, description = "The body is not declared as JSON"),
               (status = 422, description = "The message does not fit its schema")))]
-pub(super) async fn claim(State(state): State<AppState>, body: JsonBody) -> Result<Response> {
+pub(super) async fn claim(
+    State(state): State<AppState>,
+    permit: Permit<Work>,
+    body: JsonBody,
+) -> Result<Response> {
     let request: ClaimRequest = message(&state, body).await?;
     let end = Instant::now() + Duration::from_secs_f64(request.wait_s);
     let mut queued = state.store.queued();
@@ -51,6 +55,10 @@ pub(super) async fn claim(State(state): State<AppState>, body: JsonBody) -> Resu
             () = state.stopping.cancelled() => {
                 return Err(ApiError::busy("the server is stopping", 1));
             }
+        }
+        // a token that was revoked while it waited gets no job
+        if state.store.caller_again(&permit.call.caller).await?.is_none() {
+            return Err(ApiError::new(TOKEN_NEEDED, "this token is not in force any more"));
         }
     }
 }

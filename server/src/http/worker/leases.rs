@@ -8,9 +8,9 @@ use loadframe_api::worker::{
 };
 
 use super::super::AppState;
-use super::super::body::JsonBody;
+use super::super::body::{JsonBody, message};
 use super::super::problem::Result;
-use super::request::{LeaseCredentials, counted, message};
+use super::request::{LeaseCredentials, counted};
 
 /// Extend the lease
 ///

@@ -1,13 +1,11 @@
-//! What a worker's request carries: its lease, its message.
+//! What a worker's request carries: its lease.
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use loadframe_api::worker::LEASE_TOKEN_HEADER;
-use loadframe_api::{Message, SubmissionError};
 use uuid::Uuid;
 
-use super::super::body::JsonBody;
-use super::super::body_budget::SMALL;
-use super::super::problem::{ApiError, BAD_REQUEST, INVALID, Result};
+use super::super::permit::{Permit, Work};
+use super::super::problem::{ApiError, BAD_REQUEST, Result};
 use super::super::state::AppState;
 use crate::store::{LeaseKey, StoreError};
 
@@ -19,6 +17,7 @@ impl FromRequestParts<AppState> for LeaseCredentials {
 
     async fn from_request_parts(parts: &mut Parts, state: &AppState) -> Result<Self> {
         use axum::extract::RawPathParams;
+        Permit::<Work>::from_request_parts(parts, state).await?;
         let bad = |detail: String| ApiError::new(BAD_REQUEST, detail);
         let params = RawPathParams::from_request_parts(parts, state)
             .await
@@ -33,28 +32,6 @@ impl FromRequestParts<AppState> for LeaseCredentials {
         })?;
         Ok(Self(LeaseKey { id, token }))
     }
-}
-
-/// Reads a worker's message, a large one where it holds up nobody.
-pub(super) async fn message<T>(state: &AppState, body: JsonBody) -> Result<T>
-where
-    T: Message + Send + 'static,
-{
-    let read = if body.bytes.len() <= SMALL {
-        T::from_slice(&body.bytes)
-    } else {
-        let client = body.client;
-        state
-            .checks
-            .run(client, move || T::from_slice(&body.bytes))
-            .await?
-    };
-    read.map_err(|error| match error {
-        SubmissionError::Invalid(violations) => {
-            ApiError::new(INVALID, "the message does not fit its schema").violations(violations)
-        }
-        syntax => syntax.into(),
-    })
 }
 
 /// Counts writes that came under a lost lease.

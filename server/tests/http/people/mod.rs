@@ -1,0 +1,6 @@
+//! People and sharing, over the router.
+mod accounts;
+mod group;
+mod matrix;
+mod sharing;
+mod streams;
