@@ -13,7 +13,7 @@ use loadframe_api::{Message, SubmissionError};
 use tokio::time::{Instant, timeout_at};
 use tokio_stream::StreamExt;
 
-use super::body_budget::{LARGEST, LONGEST_BEYOND, Room};
+use super::body_budget::{LARGEST, LONGEST_BEYOND, Room, SMALL};
 use super::checks::Client;
 use super::problem::{ApiError, BAD_REQUEST, INVALID, NOT_JSON_TYPE, Result, TOO_LARGE, TOO_SLOW};
 use super::state::AppState;

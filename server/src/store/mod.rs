@@ -144,12 +144,11 @@ impl Store {
         F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
     {
         let actor = self.1.clone();
-        let done_by = move |change: &mut Change| {
+        let written = self.0.writer.write(move |change| {
             change.actor = actor;
             command(change)
-        };
-        let written = self.0.writer.write(done_by).await;
-        written.map_err(
+        });
+        written.await.map_err(
             |error| match (self.0.reserve.note(error), self.0.reserve.full()) {
                 // the transaction it was in did not fit
                 (StoreError::Unavailable, Some(_)) => StoreError::Full,

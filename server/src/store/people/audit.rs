@@ -106,6 +106,10 @@ impl Store {
             address: row.address,
         };
         let items = rows.into_iter().map(entry).collect();
-        Ok(Page { items, next })
+        Ok(Page {
+            items,
+            next,
+            unreadable: 0,
+        })
     }
 }
