@@ -1,7 +1,7 @@
 //! What the JSON Schema cannot say: names that must exist, fractions that must sum up, walls that must
 //! fit, segments that must need no negative spring.
 use super::sheet_checks::{check_explicit, check_made, check_test, unknown_pulp};
-use super::{Level, PaperTensile, SingleFibre, Specimen, measured};
+use super::{Level, PaperTensile, Pulp, SingleFibre, Specimen, measured};
 use crate::fibre::{FibreError, divide};
 use crate::{Violation, Violations};
 
@@ -9,6 +9,8 @@ use crate::{Violation, Violations};
 const FRACTIONS_SUM: f64 = 1e-6;
 /// Shear moduli over Young's moduli for which springs are known to be right.
 const SHEAR_RATIOS: [f64; 2] = [0.001, 2.0];
+/// Hardening moduli over Young's moduli that a sheet is solved with.
+const HARDENING: [f64; 2] = [1e-3, 0.99];
 /// More points than this are refused.
 const MOST_POINTS: usize = 2_000_000;
 
@@ -74,7 +76,39 @@ fn check_pulps(spec: &PaperTensile, violations: &mut Violations) {
                     .unit("GPa"),
             );
         }
+        violations.extend(yielding_violation(index, pulp));
     }
+}
+
+/// What a fibre cannot yield by.
+fn yielding_violation(index: usize, pulp: &Pulp) -> Option<Violation> {
+    let yielding = pulp.yielding?;
+    let place = format!("/pulp/{index}/yielding");
+    let [least, most] = HARDENING.map(|share| share * pulp.youngs_modulus_gpa);
+    if !(least..=most).contains(&yielding.hardening_modulus_gpa) {
+        let detail = format!(
+            "a fibre with a Young's modulus of {} GPa does not harden so",
+            pulp.youngs_modulus_gpa
+        );
+        let place = format!("{place}/hardening_modulus_gpa");
+        return Some(
+            Violation::new(place, "moduli_do_not_fit", detail)
+                .value(yielding.hardening_modulus_gpa)
+                .allowed(format!(
+                    "{least} … {most}, 0.001 to 0.99 of Young's modulus"
+                ))
+                .unit("GPa"),
+        );
+    }
+    let strength_mpa = pulp.strength_mpa?;
+    (yielding.stress_mpa >= strength_mpa).then(|| {
+        let detail = "the fibre breaks before it yields";
+        let place = format!("{place}/stress_mpa");
+        Violation::new(place, "yields_after_it_breaks", detail)
+            .value(yielding.stress_mpa)
+            .allowed(format!("below {strength_mpa}, the strength"))
+            .unit("MPa")
+    })
 }
 
 /// A fibre that can be divided without negative springs.

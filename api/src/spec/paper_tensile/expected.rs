@@ -100,7 +100,8 @@ pub(super) fn motions(spec: &PaperTensile) -> f64 {
 
 /// Whether equilibrium is found by iterations, as the engine chooses.
 pub(super) fn is_iterated(spec: &PaperTensile, unknowns: f64) -> bool {
-    spec.accuracy.knobs().bonds_at == BondsAt::Inside || unknowns > DIRECT
+    let knobs = spec.accuracy.knobs();
+    knobs.bonds_at == BondsAt::Inside || (unknowns > DIRECT && !spec.yields())
 }
 
 /// Entries of the factor of a flat network, fitted to ten from 1600 to 710 000 unknowns, with 27 to 384

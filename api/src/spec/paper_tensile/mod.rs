@@ -31,7 +31,7 @@ pub use accuracy::{Accuracy, BondsAt, Knobs};
 pub use bond::Bond;
 pub use measured::{FibreSizes, MeasuredFibres};
 pub use model::{Level, Model, OnInadmissible, Ring};
-pub use pulp::Pulp;
+pub use pulp::{Pulp, Yielding};
 pub use sheet::{
     AngleHistogram, Deposition, ExplicitBond, ExplicitFibre, ExplicitSheet, MadeSheet, Orientation,
     Placement, RandomPlacement, VonMises,
@@ -120,6 +120,11 @@ impl PaperTensile {
     /// The pulp of a name.
     pub fn pulp_named(&self, name: &str) -> Option<&Pulp> {
         self.pulp.iter().find(|pulp| pulp.name == name)
+    }
+
+    /// Whether fibres of the sheet yield.
+    pub fn yields(&self) -> bool {
+        self.pulp.iter().any(|pulp| pulp.yielding.is_some())
     }
 
     /// Width of the narrowest fibre [µm].

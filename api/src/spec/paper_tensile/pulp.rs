@@ -52,10 +52,27 @@ pub struct Pulp {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-3, max = 1e6), extend("x-unit" = "MPa"))]
     pub strength_mpa: Option<f64>,
+    /// Where the fibres of a sheet yield. Left out: they are elastic until they break. A single fibre is
+    /// elastic in any case.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yielding: Option<Yielding>,
     /// Distance of the ends over the length of the fibre, which is an arc; 1 is straight.
     #[serde(default = "whole")]
     #[schemars(range(min = 0.01, max = 1.0), extend("x-unit" = "1"))]
     pub shape_factor: f64,
+}
+
+/// Stress over strain along a fibre in two straight lines: up to a stress with Young's modulus, beyond it
+/// with less. Unloading is elastic, what is pushed yields as what is pulled, and hardens for both.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Yielding {
+    /// Force along the fibre over the area of its wall at which it yields, below `strength_mpa`.
+    #[schemars(range(min = 1e-3, max = 1e6), extend("x-unit" = "MPa"))]
+    pub stress_mpa: f64,
+    /// Slope of stress over strain beyond; from a thousandth to 0.99 of Young's modulus.
+    #[schemars(range(min = 1e-6, max = 1000.0), extend("x-unit" = "GPa"))]
+    pub hardening_modulus_gpa: f64,
 }
 
 fn whole() -> f64 {

@@ -1,7 +1,7 @@
 //! What the JSON Schema cannot say of sheets: bonds that must join fibres where they touch, fibres that
 //! must fit into a sheet, memory that there must be.
 use super::{
-    Direction, ExplicitBond, ExplicitSheet, Level, MadeSheet, Orientation, PaperTensile, Placement,
+    BondsAt, Direction, ExplicitBond, ExplicitSheet, Level, MadeSheet, Orientation, PaperTensile, Placement,
     Pulp,
 };
 use crate::{Violation, Violations};
@@ -42,6 +42,14 @@ pub(super) fn check_test(spec: &PaperTensile, violations: &mut Violations) {
             Violation::new("/model/level", "not_of_a_sheet", detail)
                 .value("tube")
                 .allowed("one of: beam, truss"),
+        );
+    }
+    if spec.yields() && spec.accuracy.knobs().bonds_at == BondsAt::Inside {
+        let detail = "fibres that yield are followed with bonds at nodes of their own";
+        violations.push(
+            Violation::new("/accuracy/bonds_at", "not_of_fibres_that_yield", detail)
+                .value("inside")
+                .allowed("nodes, or left out"),
         );
     }
     let fraction = spec.test.stop_fraction();

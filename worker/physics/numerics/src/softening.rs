@@ -1,16 +1,17 @@
-//! Equations whose matrix lost a few parts since it was factored.
+//! Equations whose matrix lost, or was given, a few parts since it was factored.
 //!
 //! A network that breaks part by part has, after every break, the matrix
 //!
-//! K' = K - B C Bᵀ,  B = [b₁ … b_m],  C = diag(c₁ … c_m) > 0
+//! K' = K - B C Bᵀ,  B = [b₁ … b_m],  C = diag(c₁ … c_m)
 //!
-//! and K alone has a factor. With Z = K⁻¹ B and W = √C the inverse is (Woodbury 1950; Hager,
-//! SIAM Review 31, 1989, equation 2)
+//! and K alone has a factor. A part is taken with c > 0 and given with c < 0. With Z = K⁻¹ B, W = √|C| and
+//! the signs S of C the inverse is (Woodbury 1950; Hager, SIAM Review 31, 1989, equation 2)
 //!
-//! K'⁻¹ f = K⁻¹ f + Z W (1 - W BᵀZ W)⁻¹ W Bᵀ K⁻¹ f
+//! K'⁻¹ f = K⁻¹ f + Z W (S - W BᵀZ W)⁻¹ W Bᵀ K⁻¹ f
 //!
-//! and 1 - W BᵀZ W is positive definite just as long as K' is. Its Cholesky factor grows by a row with
-//! every part, so that a part costs one solution with K and a pass over what was taken before.
+//! and S - W BᵀZ W = L S Lᵀ with a lower triangle L of positive diagonal just as long as K' stays positive
+//! definite part by part. L grows by a row with every part, so that a part costs one solution with K
+//! and a pass over what was taken before.
 
 /// K without the parts that were taken from it; `len` columns of the size of K.
 #[derive(Debug, Clone)]
@@ -19,11 +20,12 @@ pub struct Softening {
     /// Entries of all columns b, one after the other, and where each column ends.
     entries: Vec<(u32, f64)>,
     ends: Vec<usize>,
-    /// √c of each column.
+    /// √|c| of each column, and 1 where it was taken, -1 where it was given.
     roots: Vec<f64>,
+    signs: Vec<f64>,
     /// Z, column by column.
     solved: Vec<f64>,
-    /// Rows of the lower Cholesky factor of 1 - W BᵀZ W, one after the other: 1, 2, 3 ... long.
+    /// Rows of L, one after the other: 1, 2, 3 ... long.
     factor: Vec<f64>,
     right: Vec<f64>,
 }
@@ -49,6 +51,7 @@ impl Softening {
             entries: Vec::new(),
             ends: Vec::new(),
             roots: Vec::new(),
+            signs: Vec::new(),
             solved: Vec::new(),
             factor: Vec::new(),
             right: vec![0.0; size],
@@ -72,12 +75,13 @@ impl Softening {
         self.entries.clear();
         self.ends.clear();
         self.roots.clear();
+        self.signs.clear();
         self.solved.clear();
         self.factor.clear();
     }
 
-    /// Takes c b bᵀ away, `b` by its entries; `solve(right, solution)` is that of K. Gives the
-    /// part's pivot: 1 where it does not matter.
+    /// Takes c b bᵀ away, or gives it where c < 0, `b` by its entries; `solve(right, solution)` is that of
+    /// K. Gives the part's pivot: 1 where it does not matter, above 1 where it was given.
     ///
     /// # Errors
     /// [`Singular`] when what is left would not be positive definite; then nothing is taken.
@@ -96,7 +100,7 @@ impl Softening {
         let solution = &mut self.solved[count * self.size..];
         solve(&self.right, solution);
 
-        let root = coefficient.sqrt();
+        let (root, sign) = (coefficient.abs().sqrt(), coefficient.signum());
         let own = 1.0 - coefficient * sparse_dot(entries, solution);
         let first = self.factor.len();
         for other in 0..count {
@@ -105,15 +109,18 @@ impl Softening {
             let mut value = -self.roots[other] * root * sparse_dot(column, solution);
             let row = row_start(other);
             for place in 0..other {
-                value -= self.factor[row + place] * self.factor[first + place];
+                let below = self.factor[row + place] * self.factor[first + place];
+                value -= self.signs[place] * below;
             }
-            self.factor.push(value / self.factor[row + other]);
+            self.factor
+                .push(self.signs[other] * value / self.factor[row + other]);
         }
-        let pivot = own
-            - self.factor[first..]
-                .iter()
-                .map(|value| value * value)
-                .sum::<f64>();
+        let before: f64 = self.factor[first..]
+            .iter()
+            .zip(&self.signs)
+            .map(|(value, sign)| sign * value * value)
+            .sum();
+        let pivot = own - sign * before;
         if pivot.is_nan() || pivot < LEAST_PIVOT {
             self.factor.truncate(first);
             self.solved.truncate(count * self.size);
@@ -123,6 +130,7 @@ impl Softening {
         self.entries.extend_from_slice(entries);
         self.ends.push(self.entries.len());
         self.roots.push(root);
+        self.signs.push(sign);
         Ok(pivot)
     }
 
@@ -138,6 +146,9 @@ impl Softening {
                 value -= self.factor[row + place] * weight;
             }
             weights.push(value / self.factor[row + part]);
+        }
+        for (weight, sign) in weights.iter_mut().zip(&self.signs) {
+            *weight *= sign;
         }
         for part in (0..count).rev() {
             let weight = weights[part] / self.factor[row_start(part) + part];
@@ -206,11 +217,31 @@ mod tests {
             (pivot - 0.5).abs() < 1e-12,
             "half of what was left: {pivot}"
         );
+        pulled(&softening, [1.0, 2.0, 1.5, 4.0, 0.25, 6.0]);
+    }
+
+    #[test]
+    fn what_was_taken_is_given_back_in_part_and_taken_again() {
+        let size = 6;
+        let mut softening = Softening::new(size);
+        let third = [(2, 1.0), (1, -1.0)];
+        let fifth = [(4, 1.0), (3, -1.0)];
+        softening.take(&third, 2.9, chain(size)).unwrap();
+        softening.take(&fifth, 4.0, chain(size)).unwrap();
+        let pivot = softening.take(&third, -1.9, chain(size)).unwrap();
+        assert!((pivot - 20.0).abs() < 1e-9, "from 0.1 to 2: {pivot}");
+        pulled(&softening, [1.0, 2.0, 2.0, 4.0, 1.0, 6.0]);
+        softening.take(&third, 0.5, chain(size)).unwrap();
+        softening.take(&fifth, -7.0, chain(size)).unwrap();
+        pulled(&softening, [1.0, 2.0, 1.5, 4.0, 8.0, 6.0]);
+    }
+
+    /// A force of 2 at the free end stretches every spring by 2 over its stiffness.
+    fn pulled(softening: &Softening, stiffness: [f64; 6]) {
         let right = [0.0, 0.0, 0.0, 0.0, 0.0, 2.0];
-        let mut solution = vec![0.0; size];
-        chain(size)(&right, &mut solution);
+        let mut solution = vec![0.0; 6];
+        chain(6)(&right, &mut solution);
         softening.correct(&mut solution);
-        let stiffness = [1.0, 2.0, 1.5, 4.0, 0.25, 6.0];
         let mut at = 0.0;
         for (value, stiffness) in solution.iter().zip(stiffness) {
             at += 2.0 / stiffness;

@@ -61,6 +61,7 @@ fn section() -> BeamSection {
         shear_coefficient: 2.6 / 4.9,
         strength_gpa: Some(FIBRE_STRENGTH),
         width_um: WIDTH_UM,
+        yielding: None,
     }
 }
 
@@ -193,7 +194,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 taken()[0],
                 pull.cost()
             ),
-            Step::Broke(_) => {}
+            Step::Broke(_) | Step::Strained => {}
         }
     }
     let measures = pull.state().measures;

@@ -65,8 +65,20 @@ impl Forces {
         motion: &Motion,
         gyration: f64,
     ) -> [f64; PARTS] {
+        self.add_longer(element, motion, 0.0, gyration)
+    }
+
+    /// Adds an element that has become longer for good [µm]; gives its loads q.
+    pub(crate) fn add_longer(
+        &mut self,
+        element: &Element,
+        motion: &Motion,
+        longer_um: f64,
+        gyration: f64,
+    ) -> [f64; PARTS] {
         let ends = motion.ends(element);
-        let deformation = element.deformation(&ends);
+        let mut deformation = element.deformation(&ends);
+        deformation[0] -= longer_um;
         let loads = element.loads(&deformation);
         self.energy += element.energy(&deformation);
         let forces = element.forces(&loads);

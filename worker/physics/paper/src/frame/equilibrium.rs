@@ -4,28 +4,32 @@
 //! changes by what the broken element had carried, Δu = K'⁻¹ B q (its loads q before the break). One
 //! pass with six right sides gives K⁻¹ B for both the [`Softening`] and Δu. The factor is made anew,
 //! without what is no longer stretched, when corrections have cost as much as a factor does.
+use std::borrow::Cow;
+
 use loadframe_numerics::Softening;
 
 use super::balance::{Forces, Motion};
 use super::clusters::Standing;
-use super::element::PARTS;
+use super::element::{Element, PARTS};
 use super::error::FrameError;
 use super::factor::Factor;
 use super::load::NodeLoad;
 use super::network::Network;
 use super::places::Jaw;
 use super::state::PullCost;
-use super::survey::{Critical, survey};
+use super::survey::{Critical, survey_of};
+
+mod softer;
 
 /// Forces that balance to this share of the largest are not refined further. Backward stability of a
 /// Cholesky solution gives about 1e-13 for sheets of 1000 segments from jaw to jaw.
-const BALANCED: f64 = 1e-10;
+pub(crate) const BALANCED: f64 = 1e-10;
 
 /// Forces that balance worse than this, refined, are refused; [`ROUND_OFF`] excuses.
 pub(crate) const UNBALANCED: f64 = 1e-6;
 
 /// Round-off of a force as a share of stiffness times displacement, for what carries nearly nothing.
-const ROUND_OFF: f64 = 1e-11;
+pub(crate) const ROUND_OFF: f64 = 1e-11;
 
 /// A residual this many times the one at which refinement ended last is not refined: where the shortest
 /// segments are stiff beside the sheet, that is round-off, and a refinement costs as much as a break.
@@ -70,6 +74,8 @@ pub(crate) enum Clusters {
 #[derive(Debug)]
 pub(crate) struct Equilibrium<'n> {
     pub(crate) network: &'n Network,
+    /// The network's, or those of them that yield softer.
+    elements: Cow<'n, [Element]>,
     clusters: Clusters,
     refactoring: Refactoring,
     loads: &'n [NodeLoad],
@@ -107,9 +113,27 @@ impl<'n> Equilibrium<'n> {
         refactoring: Refactoring,
         (factored, taken): (&[u32], &[u32]),
     ) -> Result<Self, FrameError> {
+        let elements = Cow::Borrowed(network.elements());
+        let solved = (clusters, refactoring);
+        let mut equilibrium =
+            Self::of_elements(network, elements, solved, (elongation, loads), factored)?;
+        for &element in taken {
+            equilibrium.remove(element as usize)?;
+        }
+        Ok(equilibrium)
+    }
+
+    fn of_elements(
+        network: &'n Network,
+        elements: Cow<'n, [Element]>,
+        (clusters, refactoring): (Clusters, Refactoring),
+        (elongation, loads): (f64, &'n [NodeLoad]),
+        factored: &[u32],
+    ) -> Result<Self, FrameError> {
         let nodes = network.nodes();
         let mut equilibrium = Self {
             network,
+            elements,
             clusters,
             refactoring,
             loads,
@@ -136,9 +160,6 @@ impl<'n> Equilibrium<'n> {
             equilibrium.is_whole[element as usize] = false;
         }
         equilibrium.rebuild()?;
-        for &element in taken {
-            equilibrium.remove(element as usize)?;
-        }
         Ok(equilibrium)
     }
 
@@ -160,7 +181,7 @@ impl<'n> Equilibrium<'n> {
     /// Loads q of an element; none when it is broken or hangs loose.
     pub(crate) fn loads_of(&self, element: usize) -> Option<[f64; PARTS]> {
         self.is_active[element].then(|| {
-            let element = &self.network.elements()[element];
+            let element = &self.elements[element];
             element.loads(&element.deformation(&self.motion.ends(element)))
         })
     }
@@ -194,7 +215,7 @@ impl<'n> Equilibrium<'n> {
             })
             .collect();
         self.is_active.clear();
-        let elements = network.elements();
+        let elements = &self.elements;
         let active = elements.iter().zip(&self.is_whole);
         self.is_active.extend(
             active.map(|(element, is_whole)| *is_whole && is_solved[element.nodes[0] as usize]),
@@ -239,35 +260,62 @@ impl<'n> Equilibrium<'n> {
         if !was_active {
             return Ok(());
         }
-        let is_cheap = match self.refactoring {
-            Refactoring::Always => false,
-            Refactoring::Never => true,
-            Refactoring::ByCost => self.is_correction_cheap(),
-        };
-        if !is_cheap || !self.take(element) {
+        if !self.is_correction_due(1) || !self.take(element, self.elements[element].stiffness) {
             return self.rebuild();
         }
         self.settle()
     }
 
-    fn is_correction_cheap(&self) -> bool {
-        let entries = (self.softening.len() + PARTS) * self.factor.size();
-        let factor_cost =
-            self.factor.multiplications() / FACTOR_RATE + self.factor.stored() as f64 / READ_RATE;
-        entries <= self.factor.stored().max(FREE_COLUMNS) && self.spent <= factor_cost
+    /// Solves for the motion under forces by unknown, in place.
+    pub(crate) fn solve(&mut self, right: &mut [f64]) {
+        self.factor.solve(right, 1);
+        self.softening.correct(right);
+        self.solutions += 1;
     }
 
-    /// Softens the factor by an element, and moves the nodes; false when the rest would be loose.
-    fn take(&mut self, element: usize) -> bool {
-        let element = &self.network.elements()[element];
-        let loads = element.loads(&element.deformation(&self.motion.ends(element)));
+    /// Moves the free nodes by a share of a solution.
+    pub(crate) fn add_to(&self, motion: &mut Motion, change: &[f64], share: f64) {
+        let motions = self.network.motions();
+        for (place, &node) in self.factor.free().iter().enumerate() {
+            let motion = &mut motion.nodes[node as usize];
+            for (index, value) in change[place * motions..(place + 1) * motions]
+                .iter()
+                .enumerate()
+            {
+                motion[index / 3][index % 3] += share * value;
+            }
+        }
+    }
+
+    fn is_correction_due(&self, elements: usize) -> bool {
+        match self.refactoring {
+            Refactoring::Always => false,
+            Refactoring::Never => true,
+            Refactoring::ByCost => self.is_correction_cheap(elements),
+        }
+    }
+
+    fn is_correction_cheap(&self, elements: usize) -> bool {
+        let entries = (self.softening.len() + PARTS * elements) * self.factor.size();
+        let factor_cost =
+            self.factor.multiplications() / FACTOR_RATE + self.factor.stored() as f64 / READ_RATE;
+        let more = (elements - 1) as f64 * self.factor.stored() as f64 / READ_RATE;
+        entries <= self.factor.stored().max(FREE_COLUMNS) && self.spent + more <= factor_cost
+    }
+
+    /// Softens the factor by this much of an element's stiffness, and moves the nodes; false when the rest
+    /// would be loose.
+    fn take(&mut self, element: usize, stiffness: [f64; PARTS]) -> bool {
+        let element = &self.elements[element];
+        let deformation = element.deformation(&self.motion.ends(element));
+        let loads: [f64; PARTS] = std::array::from_fn(|part| stiffness[part] * deformation[part]);
         let size = self.factor.size();
         let mut parts: [Vec<(u32, f64)>; PARTS] = Default::default();
         self.columns.clear();
         self.columns.resize(PARTS * size, 0.0);
         let mut count = 0;
         for (part, entries) in parts.iter_mut().enumerate() {
-            if element.stiffness[part] > 0.0 {
+            if stiffness[part] != 0.0 {
                 *entries = self.factor.column(element.nodes, &element.part(part));
                 for &(unknown, value) in entries.iter() {
                     self.columns[count * size + unknown as usize] = value;
@@ -288,7 +336,7 @@ impl<'n> Equilibrium<'n> {
             };
             let taken = self
                 .softening
-                .take(entries, element.stiffness[part], |_, solution| {
+                .take(entries, stiffness[part], |_, solution| {
                     solution.copy_from_slice(column);
                 });
             if taken.is_err() {
@@ -305,16 +353,9 @@ impl<'n> Equilibrium<'n> {
     }
 
     fn move_by(&mut self, change: &[f64]) {
-        let motions = self.network.motions();
-        for (place, &node) in self.factor.free().iter().enumerate() {
-            let motion = &mut self.motion.nodes[node as usize];
-            for (index, value) in change[place * motions..(place + 1) * motions]
-                .iter()
-                .enumerate()
-            {
-                motion[index / 3][index % 3] += value;
-            }
-        }
+        let mut motion = std::mem::replace(&mut self.motion, Motion::rest(0));
+        self.add_to(&mut motion, change, 1.0);
+        self.motion = motion;
     }
 
     /// Looks at all elements, and refines until forces balance.
@@ -322,7 +363,7 @@ impl<'n> Equilibrium<'n> {
         let mut before = f64::INFINITY;
         for refinement in 0..=REFINEMENTS {
             self.look();
-            let mut right = self.unbalanced();
+            let mut right = self.unbalanced(&self.forces);
             let worst = self.worst_force(&right);
             self.largest = self.largest.max(self.forces.scale);
             let scale = self.forces.scale.max(NOTHING * self.largest);
@@ -339,9 +380,7 @@ impl<'n> Equilibrium<'n> {
             }
             before = self.residual;
             if refinement < REFINEMENTS {
-                self.factor.solve(&mut right, 1);
-                self.softening.correct(&mut right);
-                self.solutions += 1;
+                self.solve(&mut right);
                 self.move_by(&right);
             }
         }
@@ -358,8 +397,9 @@ impl<'n> Equilibrium<'n> {
     /// One pass over what is active.
     fn look(&mut self) {
         let network = self.network;
-        self.critical = survey(
+        self.critical = survey_of(
             network,
+            &self.elements,
             &self.is_active,
             &self.motion,
             self.gyration,
@@ -368,7 +408,7 @@ impl<'n> Equilibrium<'n> {
     }
 
     /// Largest of the forces that nothing balances [mN]; moments over the radius of gyration.
-    fn worst_force(&self, unbalanced: &[f64]) -> f64 {
+    pub(crate) fn worst_force(&self, unbalanced: &[f64]) -> f64 {
         let motions = self.network.motions();
         let mut worst: f64 = 0.0;
         for (unknown, value) in unbalanced.iter().enumerate() {
@@ -387,11 +427,11 @@ impl<'n> Equilibrium<'n> {
     }
 
     /// Loads less the forces of the elements, by unknown.
-    fn unbalanced(&self) -> Vec<f64> {
+    pub(crate) fn unbalanced(&self, forces: &Forces) -> Vec<f64> {
         let motions = self.network.motions();
         let mut right = Vec::with_capacity(self.factor.size());
         for &node in self.factor.free() {
-            let node = &self.forces.nodes[node as usize];
+            let node = &forces.nodes[node as usize];
             right.extend((0..motions).map(|motion| -node[motion / 3][motion % 3]));
         }
         for load in self.loads {

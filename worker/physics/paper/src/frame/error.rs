@@ -60,6 +60,14 @@ pub enum FrameError {
         "bonds are attached inside segments, and neither a factor nor large displacements know these; attach them at nodes"
     )]
     Hanging,
+    /// Fibres that yield have a history, which only a pull of small displacements with a factor follows.
+    #[error(
+        "fibres yield, which only a pull of small displacements with bonds at nodes follows"
+    )]
+    Yields,
+    /// Segments that flow or not by turns.
+    #[error("which segments yield was not decided in {rounds} rounds")]
+    Undecided { rounds: usize },
     /// A state to go on from does not belong to this network.
     #[error("the state to go on from names {what} {index}, but the network has {count}")]
     ForeignState {

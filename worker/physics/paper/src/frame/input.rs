@@ -20,6 +20,17 @@ pub struct BeamSection {
     pub strength_gpa: Option<f64>,
     /// Outer width [µm]: bending stress is taken at half of it.
     pub width_um: f64,
+    /// Where it yields along itself; none: it is elastic until it breaks.
+    pub yielding: Option<Yielding>,
+}
+
+/// Stress over strain of two straight lines: what the force along a fibre yields at, and how it goes on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Yielding {
+    /// Stress at which it yields first, pulled or pushed [GPa].
+    pub stress_gpa: f64,
+    /// Slope of stress over strain beyond [GPa], above 0 and below Young's modulus.
+    pub hardening_modulus_gpa: f64,
 }
 
 /// A fibre: its centre line, point by point [µm], and its section.
@@ -116,7 +127,22 @@ impl BeamSection {
                 "above 0",
             )?;
         }
-        Ok(())
+        let Some(yielding) = self.yielding else {
+            return Ok(());
+        };
+        let (stress, slope) = (yielding.stress_gpa, yielding.hardening_modulus_gpa);
+        check(
+            || format!("yield stress [GPa] of fibre {fibre}"),
+            stress,
+            stress > 0.0,
+            "above 0",
+        )?;
+        check(
+            || format!("hardening modulus [GPa] of fibre {fibre}"),
+            slope,
+            slope > 0.0 && slope < self.youngs_modulus_gpa,
+            "above 0 and below Young's modulus",
+        )
     }
 }
 

@@ -49,6 +49,9 @@ impl Network {
         means: &Means,
     ) -> Result<Rest, FrameError> {
         self.check_loads(elongation_um, loads)?;
+        if self.yields() {
+            return Err(FrameError::Yields);
+        }
         let pull = (elongation_um, loads);
         let none = (0.0, [].as_slice());
         let found = Held::new(self, Clusters::Held, pull, means, (&[], &[]), none)?;

@@ -8,7 +8,8 @@
 //! From the bottom up: `places` puts nodes on centre lines, `element` is what joins two of them, `tie` holds
 //! bonds between nodes, `clusters` says what hangs together, `survey` looks at what every part bears. Two roads lead to
 //! rest, and `held` chooses: `equilibrium` with a factor of all (`order`, `factor`), exact and for small sheets,
-//! and `gradients`, by iterations, for large ones. `pull` drives; `large` does all for large motions.
+//! and `gradients`, by iterations, for large ones. `pull` drives, `yielding` where fibres yield; `pulling` is what can
+//! be asked of either; `large` does all for large motions.
 //!
 //! A bond resists the relative displacement of its two centre-line points equally in all directions,
 //! and their relative rotation. When the points are apart (by the radii of the fibres) this resists a
@@ -36,20 +37,23 @@ mod network;
 mod order;
 mod places;
 mod pull;
+mod pulling;
 mod state;
 mod survey;
 #[cfg(test)]
 mod tests;
 mod tie;
+mod yielding;
 
 pub use clusters::Standing;
 pub use equilibrium::Refactoring;
 pub use error::FrameError;
 pub use held::{Means, Solver};
-pub use input::{Attachment, BeamSection, FrameBond, FrameFibre, FrameModel, Level};
+pub use input::{Attachment, BeamSection, FrameBond, FrameFibre, FrameModel, Level, Yielding};
 pub use large::{LargePull, LargePullTest, LargeStep};
 pub use load::{NodeLoad, Rest};
 pub use network::Network;
 pub use places::Jaw;
 pub use pull::{Bore, Broken, Event, Pull, PullEnd, PullTest, Step};
+pub use pulling::{Loads, Pulling, pull, run};
 pub use state::{PullCost, PullMeasures, PullState};

@@ -263,6 +263,13 @@ impl Network {
         section.youngs_modulus_gpa * section.area_um2
     }
 
+    /// Whether any fibre yields.
+    #[must_use]
+    pub fn yields(&self) -> bool {
+        let mut sections = self.sections.iter();
+        sections.any(|section| section.yielding.is_some())
+    }
+
     /// The two nodes of a bond.
     #[must_use]
     pub fn bond_nodes(&self, bond: usize) -> [usize; 2] {

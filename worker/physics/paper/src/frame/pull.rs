@@ -8,11 +8,12 @@
 //! Bonds break when (fₙ/Fₙ)² + (fₛ/Fₛ)² = 1, fibres where N/A + |M| w/(2 I) reaches their strength.
 use serde::{Deserialize, Serialize};
 
-use super::element::stress_gpa;
+use super::element::PARTS;
 use super::equilibrium::Clusters;
 use super::error::{FrameError, check};
 use super::held::{Held, Means};
 use super::network::Network;
+use super::pulling::{Breaking, Loads, Pulling, bore, run};
 use super::state::{PullCost, PullState};
 
 /// Until when is pulled.
@@ -27,11 +28,43 @@ pub struct PullTest {
     pub break_precision: f64,
 }
 
+impl PullTest {
+    pub(crate) fn check(&self) -> Result<(), FrameError> {
+        let (strain, fraction) = (self.max_strain, self.stop_force_fraction);
+        check(|| "largest strain".into(), strain, strain > 0.0, "above 0")?;
+        let is_share = (0.0..1.0).contains(&fraction);
+        check(
+            || "force fraction".into(),
+            fraction,
+            is_share,
+            "0 to below 1",
+        )?;
+        let precision = self.break_precision;
+        let is_share = (0.0..1.0).contains(&precision);
+        check(
+            || "break precision".into(),
+            precision,
+            is_share,
+            "0 to below 1",
+        )
+    }
+}
+
 /// What broke.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Broken {
     Bond(usize),
     Segment(usize),
+}
+
+impl Broken {
+    /// The element that it is.
+    pub(crate) fn element(self, network: &Network) -> usize {
+        match self {
+            Self::Bond(bond) => network.segments() + bond,
+            Self::Segment(segment) => segment,
+        }
+    }
 }
 
 /// What it bore when it broke.
@@ -55,8 +88,11 @@ pub struct Event {
     /// Force at the moving jaw before and after [mN].
     pub force_before_mn: f64,
     pub force_after_mn: f64,
-    /// Force at the jaw at rest after it [mN].
+    /// Force at the jaw at rest before and after [mN].
+    pub left_force_before_mn: f64,
     pub left_force_after_mn: f64,
+    /// Elastic energy before it [nJ].
+    pub stored_before_nj: f64,
     /// Elastic energy that it set free [nJ].
     pub energy_released_nj: f64,
     /// Largest unbalanced force after it over the largest force of an element.
@@ -95,6 +131,8 @@ pub enum Step {
     /// Parts broke together, the most loaded first; one where they break one by one. The force falls, and
     /// energy is set free, with the last.
     Broke(Vec<Event>),
+    /// It went on without a break: fibres yielded, or a part of the way is done.
+    Strained,
     Ended(PullEnd),
 }
 
@@ -125,26 +163,13 @@ impl<'n> Pull<'n> {
         state: PullState,
         means: &Means,
     ) -> Result<Self, FrameError> {
-        let (strain, fraction) = (test.max_strain, test.stop_force_fraction);
-        check(|| "largest strain".into(), strain, strain > 0.0, "above 0")?;
-        let is_share = (0.0..1.0).contains(&fraction);
-        check(
-            || "force fraction".into(),
-            fraction,
-            is_share,
-            "0 to below 1",
-        )?;
-        let precision = test.break_precision;
-        let is_share = (0.0..1.0).contains(&precision);
-        check(
-            || "break precision".into(),
-            precision,
-            is_share,
-            "0 to below 1",
-        )?;
+        if network.yields() {
+            return Err(FrameError::Yields);
+        }
+        test.check()?;
         state.check(network)?;
         let broken = (state.factored.as_slice(), state.taken.as_slice());
-        let known = (precision, state.motion.as_slice());
+        let known = (test.break_precision, state.motion.as_slice());
         let unit = (1.0, [].as_slice());
         let rest = Held::new(network, Clusters::Spanning, unit, means, broken, known)?;
         let mut pull = Self { rest, test, state };
@@ -161,152 +186,12 @@ impl<'n> Pull<'n> {
         Ok(pull)
     }
 
-    /// Goes to the next break, or breaks, or to the end.
-    ///
-    /// # Errors
-    /// [`FrameError`] when the network has no equilibrium.
-    pub fn advance(&mut self) -> Result<Step, FrameError> {
-        if let Some(end) = self.state.ended {
-            return Ok(Step::Ended(end));
-        }
-        let length = self.rest.network().model().length_um;
-        let last = self.test.max_strain * length;
-        let next = self.rest.critical();
-        let at = next.map_or(f64::INFINITY, |critical| critical.factor);
-        if at > self.state.elongation_um {
-            // nothing breaks at this elongation any more: an avalanche is over
-            if self.state.measures.broken() > 0 && self.is_below_fraction() {
-                return Ok(self.end(PullEnd::ForceFraction));
-            }
-            self.elongate(at.min(last));
-            if at > last {
-                return Ok(self.end(PullEnd::MaxStrain));
-            }
-            self.state.avalanche += 1;
-        }
-        let breaking = self.rest.breaking(self.test.break_precision);
-        if breaking.is_empty() {
-            return Ok(self.end(PullEnd::MaxStrain));
-        }
-        let events = self.break_parts(&breaking)?;
-        if events.last().is_some_and(|event| self.is_parted(event)) {
-            self.state.ended = Some(PullEnd::Parted);
-        }
-        Ok(Step::Broke(events))
-    }
-
     /// Pulls to the end; gives every break and why it ended.
     ///
     /// # Errors
     /// As [`Pull::advance`].
     pub fn run(&mut self) -> Result<(Vec<Event>, PullEnd), FrameError> {
-        let mut events = Vec::new();
-        loop {
-            match self.advance()? {
-                Step::Broke(broke) => events.extend(broke),
-                Step::Ended(end) => return Ok((events, end)),
-            }
-        }
-    }
-
-    /// Elongation as it is [µm].
-    #[must_use]
-    pub fn elongation_um(&self) -> f64 {
-        self.state.elongation_um
-    }
-
-    /// Forces of the left and the right jaw, positive when they pull [mN].
-    #[must_use]
-    pub fn jaw_force_mn(&self) -> [f64; 2] {
-        self.rest
-            .forces()
-            .at_jaws(self.rest.network())
-            .map(|force| force * self.state.elongation_um)
-    }
-
-    /// Displacement of a node as it is [µm].
-    #[must_use]
-    pub fn displacement_um(&self, node: usize) -> [f64; 3] {
-        (self.rest.motion().nodes[node][0] * self.state.elongation_um).into()
-    }
-
-    /// Tensile stress of a segment of force and bending as it is [GPa]; 0 when it is broken.
-    #[must_use]
-    pub fn segment_stress_gpa(&self, segment: usize) -> f64 {
-        let network = self.rest.network();
-        match self.rest.loads_of(segment) {
-            Some(loads) => {
-                let unit = stress_gpa(network.section_of(segment), network.model().level, &loads);
-                unit * self.state.elongation_um
-            }
-            None => 0.0,
-        }
-    }
-
-    /// Force along a segment as it is [mN], tension positive; 0 when it is broken.
-    #[must_use]
-    pub fn segment_force_mn(&self, segment: usize) -> f64 {
-        let loads = self.rest.loads_of(segment);
-        loads.map_or(0.0, |loads| loads[0] * self.state.elongation_um)
-    }
-
-    /// Largest turn of a node over the elongation [rad/µm], until something breaks: small displacements
-    /// are small where turns are.
-    #[must_use]
-    pub fn largest_turn_per_um(&self) -> f64 {
-        let turns = self
-            .rest
-            .motion()
-            .nodes
-            .iter()
-            .map(|motion| motion[1].norm());
-        turns.fold(0.0, f64::max)
-    }
-
-    /// Forces of the left and the right jaw over the elongation [mN/µm], until something breaks.
-    #[must_use]
-    pub fn jaw_stiffness_mn_per_um(&self) -> [f64; 2] {
-        self.rest.forces().at_jaws(self.rest.network())
-    }
-
-    /// Force of a bond across its face and along it as it is [mN]; 0 when it is broken.
-    #[must_use]
-    pub fn bond_force_mn(&self, bond: usize) -> [f64; 2] {
-        match self.rest.loads_of(self.rest.network().segments() + bond) {
-            Some(loads) => {
-                [loads[0], loads[1].hypot(loads[2])].map(|force| force * self.state.elongation_um)
-            }
-            None => [0.0; 2],
-        }
-    }
-
-    /// Whether a part is broken.
-    #[must_use]
-    pub fn is_broken(&self, part: Broken) -> bool {
-        let element = match part {
-            Broken::Bond(bond) => self.rest.network().segments() + bond,
-            Broken::Segment(segment) => segment,
-        };
-        !self.rest.is_whole(element)
-    }
-
-    /// Unbalanced force over the largest force of an element that is allowed: that of round-off with a
-    /// factor, a tenth of the break precision with iterations.
-    #[must_use]
-    pub fn residual_limit(&self) -> f64 {
-        self.rest.residual_limit()
-    }
-
-    /// What it takes to go on.
-    #[must_use]
-    pub fn state(&self) -> &PullState {
-        &self.state
-    }
-
-    /// Factors made and passes of solution, since it was built: what a pull costs.
-    #[must_use]
-    pub fn cost(&self) -> PullCost {
-        self.rest.cost()
+        run(self)
     }
 
     /// Force per elongation [mN/µm].
@@ -322,87 +207,48 @@ impl<'n> Pull<'n> {
     fn elongate(&mut self, to: f64) {
         let stiffness = self.stiffness();
         let from = self.state.elongation_um;
-        self.state.measures.work_nj += 0.5 * stiffness * (to - from) * (to + from);
         self.state.elongation_um = to;
+        let length = self.rest.network().model().length_um;
         let measures = &mut self.state.measures;
-        // from rest there is always a first peak, be it 0
-        if stiffness * to > measures.peak_force_mn || from == 0.0 {
-            measures.peak_force_mn = stiffness * to;
-            measures.strain_at_peak = to / self.rest.network().model().length_um;
-            measures.work_to_peak_nj = measures.work_nj;
-        }
-    }
-
-    /// What a part is, and what it bears.
-    fn bore(&self, element: usize) -> (Broken, Bore) {
-        let network = self.rest.network();
-        let elongation = self.state.elongation_um;
-        let loads = self.rest.loads_of(element).unwrap_or_default();
-        if element < network.segments() {
-            let stress = stress_gpa(network.section_of(element), network.model().level, &loads);
-            let bore = Bore::Segment {
-                stress_gpa: stress * elongation,
-            };
-            (Broken::Segment(element), bore)
-        } else {
-            let bore = Bore::Bond {
-                normal_mn: loads[0] * elongation,
-                shear_mn: loads[1].hypot(loads[2]) * elongation,
-            };
-            (Broken::Bond(element - network.segments()), bore)
+        measures.elongated([from, to], [stiffness * from, stiffness * to], length);
+        if measures.strain_at_peak * length >= to {
+            let turn = self.turn_rad();
+            let most = &mut self.state.measures.turn_to_peak_rad;
+            *most = most.max(turn);
         }
     }
 
     fn break_parts(&mut self, elements: &[usize]) -> Result<Vec<Event>, FrameError> {
         let network = self.rest.network();
         let elongation = self.state.elongation_um;
-        let bore: Vec<(Broken, Bore)> = elements.iter().map(|&part| self.bore(part)).collect();
+        let bore = elements.iter().map(|&element| {
+            let loads = self.loads(element).map_or([0.0; PARTS], |loads| loads.0);
+            bore(network, element, &loads)
+        });
+        let bore: Vec<(Broken, Bore)> = bore.collect();
         let energy = |rest: &Held| rest.forces().energy * elongation * elongation;
-        let (energy_before, force_before_mn) = (energy(&self.rest), self.stiffness() * elongation);
-        let left_force_before_mn = self.jaw_force_mn()[0];
+        let (stored_before_nj, before_mn) = (energy(&self.rest), self.jaw_force_mn());
         self.rest.remove(elements)?;
-        let energy_released_nj = energy_before - energy(&self.rest);
-        let [left_force_after_mn, force_after_mn] = self.jaw_force_mn();
-
+        let released_nj = stored_before_nj - energy(&self.rest);
         let measures = &mut self.state.measures;
-        measures.released_nj += energy_released_nj;
-        for (broken, _) in &bore {
-            match broken {
-                Broken::Bond(_) => measures.broken_bonds += 1,
-                Broken::Segment(_) => measures.broken_segments += 1,
-            }
-        }
+        measures.released_nj += released_nj;
+        measures.count(&bore);
         let (factored, taken) = self.rest.broken();
         self.state.factored = factored.to_vec();
         self.state.taken = taken.to_vec();
         self.state.motion.clear();
         self.state.motion.extend(self.rest.flat_motion());
         self.measure();
-        let last = bore.len() - 1;
-        let events = bore.into_iter().enumerate().map(|(index, (broken, bore))| {
-            let is_last = index == last;
-            Event {
-                strain: elongation / network.model().length_um,
-                elongation_um: elongation,
-                avalanche: self.state.avalanche,
-                broken,
-                bore,
-                force_before_mn,
-                force_after_mn: if is_last {
-                    force_after_mn
-                } else {
-                    force_before_mn
-                },
-                left_force_after_mn: if is_last {
-                    left_force_after_mn
-                } else {
-                    left_force_before_mn
-                },
-                energy_released_nj: if is_last { energy_released_nj } else { 0.0 },
-                residual: self.rest.residual(),
-            }
-        });
-        Ok(events.collect())
+        let breaking = Breaking {
+            elongation_um: elongation,
+            avalanche: self.state.avalanche,
+            before_mn,
+            after_mn: self.jaw_force_mn(),
+            stored_before_nj,
+            released_nj,
+            residual: self.rest.residual(),
+        };
+        Ok(breaking.events(network, bore))
     }
 
     /// The jaws are parted at the latest when nothing is left of the force; then it is looked.
@@ -437,5 +283,88 @@ impl<'n> Pull<'n> {
         self.state.ended = Some(end);
         self.measure();
         Step::Ended(end)
+    }
+}
+
+impl Pulling for Pull<'_> {
+    fn advance(&mut self) -> Result<Step, FrameError> {
+        if let Some(end) = self.state.ended {
+            return Ok(Step::Ended(end));
+        }
+        let length = self.rest.network().model().length_um;
+        let last = self.test.max_strain * length;
+        let next = self.rest.critical();
+        let at = next.map_or(f64::INFINITY, |critical| critical.factor);
+        if at > self.state.elongation_um {
+            // nothing breaks at this elongation any more: an avalanche is over
+            if self.state.measures.broken() > 0 && self.is_below_fraction() {
+                return Ok(self.end(PullEnd::ForceFraction));
+            }
+            self.elongate(at.min(last));
+            if at > last {
+                return Ok(self.end(PullEnd::MaxStrain));
+            }
+            self.state.avalanche += 1;
+        }
+        let breaking = self.rest.breaking(self.test.break_precision);
+        if breaking.is_empty() {
+            return Ok(self.end(PullEnd::MaxStrain));
+        }
+        let events = self.break_parts(&breaking)?;
+        if events.last().is_some_and(|event| self.is_parted(event)) {
+            self.state.ended = Some(PullEnd::Parted);
+        }
+        Ok(Step::Broke(events))
+    }
+
+    fn elongation_um(&self) -> f64 {
+        self.state.elongation_um
+    }
+
+    fn jaw_force_mn(&self) -> [f64; 2] {
+        self.rest
+            .forces()
+            .at_jaws(self.rest.network())
+            .map(|force| force * self.state.elongation_um)
+    }
+
+    fn displacement_um(&self, node: usize) -> [f64; 3] {
+        (self.rest.motion().nodes[node][0] * self.state.elongation_um).into()
+    }
+
+    fn turn_rad(&self) -> f64 {
+        let turns = self.rest.motion().nodes.iter();
+        let largest = turns.map(|motion| motion[1].norm()).fold(0.0, f64::max);
+        largest * self.state.elongation_um
+    }
+
+    fn loads(&self, element: usize) -> Option<Loads> {
+        let loads = self.rest.loads_of(element)?;
+        Some(Loads(loads.map(|load| load * self.state.elongation_um)))
+    }
+
+    fn is_broken(&self, part: Broken) -> bool {
+        !self.rest.is_whole(part.element(self.rest.network()))
+    }
+
+    /// That of round-off with a factor, a tenth of the break precision with iterations.
+    fn residual_limit(&self) -> f64 {
+        self.rest.residual_limit()
+    }
+
+    fn state(&self) -> &PullState {
+        &self.state
+    }
+
+    fn cost(&self) -> PullCost {
+        self.rest.cost()
+    }
+
+    fn network(&self) -> &Network {
+        self.rest.network()
+    }
+
+    fn residual_elongation_um(&self) -> Result<f64, FrameError> {
+        Ok(0.0)
     }
 }

@@ -16,7 +16,28 @@ pub struct PullState {
     pub(crate) ended: Option<PullEnd>,
     /// Motion of all nodes of fibres at unit elongation that iterations go on from; empty with a factor.
     pub(crate) motion: Vec<f64>,
+    /// Of fibres that yield.
+    pub(crate) yielding: Option<Yielded>,
     pub measures: PullMeasures,
+}
+
+/// What fibres that yield have become.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Yielded {
+    /// Motion of every node [µm, rad], one after the other.
+    pub(crate) motion: Vec<[f64; 6]>,
+    /// Of every segment: how much longer it is for good, how far it has hardened [µm], and whether it
+    /// flows.
+    pub(crate) segments: Vec<(f64, f64, bool)>,
+    /// The same where the force was largest.
+    pub(crate) peak: Option<Peak>,
+}
+
+/// Where the force was largest.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Peak {
+    pub(crate) motion: Vec<[f64; 6]>,
+    pub(crate) segments: Vec<(f64, f64, bool)>,
 }
 
 /// What a pull has measured so far.
@@ -30,9 +51,15 @@ pub struct PullMeasures {
     pub work_to_peak_nj: f64,
     /// Work of the moving jaw [nJ]: the area under the curve.
     pub work_nj: f64,
-    /// Elastic energy that is left, and what breaks set free [nJ].
+    /// Elastic energy that is left, what breaks set free, and what yielding took [nJ], also up to the peak.
     pub stored_nj: f64,
     pub released_nj: f64,
+    pub dissipated_nj: f64,
+    pub dissipated_at_peak_nj: f64,
+    /// Share of the length of all fibres that has yielded, at the peak.
+    pub yielded_share_at_peak: f64,
+    /// Largest turn of a node up to the peak [rad].
+    pub turn_to_peak_rad: f64,
     pub broken_bonds: usize,
     pub broken_segments: usize,
     /// Largest unbalanced force over the largest force of an element.
@@ -59,10 +86,10 @@ pub struct PullCost {
 }
 
 impl PullMeasures {
-    /// What the energies lack, over the work: work = stored + released.
+    /// What the energies lack, over the work: work = stored + released + dissipated.
     #[must_use]
     pub fn energy_error(&self) -> f64 {
-        let missing = self.work_nj - self.stored_nj - self.released_nj;
+        let missing = self.work_nj - self.stored_nj - self.released_nj - self.dissipated_nj;
         if self.work_nj > 0.0 {
             missing.abs() / self.work_nj
         } else {
@@ -78,11 +105,12 @@ impl PullMeasures {
 }
 
 impl PullState {
-    /// Where this pull was when its first `broken` parts were broken, at that elongation [µm]: to look at,
+    /// Where this pull was when its force was largest and its first `broken` parts were broken: to look at,
     /// not to go on from.
     #[must_use]
-    pub fn earlier(&self, broken: usize, elongation_um: f64) -> Self {
+    pub fn at_peak(&self, broken: usize, elongation_um: f64) -> Self {
         let gone = self.factored.iter().chain(&self.taken);
+        let peak = self.yielding.as_ref().and_then(|yielded| yielded.peak.as_ref());
         Self {
             factored: gone.take(broken).copied().collect(),
             taken: Vec::new(),
@@ -90,6 +118,11 @@ impl PullState {
             avalanche: self.avalanche,
             ended: Some(PullEnd::MaxStrain),
             motion: Vec::new(),
+            yielding: peak.map(|peak| Yielded {
+                motion: peak.motion.clone(),
+                segments: peak.segments.clone(),
+                peak: None,
+            }),
             measures: self.measures,
         }
     }

@@ -1,6 +1,6 @@
 //! A look at all elements: what they do to the nodes, and what breaks first.
 use super::balance::{Forces, Motion};
-use super::element::{PARTS, stress_gpa};
+use super::element::{Element, PARTS, stress_gpa};
 use super::input::Level;
 use super::network::Network;
 
@@ -20,11 +20,30 @@ pub(crate) fn survey(
     gyration: f64,
     forces: &mut Forces,
 ) -> Option<Critical> {
+    survey_of(
+        network,
+        network.elements(),
+        is_active,
+        motion,
+        gyration,
+        forces,
+    )
+}
+
+/// The same with elements other than the network's own, which may be softer.
+pub(crate) fn survey_of(
+    network: &Network,
+    elements: &[Element],
+    is_active: &[bool],
+    motion: &Motion,
+    gyration: f64,
+    forces: &mut Forces,
+) -> Option<Critical> {
     forces.clear();
     let is_truss = network.model().level == Level::Truss;
     let segments = network.segments();
     let mut worst: Option<Critical> = None;
-    for (index, element) in network.elements().iter().enumerate() {
+    for (index, element) in elements.iter().enumerate() {
         if !is_active[index] {
             continue;
         }

@@ -230,6 +230,9 @@ fn warn(
     if spec.bond.is_some() {
         unused.insert(0, "bond");
     }
+    if specimen.pulp.yielding.is_some() {
+        unused.insert(0, "pulp.yielding");
+    }
     if !unused.is_empty() {
         let names = unused.join(", ");
         report.warn(

@@ -91,6 +91,9 @@ impl<'n> LargePull<'n> {
             precision == 0.0,
             "0 with large displacements",
         )?;
+        if network.yields() {
+            return Err(FrameError::Yields);
+        }
         let is_whole = network.unbroken();
         let mut newton = Newton::new(network, &is_whole, Clusters::Spanning)?;
         let mut shape = Shape::of(network);
@@ -266,7 +269,8 @@ impl<'n> LargePull<'n> {
 
     fn break_part(&mut self, worst: Worst) -> Result<LargeStep, FrameError> {
         let network = self.newton.network;
-        let (force_before_mn, energy_before) = (self.force_mn(), self.energy_nj());
+        let [left_force_before_mn, force_before_mn] = self.jaw_force_mn();
+        let stored_before_nj = self.energy_nj();
         self.is_whole[worst.element] = false;
         self.broken += 1;
         self.newton = Newton::new(network, &self.is_whole, Clusters::Spanning)?;
@@ -288,8 +292,10 @@ impl<'n> LargePull<'n> {
             bore: worst.bore,
             force_before_mn,
             force_after_mn,
+            left_force_before_mn,
             left_force_after_mn,
-            energy_released_nj: energy_before - self.energy_nj(),
+            stored_before_nj,
+            energy_released_nj: stored_before_nj - self.energy_nj(),
             residual: self.found.residual,
         }))
     }

@@ -17,6 +17,7 @@ pub(crate) fn tube() -> BeamSection {
         shear_coefficient: 2.6 / 4.9,
         strength_gpa: None,
         width_um: outer,
+        yielding: None,
     }
 }
 

@@ -342,6 +342,7 @@ fn large_sheet_by_time() {
                     );
                 }
             }
+            Step::Strained => {}
             Step::Ended(end) => {
                 eprintln!("{end:?}");
                 break;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::specimen::Specimen;
 use crate::frame::{
-    Bore, Broken, Event, FrameError, Means, Pull, PullEnd, PullState, PullTest, Step,
+    Bore, Broken, Event, FrameError, Means, PullEnd, PullState, PullTest, Pulling, Step, pull,
 };
 
 /// mN in N, and nJ in N mm.
@@ -46,8 +46,6 @@ pub(super) struct Kept {
     pub(super) records: Vec<Record>,
     /// Parts that were broken when the force was largest.
     pub(super) broken_at_peak: usize,
-    /// Largest turn of a node up to the largest force [rad].
-    pub(super) turn_to_peak: f64,
     /// How far the test was, of 1.
     progress: f64,
 }
@@ -55,7 +53,7 @@ pub(super) struct Kept {
 /// A pull under way.
 pub(super) struct Course<'n> {
     specimen: &'n Specimen,
-    pub(super) pull: Pull<'n>,
+    pub(super) pull: Box<dyn Pulling + 'n>,
     test: PullTest,
     means: Means,
     pub(super) kept: Kept,
@@ -74,7 +72,7 @@ impl<'n> Course<'n> {
     ) -> Result<Self, FrameError> {
         let is_new = kept.is_none();
         let kept = kept.unwrap_or_default();
-        let pull = Pull::resume(&specimen.network, test, kept.pull.clone(), &means)?;
+        let pull = pull(&specimen.network, test, kept.pull.clone(), &means)?;
         let mut course = Self {
             specimen,
             pull,
@@ -95,8 +93,6 @@ impl<'n> Course<'n> {
     /// [`FrameError`].
     pub(super) fn advance(&mut self) -> Result<Option<PullEnd>, FrameError> {
         let before = self.pull.state().measures;
-        let stiffness = self.pull.jaw_stiffness_mn_per_um();
-        let turn_per_um = self.pull.largest_turn_per_um();
         let was_at_um = self.pull.elongation_um();
         let left_after = self.pull.jaw_force_mn();
         let step = self.pull.advance()?;
@@ -105,7 +101,6 @@ impl<'n> Course<'n> {
         let at_um = self.pull.elongation_um();
         if now.strain_at_peak > before.strain_at_peak || now.peak_force_mn > before.peak_force_mn {
             self.kept.broken_at_peak = before.broken();
-            self.kept.turn_to_peak = self.kept.turn_to_peak.max(turn_per_um * at_um);
         }
         if at_um > was_at_um && was_at_um > 0.0 {
             // the avalanche before is over: where its last break left the force
@@ -124,14 +119,20 @@ impl<'n> Course<'n> {
                     let same = last.filter(|last| last.event.avalanche == event.avalanche);
                     let round = same.map_or(1, |last| last.round + 1);
                     if round == 1 {
-                        let forces = stiffness.map(|stiffness| stiffness * at_um);
-                        let stored = 0.5 * forces[1] * at_um;
+                        let forces = [event.left_force_before_mn, event.force_before_mn];
+                        let stored = event.stored_before_nj;
                         let residual =
                             last.map_or(before.largest_residual, |last| last.event.residual);
                         self.point_at(at_um, forces, stored, residual, &before);
                     }
                     self.kept.records.push(Record { event, round });
                 }
+                self.measure_progress(at_um / self.length_um());
+                Ok(None)
+            }
+            Step::Strained => {
+                let forces = self.pull.jaw_force_mn();
+                self.point_at(at_um, forces, now.stored_nj, now.largest_residual, &now);
                 self.measure_progress(at_um / self.length_um());
                 Ok(None)
             }
@@ -167,16 +168,16 @@ impl<'n> Course<'n> {
     ///
     /// # Errors
     /// [`FrameError`].
-    pub(super) fn at_peak(&self) -> Result<Option<Pull<'n>>, FrameError> {
+    pub(super) fn at_peak(&self) -> Result<Option<Box<dyn Pulling + 'n>>, FrameError> {
         let state = self.pull.state();
         let measures = state.measures;
         if measures.peak_force_mn <= 0.0 {
             return Ok(None);
         }
         let elongation_um = measures.strain_at_peak * self.length_um();
-        let earlier = state.earlier(self.kept.broken_at_peak, elongation_um);
+        let earlier = state.at_peak(self.kept.broken_at_peak, elongation_um);
         let network = &self.specimen.network;
-        Pull::resume(network, self.test, earlier, &self.means).map(Some)
+        pull(network, self.test, earlier, &self.means).map(Some)
     }
 
     fn length_um(&self) -> f64 {

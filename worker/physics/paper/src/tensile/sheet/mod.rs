@@ -166,13 +166,23 @@ fn run_one(
         course.kept.records.len()
     ));
     tables::write(&specimen, &course.kept, recorder)?;
+    let peak = if takes_pictures || network.yields() {
+        course.at_peak()?
+    } else {
+        None
+    };
     if takes_pictures {
-        let peak = course.at_peak()?;
-        pictures::rest(&course, peak.as_ref(), &specimen, recorder)?;
+        pictures::rest(&course, peak.as_deref(), &specimen, recorder)?;
     }
+    let residual_um = peak.map(|peak| peak.residual_elongation_um()).transpose()?;
+    let residual_strain = residual_um.map(|residual| residual / network.model().length_um);
     recorder.progress(1.0, "finished");
     Ok(Ending::Finished(report::report(
-        spec, &specimen, &course, end,
+        spec,
+        &specimen,
+        &course,
+        end,
+        residual_strain,
     )))
 }
 

@@ -10,7 +10,7 @@ use loadframe_harness::vtk::{Array, Lines, Series};
 use super::course::{Course, Record};
 use super::specimen::Specimen;
 use super::tables;
-use crate::frame::{Broken, Jaw, Pull};
+use crate::frame::{Broken, Jaw, Pulling};
 
 /// mN in N, GPa in MPa.
 const N: f64 = 1e-3;
@@ -26,13 +26,13 @@ pub(super) fn start(
     specimen: &Specimen,
     recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
-    take(START, &course.pull, specimen, &[], recorder)
+    take(START, course.pull.as_ref(), specimen, &[], recorder)
 }
 
 /// The sheet at its largest force, if there was one, and at the end; and the series of all.
 pub(super) fn rest(
     course: &Course<'_>,
-    peak: Option<&Pull<'_>>,
+    peak: Option<&dyn Pulling>,
     specimen: &Specimen,
     recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
@@ -44,7 +44,7 @@ pub(super) fn rest(
         take(PEAK, peak, specimen, gone, recorder)?;
         entries.push((peak.elongation_um() / length_um, PEAK.to_owned()));
     }
-    take(END, &course.pull, specimen, records, recorder)?;
+    take(END, course.pull.as_ref(), specimen, records, recorder)?;
     // players want times that grow, and the end may be the fall from the largest force
     let last = entries.last().map_or(0.0, |(at, _)| *at);
     let end = course.pull.elongation_um() / length_um;
@@ -55,7 +55,7 @@ pub(super) fn rest(
 
 fn take(
     name: &str,
-    pull: &Pull<'_>,
+    pull: &dyn Pulling,
     specimen: &Specimen,
     gone: &[Record],
     recorder: &mut dyn Recorder,

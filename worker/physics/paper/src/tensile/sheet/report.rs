@@ -20,6 +20,7 @@ pub(super) fn report(
     specimen: &Specimen,
     course: &Course<'_>,
     end: PullEnd,
+    residual_strain: Option<f64>,
 ) -> Report {
     let measures = course.pull.state().measures;
     let cost = course.pull.cost();
@@ -29,7 +30,8 @@ pub(super) fn report(
         PullEnd::Parted => "parted",
         PullEnd::NoPath => "no_load_path",
     });
-    results::add(&mut report, spec, specimen, &measures, &course.kept.records);
+    let records = &course.kept.records;
+    results::add(&mut report, spec, specimen, &measures, records, residual_strain);
     checks(&mut report, &measures, course.pull.residual_limit());
     warn(&mut report, spec, specimen, course, end);
     for (name, count) in [
@@ -64,7 +66,7 @@ fn checks(report: &mut ReportBuilder, measures: &PullMeasures, residual_limit: f
         measures.energy_error(),
         residual_limit.max(LARGEST_ENERGY_ERROR),
         "1",
-        "Work of the jaw that is neither stored nor set free by breaks, over the work.",
+        "Work of the jaw that is neither stored nor set free by breaks nor lost by yielding, over the work.",
     );
     if let Some(error) = measures.largest_index_error {
         report.check(

@@ -24,6 +24,7 @@ pub(super) fn add(
     specimen: &Specimen,
     measures: &PullMeasures,
     records: &[Record],
+    residual_strain: Option<f64>,
 ) {
     let is_zero_span = spec.test.is_zero_span();
     if is_zero_span {
@@ -31,6 +32,7 @@ pub(super) fn add(
     } else {
         strength(report, spec, specimen, measures);
     }
+    yields(report, specimen, measures, residual_strain);
     counts(report, specimen, measures, records);
     structure(report, specimen);
     if let Some(laid) = &specimen.laid {
@@ -107,6 +109,35 @@ fn strength(
         let about = "Tensile stiffness over the thickness that was given, else over the mean one.";
         let modulus = stiffness / thickness;
         report.result_with_error("youngs_modulus", modulus, "GPa", about, errors(modulus));
+    }
+}
+
+/// Of fibres that yield.
+fn yields(
+    report: &mut ReportBuilder,
+    specimen: &Specimen,
+    measures: &PullMeasures,
+    residual_strain: Option<f64>,
+) {
+    if !specimen.network.yields() {
+        return;
+    }
+    let area = M * specimen.width_mm * M * specimen.length_mm;
+    report.result(
+        "plastic_work",
+        J * measures.dissipated_at_peak_nj / area,
+        "J/m2",
+        "Of the work up to the largest force that which yielding of fibres took, per area between the jaws.",
+    );
+    report.result(
+        "yielded_share",
+        measures.yielded_share_at_peak,
+        "1",
+        "Share of the length of all fibres that had yielded at the largest force.",
+    );
+    if let Some(strain) = residual_strain {
+        let about = "Strain left were the sheet unloaded from the largest force, as far as that is elastic.";
+        report.result("residual_strain", strain, "1", about);
     }
 }
 

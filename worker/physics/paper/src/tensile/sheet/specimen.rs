@@ -258,6 +258,10 @@ fn beam(spec: &PaperTensile, pulp: &Pulp, section: &Section) -> BeamSection {
         shear_coefficient: spec.model.shear_coefficient.unwrap_or(thin_tube),
         strength_gpa: pulp.strength_mpa.map(|strength| MPA * strength),
         width_um: section.width_um(),
+        yielding: pulp.yielding.map(|yielding| frame::Yielding {
+            stress_gpa: MPA * yielding.stress_mpa,
+            hardening_modulus_gpa: yielding.hardening_modulus_gpa,
+        }),
     }
 }
 

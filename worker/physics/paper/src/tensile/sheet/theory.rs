@@ -155,29 +155,44 @@ fn share(x: f64) -> f64 {
 
 /// Zero-span index by the fibres [N m/g]: of the mean section of the sheet, whose segments of length l
 /// have the tension E A ε tₓ² with the share tₓ² along the pull, l tₓ of them for each width and length,
-/// and break at their strength. The largest of Σ l E A tₓ⁴ ε over the whole, the broken left out:
+/// yield, and break at their strength. The largest of Σ l E A tₓ⁴ ε over the whole, the broken left out:
 /// 3/8 of strength over density for uniform directions [VanDenAkker1958].
 fn zero_span(sheet: &Sheet, pulps: &[&Pulp], mass_ug: f64) -> Option<f64> {
-    let mut parts = Vec::new();
+    // strain at which a part begins to bear by another line, and what that adds to force and slope
+    let mut turns = Vec::new();
     for fibre in &sheet.fibres {
         let pulp = pulps[fibre.pulp];
         let modulus_gpa = pulp.youngs_modulus_gpa;
         let strength_gpa = MPA * pulp.strength_mpa?;
         for ([x, _], length) in directions(fibre) {
-            if x != 0.0 {
-                let breaks_at = strength_gpa / (modulus_gpa * x * x);
-                let stiffness = length * modulus_gpa * area_um2(fibre) * x.powi(4);
-                parts.push((breaks_at, stiffness));
+            if x == 0.0 {
+                continue;
+            }
+            let weight = length * area_um2(fibre) * x * x;
+            let breaks_at = |offset: f64, slope: f64| (strength_gpa - offset) / (slope * x * x);
+            let elastic = [0.0, weight * modulus_gpa * x * x];
+            match pulp.yielding {
+                None => turns.push((breaks_at(0.0, modulus_gpa), elastic)),
+                Some(yielding) => {
+                    let stress_gpa = MPA * yielding.stress_mpa;
+                    let slope = yielding.hardening_modulus_gpa;
+                    let offset = stress_gpa * (1.0 - slope / modulus_gpa);
+                    let flowing = [weight * offset, weight * slope * x * x];
+                    turns.push((breaks_at(offset, slope), flowing));
+                    let back = [elastic[0] - flowing[0], elastic[1] - flowing[1]];
+                    turns.push((stress_gpa / (modulus_gpa * x * x), back));
+                }
             }
         }
     }
-    parts.sort_by(|one, other| one.0.total_cmp(&other.0));
+    turns.sort_by(|one, other| one.0.total_cmp(&other.0));
     // from the last that breaks: what is left of a difference, at the strains that fibres across the pull
     // endure, would be larger than all
-    let (mut left, mut most) = (0.0, 0.0_f64);
-    for (breaks_at, stiffness) in parts.into_iter().rev() {
-        left += stiffness;
-        most = most.max(breaks_at * left);
+    let (mut force, mut slope, mut most) = (0.0, 0.0, 0.0_f64);
+    for (strain, [offset, more]) in turns.into_iter().rev() {
+        force += offset;
+        slope += more;
+        most = most.max(force + strain * slope);
     }
     (mass_ug > 0.0).then(|| N_M_PER_G * most / mass_ug)
 }

@@ -77,13 +77,13 @@ pub(super) fn warn(
                 .to_owned(),
         );
     }
-    if course.kept.turn_to_peak > LARGEST_TURN {
+    if measures.turn_to_peak_rad > LARGEST_TURN {
         report.warn(
             "large_turns",
             format!(
                 "up to the largest force nodes turn by up to {:.2} rad; the model is for small \
                  displacements, and curled fibres that straighten are softer in it than they are",
-                course.kept.turn_to_peak
+                measures.turn_to_peak_rad
             ),
         );
     }

@@ -6,7 +6,7 @@ use super::{Record, codes, go, pulp, spec, value};
 use crate::tensile::run;
 
 /// A sheet of thirty pieces of fibres with three times as many bonds.
-fn made() -> Value {
+pub(super) fn made() -> Value {
     let mut pulps = pulp();
     pulps[0]["strength_mpa"] = json!(600);
     json!({
@@ -123,17 +123,21 @@ impl InterruptSource for After {
 
 #[test]
 fn a_test_that_was_suspended_goes_on_to_the_same_bytes() {
-    let body = made();
-    let (report, whole) = go(&body, 1);
-    for breaks in [0, 7] {
+    goes_on(&made(), &[0, 7]);
+}
+
+/// A test that is suspended after so many steps, and goes on with two threads, leaves the same bytes.
+pub(super) fn goes_on(body: &Value, steps: &[usize]) {
+    let (report, whole) = go(body, 1);
+    for &steps in steps {
         let mut record = Record::default();
-        let interrupt = After(breaks.into());
+        let interrupt = After(steps.into());
         let context = RunContext {
             threads: 1,
             interrupt: &interrupt,
             checkpoint: None,
         };
-        let ending = run(&spec(&body), context, &mut record).unwrap();
+        let ending = run(&spec(body), context, &mut record).unwrap();
         assert!(matches!(ending, Ending::Suspended));
         let checkpoint = std::mem::take(&mut record.checkpoint);
         let context = RunContext {
@@ -141,7 +145,7 @@ fn a_test_that_was_suspended_goes_on_to_the_same_bytes() {
             interrupt: &Uninterrupted,
             checkpoint: Some(&checkpoint),
         };
-        let Ending::Finished(again) = run(&spec(&body), context, &mut record).unwrap() else {
+        let Ending::Finished(again) = run(&spec(body), context, &mut record).unwrap() else {
             panic!("it did not finish");
         };
         assert_eq!(
@@ -153,7 +157,7 @@ fn a_test_that_was_suspended_goes_on_to_the_same_bytes() {
         let mut expected: Vec<_> = whole.files.iter().collect();
         files.sort();
         expected.sort();
-        assert!(files == expected, "after {breaks}");
+        assert!(files == expected, "after {steps}");
     }
 }
 

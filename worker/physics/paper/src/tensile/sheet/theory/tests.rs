@@ -161,3 +161,25 @@ fn pages_equation_gives_its_worked_example() {
     assert_eq!((page.index, page.bond_share), (0.0, 1.0));
     assert_eq!(Page::new(None, None, 1.5e-4, &measured), None);
 }
+
+#[test]
+fn fibres_that_yield_share_the_force_when_the_first_of_them_breaks() {
+    // one along the pull, one at 60 degrees, as long as each other
+    let mut sheet = fan(1);
+    let along = |cos: f64, sin: f64| vec![[500.0, 500.0, 0.0], [500.0 + 100.0 * cos, 500.0 + 100.0 * sin, 0.0]];
+    sheet.fibres[0].centre_line_um = along(1.0, 0.0);
+    let mut other = sheet.fibres[0].clone();
+    other.centre_line_um = along(0.5, 0.75_f64.sqrt());
+    sheet.fibres.push(other);
+    let mut pulp = pulp(Some(600.0));
+    pulp.yielding = Some(loadframe_api::spec::paper_tensile::Yielding {
+        stress_mpa: 300.0,
+        hardening_modulus_gpa: 3.0,
+    });
+    let theory = Theory::of(&sheet, &[&pulp], &[], None, None);
+    // it breaks at a strain of 0.01 + 0.1, where the other, strained a quarter of it, has 0.3525 GPa
+    let other = 0.3 + 3.0 * (0.25 * 0.11 - 0.01);
+    let force = 0.6 + 0.25 * other;
+    let per_mass = AREA_UM2 / (2.0 * SECTION.coarseness_ug_per_um);
+    near(theory.zero_span.unwrap(), 1e-3 * force * per_mass);
+}
