@@ -97,6 +97,8 @@ pub struct JobEdit {
     pub notes: Option<String>,
     pub tags: Option<Vec<String>>,
     pub priority: Option<i32>,
+    /// The version of the job that is changed; an edit since then is not overwritten.
+    pub known_version: Option<u64>,
 }
 
 /// What a user may ask of a job.
