@@ -25,7 +25,7 @@ CREATE INDEX idempotency_keys_by_moment ON idempotency_keys (created_at);
 ALTER TABLE jobs ADD COLUMN edited INTEGER NOT NULL DEFAULT 0;
 
 -- A job's place in the queue, without counting all before it: how many jobs of a priority wait in every
--- block of 2^8 and of 2^16 neighbouring numbers.
+-- block of 2^6, of 2^12 and of 2^18 neighbouring numbers.
 CREATE TABLE waiting_counts (
     bits      INTEGER NOT NULL,
     priority  INTEGER NOT NULL,
@@ -36,19 +36,21 @@ CREATE TABLE waiting_counts (
 
 INSERT INTO waiting_counts (bits, priority, block, jobs)
 SELECT bits, priority, seq >> bits, COUNT(*)
-FROM jobs, (SELECT 8 AS bits UNION SELECT 16)
+FROM jobs, (SELECT 6 AS bits UNION SELECT 12 UNION SELECT 18)
 WHERE status = 'queued' GROUP BY 1, 2, 3;
 
 CREATE TRIGGER jobs_begin_to_wait AFTER INSERT ON jobs WHEN NEW.status = 'queued' BEGIN
     INSERT INTO waiting_counts (bits, priority, block, jobs)
-    VALUES (8, NEW.priority, NEW.seq >> 8, 1), (16, NEW.priority, NEW.seq >> 16, 1)
+    VALUES (6, NEW.priority, NEW.seq >> 6, 1), (12, NEW.priority, NEW.seq >> 12, 1),
+        (18, NEW.priority, NEW.seq >> 18, 1)
     ON CONFLICT DO UPDATE SET jobs = jobs + 1;
 END;
 
 CREATE TRIGGER jobs_wait_again AFTER UPDATE OF status, priority ON jobs
 WHEN NEW.status = 'queued' AND (OLD.status <> 'queued' OR OLD.priority <> NEW.priority) BEGIN
     INSERT INTO waiting_counts (bits, priority, block, jobs)
-    VALUES (8, NEW.priority, NEW.seq >> 8, 1), (16, NEW.priority, NEW.seq >> 16, 1)
+    VALUES (6, NEW.priority, NEW.seq >> 6, 1), (12, NEW.priority, NEW.seq >> 12, 1),
+        (18, NEW.priority, NEW.seq >> 18, 1)
     ON CONFLICT DO UPDATE SET jobs = jobs + 1;
 END;
 
@@ -56,17 +58,21 @@ CREATE TRIGGER jobs_wait_no_more AFTER UPDATE OF status, priority ON jobs
 WHEN OLD.status = 'queued' AND (NEW.status <> 'queued' OR OLD.priority <> NEW.priority) BEGIN
     UPDATE waiting_counts SET jobs = jobs - 1
     WHERE (bits, priority, block) IN
-        (VALUES (8, OLD.priority, OLD.seq >> 8), (16, OLD.priority, OLD.seq >> 16));
+        (VALUES (6, OLD.priority, OLD.seq >> 6), (12, OLD.priority, OLD.seq >> 12),
+            (18, OLD.priority, OLD.seq >> 18));
     DELETE FROM waiting_counts WHERE jobs = 0 AND (bits, priority, block) IN
-        (VALUES (8, OLD.priority, OLD.seq >> 8), (16, OLD.priority, OLD.seq >> 16));
+        (VALUES (6, OLD.priority, OLD.seq >> 6), (12, OLD.priority, OLD.seq >> 12),
+            (18, OLD.priority, OLD.seq >> 18));
 END;
 
 CREATE TRIGGER jobs_deleted_while_waiting AFTER DELETE ON jobs WHEN OLD.status = 'queued' BEGIN
     UPDATE waiting_counts SET jobs = jobs - 1
     WHERE (bits, priority, block) IN
-        (VALUES (8, OLD.priority, OLD.seq >> 8), (16, OLD.priority, OLD.seq >> 16));
+        (VALUES (6, OLD.priority, OLD.seq >> 6), (12, OLD.priority, OLD.seq >> 12),
+            (18, OLD.priority, OLD.seq >> 18));
     DELETE FROM waiting_counts WHERE jobs = 0 AND (bits, priority, block) IN
-        (VALUES (8, OLD.priority, OLD.seq >> 8), (16, OLD.priority, OLD.seq >> 16));
+        (VALUES (6, OLD.priority, OLD.seq >> 6), (12, OLD.priority, OLD.seq >> 12),
+            (18, OLD.priority, OLD.seq >> 18));
 END;
 
 -- Jobs by outcome, and by status before they have one.

@@ -123,7 +123,11 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
         tls: arguments.tls.files(),
         ..arguments.server.config()?
     };
-    let scheme = if config.tls.is_some() { "https" } else { "http" };
+    let scheme = if config.tls.is_some() {
+        "https"
+    } else {
+        "http"
+    };
     let ready =
         |address| tracing::info!("open {scheme}://{}/ for the lab page", reachable(address));
     serve(config, ready, stop_signal())

@@ -56,7 +56,10 @@ impl Watch {
     }
 
     fn moved(&mut self, bytes: usize) {
-        let waited = self.since.take().map_or_else(Default::default, |since| since.elapsed());
+        let waited = self
+            .since
+            .take()
+            .map_or_else(Default::default, |since| since.elapsed());
         self.pace.moved(bytes, waited);
     }
 }

@@ -8,8 +8,8 @@
 //! place left, of the address or in all, a new connection takes that of the one whose client has been
 //! waited for longest: so however many connections are begun and left, others are answered.
 mod descriptors;
-mod line;
 mod limits;
+mod line;
 mod listen;
 mod pace;
 mod places;

@@ -97,9 +97,7 @@ impl Taken {
         let candidates = candidates.filter(|(of, _)| address.is_none_or(|address| address == **of));
         let victim = candidates
             .flat_map(|(of, places)| places.iter().map(move |place| (of, place)))
-            .filter_map(|(of, (number, standing))| {
-                Some((standing.waiting_since()?, *number, *of))
-            })
+            .filter_map(|(of, (number, standing))| Some((standing.waiting_since()?, *number, *of)))
             .min();
         let Some((_, number, of)) = victim else {
             return false;

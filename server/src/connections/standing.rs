@@ -111,7 +111,8 @@ impl Standing {
     }
 
     fn now(&self) -> u64 {
-        u64::try_from(self.start.elapsed().as_micros()).map_or(u64::MAX, |now| now.saturating_add(1))
+        u64::try_from(self.start.elapsed().as_micros())
+            .map_or(u64::MAX, |now| now.saturating_add(1))
     }
 }
 

@@ -54,6 +54,7 @@ impl FromRequest<AppState> for JsonBody {
 async fn read(body: Body, length: Option<usize>, room: &mut Room) -> Result<Bytes> {
     // what is reserved takes memory only where something is written
     let mut bytes = Vec::with_capacity(length.unwrap_or_default());
+    let most = length.unwrap_or(LARGEST);
     let mut pieces = body.into_data_stream();
     let mut end = None;
     loop {
@@ -69,7 +70,7 @@ async fn read(body: Body, length: Option<usize>, room: &mut Room) -> Result<Byte
             return Ok(bytes.into());
         };
         let piece = piece.map_err(|error| broken(&error))?;
-        if bytes.len() + piece.len() > LARGEST {
+        if bytes.len() + piece.len() > most {
             return Err(too_large());
         }
         room.grow(bytes.len() + piece.len()).await?;

@@ -4,6 +4,8 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
+use super::problem::{ApiError, CHANGED_SINCE, Result};
+
 /// An entity tag.
 #[derive(Clone, Debug)]
 pub(super) struct EntityTag(HeaderValue);
@@ -38,6 +40,38 @@ impl EntityTag {
             .filter_map(|value| value.to_str().ok())
             .flat_map(|value| value.split(','))
             .any(|tag| tag.trim() == "*" || opaque(tag.trim()) == own)
+    }
+
+    /// The newest version that `If-Match` names, in tags of [`Self::weak`] of this build or another, or
+    /// as the number of an event; `None` when any will do.
+    ///
+    /// Tags of jobs are weak, because jobs change while nobody edits them; and so they are compared here,
+    /// where RFC 9110 (13.1.1) would have none of them match.
+    ///
+    /// # Errors
+    /// 412 when there is no version among the tags.
+    pub(super) fn version_to_match(headers: &HeaderMap) -> Result<Option<u64>> {
+        let values = headers.get_all(header::IF_MATCH).iter();
+        let texts = values.map(|value| value.to_str().unwrap_or(""));
+        let tags: Vec<&str> = texts
+            .flat_map(|text| text.split(','))
+            .map(str::trim)
+            .collect();
+        if tags.is_empty() || tags.contains(&"*") {
+            return Ok(None);
+        }
+        let version = |tag: &str| {
+            let inner = opaque(tag).strip_prefix('"')?.strip_suffix('"')?;
+            let number = inner.rsplit_once('-').map_or(inner, |(_, number)| number);
+            number.parse().ok()
+        };
+        match tags.into_iter().filter_map(version).max() {
+            Some(newest) => Ok(Some(newest)),
+            None => {
+                let detail = "If-Match names no `ETag` of this job; read it again";
+                Err(ApiError::new(CHANGED_SINCE, detail))
+            }
+        }
     }
 
     /// Whether a range may be sent: there is no `If-Range`, or it names exactly this tag.

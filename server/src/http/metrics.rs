@@ -53,7 +53,10 @@ fn describe() {
         "loadframe_leases_lost_total",
         "Writes of workers refused because the lease had ended"
     );
-    gauge!("loadframe_connections", "Connections when the last was accepted");
+    gauge!(
+        "loadframe_connections",
+        "Connections when the last was accepted"
+    );
     counter!(
         "loadframe_connections_ended_total",
         "Connections ended because their client was slow, was displaced by another, or found no place"

@@ -44,6 +44,7 @@ problem_kinds! {
     TOO_SLOW = 408, "too-slow", "The body did not arrive in time";
     CONFLICT = 409, "conflict", "The job's state does not allow it";
     LEASE_LOST = 409, "lease-lost", "The lease is no longer held";
+    CHANGED_SINCE = 412, "changed-since", "The job has been changed since";
     TOO_LARGE = 413, "too-large", "The body is too large";
     NOT_JSON_TYPE = 415, "unsupported-media-type", "The body must be sent as JSON";
     RANGE = 416, "range-not-satisfiable", "The file has no such range";
@@ -128,6 +129,7 @@ impl From<StoreError> for ApiError {
             StoreError::NotFound(_) => Self::new(NOT_FOUND, detail),
             StoreError::Conflict(_) => Self::new(CONFLICT, detail),
             StoreError::LeaseLost => Self::new(LEASE_LOST, detail),
+            StoreError::Edited => Self::new(CHANGED_SINCE, detail),
             StoreError::KeyReused => Self::new(KEY_REUSED, detail),
             StoreError::Invalid(_) => Self::new(INVALID, detail),
             StoreError::Refused(violations) => {

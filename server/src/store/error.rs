@@ -18,6 +18,11 @@ pub enum StoreError {
     /// 409: the state of the job does not allow it; the sentence says what would help.
     #[error("{0}")]
     Conflict(String),
+    /// 412: somebody else has edited the job since.
+    #[error(
+        "its name, notes, tags or priority have been changed since you read the job; read it again, and change what should still be changed"
+    )]
+    Edited,
     /// 409: the worker no longer holds the lease it writes under.
     #[error(
         "the lease is no longer held: the attempt has ended or belongs to another worker; stop the work and claim anew"

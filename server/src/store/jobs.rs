@@ -21,7 +21,7 @@ pub(super) fn hex_names(ids: &[Uuid]) -> Result<String> {
 
 /// The statement that reads jobs, up to where they come from. One statement, so that what it reads
 /// belongs together without a transaction. A place in the queue is one more than the jobs before it: of
-/// higher priorities, of the same in blocks before, in smaller blocks before, and within its own.
+/// higher priorities, of the same in blocks before, in ever smaller blocks before, and within its own.
 macro_rules! select_jobs {
     ($from:literal) => {
         concat!(
@@ -33,15 +33,18 @@ macro_rules! select_jobs {
                 (SELECT summary FROM results r WHERE r.job = j.seq) AS summary,
                 CASE j.status WHEN 'queued' THEN 1
                     + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
-                       WHERE w.bits = 16 AND w.priority > j.priority)
+                       WHERE w.bits = 18 AND w.priority > j.priority)
                     + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
-                       WHERE w.bits = 16 AND w.priority = j.priority AND w.block < j.seq >> 16)
+                       WHERE w.bits = 18 AND w.priority = j.priority AND w.block < j.seq >> 18)
                     + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
-                       WHERE w.bits = 8 AND w.priority = j.priority
-                         AND w.block >= j.seq >> 16 << 8 AND w.block < j.seq >> 8)
-                    + (SELECT COUNT(*) FROM jobs b
+                       WHERE w.bits = 12 AND w.priority = j.priority
+                         AND w.block >= j.seq >> 18 << 6 AND w.block < j.seq >> 12)
+                    + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
+                       WHERE w.bits = 6 AND w.priority = j.priority
+                         AND w.block >= j.seq >> 12 << 6 AND w.block < j.seq >> 6)
+                    + (SELECT COUNT(*) FROM jobs b INDEXED BY jobs_waiting
                        WHERE b.status = 'queued' AND b.priority = j.priority
-                         AND b.seq >= j.seq >> 8 << 8 AND b.seq < j.seq)
+                         AND b.seq >= j.seq >> 6 << 6 AND b.seq < j.seq)
                 END AS position,
                 (SELECT json_group_array(json_object('number', number, 'worker', worker_name,
                     'host', host, 'started_at', started_at, 'ended_at', ended_at,

@@ -93,10 +93,7 @@ impl Store {
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
         let mut query = words.statement(walk, before, limit + 1);
-        let mut rows: Vec<JobRow> = query
-            .build_query_as()
-            .fetch_all(&mut *connection)
-            .await?;
+        let mut rows: Vec<JobRow> = query.build_query_as().fetch_all(&mut *connection).await?;
         drop(connection);
         let is_last = rows.len() <= limit as usize;
         rows.truncate(limit as usize);
@@ -194,7 +191,9 @@ impl Words {
                 "t.job"
             }
             Walk::Text => {
-                query.push("job_texts t CROSS JOIN jobs j ON j.seq = t.rowid WHERE t.job_texts MATCH ");
+                query.push(
+                    "job_texts t CROSS JOIN jobs j ON j.seq = t.rowid WHERE t.job_texts MATCH ",
+                );
                 query.push_bind(self.text.as_ref().and_then(|text| text.phrase.clone()));
                 "t.rowid"
             }
@@ -227,7 +226,9 @@ impl Words {
         if let Some(before) = before {
             query.push(format!(" AND {number} < ")).push_bind(before);
         }
-        query.push(format!(" ORDER BY {number} DESC LIMIT ")).push_bind(limit);
+        query
+            .push(format!(" ORDER BY {number} DESC LIMIT "))
+            .push_bind(limit);
         query
     }
 
@@ -311,7 +312,11 @@ impl Text {
                 query.push(" AND j.seq IN (SELECT rowid FROM job_texts WHERE job_texts MATCH ");
                 query.push_bind(phrase.clone());
                 query.push(" UNION SELECT seq FROM jobs WHERE id BETWEEN ");
-                query.push_bind(first).push(" AND ").push_bind(last).push(")");
+                query
+                    .push_bind(first)
+                    .push(" AND ")
+                    .push_bind(last)
+                    .push(")");
             }
             (None, _) => {
                 query.push(" AND (FALSE");
@@ -360,7 +365,10 @@ mod tests {
     #[test]
     fn whatever_is_typed_is_one_phrase() {
         let phrase = |typed: &str| Text::of(typed).phrase;
-        assert_eq!(phrase("Wet\" OR \"dry").as_deref(), Some("\"wet\"\" or \"\"dry\""));
+        assert_eq!(
+            phrase("Wet\" OR \"dry").as_deref(),
+            Some("\"wet\"\" or \"\"dry\"")
+        );
         assert_eq!(phrase("ab"), None);
         assert_eq!(phrase("ab\0c"), None);
         assert_eq!(phrase("äöü").as_deref(), Some("\"äöü\""));

@@ -71,7 +71,7 @@ mod tests {
                 "7b1cc992a8fbe6cf",
                 "1279b1c9613624d6",
                 "0db3a0d1a44e743a",
-                "f0bf1adba9114bf2"
+                "c65afbc9fc6604c3"
             ]
         );
     }

@@ -9,6 +9,9 @@ use super::writer::{Change, EventType};
 use super::{CheckedSubmission, Enqueued, IdempotencyKey, JobEdit, Store, UserAction};
 use crate::queue::{Input, Refusal, State};
 
+/// What was submitted under a key.
+const KEY: &str = "SELECT body_sha256, job FROM idempotency_keys WHERE key = ?";
+
 /// The row of a new job.
 struct NewJob {
     id: Uuid,
@@ -68,53 +71,40 @@ impl Store {
         let id = self
             .write(move |change| Box::pin(async move { change.enqueue(&job).await }))
             .await?;
-        let gone = |error| match error {
-            StoreError::NotFound(_) => {
-                StoreError::Conflict("the job of this Idempotency-Key has been deleted".to_owned())
-            }
-            error => error,
-        };
         Ok(Enqueued {
             job: self.job(id).await.map_err(gone)?,
             replayed: id != new,
         })
     }
 
-    /// Changes name, notes, tags, priority or how far beyond its estimate the job may go.
+    /// What a submission under this key was answered before, if it was: whatever has become of limits
+    /// since then, it is not checked again.
     ///
     /// # Errors
-    /// [`StoreError::NotFound`].
+    /// As [`Self::enqueue`].
+    pub async fn enqueued(&self, key: &IdempotencyKey) -> Result<Option<Enqueued>> {
+        let known: Option<(String, Uuid)> = sqlx::query_as(KEY)
+            .bind(&key.key)
+            .fetch_optional(self.lookups())
+            .await?;
+        match known {
+            None => Ok(None),
+            Some((body, _)) if body != key.body_sha256 => Err(StoreError::KeyReused),
+            Some((_, id)) => Ok(Some(Enqueued {
+                job: self.job(id).await.map_err(gone)?,
+                replayed: true,
+            })),
+        }
+    }
+
+    /// Changes name, notes, tags, priority, project or how far beyond its estimate the job may go.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`]; [`StoreError::Edited`] when they were changed after the version that
+    /// the edit knows.
     pub async fn edit(&self, id: Uuid, edit: JobEdit) -> Result<JobView> {
-        self.write(move |change| {
-            Box::pin(async move {
-                let job = LifecycleRow::of(&mut change.connection, id).await?;
-                sqlx::query(
-                    "UPDATE jobs SET name = COALESCE(?, name), notes = COALESCE(?, notes),
-                        tags = COALESCE(?, tags), priority = COALESCE(?, priority),
-                        overrun_factor = COALESCE(?, overrun_factor) WHERE seq = ?",
-                )
-                .bind(edit.name)
-                .bind(edit.notes)
-                .bind(edit.tags.as_ref().map(json).transpose()?)
-                .bind(edit.priority)
-                .bind(edit.overrun_factor)
-                .bind(job.seq)
-                .execute(&mut change.connection)
-                .await?;
-                if let Some(project) = edit.project {
-                    sqlx::query("UPDATE jobs SET project = ? WHERE seq = ?")
-                        .bind(project)
-                        .bind(job.seq)
-                        .execute(&mut change.connection)
-                        .await?;
-                    let detail = format!("to project {project}");
-                    change.audit("job.moved", Some(id), &detail).await?;
-                }
-                change.audit("job.changed", Some(id), "").await?;
-                change.event(job.seq, id, EventType::Job).await
-            })
-        })
-        .await?;
+        self.write(move |change| Box::pin(async move { change.edit(id, edit).await }))
+            .await?;
         self.job(id).await
     }
 
@@ -161,15 +151,24 @@ impl Store {
     }
 }
 
+/// The job of a key, when it is not there any more.
+fn gone(error: StoreError) -> StoreError {
+    match error {
+        StoreError::NotFound(_) => {
+            StoreError::Conflict("the job of this Idempotency-Key has been deleted".to_owned())
+        }
+        error => error,
+    }
+}
+
 impl Change {
     /// Inserts the job, or finds the one that has its key.
     async fn enqueue(&mut self, job: &NewJob) -> Result<Uuid> {
         if let Some(key) = &job.key {
-            let known: Option<(String, Uuid)> =
-                sqlx::query_as("SELECT body_sha256, job FROM idempotency_keys WHERE key = ?")
-                    .bind(&key.key)
-                    .fetch_optional(&mut self.connection)
-                    .await?;
+            let known: Option<(String, Uuid)> = sqlx::query_as(KEY)
+                .bind(&key.key)
+                .fetch_optional(&mut self.connection)
+                .await?;
             match known {
                 Some((body, id)) if body == key.body_sha256 => return Ok(id),
                 Some(_) => return Err(StoreError::KeyReused),
@@ -210,6 +209,49 @@ impl Change {
         self.queued();
         self.audit("job.submitted", Some(job.id), &job.name).await?;
         Ok(job.id)
+    }
+
+    async fn edit(&mut self, id: Uuid, edit: JobEdit) -> Result<()> {
+        let (job, edited): (i64, i64) = sqlx::query_as("SELECT seq, edited FROM jobs WHERE id = ?")
+            .bind(id)
+            .fetch_optional(&mut self.connection)
+            .await?
+            .ok_or_else(|| StoreError::NotFound(format!("job {id}")))?;
+        if edit
+            .known_version
+            .is_some_and(|known| known < edited.unsigned_abs())
+        {
+            return Err(StoreError::Edited);
+        }
+        sqlx::query(
+            "UPDATE jobs SET name = COALESCE(?, name), notes = COALESCE(?, notes),
+                tags = COALESCE(?, tags), priority = COALESCE(?, priority),
+                overrun_factor = COALESCE(?, overrun_factor) WHERE seq = ?",
+        )
+        .bind(edit.name)
+        .bind(edit.notes)
+        .bind(edit.tags.as_ref().map(json).transpose()?)
+        .bind(edit.priority)
+        .bind(edit.overrun_factor)
+        .bind(job)
+        .execute(&mut self.connection)
+        .await?;
+        if let Some(project) = edit.project {
+            sqlx::query("UPDATE jobs SET project = ? WHERE seq = ?")
+                .bind(project)
+                .bind(job)
+                .execute(&mut self.connection)
+                .await?;
+            let detail = format!("to project {project}");
+            self.audit("job.moved", Some(id), &detail).await?;
+        }
+        self.audit("job.changed", Some(id), "").await?;
+        self.event(job, id, EventType::Job).await?;
+        sqlx::query("UPDATE jobs SET edited = version WHERE seq = ?")
+            .bind(job)
+            .execute(&mut self.connection)
+            .await?;
+        Ok(())
     }
 
     async fn remember(&mut self, key: &IdempotencyKey, job: Uuid) -> Result<()> {

@@ -110,6 +110,8 @@ pub struct JobEdit {
     pub overrun_factor: Option<f64>,
     /// Moves the job to this project.
     pub project: Option<Uuid>,
+    /// The version of the job that is changed; an edit since then is not overwritten.
+    pub known_version: Option<u64>,
 }
 
 /// What a user may ask of a job.

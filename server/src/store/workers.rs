@@ -156,10 +156,9 @@ impl Store {
     /// The database's.
     pub async fn counts(&self) -> Result<Counts> {
         let mut counts = Counts::default();
-        let jobs: Vec<(String, i64)> =
-            sqlx::query_as("SELECT state, jobs FROM job_counts")
-                .fetch_all(self.reads())
-                .await?;
+        let jobs: Vec<(String, i64)> = sqlx::query_as("SELECT state, jobs FROM job_counts")
+            .fetch_all(self.reads())
+            .await?;
         for (state, count) in jobs {
             let place = match state.as_str() {
                 "queued" => &mut counts.queued,

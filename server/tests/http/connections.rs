@@ -241,9 +241,15 @@ async fn two_thousand_slow_sockets_leave_others_below_200_ms() {
     let kinds = [
         ("nothing at all", String::new()),
         ("half a head", "GET /v1/jobs HT".to_owned()),
-        ("a body without a length", post("Transfer-Encoding: chunked", "1\r\n{\r\n")),
+        (
+            "a body without a length",
+            post("Transfer-Encoding: chunked", "1\r\n{\r\n"),
+        ),
         ("a body without its end", post("Content-Length: 60000", "{")),
-        ("a large body without its end", post("Content-Length: 30000000", "{")),
+        (
+            "a large body without its end",
+            post("Content-Length: 30000000", "{"),
+        ),
     ];
     for (what, beginning) in &kinds {
         for count in [0, 2000, 5000] {
@@ -257,7 +263,9 @@ async fn two_thousand_slow_sockets_leave_others_below_200_ms() {
             }
             times.sort();
             let (median, p99, longest) = (times[100], times[198], times[199]);
-            eprintln!("{count:5} sockets with {what}: median {median:?}, p99 {p99:?}, longest {longest:?}");
+            eprintln!(
+                "{count:5} sockets with {what}: median {median:?}, p99 {p99:?}, longest {longest:?}"
+            );
             assert!(p99 < Duration::from_millis(200));
         }
     }
@@ -287,6 +295,8 @@ async fn forty_readers_that_do_not_read_leave_others_their_archives() {
             times.push(start.elapsed());
         }
         let asked = ask(address).await;
-        eprintln!("{count:3} readers that do not read: archives of 32 MB in {times:?}, a list in {asked:?}");
+        eprintln!(
+            "{count:3} readers that do not read: archives of 32 MB in {times:?}, a list in {asked:?}"
+        );
     }
 }

@@ -53,6 +53,89 @@ async fn an_idempotency_key_stands_for_one_body() {
 }
 
 #[tokio::test]
+async fn a_repeated_submission_gets_its_first_answer_whatever_limits_say_now() {
+    let mut lab = Lab::open().await;
+    let headers = [JSON, ("idempotency-key", "a")];
+    let first = lab
+        .send(request("POST", "/v1/jobs", &headers, example()))
+        .await;
+    assert_eq!(first.status, 201);
+    lab.limit(|limits| limits.memory_mb = 1e-3);
+    let again = lab
+        .send(request("POST", "/v1/jobs", &headers, example()))
+        .await;
+    assert_eq!((again.status, again.json()), (201, first.json()));
+    assert_eq!(again.header("idempotency-replayed"), "true");
+    // whereas what is new is held against them
+    let fresh = [JSON, ("idempotency-key", "b")];
+    let fresh = lab
+        .send(request("POST", "/v1/jobs", &fresh, example()))
+        .await;
+    fresh.problem(422, "invalid-job");
+    let id = first.json()["id"].as_str().expect("an id").to_owned();
+    let deleted = lab
+        .send(request("DELETE", &format!("/v1/jobs/{id}"), &[], ""))
+        .await;
+    assert_eq!(deleted.status, 204);
+    let gone = lab
+        .send(request("POST", "/v1/jobs", &headers, example()))
+        .await;
+    gone.problem(409, "conflict");
+}
+
+#[tokio::test]
+async fn an_edit_does_not_overwrite_one_that_it_does_not_know() {
+    let lab = Lab::open().await;
+    let id = lab.submit().await;
+    let path = format!("/v1/jobs/{id}");
+    let edit = async |tag: &str, body: &str| {
+        lab.send(request("PATCH", &path, &[JSON, ("if-match", tag)], body))
+            .await
+    };
+    let seen = lab.get(&path).await.header("etag").to_owned();
+    // a job goes on by itself: that is no edit
+    let lease = lab.claim().await;
+    lab.report(&lease, 0, vec![vec![0.0, 1.0]]).await;
+    let one = edit(&seen, r#"{"notes": "of one"}"#).await;
+    assert_eq!((one.status, &one.json()["notes"]), (200, &json!("of one")));
+    let other = edit(&seen, r#"{"notes": "of another"}"#).await;
+    let detail = other.problem(412, "changed-since")["detail"].to_string();
+    assert!(detail.contains("notes"), "{detail}");
+    assert_eq!(lab.get(&path).await.json()["notes"], "of one");
+    // who has seen it may go on, by the tag of the answer, of a list of tags, or a number
+    let mut tag = one.header("etag").to_owned();
+    for others in ["", "\"x\", "] {
+        let known = format!("{others}{tag}");
+        let further = edit(&known, r#"{"notes": "of one, further"}"#).await;
+        assert_eq!(further.status, 200, "{known}");
+        tag = further.header("etag").to_owned();
+        edit(&known, "{}").await.problem(412, "changed-since");
+    }
+    let number = tag
+        .trim_end_matches('"')
+        .rsplit('-')
+        .next()
+        .expect("a number")
+        .to_owned();
+    assert_eq!(
+        edit(&format!("\"{number}\""), r#"{"priority": 1}"#)
+            .await
+            .status,
+        200
+    );
+    assert_eq!(edit("*", r#"{"priority": 2}"#).await.status, 200);
+    for unknown in ["\"x\"", "", "12", "W/\"\"", "\"-\""] {
+        edit(unknown, r#"{"priority": 3}"#)
+            .await
+            .problem(412, "changed-since");
+    }
+    let blind = lab
+        .send(request("PATCH", &path, &[JSON], r#"{"priority": 4}"#))
+        .await;
+    assert_eq!((blind.status, &blind.json()["priority"]), (200, &json!(4)));
+}
+
+#[tokio::test]
 async fn a_dry_run_says_what_would_be_and_stores_nothing() {
     let lab = Lab::open().await;
     let headers = [JSON, ("idempotency-key", "dry")];

@@ -7,7 +7,7 @@ use axum::extract::ConnectInfo;
 use axum::http::{HeaderMap, Request, Response, header};
 use loadframe_api::people::{NewToken, Scope, TokenMade};
 use loadframe_api::worker::{ClaimRequest, CompleteRequest, CurveBlock, Lease, ProgressReport};
-use loadframe_api::{FileEntry, JobKind, Outcome, sha256_hex};
+use loadframe_api::{FileEntry, JobKind, Limits, Outcome, sha256_hex};
 use loadframe_server::ServeConfig;
 use loadframe_server::http::{AppState, router};
 use loadframe_server::store::{LeaseKey, Store};
@@ -54,6 +54,12 @@ impl Lab {
             state,
             _data: data,
         }
+    }
+
+    /// Changes what the estimate of a job may reach.
+    pub(crate) fn limit(&mut self, change: impl FnOnce(&mut Limits)) {
+        change(&mut self.state.limits);
+        self.router = router(self.state.clone());
     }
 
     /// The answer as it comes, for streams.

@@ -82,14 +82,21 @@ async fn plain_http_gets_no_answer_where_tls_is_spoken() {
     let client = ServerClient::new(&format!("http://{address}"), None).expect("a client");
     let refused = client.send(client.request(Method::GET, "/v1/jobs")).await;
     let refused = refused.expect_err("no answer");
-    assert!(matches!(refused, ServerError::Unreachable { .. }), "{refused}");
+    assert!(
+        matches!(refused, ServerError::Unreachable { .. }),
+        "{refused}"
+    );
 }
 
 #[test]
 fn files_that_cannot_be_used_are_named() {
     let folder = TempDir::new().expect("a folder");
     let (files, _) = write_certificate(folder.path());
-    let open = |files: &TlsFiles| Tls::open(files.clone()).map(drop).map_err(|error| error.to_string());
+    let open = |files: &TlsFiles| {
+        Tls::open(files.clone())
+            .map(drop)
+            .map_err(|error| error.to_string())
+    };
     assert_eq!(open(&files), Ok(()));
     for (mode, is_private) in [(0o640, true), (0o400, true), (0o644, false), (0o660, false)] {
         fs::set_permissions(&files.key, Permissions::from_mode(mode)).expect("set");
@@ -106,11 +113,17 @@ fn files_that_cannot_be_used_are_named() {
         ..files.clone()
     };
     let sentence = open(&swapped).expect_err("a key is no certificate");
-    assert!(sentence.ends_with("key.pem has no certificate in PEM"), "{sentence}");
+    assert!(
+        sentence.ends_with("key.pem has no certificate in PEM"),
+        "{sentence}"
+    );
     let absent = TlsFiles {
         certificate: folder.path().join("absent.pem"),
         ..files
     };
     let sentence = open(&absent).expect_err("it is not there");
-    assert!(sentence.ends_with("absent.pem cannot be read"), "{sentence}");
+    assert!(
+        sentence.ends_with("absent.pem cannot be read"),
+        "{sentence}"
+    );
 }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 use loadframe_api::{JobKind, JobOutcome, JobStatus, Timestamp};
 use loadframe_server::store::{JobEdit, JobFilter, UserAction};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
-use sqlx::{ConnectOptions, query, query_as, query_scalar};
+use sqlx::{AssertSqlSafe, ConnectOptions, query, query_as, query_scalar};
 use uuid::Uuid;
 
 use crate::lab::{LONG, Lab, key, worker};
@@ -20,7 +20,10 @@ async fn beside(lab: &Lab) -> SqliteConnection {
 /// Adds `count` jobs: one of ten has succeeded, one of fifty is urgent, one of five has tags; two kinds.
 async fn fill(lab: &Lab, count: i64) -> SqliteConnection {
     let mut database = beside(lab).await;
-    query("BEGIN IMMEDIATE").execute(&mut database).await.unwrap();
+    query("BEGIN IMMEDIATE")
+        .execute(&mut database)
+        .await
+        .unwrap();
     query(
         "WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < ?1)
          INSERT INTO jobs (id, kind, name, notes, tags, priority, spec_sha256, status, outcome,
@@ -51,6 +54,39 @@ async fn fill(lab: &Lab, count: i64) -> SqliteConnection {
     database
 }
 
+/// The same for very many, without triggers and with what these keep made at once.
+async fn fill_in_bulk(lab: &Lab, count: i64) {
+    let mut database = beside(lab).await;
+    let triggers: Vec<(String, String)> = query_as(
+        "SELECT name, sql FROM sqlite_master WHERE type = 'trigger' AND tbl_name = 'jobs'",
+    )
+    .fetch_all(&mut database)
+    .await
+    .unwrap();
+    for (name, _) in &triggers {
+        let drop = AssertSqlSafe(format!("DROP TRIGGER {name}"));
+        query(drop).execute(&mut database).await.unwrap();
+    }
+    drop(fill(lab, count).await);
+    for statement in [
+        "INSERT INTO waiting_counts (bits, priority, block, jobs)
+         SELECT bits, priority, seq >> bits, COUNT(*)
+         FROM jobs, (SELECT 6 AS bits UNION SELECT 12 UNION SELECT 18)
+         WHERE status = 'queued' GROUP BY 1, 2, 3",
+        "INSERT INTO job_counts SELECT COALESCE(outcome, status), COUNT(*) FROM jobs GROUP BY 1",
+        "INSERT INTO job_tags (tag, job) SELECT value, seq FROM jobs, json_each(jobs.tags)",
+        "INSERT INTO job_texts (job_texts) VALUES ('rebuild')",
+    ] {
+        query(statement).execute(&mut database).await.unwrap();
+    }
+    for (_, sql) in triggers {
+        query(AssertSqlSafe(sql))
+            .execute(&mut database)
+            .await
+            .unwrap();
+    }
+}
+
 fn all() -> JobFilter {
     JobFilter::default()
 }
@@ -68,7 +104,7 @@ async fn is_consistent(database: &mut SqliteConnection) {
             "places",
             "SELECT bits || ' ' || priority || ' ' || block, jobs FROM waiting_counts ORDER BY 1",
             "SELECT bits || ' ' || priority || ' ' || (seq >> bits), COUNT(*)
-             FROM jobs, (SELECT 8 AS bits UNION SELECT 16) WHERE status = 'queued'
+             FROM jobs, (SELECT 6 AS bits UNION SELECT 12 UNION SELECT 18) WHERE status = 'queued'
              GROUP BY 1 ORDER BY 1",
         ),
         (
@@ -83,7 +119,8 @@ async fn is_consistent(database: &mut SqliteConnection) {
         ),
     ] {
         let kept: Vec<(String, i64)> = query_as(kept).fetch_all(&mut *database).await.unwrap();
-        let counted: Vec<(String, i64)> = query_as(counted).fetch_all(&mut *database).await.unwrap();
+        let counted: Vec<(String, i64)> =
+            query_as(counted).fetch_all(&mut *database).await.unwrap();
         assert!(kept == counted, "{what}: {kept:?} are {counted:?}");
     }
     // holds every word against the table
@@ -96,7 +133,7 @@ async fn is_consistent(database: &mut SqliteConnection) {
 #[tokio::test]
 async fn places_in_the_queue_are_those_that_counting_gives() {
     let lab = Lab::open(LONG).await;
-    // more than a block of 2^16 numbers would take long here; blocks of 2^8 are several
+    // several of the smallest blocks; larger ones would take long to fill
     let mut database = fill(&lab, 1000).await;
     is_consistent(&mut database).await;
     let mut cursor = None;
@@ -122,8 +159,8 @@ async fn places_in_the_queue_are_those_that_counting_gives() {
         }
     }
     assert_eq!(seen, 1000);
-    // beyond 2^16: a job far behind
-    query("UPDATE sqlite_sequence SET seq = 200000 WHERE name = 'jobs'")
+    // in the second of the largest blocks: a job far behind
+    query("UPDATE sqlite_sequence SET seq = 300000 WHERE name = 'jobs'")
         .execute(&mut database)
         .await
         .unwrap();
@@ -136,7 +173,10 @@ async fn what_triggers_keep_follows_every_step_of_a_job() {
     let lab = Lab::open(LONG).await;
     let mut database = fill(&lab, 100).await;
     let page = lab.jobs(&all(), None, 100).await.unwrap();
-    let queued = page.items.iter().filter(|job| job.status == JobStatus::Queued);
+    let queued = page
+        .items
+        .iter()
+        .filter(|job| job.status == JobStatus::Queued);
     let ids: Vec<Uuid> = queued.map(|job| job.id).collect();
     let edit = JobEdit {
         name: Some("Renamed: \"quoted\"".to_owned()),
@@ -163,7 +203,19 @@ async fn what_triggers_keep_follows_every_step_of_a_job() {
         leases.push(lab.claim(&worker(&number.to_string())).await.unwrap());
     }
     is_consistent(&mut database).await;
-    assert_eq!(names(&lab, JobFilter { q: Some("d: \"QUOTED".into()), ..all() }, 9).await.len(), 1);
+    assert_eq!(
+        names(
+            &lab,
+            JobFilter {
+                q: Some("d: \"QUOTED".into()),
+                ..all()
+            },
+            9
+        )
+        .await
+        .len(),
+        1
+    );
     assert_eq!(lab.counts().await.unwrap().running, 3);
 }
 
@@ -188,10 +240,12 @@ async fn a_claim_takes_the_first_of_what_its_worker_can_do() {
         // specs of the filling are none, so only the order is looked at
         let first: Option<i64> = {
             let _ = lab.claim(&claim(kinds)).await;
-            query_scalar("SELECT MAX(job) FROM attempts WHERE seq = (SELECT MAX(seq) FROM attempts)")
-                .fetch_one(&mut database)
-                .await
-                .unwrap()
+            query_scalar(
+                "SELECT MAX(job) FROM attempts WHERE seq = (SELECT MAX(seq) FROM attempts)",
+            )
+            .fetch_one(&mut database)
+            .await
+            .unwrap()
         };
         taken.push(first);
     }
@@ -203,12 +257,27 @@ async fn a_claim_takes_the_first_of_what_its_worker_can_do() {
 async fn lists_find_the_same_whatever_they_walk() {
     let lab = Lab::open(LONG).await;
     let mut database = fill(&lab, 3000).await;
-    let q = |text: &str| JobFilter { q: Some(text.to_owned()), ..all() };
-    let wet = |filter: JobFilter| JobFilter { tag: Some("wet".to_owned()), ..filter };
+    let q = |text: &str| JobFilter {
+        q: Some(text.to_owned()),
+        ..all()
+    };
+    let wet = |filter: JobFilter| JobFilter {
+        tag: Some("wet".to_owned()),
+        ..filter
+    };
     // dense and rare, alone and together: more and fewer than are looked at one by one
-    let queued = |filter| JobFilter { status: Some(JobStatus::Queued), ..filter };
-    let succeeded = |filter| JobFilter { outcome: Some(JobOutcome::Succeeded), ..filter };
-    let paper = |filter| JobFilter { kind: Some(JobKind::PaperTensile), ..filter };
+    let queued = |filter| JobFilter {
+        status: Some(JobStatus::Queued),
+        ..filter
+    };
+    let succeeded = |filter| JobFilter {
+        outcome: Some(JobOutcome::Succeeded),
+        ..filter
+    };
+    let paper = |filter| JobFilter {
+        kind: Some(JobKind::PaperTensile),
+        ..filter
+    };
     for (what, filter, expected) in [
         ("all", all(), 3000),
         ("queued", queued(all()), 2700),
@@ -225,7 +294,14 @@ async fn lists_find_the_same_whatever_they_walk() {
         ("text of notes", q("what was wet"), 300),
         ("text or tag", q("wet"), 600),
         ("text wet", wet(q("series 2")), 200),
-        ("series tag and text", JobFilter { tag: Some("series-1".into()), ..q("sample") }, 200),
+        (
+            "series tag and text",
+            JobFilter {
+                tag: Some("series-1".into()),
+                ..q("sample")
+            },
+            200,
+        ),
         ("two characters", q("Wt"), 0),
         ("two characters of many", q("ER"), 3000),
         ("nothing", q("no such text"), 0),
@@ -248,7 +324,10 @@ async fn lists_find_the_same_whatever_they_walk() {
         assert_eq!(count, expected, "{what}");
     }
     let newest = names(&lab, wet(q("sample")), 2).await;
-    assert_eq!(newest, ["Sample 3000 of series 3", "Sample 2995 of series 2"]);
+    assert_eq!(
+        newest,
+        ["Sample 3000 of series 3", "Sample 2995 of series 2"]
+    );
     // an id by its first digits: those of its moment are the first twelve
     let one: Uuid = query_scalar("SELECT id FROM jobs WHERE seq = 1234")
         .fetch_one(&mut database)
@@ -273,16 +352,46 @@ async fn moments_part_the_jobs_wherever_they_lie_and_though_the_clock_was_set() 
         let number = |name: &String| name.split(' ').nth(1).unwrap().parse::<i64>().unwrap();
         names.iter().map(number).collect::<Vec<_>>()
     };
-    let after = numbers(JobFilter { created_after: at(97), ..all() }).await;
+    let after = numbers(JobFilter {
+        created_after: at(97),
+        ..all()
+    })
+    .await;
     assert_eq!(after, [100, 99, 98]);
-    let after = numbers(JobFilter { created_after: at(94), ..all() }).await;
+    let after = numbers(JobFilter {
+        created_after: at(94),
+        ..all()
+    })
+    .await;
     assert_eq!(after, [100, 99, 98, 97, 96, 95, 5]);
-    let before = numbers(JobFilter { created_before: at(4), ..all() }).await;
+    let before = numbers(JobFilter {
+        created_before: at(4),
+        ..all()
+    })
+    .await;
     assert_eq!(before, [3, 2, 1]);
-    let before = numbers(JobFilter { created_before: at(11), ..all() }).await;
+    let before = numbers(JobFilter {
+        created_before: at(11),
+        ..all()
+    })
+    .await;
     assert_eq!(before, [90, 10, 9, 8, 7, 6, 4, 3, 2, 1]);
-    assert!(numbers(JobFilter { created_after: at(100), ..all() }).await.is_empty());
-    assert!(numbers(JobFilter { created_before: at(0), ..all() }).await.is_empty());
+    assert!(
+        numbers(JobFilter {
+            created_after: at(100),
+            ..all()
+        })
+        .await
+        .is_empty()
+    );
+    assert!(
+        numbers(JobFilter {
+            created_before: at(0),
+            ..all()
+        })
+        .await
+        .is_empty()
+    );
 }
 
 /// Prints the median, the 95th percentile and the longest of many tries.
@@ -297,7 +406,11 @@ async fn measure(what: &str, tries: usize, mut work: impl AsyncFnMut()) -> Durat
     times.sort();
     let quantile = |part: f64| times[((times.len() - 1) as f64 * part).round() as usize];
     let p95 = quantile(0.95);
-    eprintln!("  {what:<34} median {:>10.2?}  p95 {p95:>10.2?}  longest {:>10.2?}", quantile(0.5), quantile(1.0));
+    eprintln!(
+        "  {what:<34} median {:>10.2?}  p95 {p95:>10.2?}  longest {:>10.2?}",
+        quantile(0.5),
+        quantile(1.0)
+    );
     p95
 }
 
@@ -313,19 +426,53 @@ async fn a_million_jobs_are_listed_searched_and_claimed_as_fast_as_a_thousand() 
     for count in [1_000, 100_000, 1_000_000] {
         let lab = Lab::open(LONG).await;
         let start = Instant::now();
-        drop(fill(&lab, count).await);
+        fill_in_bulk(&lab, count).await;
         eprintln!("{count} jobs, filled in {:.1?}", start.elapsed());
-        let q = |text: &str| JobFilter { q: Some(text.to_owned()), ..all() };
+        let q = |text: &str| JobFilter {
+            q: Some(text.to_owned()),
+            ..all()
+        };
         let filters = [
             ("200 of all", all()),
-            ("200 queued", JobFilter { status: Some(JobStatus::Queued), ..all() }),
-            ("running, of which there are few", JobFilter { status: Some(JobStatus::Running), ..all() }),
-            ("succeeded paper", JobFilter { kind: Some(JobKind::PaperTensile), outcome: Some(JobOutcome::Succeeded), ..all() }),
-            ("a tag of many", JobFilter { tag: Some("wet".to_owned()), ..all() }),
+            (
+                "200 queued",
+                JobFilter {
+                    status: Some(JobStatus::Queued),
+                    ..all()
+                },
+            ),
+            (
+                "running, of which there are few",
+                JobFilter {
+                    status: Some(JobStatus::Running),
+                    ..all()
+                },
+            ),
+            (
+                "succeeded paper",
+                JobFilter {
+                    kind: Some(JobKind::PaperTensile),
+                    outcome: Some(JobOutcome::Succeeded),
+                    ..all()
+                },
+            ),
+            (
+                "a tag of many",
+                JobFilter {
+                    tag: Some("wet".to_owned()),
+                    ..all()
+                },
+            ),
             ("a text of all", q("sample")),
             ("a text of one", q("Sample 777 of series 0")),
             ("a text of none", q("no such text")),
-            ("running with a text of all", JobFilter { status: Some(JobStatus::Running), ..q("sample") }),
+            (
+                "running with a text of all",
+                JobFilter {
+                    status: Some(JobStatus::Running),
+                    ..q("sample")
+                },
+            ),
             ("two characters of all", q("sa")),
         ];
         for (what, filter) in &filters {
@@ -333,9 +480,18 @@ async fn a_million_jobs_are_listed_searched_and_claimed_as_fast_as_a_thousand() 
             assert!(measure(what, TRIES, page).await < LONGEST, "{what}");
         }
         let early = Some(Timestamp(1_700_000_000_100));
-        let old = JobFilter { created_before: early, ..all() };
-        measure("before an early moment", TRIES, async || drop(lab.jobs(&old, None, 200).await.unwrap())).await;
-        measure("two characters of none", 5, async || drop(lab.jobs(&q("zq"), None, 200).await.unwrap())).await;
+        let old = JobFilter {
+            created_before: early,
+            ..all()
+        };
+        measure("before an early moment", TRIES, async || {
+            drop(lab.jobs(&old, None, 200).await.unwrap())
+        })
+        .await;
+        measure("two characters of none", 5, async || {
+            drop(lab.jobs(&q("zq"), None, 200).await.unwrap())
+        })
+        .await;
         let twenty = async || {
             let lists = (0..20).map(|_| {
                 let store = lab.store.clone();
@@ -358,7 +514,10 @@ async fn a_million_jobs_are_listed_searched_and_claimed_as_fast_as_a_thousand() 
         let mut last = worker("last");
         last.worker_id = Uuid::new_v4();
         let lease = lab.claim(&last).await.unwrap().unwrap();
-        measure("heartbeat", TRIES, async || { lab.heartbeat(key(&lease)).await.unwrap(); }).await;
+        measure("heartbeat", TRIES, async || {
+            lab.heartbeat(key(&lease)).await.unwrap();
+        })
+        .await;
         // and while lists are asked for without a pause
         let readers: Vec<_> = (0..4)
             .map(|_| {
@@ -370,8 +529,14 @@ async fn a_million_jobs_are_listed_searched_and_claimed_as_fast_as_a_thousand() 
                 })
             })
             .collect();
-        measure("heartbeat beside lists", TRIES, async || { lab.heartbeat(key(&lease)).await.unwrap(); }).await;
-        measure("a write that changes nothing", TRIES, async || lab.try_write().await.unwrap()).await;
+        measure("heartbeat beside lists", TRIES, async || {
+            lab.heartbeat(key(&lease)).await.unwrap();
+        })
+        .await;
+        measure("a write that changes nothing", TRIES, async || {
+            lab.try_write().await.unwrap()
+        })
+        .await;
         readers.iter().for_each(tokio::task::JoinHandle::abort);
     }
     assert!(claims[2] < LONGEST, "{claims:?}");

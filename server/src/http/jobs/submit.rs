@@ -17,7 +17,7 @@ use super::super::body::JsonBody;
 use super::super::permit::{Call, Permit, Submit};
 use super::super::problem::{ApiError, INVALID, INVALID_JOB, Result};
 use crate::access::Action;
-use crate::store::{CheckedSubmission, IdempotencyKey, StoreError};
+use crate::store::{CheckedSubmission, Enqueued, IdempotencyKey, StoreError};
 
 /// Longest idempotency key [characters].
 const LONGEST_KEY: usize = 200;
@@ -57,7 +57,7 @@ pub(in crate::http) struct DryRun {
 /// the server's limits is refused with the numbers.
 ///
 /// Send an `Idempotency-Key` to be able to repeat a submission whose answer was lost: the same key
-/// with the same body answers the same job, with another body 422.
+/// with the same body answers the same job, whatever limits say by then; with another body 422.
 #[utoipa::path(post, operation_id = "submit_job", path = "/v1/jobs", tag = "Jobs",
     params(SubmitQuery,
            ("Idempotency-Key" = Option<String>, Header, min_length = 1, max_length = 200, pattern = "^[!-~]+$",
@@ -78,10 +78,19 @@ pub(super) async fn create(
     headers: HeaderMap,
     body: JsonBody,
 ) -> Result<Response> {
-    let key = idempotency_key(&headers)?;
+    let name = idempotency_key(&headers)?;
+    let (key, body) = match name {
+        Some(name) if !dry_run => named(&state, &permit.call, name, body).await?,
+        _ => (None, body),
+    };
+    if let Some(key) = &key
+        && let Some(before) = state.store.enqueued(key).await?
+    {
+        return answer(before);
+    }
     let project = project_of(&state, &permit.call, project).await?;
     let measured = state.store.calibration().await?;
-    let (mut checked, body) = read(&state, &permit.call, body, measured).await?;
+    let (mut checked, _body) = read(&state, &permit.call, body, measured).await?;
     checked.project = project;
     let violations = state.limits.violations(&checked.estimate);
     if !violations.is_empty() {
@@ -92,17 +101,34 @@ pub(super) async fn create(
         return Ok(Json(dry_run_of(checked, measured)?).into_response());
     }
     let kind = checked.submission.spec.kind();
-    let key = key.map(|key| IdempotencyKey {
-        // two people may choose the same name
-        key: match permit.call.caller.person() {
-            Some(person) => format!("{}:{key}", person.id.simple()),
-            None => key,
-        },
-        body_sha256: sha256_hex(&body.bytes),
-    });
     let enqueued = permit.store.enqueue_checked(checked, key).await?;
     metrics::counter!("loadframe_submissions_total", "kind" => kind.name())
         .increment(u64::from(!enqueued.replayed));
+    answer(enqueued)
+}
+
+/// The body under the name that its client gave it, hashed where that holds up nobody.
+async fn named(
+    state: &AppState,
+    call: &Call,
+    name: String,
+    body: JsonBody,
+) -> Result<(Option<IdempotencyKey>, JsonBody)> {
+    let key = match call.caller.person() {
+        // two people may choose the same name
+        Some(person) => format!("{}:{name}", person.id.simple()),
+        None => name,
+    };
+    let client = body.client;
+    let hash = move || {
+        let body_sha256 = sha256_hex(&body.bytes);
+        (Some(IdempotencyKey { key, body_sha256 }), body)
+    };
+    state.checks.run(client, hash).await
+}
+
+/// The answer to a submission that was stored, now or before.
+fn answer(enqueued: Enqueued) -> Result<Response> {
     let location = HeaderValue::try_from(&enqueued.job.links.this)
         .map_err(|error| ApiError::internal(&error))?;
     let mut response = (StatusCode::CREATED, Json(enqueued.job)).into_response();
