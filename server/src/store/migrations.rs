@@ -61,10 +61,15 @@ mod tests {
                 checksum.map(|byte| format!("{byte:02x}")).collect()
             })
             .collect();
-        // the first bytes of `SELECT checksum FROM _sqlx_migrations` in a database of version 0.1
+        // the first bytes of `SELECT checksum FROM _sqlx_migrations` in a database of this version
         assert_eq!(
             first_bytes,
-            ["113f34295d37f7b1", "7b1cc992a8fbe6cf", "1279b1c9613624d6"]
+            [
+                "113f34295d37f7b1",
+                "7b1cc992a8fbe6cf",
+                "1279b1c9613624d6",
+                "123a8c73e88306c8"
+            ]
         );
     }
 }
