@@ -117,6 +117,7 @@ CREATE TABLE audit (
     request     BLOB,
     address     TEXT    NOT NULL
 ) STRICT;
+CREATE INDEX audit_by_object ON audit (object, number) WHERE object IS NOT NULL;
 CREATE TRIGGER audit_is_not_changed BEFORE UPDATE ON audit
     BEGIN SELECT RAISE(ABORT, 'the audit log only grows'); END;
 CREATE TRIGGER audit_is_not_deleted BEFORE DELETE ON audit

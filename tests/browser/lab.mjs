@@ -1,6 +1,6 @@
 // A lab to look at: `loadframe lab` on a free port, with a data folder of its own.
-import { spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, openSync } from "node:fs";
+import { spawn, spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, openSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -39,6 +39,14 @@ export async function startLab() {
   }
   return {
     url,
+    /** Makes the lab a group's. */
+    createAdministrator(name, password) {
+      const file = join(folder, "password");
+      writeFileSync(file, password);
+      const data = ["--data", join(folder, "data"), "--password-file", file];
+      const made = spawnSync(BINARY, ["people", "create-admin", name, ...data], { encoding: "utf8" });
+      if (made.status !== 0) throw new Error(made.stderr);
+    },
     async stop() {
       lab.kill("SIGTERM");
       await ended;

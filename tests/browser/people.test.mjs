@@ -1,0 +1,111 @@
+// A group's lab in a real browser: the first administrator, an invitation, a shared job, and a stranger
+// with a link.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { close, fitsThePhone, isAccessible, lab, open, part, PHONE, picture, state, visit } from "./browser.mjs";
+
+const PASSWORD = "a password for tests";
+/** Before somebody is known the server says so, and browsers write that down. */
+const ASKED = { expected: /401|403/ };
+
+before(open);
+after(close);
+
+async function signIn(page, name) {
+  await part(page, "sign-in-name").fill(name);
+  await part(page, "sign-in-password").fill(PASSWORD);
+  await part(page, "sign-in").click();
+  await part(page, "account").waitFor();
+}
+
+/** Submits the quick example as the page would. */
+function submitQuick(page) {
+  return page.evaluate(async () => {
+    const examples = await (await fetch("/v1/kinds/nonwoven_tensile/examples")).json();
+    const { job } = examples.items.find(({ name }) => name.endsWith("quick"));
+    const headers = { "Content-Type": "application/json" };
+    const answer = await fetch("/v1/jobs", { method: "POST", headers, body: JSON.stringify(job) });
+    return (await answer.json()).id;
+  });
+}
+
+test("a group shares its jobs, and a stranger sees one by a link", async () => {
+  lab.createAdministrator("Ada", PASSWORD);
+  // The server follows the command within a second.
+  await new Promise((resolve) => setTimeout(resolve, 1500));
+
+  let invitation = "";
+  await visit(
+    "/",
+    async (page) => {
+      await part(page, "sign-in-name").fill("Ada");
+      await part(page, "sign-in-password").fill("not the password");
+      await part(page, "sign-in").click();
+      await part(page, "sign-in-error").waitFor();
+      await isAccessible(page, "signing in");
+      await signIn(page, "Ada");
+      await page.getByRole("link", { name: "People" }).click();
+      await part(page, "group-name").fill("Paper");
+      await part(page, "group-make").click();
+      await page.getByRole("heading", { name: "Paper" }).waitFor();
+      await part(page, "invite").click();
+      invitation = await part(page, "invite-link").innerText();
+      assert.match(invitation, /\/invitation#lfi_/);
+      await page.getByText("invitation.made").waitFor({ state: "detached" });
+      await isAccessible(page, "people");
+      await picture(page, "people");
+    },
+    ASKED,
+  );
+
+  let link = "";
+  await visit(
+    invitation.slice(lab.url.length),
+    async (page) => {
+      await isAccessible(page, "an invitation");
+      await part(page, "invited-name").fill("Anna");
+      await part(page, "invited-password").fill(PASSWORD);
+      await part(page, "invited-again").fill(PASSWORD);
+      await part(page, "accept").click();
+      await part(page, "account").waitFor();
+      assert.equal(await part(page, "account").innerText(), "Anna");
+      assert.equal(await page.getByRole("link", { name: "People" }).count(), 0);
+
+      const id = await submitQuick(page);
+      await page.goto(`/jobs/${id}`);
+      await state(page, "succeeded").waitFor();
+      await part(page, "share").click();
+      await part(page, "share-make").click();
+      link = await part(page, "share-link").innerText();
+      await isAccessible(page, "sharing");
+      await picture(page, "sharing");
+      await part(page, "share-close").click();
+
+      await part(page, "account").click();
+      await part(page, "token-name").fill("evaluation");
+      await part(page, "token-make").click();
+      assert.match(await part(page, "token-secret").innerText(), /^lf_/);
+      await isAccessible(page, "the account");
+      await picture(page, "account");
+      await fitsThePhone(page, "the account");
+      await part(page, "sign-out").click();
+      await part(page, "sign-in-name").waitFor();
+    },
+    ASKED,
+  );
+
+  await visit(
+    link.slice(lab.url.length),
+    async (page) => {
+      await state(page, "succeeded").waitFor();
+      assert.ok(!page.url().includes("#"), "the secret leaves the address");
+      for (const hidden of ["share", "delete", "rename", "new-job"]) {
+        assert.equal(await part(page, hidden).count(), 0, hidden);
+      }
+      await isAccessible(page, "a shared job");
+      await fitsThePhone(page, "a shared job");
+      await picture(page, "shared-job");
+    },
+    { ...ASKED, viewport: PHONE },
+  );
+});
