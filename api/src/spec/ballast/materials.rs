@@ -28,6 +28,7 @@ fn wall(aggregate: &Material, [density, factor, ratio, friction]: [f64; 4]) -> M
         youngs_modulus_pa: factor * aggregate.youngs_modulus_pa,
         stiffness_ratio: ratio,
         friction_angle_rad: Some(friction),
+        rolling_resistance: None,
         normal_cohesion_pa: 0.0,
         shear_cohesion_pa: 0.0,
         ..aggregate.clone()

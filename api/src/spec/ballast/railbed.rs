@@ -116,6 +116,7 @@ impl Apparatus for Railbed {
     fn set_up(&self, script: &mut Script) {
         let mirror = Material {
             friction_angle_rad: Some(0.0),
+            rolling_resistance: None,
             normal_cohesion_pa: 0.0,
             shear_cohesion_pa: 0.0,
             ..script.scene.materials[AGGREGATE].clone()

@@ -258,6 +258,13 @@ fn check_laws(spec: &GranularScene, violations: &mut Violations) {
             .value(value)
             .allowed("none in a scene with cohesion; damp it by /laws/local_damping")
     }));
+    let materials = spec.materials.iter();
+    let rolling = materials.filter(|(_, material)| material.rolling_resistance.is_some());
+    violations.extend(rolling.map(|(name, _)| {
+        let pointer = format!("/materials/{name}/rolling_resistance");
+        let detail = "contacts that may be bonded do not resist rolling";
+        Violation::new(pointer, "not_together", detail).allowed("none in a scene with cohesion")
+    }));
 }
 
 fn check_time_step(spec: &GranularScene, violations: &mut Violations) {

@@ -2,6 +2,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::RollingResistance;
+
 /// A material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -40,6 +42,9 @@ pub struct Material {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 1.570_795_5), extend("x-unit" = "rad"))]
     pub friction_angle_rad: Option<f64>,
+    /// What contacts set against rolling and twisting; left out, nothing. Not in a scene with cohesion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling_resistance: Option<RollingResistance>,
     /// c_N: spheres that touch at the start are bonded when both materials have cohesion; the bond
     /// breaks at a tension of c_N min(r)², the weaker material's.
     #[serde(default)]

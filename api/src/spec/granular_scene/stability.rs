@@ -5,7 +5,8 @@
 //! sphere that touches it, and so do facets but for Yade's convention, in which they take twice it.
 //! The critical step of the leapfrog is 2/ω with the highest frequency ω of the scene; here ω² is that of one contact, the larger of K_N/m* along the normal and
 //! K_T (1/m* + Σ r²/I) across it, with 1/m* the sum of the movable bodies' inverse masses and
-//! I = 2/5 m r². A dashpot shortens it, see [`step_with_dashpot`]. Hertz's contacts stiffen with their
+//! I = 2/5 m r²; what resists rolling or twisting with k_r adds k_r Σ 1/I to the latter. A dashpot
+//! shortens it, see [`step_with_dashpot`]. Hertz's contacts stiffen with their
 //! overlap: they are taken at that of an impact at the speed given, or at a least one.
 //!
 //! Source: [CundallStrack1979]; series rule as in Yade.
@@ -204,6 +205,7 @@ impl GranularScene {
             ContactLaw::Linear | ContactLaw::Logarithmic => linear_stiffness(a, b),
             ContactLaw::HertzMindlin => hertz_stiffness(a, b, inverse_mass, speed),
         };
+        let shear_alone = shear;
         let shear = if is_rough {
             shear * (1.0 + SPHERE_ROTATION)
         } else {
@@ -211,11 +213,22 @@ impl GranularScene {
         };
         let [first, second] = [a, b].map(|partner| partner.material.damping_ratios());
         let [along, across] = [0, 1].map(|way: usize| first[way].max(second[way]));
-        let step = |stiffness: f64, ratio: f64| {
-            2.0 / (stiffness * inverse_mass).sqrt() * step_with_dashpot(ratio)
+        let rolling = a.material.rolling().with(&b.material.rolling());
+        let is_resisting = rolling.is_felt();
+        let turning = if is_resisting {
+            let radius = hertz::effective_radius(a.curvature, b.curvature);
+            let turning = [a, b].map(|side| side.inverse_mass * side.curvature * side.curvature);
+            let stiffness = rolling.stiffness_ratio * shear_alone * radius * radius;
+            stiffness * SPHERE_ROTATION * (turning[0] + turning[1])
+        } else {
+            0.0
         };
+        let step =
+            |square: f64, ratio: f64| 2.0 / square.sqrt() * step_with_dashpot(ratio);
         // a dashpot along the normal counts across it too, which is on the safe side
-        step(normal, along).min(step(shear, across.max(along)))
+        let turning_damping = if is_resisting { rolling.damping_ratio } else { 0.0 };
+        let across = across.max(along).max(turning_damping);
+        step(normal * inverse_mass, along).min(step(shear * inverse_mass + turning, across))
     }
 }
 

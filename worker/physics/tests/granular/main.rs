@@ -24,6 +24,8 @@ mod peers;
 mod placing;
 mod refusals;
 mod restitution;
+mod rolling;
+mod rolling_beside_yade;
 mod rotation;
 mod shear_dashpot;
 mod specimens;

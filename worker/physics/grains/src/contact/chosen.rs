@@ -6,7 +6,7 @@ use loadframe_harness::checkpoint::CheckpointError;
 use super::{
     law::{
         Across, Along, Bonded, Coulomb, Followed, Frictionless, Hertz, HertzMindlin, Kept, Law,
-        Linear, Logarithmic, Normal as _, Spring, Viscous,
+        Linear, Logarithmic, Normal as _, Resisting, Spring, Viscous,
     },
     lists::{Lists, PatchLists},
     stiffness::{Side, Springs},
@@ -53,6 +53,13 @@ pub(crate) fn law(spec: &GranularScene) -> Chosen {
     if spec.materials.values().any(Material::is_cohesive) {
         return Chosen::of::<Bonded>();
     }
+    if spec.resists_rolling() {
+        return match spec.laws.contact {
+            ContactLaw::Linear => resisting::<Coulomb<Linear, Kept>>(spec),
+            ContactLaw::Logarithmic => resisting::<Coulomb<Logarithmic, Kept>>(spec),
+            ContactLaw::HertzMindlin => resisting::<HertzMindlin>(spec),
+        };
+    }
     match spec.laws.contact {
         ContactLaw::Linear if normals_follow(spec) => {
             law_for::<Frictionless<Linear>, Coulomb<Linear, Followed>>(spec)
@@ -70,6 +77,16 @@ pub(crate) fn law(spec: &GranularScene) -> Chosen {
 /// velocity.
 fn normals_follow(spec: &GranularScene) -> bool {
     !spec.has_clumps() && spec.facets.is_empty() && spec.driven_bodies().is_empty()
+}
+
+/// The law beside what resists rolling: with all dashpots, some of them idle, or none, so that there are
+/// few laws to compile.
+fn resisting<Rough: Law>(spec: &GranularScene) -> Chosen {
+    if spec.is_viscous().contains(&true) {
+        Chosen::of::<Resisting<Viscous<Viscous<Rough, Across>, Along>>>()
+    } else {
+        Chosen::of::<Resisting<Rough>>()
+    }
 }
 
 /// The law for smooth or that for rough materials, with the dashpots that there are.

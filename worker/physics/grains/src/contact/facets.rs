@@ -180,7 +180,7 @@ impl<F: Law> FacetList<F> {
             before,
             sides.deepest,
             #[inline(always)]
-            |lane: usize, force: [f64; 4], moment: [f64; 4]| {
+            |lane: usize, force: [f64; 4], moment: [f64; 4], resisting: Option<[f64; 4]>| {
                 if touched.touches[lane] == 0.0 {
                     return;
                 }
@@ -200,6 +200,9 @@ impl<F: Law> FacetList<F> {
                     let place = touched.place(&scenery.kinematics.centres[particle], lane);
                     let velocity = pose.turning_velocity(&place);
                     on_mesh[3] += dot(&[force[0], force[1], force[2]], &velocity);
+                    if let Some([x, y, z, _]) = resisting {
+                        on_mesh[3] += dot(&[x, y, z], &pose.spin());
+                    }
                 }
             },
         );
@@ -291,6 +294,19 @@ impl Scenery<'_> {
 }
 
 impl Scenery<'_> {
+    /// Spins of the walls of these facets [rad/s].
+    fn spins(&self, facets: &[u32; LANES]) -> [Array; 3] {
+        let mut spins = [[0.0; LANES]; 3];
+        for (lane, facet) in facets.iter().enumerate() {
+            let mesh = self.facets.facets[*facet as usize].mesh;
+            let spin = self.poses[mesh as usize].spin();
+            for axis in 0..3 {
+                spins[axis][lane] = spin[axis];
+            }
+        }
+        spins
+    }
+
     /// Whether a sphere's centre went through the face of a facet in the last step; the wall has this
     /// velocity there [m/s]. A centre that goes by outside an edge has its normal along the triangle.
     #[cold]
@@ -317,7 +333,7 @@ impl Touched {
 
 impl<F: Law> FacetBlock<F> {
     /// Advances the contacts by a step. Gives `act` the force on the facet and its moment about the
-    /// particle's centre. Returns which lanes touch.
+    /// particle's centre, see [`Push::against_wall`](super::Push). Returns which lanes touch.
     #[inline(always)]
     fn advance<S: Simd>(
         &mut self,
@@ -326,7 +342,7 @@ impl<F: Law> FacetBlock<F> {
         touched: &Touched,
         before: Before<'_>,
         deepest: &mut Deepest,
-        mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
+        mut act: impl FnMut(usize, [f64; 4], [f64; 4], Option<[f64; 4]>),
     ) -> u8 {
         let kinematics = scenery.kinematics;
         let none = Lanes::splat(simd, 0.0);
@@ -366,6 +382,10 @@ impl<F: Law> FacetBlock<F> {
                     let velocity = relative.scaled(approach) - spin.scaled(arm).cross(normal);
                     slip.velocity = velocity - normal.scaled(velocity.dot(normal));
                     slip.spins = spin;
+                    if F::RESISTS_ROLLING {
+                        let wall = scenery.spins(&self.ends.facets);
+                        slip.rolling = Vectors::load(simd, &wall, part) - spin;
+                    }
                 }
             }
             let push = self

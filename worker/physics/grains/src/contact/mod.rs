@@ -124,6 +124,9 @@ pub(crate) struct Push<S: Simd> {
     pub(crate) limit: Lanes<S>,
     /// Of the spring [m]: δ, or the change of a bond's overlap.
     pub(crate) compression: Lanes<S>,
+    /// On b of what resists rolling and twisting [N m], where there is any such thing; of no meaning
+    /// where the contact does not act.
+    pub(crate) moment: Option<Vectors<S>>,
     pub(crate) acts: S::m64s,
 }
 
@@ -169,6 +172,8 @@ pub(crate) struct Slip<S: Simd> {
     pub(crate) spins: Vectors<S>,
     /// n₀, for a law that does not keep it.
     pub(crate) last_normal: Vectors<S>,
+    /// Spin of b less that of a, for a law that resists rolling [rad/s].
+    pub(crate) rolling: Vectors<S>,
 }
 
 impl<S: Simd> Slip<S> {
@@ -180,6 +185,7 @@ impl<S: Simd> Slip<S> {
             velocity: Vectors::zero(simd),
             spins: Vectors::zero(simd),
             last_normal: Vectors::zero(simd),
+            rolling: Vectors::zero(simd),
         }
     }
 }
@@ -200,7 +206,8 @@ impl<S: Simd> Push<S> {
     }
 
     /// Gives `act` what a part of a block of spheres at walls does, lane by lane: the force on the
-    /// wall and its moment about the centre of the sphere of this radius (G.2).
+    /// wall and its moment about the centre of the sphere of this radius (G.2), and what resists
+    /// rolling, which is in that moment.
     #[inline(always)]
     fn against_wall(
         &self,
@@ -208,7 +215,7 @@ impl<S: Simd> Push<S> {
         part: usize,
         touch: &Touch<S>,
         radius: Lanes<S>,
-        act: &mut impl FnMut(usize, [f64; 4], [f64; 4]),
+        act: &mut impl FnMut(usize, [f64; 4], [f64; 4], Option<[f64; 4]>),
     ) {
         let none = Lanes::splat(simd, 0.0);
         let arm = radius - Lanes::splat(simd, 0.5) * touch.overlap;
@@ -216,20 +223,30 @@ impl<S: Simd> Push<S> {
             vector: touch.normal.scaled(self.normal) + self.shear,
             fourth: none,
         };
-        let moment = Gathered {
-            vector: touch.normal.cross(self.shear).scaled(arm),
-            fourth: none,
+        let moment = touch.normal.cross(self.shear).scaled(arm);
+        let with = |vector: Vectors<S>| {
+            let gathered = Gathered {
+                vector,
+                fourth: none,
+            };
+            gathered.masked(simd, self.acts)
         };
-        let columns = [
-            force.masked(simd, self.acts),
-            moment.masked(simd, self.acts),
-        ];
-        scatter(
-            simd,
-            columns,
-            part,
-            #[inline(always)]
-            |lane, [force, moment]| act(lane, force, moment),
-        );
+        let force = force.masked(simd, self.acts);
+        match self.moment {
+            None => scatter(
+                simd,
+                [force, with(moment)],
+                part,
+                #[inline(always)]
+                |lane, [force, moment]| act(lane, force, moment, None),
+            ),
+            Some(resisting) => scatter(
+                simd,
+                [force, with(moment + resisting), with(resisting)],
+                part,
+                #[inline(always)]
+                |lane, [force, moment, resisting]| act(lane, force, moment, Some(resisting)),
+            ),
+        }
     }
 }

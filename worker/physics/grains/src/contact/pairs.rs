@@ -98,12 +98,12 @@ impl<F: Law> PairList<F> {
                 before,
                 deepest,
                 #[inline(always)]
-                |lane: usize, force: [f64; 4], torque: [f64; 4]| {
+                |lane: usize, force: [f64; 4], torque: [f64; 4], moment: Option<[f64; 4]>| {
                     let (a, b) = (a[lane] as usize - first, b[lane] as usize - first);
                     wrenches.forces[a].subtract(force);
                     wrenches.forces[b].add(force);
                     if F::IS_ROUGH {
-                        let [on_a, on_b] = moments(force, torque);
+                        let [on_a, on_b] = moments(force, torque, moment);
                         wrenches.torques[a].subtract(on_a);
                         wrenches.torques[b].subtract(on_b);
                     }
@@ -137,13 +137,13 @@ impl<F: Law> PairList<F> {
                 before,
                 deepest,
                 #[inline(always)]
-                |lane: usize, force: [f64; 4], torque: [f64; 4]| {
+                |lane: usize, force: [f64; 4], torque: [f64; 4], moment: Option<[f64; 4]>| {
                     let a = a[lane] as usize - first;
                     wrenches.forces[a].subtract(force);
                     let place = places[lane] as usize;
                     halo.forces[place].add(force);
                     if F::IS_ROUGH {
-                        let [on_a, on_b] = moments(force, torque);
+                        let [on_a, on_b] = moments(force, torque, moment);
                         wrenches.torques[a].subtract(on_a);
                         halo.torques[place].subtract(on_b);
                     }
@@ -173,21 +173,28 @@ impl<F: Law> PairList<F> {
     }
 }
 
-/// Moments (r − δ/2) n × F about both centres; the arms ride in the fourth numbers.
+/// Moments (r − δ/2) n × F about both centres, the arms riding in the fourth numbers, and on b less what
+/// resists rolling, on a with it.
 #[inline(always)]
-fn moments(force: [f64; 4], torque: [f64; 4]) -> [[f64; 4]; 2] {
+fn moments(force: [f64; 4], torque: [f64; 4], resisting: Option<[f64; 4]>) -> [[f64; 4]; 2] {
     let [arm_a, arm_b] = [force[3], torque[3]];
     let (mut on_a, mut on_b) = (torque, torque);
     for axis in 0..4 {
         on_a[axis] *= arm_a;
         on_b[axis] *= arm_b;
     }
+    if let Some(moment) = resisting {
+        for axis in 0..4 {
+            on_a[axis] += moment[axis];
+            on_b[axis] -= moment[axis];
+        }
+    }
     [on_a, on_b]
 }
 
 impl<F: Law> PairBlock<F> {
-    /// Advances the contacts by a step. Gives `act` the force F on b with arm of a, and n × F with
-    /// the arm of b, for every lane of a part in which something touches, or touched in the
+    /// Advances the contacts by a step. Gives `act` the force F on b with arm of a, n × F with the arm
+    /// of b, and the moment on b of what resists rolling, for every lane of a part in which something touches, or touched in the
     /// last step; zero where nothing does. Returns which lanes touch.
     #[inline(always)]
     fn advance<S: Simd>(
@@ -196,7 +203,7 @@ impl<F: Law> PairBlock<F> {
         kinematics: Kinematics<'_>,
         before: Before<'_>,
         deepest: &mut Deepest,
-        mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
+        mut act: impl FnMut(usize, [f64; 4], [f64; 4], Option<[f64; 4]>),
     ) -> u8 {
         let mut touching = 0;
         for part in 0..LANES / S::F64_LANES {
@@ -217,7 +224,7 @@ impl<F: Law> PairBlock<F> {
                     // friction takes 6 to 8 % longer
                     let lanes = part * S::F64_LANES..(part + 1) * S::F64_LANES;
                     for lane in lanes {
-                        act(lane, [0.0; 4], [0.0; 4]);
+                        act(lane, [0.0; 4], [0.0; 4], None);
                     }
                 }
                 continue;
@@ -246,6 +253,9 @@ impl<F: Law> PairBlock<F> {
                     let velocity = relative.scaled(reach * inverse) - branches.cross(normal);
                     slip.velocity = velocity - normal.scaled(velocity.dot(normal));
                     slip.spins = spins[0] + spins[1];
+                    if F::RESISTS_ROLLING {
+                        slip.rolling = spins[1] - spins[0];
+                    }
                     if F::FOLLOWS_NORMALS {
                         let way = relative.scaled(Lanes::splat(simd, kinematics.last_step));
                         slip.last_normal = direction(simd, between - way, inverse);
@@ -268,17 +278,28 @@ impl<F: Law> PairBlock<F> {
                 fourth: b.fourth - half,
             };
             // a lane that does not act holds numbers without meaning, perhaps not even finite
-            let columns = [
-                force.masked(simd, push.acts),
-                torque.masked(simd, push.acts),
-            ];
-            scatter(
-                simd,
-                columns,
-                part,
-                #[inline(always)]
-                |lane, [force, torque]| act(lane, force, torque),
-            );
+            let force = force.masked(simd, push.acts);
+            let torque = torque.masked(simd, push.acts);
+            match push.moment {
+                None => scatter(
+                    simd,
+                    [force, torque],
+                    part,
+                    #[inline(always)]
+                    |lane, [force, torque]| act(lane, force, torque, None),
+                ),
+                Some(vector) => {
+                    let fourth = Lanes::splat(simd, 0.0);
+                    let moment = Gathered { vector, fourth }.masked(simd, push.acts);
+                    scatter(
+                        simd,
+                        [force, torque, moment],
+                        part,
+                        #[inline(always)]
+                        |lane, [force, torque, moment]| act(lane, force, torque, Some(moment)),
+                    );
+                }
+            }
         }
         touching
     }

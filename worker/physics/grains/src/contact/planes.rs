@@ -73,7 +73,7 @@ impl<F: Law> WallList<F> {
                 before,
                 deepest,
                 #[inline(always)]
-                |lane: usize, force: [f64; 4], moment: [f64; 4]| {
+                |lane: usize, force: [f64; 4], moment: [f64; 4], _: Option<[f64; 4]>| {
                     let particle = particles[lane] as usize - first;
                     wrenches.forces[particle].subtract(force);
                     if F::IS_ROUGH {
@@ -119,7 +119,7 @@ impl<F: Law> WallList<F> {
 
 impl<F: Law> WallBlock<F> {
     /// Advances the contacts by a step. Gives `act` the force on the plane and its moment about the
-    /// particle's centre. Returns which lanes touch.
+    /// particle's centre, see [`Push::against_wall`](super::Push). Returns which lanes touch.
     #[inline(always)]
     fn advance<S: Simd>(
         &mut self,
@@ -128,7 +128,7 @@ impl<F: Law> WallBlock<F> {
         kinematics: Kinematics<'_>,
         before: Before<'_>,
         deepest: &mut Deepest,
-        mut act: impl FnMut(usize, [f64; 4], [f64; 4]),
+        mut act: impl FnMut(usize, [f64; 4], [f64; 4], Option<[f64; 4]>),
     ) -> u8 {
         let normal = Vectors::splat(simd, face.normal());
         let none = Lanes::splat(simd, 0.0);
@@ -173,6 +173,9 @@ impl<F: Law> WallBlock<F> {
                     slip.velocity = velocity - normal.scaled(velocity.dot(normal));
                     slip.spins = spin;
                     slip.last_normal = normal;
+                    if F::RESISTS_ROLLING {
+                        slip.rolling = Vectors::zero(simd) - spin;
+                    }
                 }
             }
             let push = self

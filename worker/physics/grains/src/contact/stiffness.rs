@@ -1,5 +1,9 @@
 //! What two bodies bring to a contact: materials, radii, masses.
-use loadframe_api::spec::granular_scene::{Material, hertz::Solid, step_with_dashpot};
+use loadframe_api::spec::granular_scene::{
+    Material, RollingResistance,
+    hertz::{self, Solid},
+    step_with_dashpot,
+};
 
 /// A material as contacts see it.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +21,7 @@ pub(crate) struct Surface {
     cohesion: [f64; 2],
     /// β of the dashpots along and across the normal.
     damping_ratios: [f64; 2],
+    rolling: RollingResistance,
 }
 
 /// A body at a contact.
@@ -41,7 +46,22 @@ pub(crate) struct Springs {
     pub(crate) friction: f64,
     /// c_N and c_T [N s/m] beside linear springs.
     pub(crate) dashpots: [f64; 2],
+    pub(crate) resistance: Resistance,
 }
+
+/// What a contact sets against rolling and twisting, in this order; where nothing is asked for, 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Resistance {
+    /// k_r and k_t [N m] beside linear springs.
+    pub(crate) stiffness: [f64; 2],
+    /// μ_r R and μ_t R [m].
+    pub(crate) reach: [f64; 2],
+    /// c_r and c_t [N m s] beside linear springs.
+    pub(crate) dashpots: [f64; 2],
+}
+
+/// Inertia over m r² of a sphere that rolls about the place of contact, and of one that twists.
+const TURNING: [f64; 2] = [1.4, 0.4];
 
 /// What two spheres that stick set against motion across the normal, over m*: with I = 2/5 m r² a
 /// force there moves the point of contact by 1/m* (1 + 5/2).
@@ -57,6 +77,7 @@ impl Surface {
             friction: material.friction_angle().tan(),
             cohesion: [material.normal_cohesion_pa, material.shear_cohesion_pa],
             damping_ratios: material.damping_ratios(),
+            rolling: material.rolling(),
         }
     }
 
@@ -71,6 +92,16 @@ impl Surface {
     /// k_N of two spheres of this material with radius r [m].
     pub(crate) fn half_stiffness(&self, radius: f64) -> f64 {
         self.youngs_modulus * radius
+    }
+
+    /// What the stiffest of its contacts that may turn sets against turning, over the stiffness that one
+    /// has along the normal, at most.
+    pub(crate) fn turning_bound(&self) -> f64 {
+        if self.rolling.is_felt() {
+            1.0 + self.rolling.stiffness_ratio * self.stiffness_ratio.max(1.0)
+        } else {
+            1.0
+        }
     }
 
     /// A critical step of one contact without dashpots [s], shortened by those of this surface:
@@ -109,6 +140,33 @@ impl Side {
     /// tan φ of the smoother surface.
     pub(super) fn friction_with(&self, other: &Self) -> f64 {
         self.surface.friction.min(other.surface.friction)
+    }
+
+    /// What the two set against rolling and twisting beside a shear spring [N/m].
+    pub(super) fn resistance_with(&self, other: &Self, shear: f64) -> Resistance {
+        let rolling = self.surface.rolling.with(&other.surface.rolling);
+        if !rolling.is_felt() {
+            return Resistance::default();
+        }
+        let radius = hertz::effective_radius(self.curvature(), other.curvature());
+        let stiffness = rolling.stiffness_ratio * shear * radius * radius;
+        let turning = [self, other].map(|side| side.inverse_mass * side.curvature().powi(2));
+        let turning = turning[0] + turning[1];
+        let frictions = [rolling.rolling_friction, rolling.twisting_friction];
+        // what has no limit above 0 has no spring either
+        let springs = frictions.map(|friction| if friction > 0.0 { stiffness } else { 0.0 });
+        Resistance {
+            stiffness: springs,
+            reach: frictions.map(|friction| friction * radius),
+            dashpots: [0, 1].map(|way: usize| {
+                if rolling.damping_ratio > 0.0 && turning > 0.0 {
+                    let inertia = TURNING[way] / turning;
+                    2.0 * rolling.damping_ratio * (inertia * springs[way]).sqrt()
+                } else {
+                    0.0
+                }
+            }),
+        }
     }
 
     /// 2 β √(m* k_N) and 2 β_T √(2/7 m* k_T) [N s/m] of the surface that damps more, beside springs of

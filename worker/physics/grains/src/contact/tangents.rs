@@ -112,7 +112,10 @@ impl Tangent<'_> {
 mod tests {
     #![allow(clippy::float_cmp, reason = "these numbers are moved, not computed")]
     use super::*;
-    use crate::contact::law::{Coulomb, Followed, Frictionless, Linear};
+    use crate::contact::{
+        law::{Coulomb, Followed, Frictionless, Linear},
+        stiffness::Resistance,
+    };
 
     type Rough = Coulomb<Linear, Followed>;
 
@@ -123,6 +126,7 @@ mod tests {
             ratio,
             friction: 0.5,
             dashpots: [0.0; 2],
+            resistance: Resistance::default(),
         };
         let mut tangents = Tangents::default();
         tangents.set::<Rough>(0, 0, &springs(0.3));

@@ -113,36 +113,36 @@ where
     simd.deinterleave_shfl_f64s(bytemuck::cast::<_, [S::f64s; 4]>(fetched))
 }
 
-/// Gives `each` the row of every contact in the part, in the order of contacts whatever the width.
+/// Gives `each` the rows of every contact in the part, in the order of contacts whatever the width.
 #[inline(always)]
-pub(crate) fn scatter<S: Simd>(
+pub(crate) fn scatter<S: Simd, const C: usize>(
     simd: S,
-    columns: [Gathered<S>; 2],
+    columns: [Gathered<S>; C],
     part: usize,
-    mut each: impl FnMut(usize, [[f64; 4]; 2]),
+    mut each: impl FnMut(usize, [[f64; 4]; C]),
 ) {
     match S::F64_LANES {
-        8 => hand_out::<S, 8>(simd, columns, part, &mut each),
-        4 => hand_out::<S, 4>(simd, columns, part, &mut each),
-        2 => hand_out::<S, 2>(simd, columns, part, &mut each),
-        _ => hand_out::<S, 1>(simd, columns, part, &mut each),
+        8 => hand_out::<S, 8, C>(simd, columns, part, &mut each),
+        4 => hand_out::<S, 4, C>(simd, columns, part, &mut each),
+        2 => hand_out::<S, 2, C>(simd, columns, part, &mut each),
+        _ => hand_out::<S, 1, C>(simd, columns, part, &mut each),
     }
 }
 
 #[inline(always)]
-fn hand_out<S: Simd, const N: usize>(
+fn hand_out<S: Simd, const N: usize, const C: usize>(
     simd: S,
-    columns: [Gathered<S>; 2],
+    columns: [Gathered<S>; C],
     part: usize,
-    each: &mut impl FnMut(usize, [[f64; 4]; 2]),
+    each: &mut impl FnMut(usize, [[f64; 4]; C]),
 ) where
     [[f64; 4]; N]: Pod,
 {
-    let first: [[f64; 4]; N] = bytemuck::cast(simd.interleave_shfl_f64s(columns[0].values()));
-    let second: [[f64; 4]; N] = bytemuck::cast(simd.interleave_shfl_f64s(columns[1].values()));
+    let columns: [[[f64; 4]; N]; C] =
+        columns.map(|column| bytemuck::cast(simd.interleave_shfl_f64s(column.values())));
     for lane in 0..N {
         let slot = place(N, lane);
-        each(part * N + lane, [first[slot], second[slot]]);
+        each(part * N + lane, columns.map(|column| column[slot]));
     }
 }
 

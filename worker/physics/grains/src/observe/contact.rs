@@ -36,9 +36,15 @@ pub(crate) struct Contact {
     pub(crate) stiffness: [f64; 2],
     /// c_N and c_T of the dashpots [N s/m].
     pub(crate) dashpots: [f64; 2],
+    /// Of the springs against rolling and twisting, on b [N m].
+    pub(crate) moment: Vector,
+    /// k_r and k_t [N m].
+    pub(crate) turning_stiffness: [f64; 2],
+    /// c_r and c_t [N m s].
+    pub(crate) turning_dashpots: [f64; 2],
     /// Of the normal spring [m]; negative where a bond is stretched.
     pub(crate) compression: f64,
-    /// In both springs [J].
+    /// In all springs [J].
     pub(crate) energy: f64,
     /// Whether an intact bond holds the bodies together.
     pub(crate) is_bonded: bool,
@@ -122,8 +128,11 @@ impl Engine {
             shear_force: forces.shear,
             stiffness: forces.stiffness,
             dashpots: forces.dashpots,
+            moment: forces.rolling + forces.twisting * normal,
+            turning_stiffness: forces.turning_stiffness,
+            turning_dashpots: forces.turning_dashpots,
             compression: forces.compression,
-            energy: (self.law.energy)(&sprung, elastic.norm_squared()) + forces.shear_energy(),
+            energy: (self.law.energy)(&sprung, elastic.norm_squared()) + forces.tangential_energy(),
             is_bonded: forces.is_bonded,
         }
     }
@@ -152,6 +161,7 @@ impl Contact {
             normal: -self.normal,
             normal_force: -self.normal_force,
             shear_force: -self.shear_force,
+            moment: -self.moment,
             ..self
         }
     }

@@ -20,10 +20,15 @@
 //! with ω_b² that of (G.10), (G.11) beside a wall that stands, and the largest ω_p² of all plates
 //! along an axis that they follow. With one body it is exact.
 //!
+//! What resists rolling and twisting adds k_r (1 − n_i²) + k_t n_i² to the rows of (G.11), over 1/I and with
+//! √(I/I') for √(m/m'); divided by the square of the smaller radius it is bounded as if it were
+//! k_T.
+//!
 //! With dashpots, whose damping matrix over the masses has the bound D, built from them as ω² is from
 //! the springs, the step must satisfy ω² Δt² + 4 D Δt < 4 (G.19), since the velocity that damps is
 //! carried on from those of half a step and of one and a half ago (see
-//! [`viscous`](crate::contact::law)).
+//! [`viscous`](crate::contact::law)). Dashpots against rolling use the spin of half a step ago as it is:
+//! ω² Δt² + 2 D Δt < 4, so that they count half.
 use loadframe_api::spec::granular_scene::{Body, GranularScene};
 use serde::{Deserialize, Serialize};
 
@@ -87,6 +92,12 @@ impl Rows {
             self.about[axis] += shear * (1.0 - square);
             self.damped[0][axis] += normal_dashpot * square + shear_dashpot * (1.0 - square);
             self.damped[1][axis] += shear_dashpot * (1.0 - square);
+            let across = factor / contact.radius.powi(2) * (1.0 - square);
+            let along = factor / contact.radius.powi(2) * square;
+            let [rolling, twisting] = contact.turning_stiffness;
+            self.about[axis] += across * rolling + along * twisting;
+            let [rolling, twisting] = contact.turning_dashpots;
+            self.damped[1][axis] += 0.5 * (across * rolling + along * twisting);
         }
         if contact.stiffness[0] > self.stiffest.0 {
             self.stiffest = (contact.stiffness[0], partner);
@@ -317,7 +328,7 @@ impl Engine {
                     is_flat: false,
                     inverse_mass: 1.0 / clump.mass,
                 };
-                let stiffness = (self.law.foreseen)(&own, speed);
+                let stiffness = surface.turning_bound() * (self.law.foreseen)(&own, speed);
                 let freedom = own.inverse_mass + clump.turning_by(offset, radius) + plate;
                 let step = 2.0 / (stiffness * freedom).sqrt();
                 surface.damped_step(step, clump.mass * freedom)

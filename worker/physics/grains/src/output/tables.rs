@@ -50,6 +50,9 @@ const CONTACT_COLUMNS: [&str; 14] = [
     "bonded",
 ];
 
+/// Moment of the springs against rolling and twisting on the second body, where there are any.
+const MOMENT_COLUMNS: [&str; 3] = ["m_x_n_m", "m_y_n_m", "m_z_n_m"];
+
 /// A row of the curve. Unknown readings are left at 0.
 pub(crate) fn curve_row(
     spec: &GranularScene,
@@ -184,8 +187,13 @@ impl Clump {
     }
 }
 
-/// Adds the rows of these contacts to `table`.
-pub(crate) fn contact_rows(step: u64, contacts: &[Contact], table: &mut Vec<f64>) {
+/// Adds the rows of these contacts to `table`, with moments where the scene resists rolling.
+pub(crate) fn contact_rows(
+    step: u64,
+    contacts: &[Contact],
+    has_moments: bool,
+    table: &mut Vec<f64>,
+) {
     for contact in contacts {
         table.extend([
             step as f64,
@@ -197,6 +205,9 @@ pub(crate) fn contact_rows(step: u64, contacts: &[Contact], table: &mut Vec<f64>
             table.extend(vector.iter());
         }
         table.push(f64::from(u8::from(contact.is_bonded)));
+        if has_moments {
+            table.extend(contact.moment.iter());
+        }
     }
 }
 
@@ -220,12 +231,11 @@ pub(crate) fn write(
     }
     breaks::write(journal, recorder)?;
     if spec.record.contacts {
-        write_table(
-            recorder,
-            "contacts.csv",
-            &CONTACT_COLUMNS,
-            &journal.contacts,
-        )?;
+        let mut columns = CONTACT_COLUMNS.to_vec();
+        if spec.resists_rolling() {
+            columns.extend(MOMENT_COLUMNS);
+        }
+        write_table(recorder, "contacts.csv", &columns, &journal.contacts)?;
     }
     Ok(())
 }

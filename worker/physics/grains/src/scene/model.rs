@@ -26,9 +26,9 @@ pub(crate) struct Model {
     pub(crate) surfaces: Vec<Surface>,
     /// The same as the spec has them.
     pub(crate) first_surfaces: Vec<Surface>,
-    /// Whether anything has friction or cohesion.
+    /// Whether anything has friction, cohesion or resistance to rolling.
     pub(crate) is_rough: bool,
-    /// Whether contacts have dashpots.
+    /// Whether contacts have dashpots, or may have them beside what resists rolling.
     pub(crate) is_viscous: bool,
     /// Whether a bond rests where it is made, and not where its spheres just touch.
     pub(crate) bonds_rest_as_made: bool,
@@ -100,14 +100,16 @@ impl Model {
                 motion: WallMotion::default(),
             },
         });
-        let rough = |material: &Material| material.friction_angle() > 0.0 || material.is_cohesive();
+        let rough = |material: &Material| {
+            material.friction_angle() > 0.0 || material.is_cohesive() || material.rolling().is_felt()
+        };
         let first_box = first_box(spec, specimen);
         let surfaces: Vec<Surface> = spec.materials.values().map(Surface::new).collect();
         Self {
             surfaces: surfaces.clone(),
             first_surfaces: surfaces,
             is_rough: spec.materials.values().any(rough),
-            is_viscous: spec.is_viscous().contains(&true),
+            is_viscous: spec.is_viscous().contains(&true) || spec.resists_rolling(),
             bonds_rest_as_made: spec.laws.bond_rest_length == BondRestLength::Initial,
             gravity: Vector::from(spec.gravity_m_per_s2),
             damping: spec.local_damping(),

@@ -198,7 +198,8 @@ impl Runner<'_> {
         let step = self.engine.state.step;
         if self.spec.record.contacts && step > 0 {
             put_in_order(contacts);
-            tables::contact_rows(step, contacts, &mut self.journal.contacts);
+            let has_moments = self.spec.resists_rolling();
+            tables::contact_rows(step, contacts, has_moments, &mut self.journal.contacts);
         }
         Ok(())
     }

@@ -44,7 +44,11 @@ pub(crate) struct Alone {
     pub(crate) bodies: [u32; 2],
     constant: f64,
     shear_ratio: f64,
+    /// k_T, and the larger of k_r and k_t over the square of the smaller radius, over k_T.
+    turning_ratio: f64,
     dashpots: [f64; 2],
+    /// The larger of c_r and c_t over the square of the smaller radius, half of it [N s/m].
+    turning_dashpot: f64,
     /// The smaller one [m].
     radius: f64,
     /// 1/m and 1/m + r²/I, with the terms of the other body [1/kg].
@@ -134,10 +138,12 @@ impl Alone {
         let [normal, shear] = (law.tangents)(&spring);
         let scale = (law.dashpot)(&spring);
         let [normal_dashpot, shear_dashpot] = self.dashpots.map(|dashpot| scale * dashpot);
+        let turning = shear * self.turning_ratio;
+        let turning_dashpot = shear_dashpot + scale * self.turning_dashpot;
         let [along, about] = self.mobility;
         critical_step(
-            (normal.max(shear) * along).max(shear * about),
-            (normal_dashpot.max(shear_dashpot) * along).max(shear_dashpot * about),
+            (normal.max(shear) * along).max(turning * about),
+            (normal_dashpot.max(shear_dashpot) * along).max(turning_dashpot * about),
         )
     }
 }
@@ -179,6 +185,10 @@ impl<'a> Candidates<'a> {
             Other::Wall(wall) => (own.along >= *wall, own.at_wall(*wall)),
         };
         let is_rough = f64::from(u8::from(self.model.is_rough));
+        let larger = |[rolling, twisting]: [f64; 2]| rolling.max(twisting);
+        let turning = larger(springs.resistance.stiffness);
+        let dashpot = larger(springs.resistance.dashpots);
+        let square = radius * radius;
         let alone = Alone {
             bodies: if is_first {
                 bodies
@@ -187,7 +197,9 @@ impl<'a> Candidates<'a> {
             },
             constant: springs.normal,
             shear_ratio: is_rough * springs.ratio,
+            turning_ratio: 1.0 + turning / (springs.normal * springs.ratio * square),
             dashpots: [springs.dashpots[0], is_rough * springs.dashpots[1]],
+            turning_dashpot: 0.5 * dashpot / square,
             radius,
             mobility,
         };

@@ -94,6 +94,7 @@ impl Law for Bonded {
             limit,
             compression,
             acts,
+            moment: None,
         }
     }
 

@@ -110,6 +110,7 @@ impl<N: Normal, M: Normals> Law for Coulomb<N, M> {
             limit,
             compression: touch.overlap,
             acts: touch.is_touching,
+            moment: None,
         }
     }
 

@@ -35,6 +35,7 @@ impl<N: Normal> Law for Frictionless<N> {
             limit: Lanes::splat(simd, 0.0),
             compression: touch.overlap,
             acts: touch.is_touching,
+            moment: None,
         }
     }
 

@@ -50,6 +50,7 @@ impl Normal for Hertz {
             ratio: 6.0 * shear_modulus / modulus,
             friction: a.friction_with(b),
             dashpots: [DASHPOT * along, across],
+            resistance: a.resistance_with(b, stiffness[1]),
         }
     }
 
@@ -126,6 +127,7 @@ impl Law for HertzMindlin {
             limit,
             compression: touch.overlap,
             acts: touch.is_touching,
+            moment: None,
         }
     }
 

@@ -5,7 +5,8 @@
 //! last step, [`Kept`] or [`Followed`]), [`HertzMindlin`] the overlap it
 //! belongs to as well, [`Bonded`] holds together until it breaks. Each stands on a spring along the
 //! [`normal`]: [`Linear`], [`Logarithmic`] or [`Hertz`]. [`Viscous`] is a dashpot beside any of them,
-//! [`Along`] the normal or, beside those with friction, [`Across`].
+//! [`Along`] the normal or, beside those with friction, [`Across`]. Around all of these stands what is
+//! [`Resisting`] rolling and twisting.
 mod bonded;
 mod coulomb;
 mod frictionless;
@@ -13,6 +14,7 @@ mod hertz;
 mod logarithmic;
 pub(crate) mod normal;
 mod normals;
+mod resisting;
 mod viscous;
 
 use std::fmt::Debug;
@@ -30,6 +32,7 @@ pub(crate) use hertz::{Hertz, HertzMindlin};
 pub(crate) use logarithmic::Logarithmic;
 pub(crate) use normal::{Linear, Normal, Spring};
 pub(crate) use normals::{Followed, Kept, Normals, direction};
+pub(crate) use resisting::Resisting;
 pub(crate) use viscous::{Across, Along, Viscous};
 
 /// What a contact remembers.
@@ -41,6 +44,9 @@ pub(crate) struct Past {
     pub(crate) shear: Vector,
     /// √δ that the shear force belongs to, where that matters [√m].
     pub(crate) root: f64,
+    /// Moments on b of what resists rolling, and of twisting along the normal [N m].
+    pub(crate) rolling: Vector,
+    pub(crate) twisting: f64,
     /// The bond between the bodies, also after it broke.
     pub(crate) bond: Bond,
     /// v_N in the middle of the last step [m/s], where a dashpot works along the normal.
@@ -64,6 +70,13 @@ pub(crate) struct ContactForces {
     pub(crate) stiffness: [f64; 2],
     /// c_N and c_T of the dashpots [N s/m].
     pub(crate) dashpots: [f64; 2],
+    /// Moments on b of the springs against rolling and, along the normal, twisting [N m].
+    pub(crate) rolling: Vector,
+    pub(crate) twisting: f64,
+    /// k_r and k_t [N m].
+    pub(crate) turning_stiffness: [f64; 2],
+    /// c_r and c_t [N m s].
+    pub(crate) turning_dashpots: [f64; 2],
     /// Compression of the spring [m], negative where a bond is stretched.
     pub(crate) compression: f64,
     /// Whether an intact bond holds the bodies together.
@@ -112,6 +125,9 @@ pub(crate) trait Law:
     /// Whether velocities matter.
     const FEELS_SPEED: bool = Self::IS_ROUGH;
 
+    /// Whether the difference of spins matters.
+    const RESISTS_ROLLING: bool = false;
+
     /// Lanes in which something may act, given those that touch.
     #[inline(always)]
     fn acting<S: Simd>(&self, _simd: S, _part: usize, touching: S::m64s) -> S::m64s {
@@ -150,14 +166,21 @@ impl ContactForces {
         }
     }
 
-    /// In the shear spring [J].
-    pub(crate) fn shear_energy(&self) -> f64 {
-        let stiffness = self.stiffness[1];
-        if stiffness > 0.0 {
-            0.5 * self.spring_shear.norm_squared() / stiffness
-        } else {
-            0.0
-        }
+    /// In the springs across the normal and against rolling and twisting [J].
+    pub(crate) fn tangential_energy(&self) -> f64 {
+        let [rolling, twisting] = self.turning_stiffness;
+        in_spring(self.spring_shear.norm_squared(), self.stiffness[1])
+            + in_spring(self.rolling.norm_squared(), rolling)
+            + in_spring(self.twisting.powi(2), twisting)
+    }
+}
+
+/// Energy [J] of a spring, given the square of its load.
+fn in_spring(square: f64, stiffness: f64) -> f64 {
+    if stiffness > 0.0 {
+        0.5 * square / stiffness
+    } else {
+        0.0
     }
 }
 
@@ -167,6 +190,7 @@ impl Past {
         Self {
             normal: -self.normal,
             shear: -self.shear,
+            rolling: -self.rolling,
             slip: self.slip.map(|slip| -slip),
             ..*self
         }
@@ -176,7 +200,10 @@ impl Past {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::lanes::{Array, LANES, Lanes, Vectors};
+    use crate::{
+        contact::stiffness::Resistance,
+        numbers::lanes::{Array, LANES, Lanes, Vectors},
+    };
     use pulp::{Arch, Scalar, WithSimd};
 
     /// Some steps of one block of contacts, all different; the last step in bits.
@@ -195,6 +222,11 @@ mod tests {
                     ratio: 0.3,
                     friction: 0.5,
                     dashpots: [7.0, 3.0],
+                    resistance: Resistance {
+                        stiffness: [2.0, 5.0],
+                        reach: [1e-3, 2e-3],
+                        dashpots: [1e-4, 2e-4],
+                    },
                 };
                 let past = Past {
                     normal: Vector::new(0.0, 0.6, 0.8),
@@ -227,20 +259,22 @@ mod tests {
                         velocity: Vectors::load(simd, &[row(5), row(6), row(7)], part),
                         spins: Vectors::load(simd, &[row(8), row(9), row(10)], part),
                         last_normal: Vectors::load(simd, &[row(11), row(12), row(13)], part),
+                        rolling: Vectors::load(simd, &[row(14), row(15), row(16)], part),
                     };
                     let push = self.0.advance(simd, part, touch, slip, 1e-5);
                     let nothing = Vectors::zero(simd);
-                    let mut out = [[0.0; LANES]; 5];
+                    let mut out = [[0.0; LANES]; 8];
                     let force = push.normal.only_if(push.acts, nothing.x);
                     force.store(&mut out[0], part);
                     let compression = push.compression.only_if(push.acts, nothing.x);
                     compression.store(&mut out[4], part);
-                    for (column, shear) in
-                        out[1..4]
-                            .iter_mut()
-                            .zip([push.shear.x, push.shear.y, push.shear.z])
-                    {
-                        shear.store(column, part);
+                    let moment = push.moment.unwrap_or(nothing);
+                    let moment = moment.only_if(push.acts, nothing);
+                    for (first, vector) in [(1, push.shear), (5, moment)] {
+                        let components = [vector.x, vector.y, vector.z];
+                        for (column, component) in out[first..].iter_mut().zip(components) {
+                            component.store(column, part);
+                        }
                     }
                     let lanes = part * S::F64_LANES..(part + 1) * S::F64_LANES;
                     bits.extend(lanes.flat_map(|lane| out.map(|column| column[lane].to_bits())));
@@ -274,5 +308,7 @@ mod tests {
         assert_same_bits::<Viscous<Frictionless<Hertz>, Along>>();
         assert_same_bits::<Viscous<Coulomb<Linear, Followed>, Across>>();
         assert_same_bits::<Viscous<Viscous<HertzMindlin, Across>, Along>>();
+        assert_same_bits::<Resisting<Coulomb<Linear, Kept>>>();
+        assert_same_bits::<Resisting<Viscous<Viscous<HertzMindlin, Across>, Along>>>();
     }
 }

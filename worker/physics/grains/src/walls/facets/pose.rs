@@ -26,6 +26,11 @@ impl Pose {
         (self.spin, self.pivot) = (spin, pivot);
     }
 
+    /// ω [rad/s].
+    pub(crate) fn spin(&self) -> Point {
+        self.spin
+    }
+
     /// Whether it turns now.
     pub(crate) fn is_turning(&self) -> bool {
         self.spin.iter().any(|part| part.abs() > 0.0)
