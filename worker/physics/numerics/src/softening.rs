@@ -1,16 +1,18 @@
-//! Equations whose matrix lost a few parts since it was factored.
+//! Equations whose matrix lost a few parts since it was factored, or got some back.
 //!
 //! A network that breaks part by part has, after every break, the matrix
 //!
-//! K' = K - B C Bᵀ,  B = [b₁ … b_m],  C = diag(c₁ … c_m) > 0
+//! K' = K - B C Bᵀ,  B = [b₁ … b_m],  C = diag(c₁ … c_m)
 //!
-//! and K alone has a factor. With Z = K⁻¹ B and W = √C the inverse is (Woodbury 1950; Hager,
-//! SIAM Review 31, 1989, equation 2)
+//! and K alone has a factor; c is below 0 of what came back. With Z = K⁻¹ B, W = √|C| and S the signs of C
+//! the inverse is (Woodbury 1950; Hager, SIAM Review 31, 1989, equation 2)
 //!
-//! K'⁻¹ f = K⁻¹ f + Z W (1 - W BᵀZ W)⁻¹ W Bᵀ K⁻¹ f
+//! K'⁻¹ f = K⁻¹ f + Z W (S - W BᵀZ W)⁻¹ W Bᵀ K⁻¹ f
 //!
-//! and 1 - W BᵀZ W is positive definite just as long as K' is. Its Cholesky factor grows by a row with
-//! every part, so that a part costs one solution with K and a pass over what was taken before.
+//! As long as every matrix on the way to K' is positive definite, S - W BᵀZ W = L S Lᵀ with a lower
+//! triangle L, without pivoting: each pivot is that of a part beside all before it, and has its sign. L
+//! grows by a row with every part, so that a part costs one solution with K and a pass over what was taken
+//! before.
 
 /// K without the parts that were taken from it; `len` columns of the size of K.
 #[derive(Debug, Clone)]
@@ -19,11 +21,12 @@ pub struct Softening {
     /// Entries of all columns b, one after the other, and where each column ends.
     entries: Vec<(u32, f64)>,
     ends: Vec<usize>,
-    /// √c of each column.
+    /// √|c| of each column, and the sign of c.
     roots: Vec<f64>,
+    signs: Vec<f64>,
     /// Z, column by column.
     solved: Vec<f64>,
-    /// Rows of the lower Cholesky factor of 1 - W BᵀZ W, one after the other: 1, 2, 3 ... long.
+    /// Rows of L, one after the other: 1, 2, 3 ... long.
     factor: Vec<f64>,
     right: Vec<f64>,
 }
@@ -49,6 +52,7 @@ impl Softening {
             entries: Vec::new(),
             ends: Vec::new(),
             roots: Vec::new(),
+            signs: Vec::new(),
             solved: Vec::new(),
             factor: Vec::new(),
             right: vec![0.0; size],
@@ -72,12 +76,13 @@ impl Softening {
         self.entries.clear();
         self.ends.clear();
         self.roots.clear();
+        self.signs.clear();
         self.solved.clear();
         self.factor.clear();
     }
 
-    /// Takes c b bᵀ away, `b` by its entries; `solve(right, solution)` is that of K. Gives the
-    /// part's pivot: 1 where it does not matter.
+    /// Takes c b bᵀ away, or gives it back where c is below 0, `b` by its entries; `solve(right, solution)`
+    /// is that of K. Gives the part's pivot: 1 where it does not matter, and more for what is given back.
     ///
     /// # Errors
     /// [`Singular`] when what is left would not be positive definite; then nothing is taken.
@@ -96,8 +101,8 @@ impl Softening {
         let solution = &mut self.solved[count * self.size..];
         solve(&self.right, solution);
 
-        let root = coefficient.sqrt();
-        let own = 1.0 - coefficient * sparse_dot(entries, solution);
+        let (root, sign) = (coefficient.abs().sqrt(), coefficient.signum());
+        let own = sign - coefficient.abs() * sparse_dot(entries, solution);
         let first = self.factor.len();
         for other in 0..count {
             let column = &self.entries[self.start(other)..self.ends[other]];
@@ -105,15 +110,14 @@ impl Softening {
             let mut value = -self.roots[other] * root * sparse_dot(column, solution);
             let row = row_start(other);
             for place in 0..other {
-                value -= self.factor[row + place] * self.factor[first + place];
+                value -= self.signs[place] * self.factor[row + place] * self.factor[first + place];
             }
-            self.factor.push(value / self.factor[row + other]);
+            self.factor
+                .push(self.signs[other] * value / self.factor[row + other]);
         }
-        let pivot = own
-            - self.factor[first..]
-                .iter()
-                .map(|value| value * value)
-                .sum::<f64>();
+        let known = self.factor[first..].iter().zip(&self.signs);
+        let known: f64 = known.map(|(value, sign)| sign * (value * value)).sum();
+        let pivot = sign * (own - known);
         if pivot.is_nan() || pivot < LEAST_PIVOT {
             self.factor.truncate(first);
             self.solved.truncate(count * self.size);
@@ -123,6 +127,7 @@ impl Softening {
         self.entries.extend_from_slice(entries);
         self.ends.push(self.entries.len());
         self.roots.push(root);
+        self.signs.push(sign);
         Ok(pivot)
     }
 
@@ -138,6 +143,9 @@ impl Softening {
                 value -= self.factor[row + place] * weight;
             }
             weights.push(value / self.factor[row + part]);
+        }
+        for (weight, sign) in weights.iter_mut().zip(&self.signs) {
+            *weight *= sign;
         }
         for part in (0..count).rev() {
             let weight = weights[part] / self.factor[row_start(part) + part];
@@ -215,6 +223,27 @@ mod tests {
         for (value, stiffness) in solution.iter().zip(stiffness) {
             at += 2.0 / stiffness;
             assert!((value - at).abs() < 1e-11, "{value} {at}");
+        }
+    }
+
+    #[test]
+    fn what_is_given_back_is_there_again() {
+        let size = 5;
+        let mut softening = Softening::new(size);
+        // all but a millionth of spring 1 (stiffness 2), then half of spring 3 (4), then twice what was
+        // taken of spring 1 is given back, and a little of spring 3 is taken again
+        for (place, coefficient) in [(1, 2.0 - 2e-6), (3, 2.0), (1, -4.0), (3, 0.5)] {
+            let entries = [(place, 1.0), (place - 1, -1.0)];
+            let pivot = softening.take(&entries, coefficient, chain(size));
+            assert_eq!(pivot.unwrap() > 1.0, coefficient < 0.0);
+        }
+        let mut solution = vec![0.0; size];
+        chain(size)(&[0.0, 0.0, 0.0, 0.0, 3.0], &mut solution);
+        softening.correct(&mut solution);
+        let mut at = 0.0;
+        for (value, stiffness) in solution.iter().zip([1.0, 4.0 + 2e-6, 3.0, 1.5, 5.0]) {
+            at += 3.0 / stiffness;
+            assert!((value - at).abs() < 1e-8, "{value} {at}");
         }
     }
 
