@@ -1,10 +1,11 @@
 """Tables of the bent section of a composite."""
 
 import copy
+import json
 from pathlib import Path
 
-from measuring import example, run
-from words import Table, digits, percent
+from measuring import ROOT, example, loadframe, run
+from words import Table, digits, percent, seconds
 
 GRIDS = [10, 25, 50, 100, 200]
 FINEST = 400
@@ -80,7 +81,96 @@ def paper(folder: Path) -> list[list[str]]:
     return rows
 
 
+# ── what exactness costs ────────────────────────────────────────────────────────────────────────────
+
+
+def study(job: dict, folder: Path, *knobs: str) -> dict:
+    """An accuracy study of a section: errors and times at every setting of each knob."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    spec = folder.with_suffix(".json")
+    spec.write_text(json.dumps(job))
+    varied = [argument for knob in knobs for argument in ("--knob", knob)]
+    loadframe("study", "accuracy", spec, "--out", folder, "--seeds", 1, *varied)
+    return json.loads((folder / "accuracy.json").read_text())
+
+
+def without_grid(job: dict) -> dict:
+    """The grid left to the preset."""
+    job["spec"].pop("grid", None)
+    return job
+
+
+def slanted() -> dict:
+    """Six thin fibres at 45°, which every grid cuts in another way."""
+    job = json.loads((ROOT / "tests" / "composite" / "cases" / "slanted_45_top.json").read_text())
+    return {"kind": "composite_bending", "name": job["name"], "spec": job["spec"]}
+
+
+SECTIONS = {
+    "fibres along x": lambda: body(0, 10), "fibres along y": lambda: body(90, 10), "fibres at 45°": slanted,
+    "cross-ply on rollers": lambda: example("composite_bending_three_point"),
+}
+DEFLECTIONS = ["mean_top_deflection", "mean_bottom_deflection"]
+
+
+def largest(errors: dict) -> str:
+    """The largest error of what the section is tested for."""
+    names = DEFLECTIONS if DEFLECTIONS[0] in errors else ["flexural_modulus"]
+    return percent(max(abs(errors[name]["mean"]) for name in names))
+
+
+def measure_presets(folder: Path) -> dict:
+    found = [study(without_grid(job()), folder / f"section_{place}", "preset") for place, job in enumerate(SECTIONS.values())]
+    return {"commit": found[0]["engine_commit"]}
+
+
+def presets(folder: Path) -> list[list[str]]:
+    rows = [["`accuracy`", *(head for name in SECTIONS for head in (name, "time"))]]
+    all_found = [json.loads((folder / f"section_{place}" / "accuracy.json").read_text())["knobs"][0]["rows"] for place in range(len(SECTIONS))]
+    for preset in ("draft", "standard", "reference"):
+        row = [f"`{preset}`"]
+        for found in all_found:
+            here = next(one for one in found if one["value"] == preset)
+            row += [largest(here["errors"]), seconds(here["cpu_s"])]
+        rows.append(row)
+    return rows
+
+
+def in_motion() -> dict:
+    job = body(0, 50)
+    for material, density in (("filler", 1200), ("fibre", 1800)):
+        job["spec"]["materials"][material]["density_kg_per_m3"] = density
+    job["spec"]["test"]["history"] = {"duration_s": 2e-3}
+    job["spec"]["accuracy"] = {"solver": "verlet"}
+    return job
+
+
+KNOBS = {
+    "cells": "cells in those of 50 by 50", "lattice": "lattice", "solver": "solver", "geometry": "geometry",
+    "time_step": "time step in the automatic one",
+}
+
+
+def measure_knobs(folder: Path) -> dict:
+    found = study(body(0, 50), folder / "at_rest", "cells=0.2,0.5,1,2,4", "lattice", "solver", "geometry")
+    study(in_motion(), folder / "in_motion", "time_step=1,0.5,0.25")
+    return {"commit": found["engine_commit"]}
+
+
+def knobs(folder: Path) -> list[list[str]]:
+    rows = [["knob", "value", "mean deflection of the top", "of the bottom", "natural frequency", "processor time"]]
+    for part, names in (("at_rest", [*DEFLECTIONS, None]), ("in_motion", [None, None, "natural_frequency"])):
+        for knob in json.loads((folder / part / "accuracy.json").read_text())["knobs"]:
+            for number, row in enumerate(knob["rows"]):
+                errors = [row["errors"].get(name) if name else None for name in names]
+                cells = ["against it" if name and row["is_reference"] else percent(error["mean"]) if error else "" for name, error in zip(names, errors)]
+                rows.append([KNOBS[knob["knob"]] if number == 0 else "", row["value"].replace("_", " "), *cells, seconds(row["cpu_s"])])
+    return rows
+
+
 TABLES = {
+    "composite_presets": Table("2 min of processor time", measure_presets, presets),
+    "composite_knobs": Table("2 min of processor time", measure_knobs, knobs),
     "composite_convergence": Table("1 min of processor time", measure_convergence, convergence),
     "composite_paper": Table("1 min of processor time", measure_paper, paper),
 }

@@ -34,7 +34,7 @@ macro_rules! list_of_kinds {
                 "Composite bending",
                 "A section of fibres or plies in a matrix is held and loaded, bent on rollers, pulled or sheared: deflections, moduli, stresses.",
                 ["composite_bending", "composite_bending_three_point", "composite_bending_paper",
-                    "composite_bending_break", "composite_bending_delaminate"];
+                    "composite_bending_break", "composite_bending_delaminate", "composite_bending_peel"];
             CompositeCell("composite_cell"): spec::composite_cell::CompositeCell,
                 "Composite cell",
                 "Fibres in a matrix, seen along them: the elastic constants of the composite, beside the bounds that theory sets.",

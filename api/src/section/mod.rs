@@ -2,11 +2,13 @@
 //! taken, and what the engine builds on.
 //!
 //! [`material`] turns elastic constants into plane [`stiffness`]; [`fibre`] makes bands of fibres as
-//! [`polygon`]s and finds those that overlap; [`lines`] are those of particles, [`error`] says what is wrong.
+//! [`polygon`]s and finds those that overlap; [`lines`] are those of particles, [`solving`]
+//! says by which way their equations are solved, [`error`] what is wrong.
 pub mod error;
 pub mod fibre;
 pub mod lines;
 pub mod material;
 pub mod polygon;
+pub mod solving;
 pub mod stiffness;
 pub mod strength;

@@ -115,25 +115,31 @@ impl accuracy::Knobs for Knobs {
 const PER_FIBRE: u32 = 2;
 
 impl Accuracy {
-    /// The grid of square cells for a section of the given sides, where none is given.
+    /// The grid for a section of the given sides, where none is given.
     pub(super) fn grid(&self, sides_mm: [f64; 2]) -> Grid {
-        let preset = match self {
-            Self::Preset(preset) => *preset,
-            Self::Knobs(_) => Preset::Standard,
-        };
-        // through the shorter side, and along the longer one
-        let [shorter, longer] = match preset {
-            Preset::Draft => [8.0, 50.0],
-            Preset::Standard => [16.0, 200.0],
-            Preset::Reference => [32.0, 400.0],
-        };
-        let short = sides_mm[0].min(sides_mm[1]);
-        let long = sides_mm[0].max(sides_mm[1]);
-        let cell = (short / shorter).min(long / longer);
-        Grid {
-            cells: sides_mm.map(|side| ((side / cell).round().clamp(1.0, 32_768.0)) as u32),
-            equal_cells: false,
-            graded_cells_per_fibre: Some(PER_FIBRE),
+        match self {
+            Self::Preset(preset) => preset_grid(*preset, sides_mm),
+            Self::Knobs(_) => preset_grid(Preset::Standard, sides_mm),
         }
+    }
+}
+
+/// The grid that a preset stands for, of square cells away from fibres, plies and corners.
+///
+/// How wrong each is, the guide's table `composite_presets` says.
+pub(super) fn preset_grid(preset: Preset, sides_mm: [f64; 2]) -> Grid {
+    // through the shorter side, and along the longer one
+    let [shorter, longer] = match preset {
+        Preset::Draft => [8.0, 50.0],
+        Preset::Standard => [16.0, 200.0],
+        Preset::Reference => [32.0, 300.0],
+    };
+    let short = sides_mm[0].min(sides_mm[1]);
+    let long = sides_mm[0].max(sides_mm[1]);
+    let cell = (short / shorter).min(long / longer);
+    Grid {
+        cells: sides_mm.map(|side| ((side / cell).round().clamp(1.0, 32_768.0)) as u32),
+        equal_cells: false,
+        graded_cells_per_fibre: Some(PER_FIBRE),
     }
 }

@@ -6,6 +6,7 @@
 //! swings far longer than a stout one.
 use super::lines::Laid;
 use super::{CompositeBending, Geometry, Material, Solver, Way};
+use crate::section::solving::is_factored;
 use crate::{Calibration, Estimate};
 
 /// One particle in a solution of the equations of 10 000 particles, and the power of the number of
@@ -39,8 +40,6 @@ const AT_ROLLERS: f64 = 4.0;
 const PROCESS_MB: f64 = 20.0;
 const FACTORED_MB: f64 = 2.8e-3;
 const ITERATED_MB: f64 = 0.9e-3;
-/// More particles than this are solved without a factor.
-const MOST_FACTORED: f64 = 300_000.0;
 /// The picture and the faces, per particle [MB].
 const DISK_MB: f64 = 180e-6;
 /// Reading the spec and writing the files [s].
@@ -96,15 +95,25 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
         expected.min(breaking.max_events as f64)
     });
     let work = on_grids + particles * (to_rest + EVENT * events);
-    let most = laid.iter().map(particles_of).fold(0.0, f64::max);
-    let of_particle = if most > MOST_FACTORED {
-        ITERATED_MB
-    } else {
-        FACTORED_MB
+    let memory_of = |laid: &Laid| {
+        let particles = particles_of(laid);
+        let is_stretched = is_bent && laid.is_graded;
+        let stretch = if is_stretched {
+            f64::INFINITY
+        } else {
+            laid.stretch
+        };
+        let of_particle = if is_factored(particles as u64, stretch) {
+            FACTORED_MB
+        } else {
+            ITERATED_MB
+        };
+        particles * of_particle
     };
+    let most_mb = laid.iter().map(memory_of).fold(0.0, f64::max);
     Estimate {
         wall_s: START_S + work / calibration.bond_evaluations_per_s,
-        memory_mb: PROCESS_MB + most * of_particle,
+        memory_mb: PROCESS_MB + most_mb,
         disk_mb: if spec.output.picture {
             particles * DISK_MB
         } else {

@@ -2,13 +2,14 @@
 use super::{Axis, CompositeBending, Grid, Grips, Lattice, Solver, Support, SupportWord, Way};
 use crate::section::fibre::{Band, Fibre};
 use crate::section::lines::{Fine, Towards, even_lines, fitted_lines, graded_lines, pass_through};
+use crate::section::solving::stretch;
 
 /// Lines are not laid through the faces of more fibres and plies than these, only to count particles.
 const MOST_COUNTED: usize = 500;
 
 /// Cells of the largest grid whose cells shrink towards corners: some 2.3 times as many are then left
 /// below what is solved by a factor.
-const MOST_SHRUNK: u64 = 100_000;
+const MOST_SHRUNK: u64 = 400_000;
 
 impl CompositeBending {
     /// Whether the cells of a graded grid shrink towards corners at which strains grow without bound:
@@ -86,6 +87,7 @@ impl CompositeBending {
                 .map(|pair| pair[1] - pair[0])
                 .fold(f64::INFINITY, f64::min),
             is_graded: grid.graded_cells_per_fibre.is_some(),
+            stretch: stretch([&lines[0], &lines[1]]),
         }
     }
 
@@ -176,6 +178,8 @@ pub(super) struct Laid {
     /// The smallest side of a cell [mm].
     pub(super) smallest_mm: f64,
     pub(super) is_graded: bool,
+    /// Of its cells, see [`stretch`].
+    pub(super) stretch: f64,
 }
 
 impl Laid {

@@ -24,8 +24,9 @@ use serde::{Deserialize, Serialize};
 pub use accuracy::{Accuracy, Geometry, Grid, Knobs, Solver};
 pub use material::{Interface, Isotropic, Limit, Material, Orthotropic, Strength};
 pub use test::{
-    Axis, Breaking, Control, Criterion, Driven, Face, Flexure, Grips, History, HistoryLoad, Load,
-    LoadPlace, Patch, Scatter, Shear, Support, SupportWord, Supports, Tension, Test, Way,
+    Axis, Breaking, Control, Criterion, DoubleCantilever, Driven, Face, Flexure, Grips, History,
+    HistoryLoad, Load, LoadPlace, Patch, Scatter, Shear, Support, SupportWord, Supports, Tension,
+    Test, Way,
 };
 
 /// A virtual test of a composite's section.

@@ -1,8 +1,10 @@
 //! What an accuracy study varies in a test of a section.
+use super::accuracy::preset_grid;
 use super::estimate;
 use super::{
     BondStiffness, CompositeBending, Exact, Geometry, Grid, Knobs, Lattice, Paper, Solver,
 };
+use crate::accuracy::Preset;
 use crate::spec_trait::Studied;
 use crate::study::Knob;
 
@@ -31,13 +33,24 @@ const COMPARED: [&str; 14] = [
 impl Studied for CompositeBending {
     fn knobs(&self) -> Vec<Knob> {
         let accuracy = self.accuracy.knobs();
-        let mut knobs = vec![Knob::new(
+        let mut knobs = Vec::new();
+        if matches!(self.lattice, Lattice::Exact(_)) {
+            knobs.push(Knob::new(
+                "preset",
+                "the grid of a preset: draft, standard, reference, or finest with twice the cells of reference \
+                 along both sides and through every fibre and ply",
+                preset_word(self),
+                &["draft", "standard", "reference"],
+                "finest",
+            ));
+        }
+        knobs.push(Knob::new(
             "cells",
             "cells along both sides in those of the spec, a number above 0",
             1,
             &CELLS,
             FINEST,
-        )];
+        ));
         if self.plies.is_empty() && self.grid().graded_cells_per_fibre.is_none() {
             knobs.push(Knob::new(
                 "lattice",
@@ -89,15 +102,20 @@ impl Studied for CompositeBending {
 
     fn turn(&mut self, knob: &str, value: &str) -> Option<()> {
         match knob {
+            "preset" => {
+                let sides = [self.section.length_mm, self.section.height_mm];
+                let finest = || times(preset_grid(Preset::Reference, sides), 2.0);
+                let named = PRESETS.into_iter().find(|(name, _)| *name == value);
+                self.grid = Some(match (named, value) {
+                    (Some((_, preset)), _) => preset_grid(preset, sides),
+                    (None, "finest") => finest(),
+                    (None, GIVEN) => self.grid(),
+                    _ => return None,
+                });
+            }
             "cells" => {
                 let factor: f64 = value.parse().ok().filter(|factor| *factor > 0.0)?;
-                let grid = self.grid();
-                let scaled = |count: u32| (f64::from(count) * factor).round().max(1.0) as u32;
-                self.grid = Some(Grid {
-                    cells: grid.cells.map(scaled),
-                    equal_cells: grid.equal_cells,
-                    graded_cells_per_fibre: grid.graded_cells_per_fibre.map(scaled),
-                });
+                self.grid = Some(times(self.grid(), factor));
             }
             "lattice" => {
                 let paper = |stiffness| {
@@ -163,6 +181,35 @@ impl Studied for CompositeBending {
 /// Whether particles move in time steps.
 fn moves(spec: &CompositeBending) -> bool {
     spec.test.history.is_some() || spec.accuracy.knobs().solver != Solver::Static
+}
+
+/// Says that a spec's grid is none of a preset.
+const GIVEN: &str = "given";
+
+const PRESETS: [(&str, Preset); 3] = [
+    ("draft", Preset::Draft),
+    ("standard", Preset::Standard),
+    ("reference", Preset::Reference),
+];
+
+/// The preset whose grid a spec has.
+fn preset_word(spec: &CompositeBending) -> &'static str {
+    let sides = [spec.section.length_mm, spec.section.height_mm];
+    let is_its = |(_, preset): &(&str, Preset)| preset_grid(*preset, sides) == spec.grid();
+    PRESETS
+        .into_iter()
+        .find(is_its)
+        .map_or(GIVEN, |(name, _)| name)
+}
+
+/// A grid with a multiple of its cells along both sides and through every fibre and ply.
+fn times(grid: Grid, factor: f64) -> Grid {
+    let scaled = |count: u32| (f64::from(count) * factor).round().max(1.0) as u32;
+    Grid {
+        cells: grid.cells.map(scaled),
+        equal_cells: grid.equal_cells,
+        graded_cells_per_fibre: grid.graded_cells_per_fibre.map(scaled),
+    }
 }
 
 fn is_bent(spec: &CompositeBending) -> bool {

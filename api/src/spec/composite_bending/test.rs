@@ -24,6 +24,11 @@ pub struct Test {
     /// Short-beam shear: three-point flexure with a short span, evaluated as ISO 14130 words it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub short_beam: Option<Flexure>,
+    /// A double cantilever: the arms of a split laminate are pulled apart at their left ends, evaluated
+    /// as ASTM D5528 and ISO 15024 word it. Needs `breaking` and one of `delaminations` that begins at the
+    /// left end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub double_cantilever: Option<DoubleCantilever>,
     /// A pull along x, for the effective Young's modulus and Poisson ratio.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tension: Option<Tension>,
@@ -247,6 +252,16 @@ pub struct Flexure {
     pub force_n: Option<f64>,
 }
 
+/// A split laminate whose arms are pulled apart, each at a hinge in the middle of its left end. The right
+/// end is kept from turning in the middle of its height, which bears nothing where the arms are alike.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DoubleCantilever {
+    /// By how much the hinges part.
+    #[schemars(range(min = 1e-12, max = 1e6), extend("x-unit" = "mm"))]
+    pub opening_mm: f64,
+}
+
 /// A pull along x.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -284,6 +299,7 @@ pub enum Way<'a> {
     ThreePoint(&'a Flexure),
     FourPoint(&'a Flexure),
     ShortBeam(&'a Flexure),
+    DoubleCantilever(&'a DoubleCantilever),
     Tension(&'a Tension),
     Shear(&'a Shear),
 }
@@ -370,6 +386,9 @@ impl Test {
             self.short_beam
                 .as_ref()
                 .map(|test| ("short_beam", Way::ShortBeam(test))),
+            self.double_cantilever
+                .as_ref()
+                .map(|test| ("double_cantilever", Way::DoubleCantilever(test))),
             self.tension
                 .as_ref()
                 .map(|test| ("tension", Way::Tension(test))),
@@ -394,7 +413,7 @@ impl<'a> Way<'a> {
             Self::ThreePoint(flexure) => Some(("three_point", flexure)),
             Self::FourPoint(flexure) => Some(("four_point", flexure)),
             Self::ShortBeam(flexure) => Some(("short_beam", flexure)),
-            Self::Held(_) | Self::Tension(_) | Self::Shear(_) => None,
+            Self::Held(_) | Self::DoubleCantilever(_) | Self::Tension(_) | Self::Shear(_) => None,
         }
     }
 }

@@ -165,6 +165,20 @@ impl Supports {
             .collect()
     }
 
+    /// By how much what is held moves apart along an axis, what stands still counted with it; along the axis
+    /// where that is more [mm]. Of one face that is moved it is its way, of two that part the sum of theirs.
+    #[must_use]
+    pub fn reach_mm(&self) -> f64 {
+        let mut between = [[0.0_f64; 2]; 2];
+        for (displacement, value) in self.prescribed.iter().enumerate() {
+            let [low, high] = &mut between[displacement % 2];
+            let value = value.unwrap_or(0.0);
+            (*low, *high) = (low.min(value), high.max(value));
+        }
+        let [x, y] = between.map(|[low, high]| high - low);
+        x.max(y)
+    }
+
     /// Whether the section could move as a whole.
     ///
     /// The three rigid motions, measured at what is held, must be independent: the determinant of

@@ -250,6 +250,27 @@ mod tests {
     }
 
     #[test]
+    fn what_is_given_back_is_there_again() {
+        let size = 5;
+        let mut softening = Softening::new(size);
+        // all but a millionth of spring 1 (stiffness 2), then half of spring 3 (4), then twice what was
+        // taken of spring 1 is given back, and a little of spring 3 is taken again
+        for (place, coefficient) in [(1, 2.0 - 2e-6), (3, 2.0), (1, -4.0), (3, 0.5)] {
+            let entries = [(place, 1.0), (place - 1, -1.0)];
+            let pivot = softening.take(&entries, coefficient, chain(size));
+            assert_eq!(pivot.unwrap() > 1.0, coefficient < 0.0);
+        }
+        let mut solution = vec![0.0; size];
+        chain(size)(&[0.0, 0.0, 0.0, 0.0, 3.0], &mut solution);
+        softening.correct(&mut solution);
+        let mut at = 0.0;
+        for (value, stiffness) in solution.iter().zip([1.0, 4.0 + 2e-6, 3.0, 1.5, 5.0]) {
+            at += 3.0 / stiffness;
+            assert!((value - at).abs() < 1e-8, "{value} {at}");
+        }
+    }
+
+    #[test]
     fn the_last_hold_is_not_taken() {
         let size = 4;
         let mut softening = Softening::new(size);

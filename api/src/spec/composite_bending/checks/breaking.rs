@@ -1,7 +1,9 @@
 //! What can break, and in which tests.
 use super::LISTED;
 use super::materials::escaped;
-use crate::spec::composite_bending::{CompositeBending, Geometry, Lattice, Solver, Way};
+use crate::spec::composite_bending::{
+    CompositeBending, Delamination, Geometry, Lattice, Solver, Way,
+};
 use crate::{Violation, Violations};
 
 pub(super) fn check_breaking(spec: &CompositeBending, violations: &mut Violations) {
@@ -99,6 +101,7 @@ fn check_delaminations(spec: &CompositeBending, violations: &mut Violations) {
             .allowed("with breaking in the test and a ply_interface"),
         );
     }
+    check_overlap(spec, violations);
     let length = spec.section.length_mm;
     for (index, open) in spec.delaminations.iter().enumerate().take(LISTED) {
         let pointer = |field: &str| format!("/delaminations/{index}/{field}");
@@ -129,6 +132,59 @@ fn check_delaminations(spec: &CompositeBending, violations: &mut Violations) {
                 .unit("mm"),
             );
         }
+    }
+}
+
+/// The first stretch of a face that is open twice.
+fn check_overlap(spec: &CompositeBending, violations: &mut Violations) {
+    let mut order: Vec<usize> = (0..spec.delaminations.len()).collect();
+    let of = |index: usize| &spec.delaminations[index];
+    order.sort_by(|&a, &b| {
+        let by_face = of(a).above_ply.cmp(&of(b).above_ply);
+        by_face.then(of(a).from_mm.total_cmp(&of(b).from_mm))
+    });
+    let overlapping = order.windows(2).find(|pair| {
+        let [first, second] = [of(pair[0]), of(pair[1])];
+        first.above_ply == second.above_ply && second.from_mm < first.to_mm
+    });
+    if let Some(&[first, second]) = overlapping {
+        violations.push(
+            Violation::new(
+                format!("/delaminations/{second}/from_mm"),
+                "overlap",
+                format!("it overlaps delamination {first} (counted from 0) of the same face"),
+            )
+            .value(of(second).from_mm)
+            .allowed(format!("≥ to_mm = {} of that one", of(first).to_mm))
+            .unit("mm"),
+        );
+    }
+}
+
+/// A double cantilever, whose arms end where they are apart from the start.
+pub(super) fn check_split(spec: &CompositeBending, violations: &mut Violations) {
+    if spec.test.breaking.is_none() {
+        violations.push(
+            Violation::new(
+                "/test/double_cantilever",
+                "not_allowed",
+                "it tells at which energy plies come apart, and nothing breaks",
+            )
+            .allowed("with breaking in the test and a ply_interface"),
+        );
+    }
+    let begin = |open: &&Delamination| open.from_mm <= 0.0;
+    let arms = spec.delaminations.iter().filter(begin).count();
+    if arms != 1 {
+        violations.push(
+            Violation::new(
+                "/delaminations",
+                "not_split",
+                "the arms that are pulled apart are those of a delamination that begins at the left end",
+            )
+            .value(arms)
+            .allowed("exactly one with from_mm 0"),
+        );
     }
 }
 

@@ -116,7 +116,7 @@ fn check_test(spec: &CompositeBending, violations: &mut Violations) {
                 .value(given)
                 .allowed(
                     "exactly one of: supports (with load), three_point, four_point, short_beam, \
-                     tension, shear",
+                     double_cantilever, tension, shear",
                 ),
         );
         return;
@@ -126,6 +126,7 @@ fn check_test(spec: &CompositeBending, violations: &mut Violations) {
         Way::ThreePoint(flexure) => flexure::check_flexure(spec, name, flexure, 1, violations),
         Way::ShortBeam(flexure) => flexure::check_flexure(spec, name, flexure, 1, violations),
         Way::FourPoint(flexure) => flexure::check_flexure(spec, name, flexure, 2, violations),
+        Way::DoubleCantilever(_) => breaking::check_split(spec, violations),
         Way::Tension(tension) => check_strain(name, tension.strain, violations),
         Way::Shear(shear) => check_strain(name, shear.strain, violations),
     }

@@ -1,7 +1,7 @@
 //! What rollers did to a bent specimen, and its results.
 use serde::{Deserialize, Serialize};
 
-use super::results::Measured;
+use super::measured::Measured;
 use crate::flexure::FlexureResult;
 
 /// What rollers did to a bent specimen.

@@ -4,15 +4,14 @@
 //! anew as it breaks ([`Pressed`]).
 use loadframe_api::spec::composite_bending as spec;
 use loadframe_api::spec::composite_bending::Breaking as Given;
-use serde::{Deserialize, Serialize};
 
-use super::model::{Model, drive};
-use super::results::Tested;
-use super::{Halt, Progress, Watch};
+use super::model::{Model, drive, nearest};
+use super::progress::{CracksState, Progress};
+use super::tested::{Broken, Look, Tested};
+use super::watch::{Halt, Watch};
 use crate::breaking::{
-    Advance, BetweenPlies, Breaking, BreakingOptions, BreakingState, Control, EndReason, Event,
-    Machine, MaterialStrength, NO_MATERIAL, OpenFace, Pressed, Scatter, ScatterLaw, Specimen, Stop,
-    Totals, opened_lattice,
+    Advance, BetweenPlies, Breaking, BreakingOptions, Control, Event, Machine, MaterialStrength,
+    NO_MATERIAL, OpenFace, Pressed, Scatter, ScatterLaw, Specimen, Stop, opened_lattice,
 };
 use crate::error::CompositeError;
 use crate::flexure::{Flexure, FlexureResult};
@@ -21,38 +20,6 @@ use crate::material::hubers_shear_modulus;
 use crate::solve::{StaticOptions, equilibrium};
 use crate::strength::{Criterion, Strength};
 use crate::supports::{Face, Supports};
-
-/// How far breaking is.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct CracksState {
-    state: BreakingState,
-    events: Vec<Event>,
-    peak: Option<Look>,
-}
-
-/// A section at one moment of its breaking.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Look {
-    /// Way of the drive [mm], and its force [N].
-    pub(super) displacement_mm: f64,
-    pub(super) force_n: f64,
-    pub(super) displacements_mm: Vec<f64>,
-    /// Lost part of every cell's stiffness.
-    pub(super) damage: Vec<f64>,
-    /// σ_xx, σ_yy and σ_xy of every cell [MPa].
-    pub(super) stresses_mpa: Vec<[f64; 3]>,
-}
-
-/// What breaking has come to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Broken {
-    pub(super) events: Vec<Event>,
-    pub(super) reason: EndReason,
-    pub(super) totals: Totals,
-    /// At the largest force and at the end; none where nothing broke.
-    pub(super) peak: Option<Look>,
-    pub(super) end: Option<Look>,
-}
 
 /// Events between two looks at whether to go on.
 const LOOK: u64 = 20;
@@ -179,17 +146,13 @@ fn frozen(
             load[vertical] = reactions[vertical];
         }
     }
-    let nearest = |at: f64| {
-        let lines = grid.x_mm().iter().enumerate();
-        let nearest = lines.min_by(|a, b| (a.1 - at).abs().total_cmp(&(b.1 - at).abs()));
-        nearest.map_or(0, |(line, _)| line)
-    };
     let (kept, _) = flexure.kept(&model.section, &model.lattice)?;
     let mut supports = kept.clone();
     let (resting, pressing) = flexure.rollers(&model.section);
     let row = (grid.rows() / 2).max(1);
     for roller in resting {
-        supports.hold(grid, grid.particle(nearest(roller.at_mm), row), 1, 0.0)?;
+        let line = nearest(grid.x_mm(), roller.at_mm);
+        supports.hold(grid, grid.particle(line, row), 1, 0.0)?;
     }
     Ok(Begun {
         supports,

@@ -5,7 +5,7 @@ use loadframe_api::{ErrorBasis, ErrorPart};
 use serde::{Deserialize, Serialize};
 
 use super::comparison::Comparison;
-use super::results::Measured;
+use super::measured::Measured;
 
 /// Results by name.
 pub(super) type Values = Vec<(String, f64)>;

@@ -1,9 +1,10 @@
 //! Values read off a section that broke.
 use loadframe_api::spec::composite_bending::Way;
 
-use super::cracks::Broken;
+use super::measured::Measured;
 use super::model::Model;
-use super::results::Measured;
+use super::split;
+use super::tested::Broken;
 use crate::breaking::{EndReason, Event};
 
 /// N mm in J.
@@ -60,7 +61,7 @@ pub(super) fn measure(model: &Model<'_>, broken: &Broken) -> Vec<Measured> {
         "mm",
         "Way of what is driven at the largest force, along the force; of rollers with what all dent.",
     );
-    strengths(model, force, &mut add);
+    strengths(model, broken, force, &mut add);
     let first = broken.events.first();
     let of_first = |value: fn(&Event) -> f64| first.map_or(f64::NAN, value);
     add(
@@ -137,6 +138,7 @@ pub(super) fn measure(model: &Model<'_>, broken: &Broken) -> Vec<Measured> {
 /// Strengths as the standards word them, from the largest force.
 fn strengths(
     model: &Model<'_>,
+    broken: &Broken,
     force: f64,
     add: &mut impl FnMut(&'static str, f64, &'static str, &'static str),
 ) {
@@ -159,6 +161,34 @@ fn strengths(
                 "MPa",
                 "Stress of the outer fibre at midspan under the largest force by the standard's formula, as \
                  of one material.",
+            );
+        }
+    } else if matches!(way, Some(Way::DoubleCantilever(_))) {
+        if let Some(peeled) = split::peeled(model, broken) {
+            add(
+                "release_rate",
+                peeled.release_rate,
+                "N/mm",
+                "Energy that the arms release per area while the crack grows, by the theory of beams from \
+                 force and opening: G_I where the arms are alike.",
+            );
+            add(
+                "energy_per_crack_area",
+                peeled.energy_per_area,
+                "N/mm",
+                "Energy that the crack took per area while it grew.",
+            );
+            add(
+                "beam_stiffness",
+                peeled.beam_stiffness,
+                "N/mm",
+                "Force over opening of two cantilevers as long as the first crack, by the theory of beams.",
+            );
+            add(
+                "crack_length",
+                peeled.crack_length_mm,
+                "mm",
+                "Length of the crack at the end whose beams are as soft.",
             );
         }
     } else if matches!(way, Some(Way::Tension(_))) {
@@ -219,11 +249,22 @@ pub(super) fn warnings(broken: &Broken) -> Vec<(&'static str, String)> {
             "cracks_overlap",
             format!(
                 "in {} cells the faces of a crack are pressed into each other, by up to {:.2e} mm and by {:.0} % \
-                 of the volume of all cracks, which nothing hinders here: in compression the section is \
-                 stronger than it is told",
+                 of the volume of all cracks: which faces meet was not found, and in compression the section \
+                 is stronger than it is told",
                 totals.overlapping_cells,
                 totals.overlap_mm,
                 100.0 * totals.overlap_share
+            ),
+        ));
+    }
+    if totals.overloaded_cells > 0 {
+        warnings.push((
+            "closed_cracks_overloaded",
+            format!(
+                "in {} of {} cells in which cracks have closed, their faces press on each other by more than \
+                 the material bears in compression, which does not crush it here: the section is weaker \
+                 than it is told",
+                totals.overloaded_cells, totals.closed_cells
             ),
         ));
     }

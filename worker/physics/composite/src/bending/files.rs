@@ -2,12 +2,12 @@
 use loadframe_harness::vtk::{Array, Lines, Polygons, Series};
 use loadframe_harness::{Recorder, SimulationError, csv};
 
-use super::Recorded;
 use super::comparison::Fineness;
-use super::cracks::Broken;
 use super::errors::Finding;
+use super::measured::Measured;
 use super::model::Model;
-use super::results::{Measured, Tested};
+use super::tested::{Broken, Tested};
+use super::watch::Recorded;
 use crate::breaking::{BrokenPart, Mode};
 use crate::lattice::{Geometry, gather};
 use crate::measure::{mean_gradient, point_mm};

@@ -2,9 +2,12 @@
 //!
 //! In the order in which a run calls them: [`model`] builds the lattice, its supports and its load from
 //! the spec, for any grid; [`rest`] finds its rest by the solver asked for, [`rollers`] bends it,
-//! [`history`] moves it in time, [`cracks`] lets it break; [`results`] reads values off, [`errors`] says how wrong they may be from the same test on
-//! coarser grids; [`files`] and [`report`] write. This file holds the course of it, which alone talks
-//! to the recorder.
+//! [`history`] moves it in time, [`cracks`] lets it break, [`split`] evaluates arms that peel apart;
+//! [`results`] reads values off, [`errors`] says how wrong they may be from the same test on coarser grids;
+//! [`files`] and [`report`] write. Between them pass what a test comes to ([`tested`]), how far it is
+//! ([`progress`]) and what is read off it ([`measured`]); [`watch`] is who listens. This file holds the course
+//! of it.
+mod arms;
 mod bent;
 mod comparison;
 mod cracks;
@@ -12,170 +15,35 @@ mod errors;
 mod failure;
 mod files;
 mod history;
+mod measured;
 mod model;
+mod progress;
 mod report;
 mod rest;
 mod results;
 mod rollers;
+mod split;
+mod swing;
+mod tested;
 #[cfg(test)]
 mod tests;
-
-use std::io;
+mod watch;
 
 use loadframe_api::Report;
 use loadframe_api::spec::composite_bending::{Accuracy, CompositeBending, Knobs, Lattice, Solver};
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
-use serde::{Deserialize, Serialize};
 
-use crate::error::CompositeError;
-use crate::motion::Motion;
 use comparison::Fineness;
 use errors::{Finding, Values};
 use model::Model;
-use results::Tested;
+use progress::Progress;
+use tested::Tested;
+use watch::{Checkpoint, Halt, Recorded, Unwatched, Watch};
 
 /// Cells through half the width of a roller's contact on the finest grid: Hertz's contact is then known
 /// to some per cent, and what it adds to a deflection far better.
 const CONTACT_CELLS: usize = 4;
-
-/// How far a run is, and the spec it belongs to.
-#[derive(Serialize, Deserialize)]
-struct Checkpoint {
-    spec: Fingerprint,
-    points: Vec<Vec<f64>>,
-    progress: Option<Progress>,
-}
-
-/// How far the test on the finest grid is.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-enum Progress {
-    Rest(rest::RestState),
-    Rollers(rollers::RollersState),
-    History(history::HistoryState),
-    Cracks(Box<cracks::CracksState>),
-    /// The test is over, and of its comparisons those that are known.
-    Done(Box<(Tested, Finding)>),
-}
-
-/// What a test tells while it is under way.
-trait Watch {
-    /// Names of the curve's columns.
-    fn columns(&mut self, names: &[&str]) -> io::Result<()>;
-    /// A point of the curve.
-    fn point(&mut self, values: &[f64]) -> io::Result<()>;
-    /// How far it is, from 0 to 1, and whether to go on; `state` is asked for when it is to be kept.
-    fn look(&mut self, fraction: f64, state: &mut dyn FnMut() -> Progress) -> Result<(), Halt>;
-    /// Ends the test because somebody asked for it.
-    fn halt(&mut self, interrupt: Interrupt, state: &mut dyn FnMut() -> Progress) -> Halt;
-}
-
-/// Why a test ended before its end.
-enum Halt {
-    Interrupted(Interrupt),
-    /// Its grid is too coarse for cracks with their fracture energies.
-    TooCoarse(CompositeError),
-    Failed(SimulationError),
-}
-
-impl From<CompositeError> for Halt {
-    fn from(error: CompositeError) -> Self {
-        match error {
-            CompositeError::CellTooLarge { .. } | CompositeError::FaceInsideCells { .. } => {
-                Self::TooCoarse(error)
-            }
-            error => Self::Failed(error.into()),
-        }
-    }
-}
-
-impl From<io::Error> for Halt {
-    fn from(error: io::Error) -> Self {
-        Self::Failed(error.into())
-    }
-}
-
-/// Tells the recorder, and keeps what a checkpoint needs.
-struct Recorded<'a, 'b> {
-    context: RunContext<'a>,
-    recorder: &'b mut dyn Recorder,
-    fingerprint: Fingerprint,
-    points: Vec<Vec<f64>>,
-    /// Part of the whole work that the test on the finest grid is.
-    part: f64,
-}
-
-impl Recorded<'_, '_> {
-    fn keep(&mut self, progress: Option<Progress>) -> Result<(), SimulationError> {
-        let checkpoint = Checkpoint {
-            spec: self.fingerprint,
-            points: self.points.clone(),
-            progress,
-        };
-        self.recorder.checkpoint(&checkpoint::pack(&checkpoint)?)?;
-        Ok(())
-    }
-}
-
-impl Watch for Recorded<'_, '_> {
-    fn columns(&mut self, names: &[&str]) -> io::Result<()> {
-        self.recorder.columns(names)?;
-        for point in &self.points {
-            self.recorder.point(point)?;
-        }
-        Ok(())
-    }
-
-    fn point(&mut self, values: &[f64]) -> io::Result<()> {
-        self.points.push(values.to_vec());
-        self.recorder.point(values)
-    }
-
-    fn look(&mut self, fraction: f64, state: &mut dyn FnMut() -> Progress) -> Result<(), Halt> {
-        self.recorder.progress(self.part * fraction, "test");
-        if let Some(interrupt) = self.context.interrupt.interrupt() {
-            return Err(self.halt(interrupt, state));
-        }
-        if self.recorder.checkpoint_due() {
-            self.keep(Some(state())).map_err(Halt::Failed)?;
-        }
-        Ok(())
-    }
-
-    fn halt(&mut self, interrupt: Interrupt, state: &mut dyn FnMut() -> Progress) -> Halt {
-        match interrupt {
-            Interrupt::Suspend => match self.keep(Some(state())) {
-                Ok(()) => Halt::Interrupted(interrupt),
-                Err(error) => Halt::Failed(error),
-            },
-            Interrupt::Cancel => Halt::Interrupted(interrupt),
-        }
-    }
-}
-
-/// Listens to nothing but a request to stop.
-struct Unwatched<'a>(RunContext<'a>);
-
-impl Watch for Unwatched<'_> {
-    fn columns(&mut self, _names: &[&str]) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn point(&mut self, _values: &[f64]) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn look(&mut self, _fraction: f64, state: &mut dyn FnMut() -> Progress) -> Result<(), Halt> {
-        match self.0.interrupt.interrupt() {
-            Some(interrupt) => Err(self.halt(interrupt, state)),
-            None => Ok(()),
-        }
-    }
-
-    fn halt(&mut self, interrupt: Interrupt, _state: &mut dyn FnMut() -> Progress) -> Halt {
-        Halt::Interrupted(interrupt)
-    }
-}
 
 /// Runs the simulation of `spec`.
 ///
@@ -234,17 +102,6 @@ fn test(
     files::write(&model, &tested, &measured, &finding, recorded).map_err(Halt::Failed)?;
     recorded.recorder.progress(1.0, "finished");
     Ok(report::report(&model, &tested, &measured, &finding))
-}
-
-/// Shares a motion among the run's threads, where there is enough to share.
-fn share(motion: &mut Motion<'_>, context: RunContext<'_>) -> Result<(), Halt> {
-    /// A step of fewer particles takes about as long as to wake a thread for it.
-    const LEAST_SHARED: usize = 20_000;
-    if motion.displacements_mm().len() / 2 >= LEAST_SHARED {
-        let shared = motion.share(context.threads);
-        shared.map_err(|error| Halt::Failed(error.into()))?;
-    }
-    Ok(())
 }
 
 /// Does what the spec says to the model.

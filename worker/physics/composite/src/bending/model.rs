@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 use loadframe_api::spec::composite_bending as spec;
 use loadframe_api::spec::composite_bending::{CompositeBending, Grips, Way};
 
+use super::arms::arms_middle_mm;
 use super::comparison::{Comparison, Fineness, halved};
 use crate::error::CompositeError;
 use crate::flexure::{Drive, Flexure, Loading};
@@ -328,6 +329,19 @@ fn supports(spec: &CompositeBending, lattice: &Lattice) -> Result<Supports, Comp
             }
             Ok(supports)
         }
+        Some(Way::DoubleCantilever(test)) => {
+            let mut supports = Supports::none(grid);
+            let way = 0.5 * test.opening_mm;
+            for (height, way) in arms_middle_mm(spec).into_iter().zip([-way, way]) {
+                let line = nearest(grid.y_mm(), height);
+                supports.hold(grid, grid.particle(0, line), 1, way)?;
+            }
+            let line = nearest(grid.y_mm(), 0.5 * spec.section.height_mm);
+            for axis in [0, 1] {
+                supports.hold(grid, grid.particle(grid.columns(), line), axis, 0.0)?;
+            }
+            Ok(supports)
+        }
         Some(Way::Shear(shear)) => {
             let mut supports = Supports::none(grid);
             for place in Face::ALL {
@@ -344,6 +358,13 @@ fn supports(spec: &CompositeBending, lattice: &Lattice) -> Result<Supports, Comp
             Ok(Supports::none(grid))
         }
     }
+}
+
+/// The line of particles nearest to a place.
+pub(super) fn nearest(lines: &[f64], at: f64) -> usize {
+    let lines = lines.iter().enumerate();
+    let nearest = lines.min_by(|a, b| (a.1 - at).abs().total_cmp(&(b.1 - at).abs()));
+    nearest.map_or(0, |(line, _)| line)
 }
 
 /// Along the load; without one along what moves a face, or what moves first; else downwards.

@@ -4,8 +4,9 @@ use loadframe_harness::ReportBuilder;
 
 use super::comparison::Comparison;
 use super::errors::{self, Finding};
+use super::measured::Measured;
 use super::model::Model;
-use super::results::{Measured, Tested};
+use super::tested::Tested;
 use super::{failure, files};
 use crate::lattice::{Geometry, gather};
 use crate::measure::mean_gradient;
@@ -135,6 +136,14 @@ fn checks(
         "Cells that the displacements turn inside out, at the end; cells that broke are left out.",
     );
     if let Some(broken) = &tested.broken {
+        report.check(
+            "closed_cracks_overloaded",
+            broken.totals.overloaded_cells as f64,
+            0.0,
+            "1",
+            "Cells in which a crack has closed and its faces press on each other by more than the material \
+             bears in compression, at the last event.",
+        );
         report.check(
             "crack_overlap",
             broken.totals.overlap_share,

@@ -4,21 +4,15 @@ use std::ops::ControlFlow;
 
 use loadframe_api::spec::composite_bending::Solver;
 use loadframe_harness::{InterruptSource, RunContext};
-use serde::{Deserialize, Serialize};
 
 use super::model::Model;
-use super::results::{self, Tested};
-use super::{Halt, Progress, Watch, share};
+use super::progress::{Progress, RestState};
+use super::results;
+use super::tested::Tested;
+use super::watch::{Halt, Watch, share};
 use crate::lattice::Geometry;
-use crate::motion::{Damping, Motion, MotionOptions, MotionState, Rest, Scheme};
-use crate::solve::{LoadPath, PathState, StaticOptions};
-
-/// How far the way to rest is.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) enum RestState {
-    Path(PathState),
-    Motion(MotionState),
-}
+use crate::motion::{Damping, Motion, MotionOptions, Rest, Scheme};
+use crate::solve::{LoadPath, StaticOptions};
 
 /// Residual at which rest is reached by motion, unless another is asked for: a tenth of a per mille
 /// of the deflection on grids of up to 1 000 particles.

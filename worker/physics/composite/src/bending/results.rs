@@ -1,122 +1,16 @@
 //! Values read off a test.
-use indexmap::IndexMap;
 use loadframe_api::spec::composite_bending::Way;
-use serde::{Deserialize, Serialize};
 
-use super::bent::Bent;
-use super::cracks::Broken;
 use super::failure;
-use super::history::Swing;
+use super::measured::Measured;
 use super::model::Model;
-use crate::flexure::FlexureResult;
+use super::tested::Tested;
 use crate::measure::face_mean_mm;
-use crate::motion::Motion;
 use crate::solve::Equilibrium;
 use crate::supports::Face;
 
 /// N mm in J.
 const J: f64 = 1e-3;
-
-/// What a test has come to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Tested {
-    /// At rest under the whole load.
-    pub(super) rest: Equilibrium,
-    /// What was seen of a motion, and its displacements at the end.
-    pub(super) motion: Option<Moved>,
-    /// What rollers did.
-    pub(super) bent: Option<Bent>,
-    /// What broke.
-    pub(super) broken: Option<Broken>,
-}
-
-/// What was seen of a motion.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Moved {
-    pub(super) swing: Swing,
-    pub(super) displacements_mm: Vec<f64>,
-    pub(super) time_step_s: f64,
-    pub(super) steps: u64,
-}
-
-/// A result.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Measured {
-    pub(super) name: &'static str,
-    /// Not a number where the test did not get so far.
-    pub(super) value: f64,
-    pub(super) unit: &'static str,
-    pub(super) description: &'static str,
-}
-
-impl Tested {
-    pub(super) fn at_rest(rest: Equilibrium) -> Self {
-        Self {
-            rest,
-            motion: None,
-            bent: None,
-            broken: None,
-        }
-    }
-
-    pub(super) fn bent(found: FlexureResult) -> Self {
-        let bent = Bent::of(&found);
-        Self {
-            rest: found.contact.equilibrium,
-            motion: None,
-            bent: Some(bent),
-            broken: None,
-        }
-    }
-
-    pub(super) fn in_time(rest: Equilibrium, motion: &Motion<'_>, swing: Swing) -> Self {
-        let motion = Moved {
-            swing,
-            displacements_mm: motion.displacements_mm().to_vec(),
-            time_step_s: motion.time_step_s(),
-            steps: motion.steps(),
-        };
-        Self {
-            rest,
-            motion: Some(motion),
-            bent: None,
-            broken: None,
-        }
-    }
-
-    /// Work done, by name.
-    pub(super) fn work(&self) -> IndexMap<String, u64> {
-        let particles = self.rest.displacements_mm.len() as u64 / 2;
-        let moved = self.motion.as_ref().map_or(0, |moved| moved.steps);
-        IndexMap::from([
-            ("linear_solutions".to_owned(), self.rest.solutions),
-            ("iterations".to_owned(), self.rest.iterations),
-            ("particle_steps".to_owned(), particles * moved),
-            (
-                "events".to_owned(),
-                self.broken
-                    .as_ref()
-                    .map_or(0, |broken| broken.totals.events),
-            ),
-        ])
-    }
-
-    /// Whether a cell has kept most of its stiffness to the end.
-    pub(super) fn is_whole(&self, cell: usize) -> bool {
-        const MOSTLY: f64 = 0.5;
-        let end = self.broken.as_ref().and_then(|broken| broken.end.as_ref());
-        end.is_none_or(|look| look.damage[cell] < MOSTLY)
-    }
-
-    /// Displacements at the end of the test [mm].
-    pub(super) fn displacements_mm(&self) -> &[f64] {
-        let moved = self.motion.as_ref().map(|moved| &moved.displacements_mm);
-        let broken = self.broken.as_ref().and_then(|broken| broken.end.as_ref());
-        moved
-            .or(broken.map(|look| &look.displacements_mm))
-            .unwrap_or(&self.rest.displacements_mm)
-    }
-}
 
 /// A point of the curve of a section at rest under a share of its load.
 pub(super) fn point(model: &Model<'_>, rest: &Equilibrium, share: f64) -> [f64; 6] {
@@ -133,11 +27,10 @@ fn drive(model: &Model<'_>, rest: &Equilibrium, share: f64) -> [f64; 2] {
         let work: f64 = pairs.map(|(force, u)| force * u).sum();
         return [work / total, share * total];
     }
-    let mut largest = 0.0_f64;
+    let largest = model.supports.reach_mm();
     let mut work = 0.0;
     for (place, reaction) in rest.reactions_n.iter().enumerate() {
         if let Some(way) = model.supports.prescribed(place) {
-            largest = largest.max(way.abs());
             work += reaction * way;
         }
     }

@@ -1,22 +1,13 @@
 //! Bending on rollers, step by step.
 use loadframe_api::spec::composite_bending as spec;
-use serde::{Deserialize, Serialize};
 
 use super::model::{Model, drive};
-use super::results::Tested;
-use super::{Halt, Progress, Watch};
+use super::progress::{Progress, RollersState};
+use super::tested::Tested;
+use super::watch::{Halt, Watch};
 use crate::flexure::{Drive, Flexure, FlexureResult};
 use crate::lattice::Geometry;
-use crate::solve::{RollingState, StaticOptions};
-
-/// How far bending is.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct RollersState {
-    /// Steps done.
-    done: u32,
-    /// Where the rollers are, in large displacements.
-    rolling: Option<RollingState>,
-}
+use crate::solve::StaticOptions;
 
 pub(super) fn conduct(
     model: &Model<'_>,

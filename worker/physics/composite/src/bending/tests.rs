@@ -2,6 +2,8 @@
 use loadframe_api::{JobSpec, Report, Submission};
 use loadframe_harness::{Uninterrupted, Unrecorded};
 
+use std::io;
+
 use super::*;
 
 fn spec(body: &str) -> CompositeBending {
@@ -173,4 +175,30 @@ fn an_end_notched_laminate_slides_apart_where_beams_say() {
     assert!((0.72..0.8).contains(&share), "{share}");
     assert!(report.quality.contains_key("crack_overlap"));
     assert!(value(&report, "dissipated_between_plies") > 0.0);
+}
+
+#[test]
+fn a_laminate_peels_apart_at_its_fracture_energy() {
+    // the example on two thirds of its cells
+    let body = include_str!("../../../../../api/examples/composite_bending_peel.json");
+    let mut spec = spec(body);
+    if let Some(grid) = &mut spec.grid {
+        grid.cells = [120, 4];
+    }
+    let report = report(&spec);
+    let of = |name| value(&report, name);
+    // two cantilevers, a³/(3 EI) + a/(kGA) each, without their root, whose rotation makes them softer
+    let (e, g, b, h, a) = (171_420.0, 5_290.0, 25.0, 1.5_f64, 30.0_f64);
+    let arm = a.powi(3) / (3.0 * e * b * h.powi(3) / 12.0) + a / (5.0 / 6.0 * g * b * h);
+    assert!((of("beam_stiffness") * 2.0 * arm - 1.0).abs() < 1e-9);
+    let root = of("initial_stiffness") / of("beam_stiffness");
+    assert!((0.75..1.0).contains(&root), "{root}");
+    let given = 0.2774;
+    let (released, taken) = (of("release_rate"), of("energy_per_crack_area"));
+    assert!((released / given - 1.0).abs() < 0.15, "{released}");
+    assert!((released / taken - 1.0).abs() < 0.05, "{released} {taken}");
+    assert!(of("crack_length") > 45.0);
+    // all of it in tension, and between the plies
+    let between = of("dissipated_between_plies") / of("dissipated_energy");
+    assert!((between - 1.0).abs() < 1e-12, "{between}");
 }

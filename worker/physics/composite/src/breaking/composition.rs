@@ -100,7 +100,7 @@ pub(crate) fn face(part: &Part, damage: &Damage, teeth: u16) -> [f64; 2] {
     if matches!(part.kind, BrokenPart::PlyFace(_)) && plane.level >= teeth {
         let none = 1.0 / LEAST_RESIDUAL - 1.0;
         shear = none;
-        if plane.opened >= teeth {
+        if plane.opened >= teeth && !plane.is_closed {
             normal = none;
         }
     }

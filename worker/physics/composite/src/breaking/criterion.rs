@@ -6,7 +6,7 @@ use crate::strength::{Criterion, Limit};
 /// A crack that could come next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Hit {
-    /// Load factor; 0 where nothing holds a face together that is pulled.
+    /// Load factor.
     pub(crate) factor: f64,
     pub(crate) plane: usize,
     /// Normal of the first plane.
@@ -64,10 +64,7 @@ fn demand(
     [normal, shear]: [f64; 2],
 ) -> Option<(f64, f64)> {
     if state.level >= teeth {
-        // slid through under pressure, and pulled now: nothing holds it
-        let is_crushed = state.opened > 0 && state.is_crushed;
-        let falls = state.opened < teeth && !is_crushed && normal > 0.0 && limits.tension.is_some();
-        return falls.then_some((f64::INFINITY, 0.0));
+        return None;
     }
     let peak = |limit: Limit, kind: usize| {
         let of_saw = if state.level == 0 {
@@ -215,6 +212,10 @@ pub(crate) fn cracked(
         if plane.is_crushed == is_crushed {
             plane.opened = level;
         }
+    } else if level >= teeth && !plane.is_crushed && limits.tension.is_some() {
+        // slid through: nothing but pressure holds its faces together
+        plane.opened = teeth;
+        plane.is_closed = true;
     }
     Ok(after)
 }

@@ -99,6 +99,7 @@ mod tests {
             elastic_n_mm: 0.5 * displacement_mm * force_n,
             energy_released_n_mm,
             dissipated_n_mm: 0.0,
+            closing_n_mm: 0.0,
             crack_area_mm2: 0.0,
         }
     }

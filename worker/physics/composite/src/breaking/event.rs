@@ -19,10 +19,10 @@ pub struct Event {
     /// λ: of the loads or displacements that were given.
     pub factor: f64,
     /// Of the drive [mm]: for forces the displacement that does their work, Σ f·u over their size; else
-    /// the largest prescribed one.
+    /// by how much what is held moves apart.
     pub displacement_mm: f64,
     /// Of the drive [N]: the size of the forces' sum, of half of all forces where they balance each
-    /// other; for displacements the reactions' work over the largest displacement.
+    /// other; for displacements the reactions' work over the displacement.
     pub force_n: f64,
     pub cell: usize,
     pub part: BrokenPart,
@@ -39,6 +39,9 @@ pub struct Event {
     pub energy_released_n_mm: f64,
     /// All that was dissipated on the path to this event [N mm].
     pub dissipated_n_mm: f64,
+    /// Work along the straight lines to this event that is neither elastic nor dissipated, because faces of
+    /// cracks meet between events [N mm].
+    pub closing_n_mm: f64,
     /// Area of the crack that this event opened, 0 unless it was the last tooth [mm²].
     pub crack_area_mm2: f64,
 }
@@ -109,7 +112,13 @@ pub struct Totals {
     pub crack_area_mm2: f64,
     /// Cells with an open crack.
     pub broken_cells: u64,
-    /// Cells whose opened crack is pressed at the last event: its faces overlap, which is not hindered.
+    /// Cells with a crack that was open and whose faces press on each other at the last event.
+    pub closed_cells: u64,
+    /// Of those, cells with more pressure than their material bears, which is not followed.
+    pub overloaded_cells: u64,
+    /// How often faces of cracks were to meet or part and it was not found which do.
+    pub turns_left: u64,
+    /// Cells whose open crack is pressed at the last event: its faces overlap, which was not hindered.
     /// Where there are many, what the section bears in compression is underestimated.
     pub overlapping_cells: u64,
     /// By how much they overlap: the volume of overlap over that of overlap and openings together, at

@@ -117,6 +117,8 @@ pub(crate) struct PlaneDamage {
     pub(crate) level: u16,
     /// Teeth that the normal stiffness lost: fewer where the plane slid under pressure.
     pub(crate) opened: u16,
+    /// Whether its faces meet: pressed, it has all of its normal stiffness.
+    pub(crate) is_closed: bool,
     /// Whether it was pressure that took the normal stiffness.
     pub(crate) is_crushed: bool,
     /// √x₀ of the saws of normal and shear.
@@ -148,7 +150,8 @@ impl Damage {
         let mut damage = Self::none(law);
         damage.planes[1] = PlaneDamage {
             level: teeth,
-            opened: 0,
+            opened: teeth,
+            is_closed: true,
             is_crushed: false,
             // of no softening, they do not matter
             roots: [0.5; 2],
@@ -173,6 +176,11 @@ impl PlaneDamage {
         Saw::of_root(teeth, self.roots[kind])
     }
 
+    /// Whether tension opened it, so that its faces can meet.
+    pub(crate) fn has_faces(&self) -> bool {
+        self.opened > 0 && !self.is_crushed
+    }
+
     /// By how much softer the plane is than intact, 1/ω - 1: normal and shear.
     pub(crate) fn softness(&self, teeth: u16, slides: bool) -> [f64; 2] {
         let of = |level: u16, kind: usize| {
@@ -183,7 +191,11 @@ impl PlaneDamage {
             }
         };
         [
-            of(self.opened, 0),
+            if self.is_closed {
+                0.0
+            } else {
+                of(self.opened, 0)
+            },
             if slides { of(self.level, 1) } else { 0.0 },
         ]
     }

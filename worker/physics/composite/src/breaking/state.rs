@@ -31,7 +31,7 @@ impl Breaking {
             parts: self.parts.all.len() as u64,
             base: self.base.clone(),
             since: self.since.clone(),
-            progress: self.progress,
+            progress: self.progress.clone(),
             displacements_mm: self.displacements_mm.clone(),
             contact: self.contact.as_ref().map(|contact| {
                 let load = self.system.load.iter().enumerate();
@@ -56,10 +56,9 @@ impl Breaking {
                 *place as usize >= count
                     || damage.planes.iter().any(|plane| plane.level > self.teeth)
             })
-            || state
-                .progress
-                .pending
-                .is_some_and(|pending| pending.cell as usize >= self.intact.len())
+            || (state.progress.pending.iter())
+                .flat_map(|pending| pending.turned.iter().chain([&pending.loss]))
+                .any(|loss| loss.cell as usize >= self.intact.len())
             || state.contact.is_some() != self.contact.is_some()
             || (state.contact.iter().flat_map(|(_, forces)| forces))
                 .any(|(place, _)| *place as usize >= self.displacements_mm.len())
@@ -96,7 +95,7 @@ impl Breaking {
             self.damage[place as usize] = damage;
             let cell = self.parts.all[place as usize].cell as usize;
             let stiffness = self.composed(cell);
-            self.system.soften(cell, stiffness)?;
+            self.system.alter(cell, stiffness)?;
         }
         self.base = state.base;
         self.since = state.since;
@@ -110,14 +109,16 @@ impl Breaking {
     pub fn totals(&self) -> Totals {
         let progress = &self.progress;
         let mut dissipated = progress.dissipated;
-        if let Some(last) = progress.pending {
+        if let Some(last) = &progress.pending {
             dissipated.add(last.part, last.mode, last.held_n_mm);
         }
         let (mut broken_cells, mut overlapping_cells) = (0, 0);
+        let (mut closed_cells, mut overloaded_cells) = (0, 0);
         let (mut saw_error, mut coarseness) = (0.0_f64, 0.0_f64);
         let (mut overlap, mut opening, mut overlap_mm) = (0.0, 0.0, 0.0_f64);
         for cell in 0..self.intact.len() {
             let (mut is_broken, mut is_overlapping) = (false, false);
+            let (mut is_closed, mut is_overloaded) = (false, false);
             for place in self.parts.of(cell) {
                 for (plane, state) in self.damage[place].planes.iter().enumerate() {
                     if state.level == 0 {
@@ -138,7 +139,12 @@ impl Breaking {
                         coarseness = coarseness.max(2.0 * longer / saw.room());
                     }
                     is_broken |= state.level >= self.teeth;
-                    if state.opened == 0 || state.is_crushed {
+                    if !state.has_faces() {
+                        continue;
+                    }
+                    if state.is_closed {
+                        is_closed |= !is_unbonded;
+                        is_overloaded |= self.is_overloaded(cell, place, plane);
                         continue;
                     }
                     // of a crack that is only as wide as round-off nothing is known
@@ -154,12 +160,17 @@ impl Breaking {
             }
             broken_cells += u64::from(is_broken);
             overlapping_cells += u64::from(is_overlapping);
+            closed_cells += u64::from(is_closed);
+            overloaded_cells += u64::from(is_overloaded);
         }
         Totals {
             events: progress.events,
             dissipated,
             crack_area_mm2: progress.crack_area_mm2,
             broken_cells,
+            closed_cells,
+            overloaded_cells,
+            turns_left: progress.turns_left,
             overlapping_cells,
             overlap_share: if overlap > 0.0 {
                 overlap / (overlap + opening)

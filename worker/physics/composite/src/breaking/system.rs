@@ -32,7 +32,7 @@ const ROUND_OFF: f64 = 1e-13;
 pub(crate) enum Drive {
     /// Forces of this size together [N].
     Forces(f64),
-    /// Displacements of which this is the largest [mm].
+    /// Displacements of this [reach](Supports::reach_mm) [mm].
     Displacements(f64),
 }
 
@@ -164,8 +164,8 @@ impl System {
         self.factor()
     }
 
-    /// Gives a cell a smaller stiffness; what it lost, and whether the system was factored anew.
-    pub(crate) fn soften(
+    /// Gives a cell another stiffness; what it lost, and whether the system was factored anew.
+    pub(crate) fn alter(
         &mut self,
         cell: usize,
         stiffness: Stiffness,
@@ -189,7 +189,8 @@ impl System {
         Ok((loss, false))
     }
 
-    /// Takes a loss from the factor; `false` where only a new factor knows what is left.
+    /// Takes a loss from the factor, or gives back what is below 0; `false` where only a new factor knows
+    /// what is left.
     fn take(&mut self, cell: usize, loss: &Loss) -> bool {
         let rates = self.lattice.cell(cell).rates();
         let corners = self.lattice.grid().corners(cell);
@@ -198,14 +199,14 @@ impl System {
         let mut modes: Vec<(f64, [f64; 5])> = Vec::with_capacity(5);
         for place in 0..3 {
             let value = eigen.eigenvalues[place];
-            if value > ROUND_OFF * largest {
+            if value.abs() > ROUND_OFF * largest {
                 let vector = eigen.eigenvectors.column(place);
                 modes.push((value, [vector[0], vector[1], vector[2], 0.0, 0.0]));
             }
         }
         for (axis, &value) in loss.hourglass.iter().enumerate() {
             // beside the hourglass stiffness itself a smaller part is round-off
-            if value > ROUND_OFF * self.lattice.cell(cell).hourglass[axis] {
+            if value.abs() > ROUND_OFF * self.lattice.cell(cell).hourglass[axis] {
                 let mut mode = [0.0; 5];
                 mode[3 + axis] = 1.0;
                 modes.push((value, mode));
@@ -371,14 +372,14 @@ fn drive(lattice: &Lattice, supports: &Supports, load_n: &[f64]) -> Result<Drive
     if load_n.len() != size || supports.displacements().len() != size {
         return Err(CompositeError::OtherSize);
     }
-    let (mut sum, mut sizes, mut largest) = ([0.0_f64; 2], 0.0_f64, 0.0_f64);
+    let (mut sum, mut sizes) = ([0.0_f64; 2], 0.0_f64);
     for (place, force) in load_n.iter().enumerate() {
         crate::error::finite("a load [N]", *force)?;
-        match supports.prescribed(place) {
-            Some(value) => largest = largest.max(value.abs()),
-            None => sum[place % 2] += force,
+        if !supports.is_held(place) {
+            sum[place % 2] += force;
         }
     }
+    let largest = supports.reach_mm();
     for particle in 0..load_n.len() / 2 {
         let free = [0, 1].map(|axis| {
             let place = 2 * particle + axis;

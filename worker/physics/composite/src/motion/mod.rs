@@ -21,18 +21,21 @@
 mod gain;
 mod options;
 mod pass;
+mod settling;
+mod stable;
+mod state;
 mod sweep;
 
 use crate::error::CompositeError;
-use crate::lattice::{Cell, Geometry, Lattice, Tangent};
-use crate::solve::equilibrium::{Balance, Equilibrium, rest};
+use crate::lattice::{Cell, Geometry, Lattice};
 use crate::supports::Supports;
 use gain::Gains;
 use loadframe_numerics::{Team, ThreadsError};
 pub use options::{Damping, MotionOptions, Scheme};
 use pass::Pass;
-use serde::{Deserialize, Serialize};
-use std::ops::ControlFlow;
+pub use settling::Rest;
+pub use stable::critical_time_step_s;
+pub use state::MotionState;
 
 /// A lattice in motion.
 #[derive(Debug)]
@@ -57,42 +60,6 @@ pub struct Motion<'a> {
     is_starting: bool,
     steps: u64,
 }
-
-/// All that changes while a lattice moves: what a checkpoint keeps.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct MotionState {
-    u: Vec<f64>,
-    before: Vec<f64>,
-    drive: Vec<f64>,
-    kinetic: f64,
-    is_starting: bool,
-    steps: u64,
-    /// XPBD's multipliers, of cells and of bonds.
-    cells: Vec<[f64; 5]>,
-    bonds: Vec<f64>,
-}
-
-/// When a motion counts as rest.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rest {
-    /// Largest unbalanced force over the largest force on a particle.
-    pub residual: f64,
-    /// Steps after which it is given up.
-    pub most_steps: u64,
-}
-
-impl Default for Rest {
-    fn default() -> Self {
-        Self {
-            // A tenth of a per mille of the deflection on grids of up to 1 000 particles.
-            residual: 1e-7,
-            most_steps: 10_000_000,
-        }
-    }
-}
-
-/// Steps between two looks at the residual.
-const LOOK: u64 = 25;
 
 impl<'a> Motion<'a> {
     /// A lattice at rest and unloaded, under forces [N] that act from now on; what is held is at its
@@ -196,50 +163,6 @@ impl<'a> Motion<'a> {
     pub fn release(&mut self) {
         self.load.fill(0.0);
         self.drive.fill(0.0);
-    }
-
-    /// What a checkpoint keeps.
-    #[must_use]
-    pub fn state(&self) -> MotionState {
-        let memory = self.gains.memory.as_ref();
-        MotionState {
-            u: self.u.clone(),
-            before: self.before.clone(),
-            drive: self.drive.clone(),
-            kinetic: self.kinetic,
-            is_starting: self.is_starting,
-            steps: self.steps,
-            cells: memory.map_or_else(Vec::new, |memory| memory.cells.clone()),
-            bonds: memory.map_or_else(Vec::new, |memory| memory.bonds.clone()),
-        }
-    }
-
-    /// Goes on from a state of the same lattice, supports and options.
-    ///
-    /// # Errors
-    /// [`CompositeError::OtherSize`] when it is of another lattice.
-    pub fn resume(&mut self, state: MotionState) -> Result<(), CompositeError> {
-        let memory = self.gains.memory.as_ref();
-        let fits = state.u.len() == self.u.len()
-            && state.before.len() == self.u.len()
-            && state.drive.len() == self.u.len()
-            && memory.is_none_or(|memory| {
-                state.cells.len() == memory.cells.len() && state.bonds.len() == memory.bonds.len()
-            });
-        if !fits {
-            return Err(CompositeError::OtherSize);
-        }
-        if let Some(memory) = &mut self.gains.memory {
-            memory.cells = state.cells;
-            memory.bonds = state.bonds;
-        }
-        self.u = state.u;
-        self.before = state.before;
-        self.drive = state.drive;
-        self.kinetic = state.kinetic;
-        self.is_starting = state.is_starting;
-        self.steps = state.steps;
-        Ok(())
     }
 
     /// Steps done.
@@ -413,115 +336,4 @@ impl<'a> Motion<'a> {
         }
         Ok(())
     }
-
-    /// Moves until the springs' own forces balance the load, and says where the lattice rests.
-    ///
-    /// The paper's shifts stand for springs exactly only in a single bond; in a mesh their rest is
-    /// off by an error that grows with τ². Where that is larger than `until` asks, the forces left
-    /// unbalanced at rest are added to what drives the shifts, and the motion goes on: the rest is
-    /// then that of the lattice, whatever τ and n. [`Motion::advance`] alone is the paper's method
-    /// to the letter.
-    ///
-    /// # Errors
-    /// As [`Motion::advance`]; when rest is not reached in the steps allowed.
-    pub fn settle(&mut self, until: Rest) -> Result<Equilibrium, CompositeError> {
-        self.settle_watched(until, &mut |_, _| ControlFlow::Continue(()))
-    }
-
-    /// As [`Motion::settle`]; `watch` is shown the motion and its residual now and then, and may end it.
-    ///
-    /// # Errors
-    /// As [`Motion::settle`]; [`CompositeError::Stopped`] when `watch` ended it.
-    pub fn settle_watched(
-        &mut self,
-        until: Rest,
-        watch: &mut dyn FnMut(&Self, f64) -> ControlFlow<()>,
-    ) -> Result<Equilibrium, CompositeError> {
-        let mut last = vec![0.0; self.u.len()];
-        let mut residual = f64::INFINITY;
-        while self.steps < until.most_steps {
-            last.copy_from_slice(&self.u);
-            for _ in 0..LOOK {
-                self.advance()?;
-            }
-            let energy = self.elastic_energy_n_mm();
-            let (unbalanced, largest) = self.unbalance();
-            residual = if largest > 0.0 {
-                unbalanced / largest
-            } else {
-                0.0
-            };
-            let is_still = self.kinetic <= until.residual * energy;
-            if residual <= until.residual && is_still {
-                return Ok(rest(
-                    self.lattice,
-                    self.supports,
-                    &self.load,
-                    self.u.clone(),
-                    &self.forces,
-                    Balance {
-                        energy,
-                        residual,
-                        solutions: 0,
-                        iterations: self.steps,
-                    },
-                ));
-            }
-            let drift = self.largest_shift(&last);
-            let size = self.u.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-            let rests = drift <= 1e-3 * residual * size;
-            if matches!(self.options.scheme, Scheme::Pbd { .. }) && rests {
-                for (place, drive) in self.drive.iter_mut().enumerate() {
-                    if !self.supports.is_held(place) {
-                        *drive += self.load[place] - self.forces[place];
-                    }
-                }
-            }
-            if watch(self, residual).is_break() {
-                return Err(CompositeError::Stopped);
-            }
-        }
-        Err(CompositeError::NotAtRest {
-            steps: self.steps,
-            residual,
-        })
-    }
-
-    /// Largest unbalanced force and largest force at all [N].
-    fn unbalance(&self) -> (f64, f64) {
-        let mut unbalanced = 0.0_f64;
-        let mut largest = 0.0_f64;
-        for (place, force) in self.forces.iter().enumerate() {
-            largest = largest.max(self.load[place].abs());
-            if self.supports.is_held(place) {
-                largest = largest.max(force.abs());
-            } else {
-                unbalanced = unbalanced.max((self.load[place] - force).abs());
-            }
-        }
-        (unbalanced, largest)
-    }
-
-    fn largest_shift(&self, last: &[f64]) -> f64 {
-        self.u
-            .iter()
-            .zip(last)
-            .fold(0.0, |largest, (u, last)| largest.max((u - last).abs()))
-    }
-}
-
-/// The stable time step of springs [s], 2/ω with the bound ω² ≤ max Σⱼ |Kᵢⱼ| / mᵢ of Gershgorin on the
-/// highest frequency: never too large, on regular grids within a few per cent of the true one.
-#[must_use]
-pub fn critical_time_step_s(lattice: &Lattice, supports: &Supports) -> f64 {
-    let u = vec![0.0; lattice.displacements()];
-    let mut matrix = lattice.matrix();
-    lattice.tangent(Geometry::Linear, Tangent::Exact, &u, &mut matrix);
-    let sums = matrix.absolute_row_sums(|place| supports.is_held(place));
-    let highest = sums
-        .iter()
-        .enumerate()
-        .map(|(place, sum)| sum / lattice.masses_t()[place / 2])
-        .fold(0.0, f64::max);
-    2.0 / highest.sqrt()
 }

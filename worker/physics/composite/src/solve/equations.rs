@@ -1,4 +1,6 @@
 //! Linear equations over the free displacements: factors while they fit, else conjugate gradients.
+use loadframe_api::section::solving;
+
 use crate::error::CompositeError;
 use crate::matrix::GridMatrix;
 use crate::section::Grid;
@@ -9,7 +11,7 @@ use crate::supports::Supports;
 /// How linear equations are solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
-    /// Factors up to [`LARGEST_FACTORED`] particles, conjugate gradients above.
+    /// Factors while grids are small or their cells stretched, else conjugate gradients ([`solving`]).
     #[default]
     Automatic,
     /// Sparse Cholesky factors.
@@ -17,9 +19,6 @@ pub enum Method {
     /// Conjugate gradients preconditioned by a multigrid cycle.
     ConjugateGradients,
 }
-
-/// Beyond so many particles factors take more time and far more memory than conjugate gradients.
-pub const LARGEST_FACTORED: usize = 300_000;
 
 /// Equations of one pattern, ready to be solved for many right-hand sides.
 #[derive(Debug)]
@@ -39,7 +38,10 @@ impl Equations {
         supports: &Supports,
     ) -> Result<Self, NoFactor> {
         let factored = match method {
-            Method::Automatic => matrix.particles() <= LARGEST_FACTORED,
+            Method::Automatic => {
+                let stretch = solving::stretch([grid.x_mm(), grid.y_mm()]);
+                solving::is_factored(grid.particles() as u64, stretch)
+            }
             Method::Direct => true,
             Method::ConjugateGradients => false,
         };

@@ -11,7 +11,7 @@
 use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice, Tangent};
 use crate::matrix::GridMatrix;
-use crate::solve::contact::Circles;
+use crate::solve::circles::Circles;
 use crate::solve::direct::NoFactor;
 use crate::solve::equations::{Equations, Method};
 use crate::supports::Supports;
@@ -62,6 +62,9 @@ pub struct Equilibrium {
 const REFINEMENTS: u64 = 4;
 /// Newton iterations in one load step.
 const NEWTON_ITERATIONS: u64 = 60;
+/// Round-off of a particle's force in products of its stiffness, the largest displacement and the spacing of
+/// numbers: a sum of 32 of them, each rounded.
+const ROUNDED: f64 = 8.0;
 
 pub(super) struct Search<'a> {
     pub(super) lattice: &'a Lattice,
@@ -78,6 +81,9 @@ pub(super) struct Search<'a> {
     step: Vec<f64>,
     trial: Vec<f64>,
     energy: f64,
+    /// Largest force on a particle at u [N], and largest stiffness of one as it was factored last [N/mm].
+    largest: f64,
+    stiffest: f64,
     solutions: u64,
     iterations: u64,
 }
@@ -114,6 +120,8 @@ impl<'a> Search<'a> {
             step: vec![0.0; size],
             trial: vec![0.0; size],
             energy: 0.0,
+            largest: 0.0,
+            stiffest: 0.0,
             solutions: 0,
             iterations: 0,
         })
@@ -143,6 +151,7 @@ impl<'a> Search<'a> {
                 load - force
             };
         }
+        self.largest = largest;
         if !self.energy.is_finite() {
             return f64::INFINITY;
         }
@@ -150,6 +159,18 @@ impl<'a> Search<'a> {
             unbalanced / largest
         } else {
             unbalanced
+        }
+    }
+
+    /// What round-off of the displacements leaves unbalanced, over the largest force: of a slender section
+    /// that has gone far it is more than any tolerance, and no iteration makes it less.
+    fn round_off(&self) -> f64 {
+        let farthest = self.u.iter().fold(0.0_f64, |far, u| far.max(u.abs()));
+        let left = ROUNDED * f64::EPSILON * self.stiffest * farthest;
+        if self.largest > 0.0 {
+            left / self.largest
+        } else {
+            0.0
         }
     }
 
@@ -210,7 +231,11 @@ impl<'a> Search<'a> {
             let exact = tangent == Tangent::Exact;
             self.circles.stiffen(&self.u, exact, &mut self.matrix);
             match self.equations.prepare(&self.matrix) {
-                Ok(()) => return Ok(()),
+                Ok(()) => {
+                    let all = (0..self.u.len()).map(|place| self.matrix.diagonal(place));
+                    self.stiffest = all.fold(0.0, f64::max);
+                    return Ok(());
+                }
                 Err(NoFactor::Indefinite { .. }) if tangent == Tangent::Exact => {}
                 Err(failure) => return Err(self.told(failure)),
             }
@@ -235,7 +260,7 @@ impl<'a> Search<'a> {
         }
         let mut residual = self.unbalance(to);
         for _ in 0..NEWTON_ITERATIONS {
-            if residual <= self.options.tolerance {
+            if residual <= self.options.tolerance.max(self.round_off()) {
                 return Ok(Ok(()));
             }
             if stop() {

@@ -1,4 +1,5 @@
 //! Ways to equilibrium.
+mod circles;
 mod contact;
 pub(crate) mod direct;
 mod equations;
@@ -12,6 +13,6 @@ pub use contact::{
     contact_equilibrium, hertz_half_width_mm, pressed_equilibrium,
 };
 pub(crate) use contact::{Point, points};
-pub use equations::{LARGEST_FACTORED, Method};
+pub use equations::Method;
 pub use equilibrium::{Equilibrium, StaticOptions};
 pub use load_path::{LoadPath, PathState, equilibrium};

@@ -1,6 +1,7 @@
 //! The whole against closed forms.
 mod beams;
 mod contact;
+mod hertz;
 mod motion;
 mod patch;
 mod plies;

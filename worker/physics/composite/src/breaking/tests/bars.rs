@@ -3,11 +3,11 @@ use super::*;
 use crate::section::Fibre;
 use crate::tests::{isotropic, plain};
 
-const MODULUS: f64 = 1_000.0;
-const STRENGTH: f64 = 10.0;
+pub(super) const MODULUS: f64 = 1_000.0;
+pub(super) const STRENGTH: f64 = 10.0;
 
 /// A bar of one material with a weak column of another of the same moduli in its middle.
-fn bar(length: f64, height: f64, weak_mm: f64) -> Section {
+pub(super) fn bar(length: f64, height: f64, weak_mm: f64) -> Section {
     let mut section = plain([length, height], isotropic(MODULUS, 0.0), 0.0);
     let second = section.materials[0];
     section.materials.push(second);
@@ -21,7 +21,7 @@ fn bar(length: f64, height: f64, weak_mm: f64) -> Section {
     section
 }
 
-fn weak_bar(length: f64, rows: usize, columns: usize, energy: f64) -> Case {
+pub(super) fn weak_bar(length: f64, rows: usize, columns: usize, energy: f64) -> Case {
     let (height, width) = (2.0, length / columns as f64);
     let strengths = [UNBREAKABLE, in_tension(tough(STRENGTH, energy))];
     let mut case = Case::pulled(

@@ -53,7 +53,7 @@ fn double_cantilever(rows: usize, teeth: u32) -> Case {
         teeth,
         ..BreakingOptions::default()
     };
-    options.stop.displacement_mm = Some(0.5);
+    options.stop.displacement_mm = Some(1.0);
     Case {
         layout,
         supports,
@@ -68,8 +68,8 @@ fn double_cantilever(rows: usize, teeth: u32) -> Case {
 /// w = P a³/(3 E I) + P a/(κ G A) each, and G b = P² a²/(E I) + P²/(κ G A) of both [Williams1989].
 /// The length is that of the compliance, root rotation included.
 pub(super) fn release_rate(event: &Event) -> [f64; 2] {
-    // the drive moves both arms by its displacement
-    let (pull, way) = (0.5 * event.force_n, event.displacement_mm);
+    // the drive's displacement is that of both arms
+    let (pull, way) = (event.force_n, 0.5 * event.displacement_mm);
     let bending = MODULUS * ARM_MM.powi(3) / 12.0;
     let shear = 5.0 / 6.0 * MODULUS / 2.6 * ARM_MM;
     let mut length = (3.0 * bending * way / pull).cbrt();

@@ -76,7 +76,7 @@ fn plies_peel_apart_at_their_fracture_energy_on_three_grids() {
     for cells in [[36, 6], [48, 8], [72, 12]] {
         let mut case = two_plies(cells, NOTCH_MM, [ENERGY; 2]);
         drive(&mut case, [-1.0, 1.0]);
-        case.options.stop.displacement_mm = Some(0.45);
+        case.options.stop.displacement_mm = Some(0.9);
         let mut breaking = case.breaking();
         let (events, reason) = broken(&mut breaking);
         assert_eq!(reason, EndReason::Displacement);

@@ -1,6 +1,7 @@
 //! Breaking against closed forms, balances and itself.
 mod bars;
 mod beams;
+mod closing;
 mod delamination;
 mod extremes;
 mod laminates;
@@ -132,7 +133,7 @@ fn imbalance(events: &[Event]) -> f64 {
         let next = (event.displacement_mm, event.force_n);
         work += 0.5 * (at.1 + next.1) * (next.0 - at.0);
         at = next;
-        let kept = event.elastic_n_mm + event.dissipated_n_mm;
+        let kept = event.elastic_n_mm + event.dissipated_n_mm + event.closing_n_mm;
         worst = worst.max((work - kept).abs());
         largest = largest.max(kept);
     }

@@ -1,5 +1,5 @@
 //! What rollers could touch, and that they do not touch each other.
-use super::Roller;
+use super::roller::Roller;
 use crate::error::CompositeError;
 use crate::section::Grid;
 use crate::supports::{Face, Supports};

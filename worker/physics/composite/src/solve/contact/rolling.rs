@@ -1,17 +1,17 @@
 //! Rollers in large displacements: the way of those that press is followed from where they touch.
 //!
 //! At every place of the rollers the rest is found by Newton's method on one energy, that of the
-//! section and of (10) of [`circles`](super::circles), and the forces of (10) until (9) holds. A force
+//! section and of (10) of [`circles`](crate::solve::circles), and the forces of (10) until (9) holds. A force
 //! is reached by secants along the way. What is found is a stable equilibrium; where the force falls as
 //! the rollers go on, as when a specimen slips through between its supports, only a way can be asked for.
 use serde::{Deserialize, Serialize};
 
-use super::circles::{Circle, Circles};
 use super::reach::{points, refuse_overlap};
-use super::{ContactEquilibrium, Roller, RollerContact};
+use super::roller::{ContactEquilibrium, Roller, RollerContact, obeyed};
 use crate::error::{CompositeError, finite, positive};
 use crate::lattice::{Geometry, Lattice, Tangent};
 use crate::section::Grid;
+use crate::solve::circles::{Circle, Circles};
 use crate::solve::equilibrium::{Search, StaticOptions, Stuck};
 use crate::supports::{Face, Supports};
 
@@ -405,7 +405,7 @@ fn contact(
         second += pressing * distance * distance;
     }
     let size = u.iter().fold(circle.radius_mm, |size, u| size.max(u.abs()));
-    super::obeyed(pierced / size)?;
+    obeyed(pierced / size)?;
     let mean = if sum > 0.0 { first / sum } else { 0.0 };
     let spread = if sum > 0.0 {
         second / sum - mean * mean

@@ -25,39 +25,39 @@ const SOFT: f64 = 1e-9;
 /// A roller's circle and the face that it lies against.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Circle {
-    pub(super) radius_mm: f64,
+    pub(crate) radius_mm: f64,
     /// How far it has gone along `inward` from where it just touches the undeformed face [mm].
-    pub(super) advance_mm: f64,
+    pub(crate) advance_mm: f64,
     /// Inward normal of the undeformed face.
-    pub(super) inward: [f64; 2],
+    pub(crate) inward: [f64; 2],
     /// Along the undeformed face.
-    pub(super) along: [f64; 2],
+    pub(crate) along: [f64; 2],
     /// Particles of the face from one end to the other, with their undeformed places along it, from
     /// the roller's [mm].
-    pub(super) face: Vec<(usize, f64)>,
+    pub(crate) face: Vec<(usize, f64)>,
     /// Turns the way along the face into the inward normal: 1 to its left, -1 to its right.
-    pub(super) left: f64,
+    pub(crate) left: f64,
     /// p of every segment [N].
-    pub(super) pressing: Vec<f64>,
+    pub(crate) pressing: Vec<f64>,
 }
 
 /// All circles in the way of a section; none by default.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Circles {
-    pub(super) all: Vec<Circle>,
+    pub(crate) all: Vec<Circle>,
     /// κ [N/mm].
-    pub(super) stiffness: f64,
+    pub(crate) stiffness: f64,
 }
 
 /// Where a segment is nearest to a circle.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Nearest {
+pub(crate) struct Nearest {
     /// From its first particle to its second, 0 to 1.
-    pub(super) share: f64,
+    pub(crate) share: f64,
     /// g [mm].
-    pub(super) gap: f64,
+    pub(crate) gap: f64,
     /// From the axis to the nearest point.
-    pub(super) normal: [f64; 2],
+    pub(crate) normal: [f64; 2],
     length: f64,
     /// Whether the foot of the axis lies within the segment.
     is_inside: bool,
@@ -68,18 +68,18 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 impl Circle {
-    pub(super) fn segments(&self) -> usize {
+    pub(crate) fn segments(&self) -> usize {
         self.face.len() - 1
     }
 
     /// The two particles of a segment.
-    pub(super) fn ends(&self, segment: usize) -> [usize; 2] {
+    pub(crate) fn ends(&self, segment: usize) -> [usize; 2] {
         [self.face[segment].0, self.face[segment + 1].0]
     }
 
     /// Gaps are told from displacements, not from places: of a beam that has hardly bent, too, they
     /// must be known better than to a place's round-off.
-    pub(super) fn nearest(&self, segment: usize, u: &[f64]) -> Nearest {
+    pub(crate) fn nearest(&self, segment: usize, u: &[f64]) -> Nearest {
         let radius = self.radius_mm;
         let ends = [self.face[segment], self.face[segment + 1]];
         // of both ends, what they have moved against the axis
@@ -138,7 +138,7 @@ impl Circle {
 }
 
 impl Circles {
-    pub(super) fn new(all: Vec<Circle>, cell_stiffness: f64) -> Self {
+    pub(crate) fn new(all: Vec<Circle>, cell_stiffness: f64) -> Self {
         Self {
             all,
             stiffness: STIFFER * cell_stiffness,
@@ -247,7 +247,7 @@ impl Circles {
     ///
     /// Forces of neighbouring segments that touch near their common particle are hardly told apart, and
     /// need not be: how far they are from settling says nothing.
-    pub(super) fn augment(&mut self, u: &[f64]) -> f64 {
+    pub(crate) fn augment(&mut self, u: &[f64]) -> f64 {
         let mut missed = 0.0_f64;
         let stiffness = self.stiffness;
         for circle in &mut self.all {
