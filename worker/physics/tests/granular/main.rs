@@ -27,6 +27,7 @@ mod restitution;
 mod rolling;
 mod rolling_beside_yade;
 mod rotation;
+mod servo;
 mod shear_dashpot;
 mod specimens;
 mod stages;
