@@ -30,6 +30,7 @@ mod insert;
 mod job_kind;
 mod laws;
 mod overlaps;
+mod packing;
 mod part_checks;
 mod place;
 mod rate;
