@@ -29,6 +29,7 @@ mod rolling_beside_yade;
 mod rotation;
 mod servo;
 mod shear_dashpot;
+mod soil;
 mod specimens;
 mod stages;
 
