@@ -191,6 +191,36 @@ const SCENE: &[Named] = &[
     ("removed_mass", "kg"),
 ];
 
+/// Those of the scene that a test of soil is come beside these.
+const TRIAXIAL: &[Named] = &[
+    ("peak_deviator_stress", "Pa"),
+    ("peak_friction_angle", "deg"),
+    ("critical_friction_angle", "deg"),
+    ("dilatancy_angle", "deg"),
+    ("axial_strain_at_peak", "1"),
+    ("secant_modulus", "Pa"),
+    ("confining_pressure", "Pa"),
+    ("mean_stress_at_peak", "Pa"),
+    ("initial_void_ratio", "1"),
+    ("final_void_ratio", "1"),
+    ("largest_axial_strain", "1"),
+    ("final_volumetric_strain", "1"),
+    ("initial_height", "mm"),
+    ("initial_width", "mm"),
+];
+const DIRECT_SHEAR: &[Named] = &[
+    ("peak_shear_stress", "Pa"),
+    ("peak_friction_angle", "deg"),
+    ("critical_friction_angle", "deg"),
+    ("dilatancy_angle", "deg"),
+    ("shear_displacement_at_peak", "mm"),
+    ("normal_stress", "Pa"),
+    ("final_vertical_displacement", "mm"),
+    ("largest_shear_displacement", "mm"),
+    ("initial_height", "mm"),
+    ("initial_void_ratio", "1"),
+];
+
 /// Those of the scene that a ballast test is come beside these.
 const BALLAST: &[Named] = &[
     ("unloading_stiffness", "N/m"),
@@ -219,6 +249,8 @@ fn lists(kind: JobKind) -> [&'static [Named]; 2] {
         JobKind::CompositeBending => [BENDING, &[]],
         JobKind::CompositeCell => [CELL, &[]],
         JobKind::GranularScene => [SCENE, &[]],
+        JobKind::Triaxial => [TRIAXIAL, SCENE],
+        JobKind::DirectShear => [DIRECT_SHEAR, SCENE],
         JobKind::BallastOedometer | JobKind::BallastBox | JobKind::BallastRailbed => {
             [BALLAST, SCENE]
         }

@@ -18,6 +18,14 @@ macro_rules! list_of_kinds {
                 "Spheres and clumps between planes and surfaces of triangles, in contact with friction, moved step by step through the stages you give.",
                 ["granular_scene", "granular_scene_clump_drop", "granular_scene_breaking_clump",
                     "granular_scene_hopper", "granular_scene_angle_of_repose"];
+            Triaxial("triaxial"): spec::soil::SoilTriaxial,
+                "Triaxial test",
+                "Soil is pressed on all sides and then shortened at constant confining pressure: deviator stress, volume, friction angles at peak and critical state.",
+                ["triaxial"];
+            DirectShear("direct_shear"): spec::soil::SoilDirectShear,
+                "Direct shear test",
+                "The halves of a box of soil are moved past each other under a normal stress: shear stress, dilatancy, friction angles.",
+                ["direct_shear"];
             BallastOedometer("ballast_oedometer"): spec::ballast::BallastOedometer,
                 "Ballast oedometer",
                 "Ballast is poured into a cylinder, compacted, and pressed by a plate: stiffness, void ratio, modulus.",

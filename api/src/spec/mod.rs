@@ -7,3 +7,4 @@ pub mod composite_cell;
 pub mod granular_scene;
 pub mod nonwoven_tensile;
 pub mod paper_tensile;
+pub mod soil;

@@ -30,6 +30,8 @@ pub fn simulate(
     match spec {
         JobSpec::NonwovenTensile(spec) => nonwoven::run(spec, context, recorder),
         JobSpec::GranularScene(spec) => grains::run(spec, context, recorder),
+        JobSpec::Triaxial(spec) => grains::soil::run(spec, context, recorder),
+        JobSpec::DirectShear(spec) => grains::soil::run(spec, context, recorder),
         JobSpec::BallastOedometer(spec) => grains::ballast::run(spec, context, recorder),
         JobSpec::BallastBox(spec) => grains::ballast::run(spec, context, recorder),
         JobSpec::BallastRailbed(spec) => grains::ballast::run(spec, context, recorder),

@@ -1,7 +1,7 @@
 //! What the JSON Schema cannot say of walls and of what drives them.
 use std::collections::BTreeSet;
 
-use super::{Body, Drive, FacetMesh, GranularScene, Place};
+use super::{Axis, Body, Drive, FacetMesh, GranularScene, Place, Servo};
 use crate::{Violation, Violations, surface::unit_normal};
 
 /// At most this many triangles of a wall are listed.
@@ -146,11 +146,12 @@ pub(super) fn check_drive(
             wall.sine.is_some(),
             wall.turn.is_some(),
             wall.force.is_some(),
+            wall.servo.is_some(),
         ];
         if ways.iter().filter(|given| **given).count() != 1 {
             violations.push(
                 Violation::new(&pointer, "not_one_drive", "a wall is driven in one way")
-                    .allowed("exactly one of: velocity_m_per_s, sine, turn, force"),
+                    .allowed("exactly one of: velocity_m_per_s, sine, turn, force, servo"),
             );
         }
         if wall.turn.is_some() && known.planes.contains(&*wall.name) {
@@ -166,6 +167,10 @@ pub(super) fn check_drive(
         if let Some(force) = &wall.force {
             let swings = [force.peak_force_n.is_some(), force.period_s.is_some()];
             violations.extend(check_swing(&format!("{pointer}/force"), swings));
+        }
+        if let Some(servo) = &wall.servo {
+            let pointer = format!("{pointer}/servo");
+            violations.extend(check_servo(known, servo, &wall.name, &pointer));
         }
     }
     let mut bodies = BTreeSet::new();
@@ -186,6 +191,31 @@ pub(super) fn check_drive(
             violations.extend(check_swing(&format!("{pointer}/force"), swings));
         }
     }
+}
+
+/// A plane that follows what presses on it.
+fn check_servo(known: &Known<'_>, servo: &Servo, wall: &str, pointer: &str) -> Option<Violation> {
+    let mut planes = known.spec.planes.iter();
+    let Some(plane) = planes.find(|plane| plane.name == wall) else {
+        let detail = "only a plane has an axis along which it follows";
+        return Some(Violation::new(pointer, "not_a_plane", detail).allowed("a wall of /planes"));
+    };
+    if servo.force_n.is_some() == servo.stress_pa.is_some() {
+        let detail = "a servo has one aim";
+        let violation = Violation::new(pointer, "not_one_aim", detail);
+        return Some(violation.allowed("exactly one of: force_n, stress_pa"));
+    }
+    let is_enclosed = [Axis::X, Axis::Y, Axis::Z].iter().all(|axis| {
+        let across = known.spec.planes.iter().filter(|other| other.axis == *axis);
+        let facings: Vec<i32> = across.map(|other| i32::from(other.facing)).collect();
+        *axis == plane.axis || (facings.contains(&1) && facings.contains(&-1))
+    });
+    (servo.stress_pa.is_some() && !is_enclosed).then(|| {
+        let detail = "planes on both sides across the other two axes must enclose the area";
+        Violation::new(format!("{pointer}/stress_pa"), "no_area", detail)
+            .value(servo.stress_pa)
+            .allowed("such planes, or force_n instead")
+    })
 }
 
 /// A stage that sets something down.

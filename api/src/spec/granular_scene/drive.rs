@@ -19,6 +19,11 @@ pub struct Drive {
     /// The bodies are meant to flow: how close the stage is to rest is not judged.
     #[serde(default)]
     pub flow: bool,
+    /// What tan φ of all contacts is multiplied with meanwhile: little friction while a sample is pressed
+    /// together makes it dense.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "1"))]
+    pub friction_factor: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1_000_000_000_000_u64))]
     pub steps: Option<u64>,
@@ -27,7 +32,7 @@ pub struct Drive {
     pub time_s: Option<f64>,
 }
 
-/// How a wall is driven: `velocity_m_per_s`, `sine`, `turn` or `force`, exactly one of them.
+/// How a wall is driven: `velocity_m_per_s`, `sine`, `turn`, `force` or `servo`, exactly one of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallDrive {
@@ -43,6 +48,35 @@ pub struct WallDrive {
     pub turn: Option<Turn>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<WallForce>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub servo: Option<Servo>,
+}
+
+/// A plane that moves along its axis until what presses on it has the force or the stress asked for, exactly
+/// one of the two, and follows it from then on. It has no mass: before each step of length Δt its velocity
+/// towards the bodies is set to gain (F₁ − F)/(K Δt), at most `largest_velocity_m_per_s` either way, with the
+/// sum K of the stiffnesses of all contacts that it has or may soon have. What touches it feels a
+/// dashpot: a contact alone comes nearer to F₁ by the part `gain` of what is missing in each step, and
+/// never beyond. Until it touches anything it moves at its largest velocity, and in its first step of
+/// contact the force grows by K Δt times that.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Servo {
+    /// F₁, positive when it presses on the bodies.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1e15), extend("x-unit" = "N"))]
+    pub force_n: Option<f64>,
+    /// The same over the rectangle that the planes across the other two axes enclose at the moment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1e15), extend("x-unit" = "Pa"))]
+    pub stress_pa: Option<f64>,
+    /// So slow that the bodies can follow.
+    #[schemars(range(min = 1e-12, max = 1e6), extend("x-unit" = "m/s"))]
+    pub largest_velocity_m_per_s: f64,
+    /// Part of the missing force that a step makes good; beyond 1 it would swing.
+    #[serde(default = "gain")]
+    #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
+    pub gain: f64,
 }
 
 /// A swing about where the wall was, x = A (sin(2πft + φ) − sin φ), t from the start of the stage.
@@ -137,6 +171,20 @@ pub struct BodyForce {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-15, max = 1e9), extend("x-unit" = "s"))]
     pub period_s: Option<f64>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_one(value: &f64) -> bool {
+    value.to_bits() == 1.0_f64.to_bits()
+}
+
+/// A fifth: Hertz's contacts may be some times as stiff as they are foreseen.
+fn gain() -> f64 {
+    0.2
 }
 
 fn all_axes() -> Vec<Axis> {

@@ -30,6 +30,7 @@ mod insert;
 mod job_kind;
 mod laws;
 mod overlaps;
+mod packing;
 mod part_checks;
 mod place;
 mod rate;
@@ -55,7 +56,9 @@ use serde::{Deserialize, Serialize};
 
 pub use accuracy::{Accuracy, Knobs};
 pub use bodies::{Axis, Body, Clump, DegreeOfFreedom, Member, Plane, Sphere};
-pub use drive::{BodyDrive, BodyForce, BodyVelocity, Drive, Sine, Turn, WallDrive, WallForce};
+pub use drive::{
+    BodyDrive, BodyForce, BodyVelocity, Drive, Servo, Sine, Turn, WallDrive, WallForce,
+};
 pub use facets::{FacetError, FacetMesh};
 pub use generate::{Arrangement, Generate, Grain, SieveFraction, Sizes, Volume};
 pub(crate) use grains::MOST_MEMBERS;

@@ -51,6 +51,9 @@ impl Drive {
             for spin in turn.flat_map(|turn| &mut turn.angular_velocity_rad_per_s) {
                 *spin *= factor;
             }
+            if let Some(servo) = &mut wall.servo {
+                servo.largest_velocity_m_per_s *= factor;
+            }
             if let Some(force) = &mut wall.force {
                 divide(&mut force.period_s, factor);
             }

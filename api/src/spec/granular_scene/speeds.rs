@@ -87,7 +87,12 @@ impl WallDrive {
         let swing = self
             .sine
             .map(|sine| std::f64::consts::TAU * sine.frequency_hz * towards(sine.amplitude_m));
-        let speeds = [("velocity_m_per_s", velocity), ("sine/frequency_hz", swing)];
+        let servo = self.servo.map(|servo| servo.largest_velocity_m_per_s);
+        let speeds = [
+            ("velocity_m_per_s", velocity),
+            ("sine/frequency_hz", swing),
+            ("servo/largest_velocity_m_per_s", servo),
+        ];
         speeds
             .into_iter()
             .filter_map(|(field, speed)| Some((field, speed?)))

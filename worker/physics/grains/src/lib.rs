@@ -20,6 +20,7 @@
 //! | [`output`] | what a run keeps: journal, tables, snapshots, report |
 //! | [`stages`] | what a run does, stage by stage |
 //! | [`ballast`] | tests of ballast: scenes, read in the terms of a test |
+//! | [`soil`] | tests of soil, alike |
 //!
 //! **Data road.** [`scene::specimen`] lists every body, those that [`generate`] makes included;
 //! [`scene::model`] resolves spec and specimen into a model and the first bodies: every sphere that
@@ -49,8 +50,9 @@
 //! **To add.** A law is a file with an `impl Law` and an `impl Lanewise`, and a line in
 //! [`contact::chosen`]. A shape of wall is a list beside those of planes and facets, a stage a variant
 //! of the spec's `Stage` and its arm in [`stages`]. A test in its own terms is a script of stages and a
-//! reader of their curve, as in [`ballast`].
+//! reader of their curve, as in [`soil`].
 pub mod ballast;
+pub mod soil;
 mod contact;
 mod generate;
 mod geometry;

@@ -27,7 +27,9 @@ mod restitution;
 mod rolling;
 mod rolling_beside_yade;
 mod rotation;
+mod servo;
 mod shear_dashpot;
+mod soil;
 mod specimens;
 mod stages;
 

@@ -146,6 +146,7 @@ impl<A: Apparatus> Ballast<A> {
                     period_s: period,
                     free: vec![Axis::Z],
                 }),
+                servo: None,
             };
             let body = |body| BodyDrive {
                 body,
@@ -160,6 +161,7 @@ impl<A: Apparatus> Ballast<A> {
                 walls: script.body.is_none().then(wall).into_iter().collect(),
                 bodies: script.body.map(body).into_iter().collect(),
                 flow: false,
+                friction_factor: 1.0,
                 steps: None,
                 time_s: Some(time),
             })

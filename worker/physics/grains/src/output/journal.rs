@@ -22,6 +22,8 @@ pub(crate) struct Journal {
     pub(crate) noted: Worst,
     /// Stages that waited for rest in vain.
     pub(crate) unsettled_stages: Vec<usize>,
+    /// Largest error of the force on a servo at the end of its stage, over the force asked for, and where.
+    pub(crate) servo: Option<ServoError>,
     /// When it began [s].
     pub(crate) stage_start: f64,
     /// Δt of the next step [s].
@@ -55,6 +57,16 @@ pub(crate) struct Journal {
     pub(crate) last: Reading,
     /// Sum over steps of the candidates looked at.
     pub(crate) candidate_steps: u64,
+}
+
+/// How far a servo was from its force when its stage ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ServoError {
+    /// |F − F₁|/F₁.
+    pub(crate) ratio: f64,
+    pub(crate) stage: usize,
+    /// Number of the wall.
+    pub(crate) wall: usize,
 }
 
 /// The worst of looks, and of every step.

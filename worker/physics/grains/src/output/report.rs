@@ -190,6 +190,20 @@ fn checks(report: &mut ReportBuilder, spec: &GranularScene, engine: &Engine, jou
             ),
         );
     }
+    if let Some(worst) = journal.servo {
+        report.check(
+            "servo_force_error",
+            worst.ratio,
+            LARGEST_SERVO_ERROR,
+            "1",
+            &format!(
+                "Largest error of the force on a servo when its stage ended, over the force asked for: \
+                 of {:?} in stage {}.",
+                engine.wall_name(worst.wall),
+                worst.stage + 1
+            ),
+        );
+    }
     if let Some([number, ratio]) = journal.driving.means() {
         report.check(
             "inertial_number",
@@ -207,6 +221,9 @@ fn checks(report: &mut ReportBuilder, spec: &GranularScene, engine: &Engine, jou
         );
     }
 }
+
+/// Force error of servos at the end of their stages, over the force.
+const LARGEST_SERVO_ERROR: f64 = 0.05;
 
 /// What set the time step, and what softening it would save.
 fn limit(engine: &Engine, worst: &Worst) -> String {

@@ -27,6 +27,7 @@ pub(super) fn warn(
     for (name, check) in failed {
         let advice = match name.as_str() {
             "largest_overlap_ratio" => harder(spec, journal),
+            "servo_force_error" => servo(spec, journal),
             "inertial_number" | "driven_unbalanced_force_ratio" => slower(spec),
             _ => smaller_step(spec, engine, journal),
         };
@@ -94,6 +95,15 @@ fn duration(spec: &GranularScene, stage: usize) -> String {
     let has_steps = found.is_some_and(|stage| stage.duration().steps.is_some());
     let field = if has_steps { "steps" } else { "time_s" };
     format!("/stages/{stage}/{name}/{field}")
+}
+
+/// For servos that had not come to their force.
+fn servo(spec: &GranularScene, journal: &Journal) -> String {
+    let stage = journal.servo.map_or(0, |worst| worst.stage);
+    format!(
+        "give the stage more {} to come to the force, or a smaller largest_velocity_m_per_s to keep it",
+        duration(spec, stage)
+    )
 }
 
 /// For contacts that were pressed too far.

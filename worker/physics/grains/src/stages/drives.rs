@@ -9,7 +9,7 @@ use crate::{
     numbers::Vector,
     scene::model::DrivenBody,
     step::{engine::Engine, patch::BodyLoad},
-    walls::motion::Load,
+    walls::motion::{Load, Servo},
 };
 
 impl Runner<'_> {
@@ -23,6 +23,7 @@ impl Runner<'_> {
             motion.load = None;
             if !goes_on {
                 motion.velocity = [0.0; 3];
+                motion.servo = None;
             }
         }
         for pose in &mut self.engine.state.poses {
@@ -80,6 +81,19 @@ impl Runner<'_> {
                     free: are_among(&force.free),
                 });
             }
+            // one that goes on knows what touches it
+            if let Some(servo) = wall.servo.as_ref().filter(|_| self.journal.stage_steps == 0) {
+                let face = &mut self.engine.state.faces[number];
+                face.motion.servo = Some(Servo {
+                    axis: face.axis,
+                    facing: face.facing,
+                    force: 0.0,
+                    gain: servo.gain,
+                    largest_velocity: servo.largest_velocity_m_per_s,
+                    stiffness: 0.0,
+                });
+                self.engine.drop_lists();
+            }
             if let Some(turn) = &wall.turn {
                 let mesh = number - self.engine.state.faces.len();
                 let pose = &mut self.engine.state.poses[mesh];
@@ -133,6 +147,13 @@ impl Runner<'_> {
         let Some(number) = self.engine.wall(&wall.name) else {
             return;
         };
+        if let Some(servo) = &wall.servo {
+            let pressed = |stress: f64| stress * self.engine.area_of_plane(number);
+            let force = servo.force_n.or(servo.stress_pa.map(pressed));
+            if let Some(known) = &mut self.engine.wall_motion(number).servo {
+                known.force = force.unwrap_or(0.0);
+            }
+        }
         let motion = self.engine.wall_motion(number);
         if let Some(sine) = &wall.sine {
             // the velocity that brings it to where it has to be after the step

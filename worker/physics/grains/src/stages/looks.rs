@@ -5,7 +5,12 @@ use loadframe_harness::{Recorder, SimulationError};
 use super::{runner::Runner, stepping::MOST_HALVINGS};
 use crate::{
     observe::{contact::put_in_order, survey::Survey, time_step::Critical},
-    output::{breaks, fragments::FragmentRow, journal::Worst, snapshot, tables},
+    output::{
+        breaks,
+        fragments::FragmentRow,
+        journal::{ServoError, Worst},
+        snapshot, tables,
+    },
 };
 
 /// Created energy over the scale beyond which a run is not worth going on with.
@@ -162,6 +167,21 @@ impl Runner<'_> {
             });
         }
         Ok(())
+    }
+
+    /// Keeps how far servos were from their forces; to be called as a stage ends.
+    pub(super) fn note_servos(&mut self) {
+        for (wall, face) in self.engine.state.faces.iter().enumerate() {
+            let Some(servo) = face.motion.servo.filter(|servo| servo.force > 0.0) else {
+                continue;
+            };
+            let error = servo.pressing(&self.engine.wall_force(wall)) - servo.force;
+            let ratio = error.abs() / servo.force;
+            if self.journal.servo.is_none_or(|worst| ratio > worst.ratio) {
+                let stage = self.journal.stage;
+                self.journal.servo = Some(ServoError { ratio, stage, wall });
+            }
+        }
     }
 
     /// Keeps in which stage what was worst so far.

@@ -57,6 +57,7 @@ impl Runner<'_> {
     pub(crate) fn rub(&mut self, stage: &Stage) {
         self.engine.rub(match stage {
             Stage::Vibrate(vibrate) => vibrate.friction_factor,
+            Stage::Drive(drive) => drive.friction_factor,
             _ => 1.0,
         });
     }

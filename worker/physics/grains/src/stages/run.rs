@@ -68,6 +68,7 @@ pub(crate) fn run(
         runner.note_worst();
         runner.end_supply(stage);
         runner.end_stiffening(stage);
+        runner.note_servos();
         runner.journal.is_settled = false;
         runner.journal.stage += 1;
         runner.journal.stage_steps = 0;

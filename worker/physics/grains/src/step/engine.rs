@@ -382,7 +382,7 @@ impl Engine {
     }
 
     pub(crate) fn list_with(&mut self, memories: &Memories) {
-        let plates = self.plates();
+        let (plates, followers) = (self.plates(), self.followers());
         let state = &mut self.state;
         // in the old order, as the way is measured from
         state.skin.renew(&state.particles.centres);
@@ -399,6 +399,7 @@ impl Engine {
             law: &self.law,
             model: &self.model,
             plates: &plates,
+            followers: &followers,
             faces: &state.faces,
             poses: &state.poses,
             search: &self.search,
@@ -426,6 +427,7 @@ impl Engine {
         state.is_listed = true;
         state.lists += 1;
         (self.halos).resize_with(state.patches.len(), Wrenches::default);
+        self.tell_servos();
     }
 }
 

@@ -44,6 +44,44 @@ impl Engine {
             .collect()
     }
 
+    /// Walls whose contacts are added up as they are listed: those that follow forces.
+    pub(crate) fn followers(&self) -> Vec<bool> {
+        let motions = (0..self.wall_count()).map(|wall| self.motion_of(wall));
+        motions
+            .map(|motion| motion.load.is_some() || motion.servo.is_some())
+            .collect()
+    }
+
+    /// Tells servos what may touch them.
+    pub(crate) fn tell_servos(&mut self) {
+        let state = &mut self.state;
+        for (wall, face) in state.faces.iter_mut().enumerate() {
+            if let Some(servo) = &mut face.motion.servo {
+                let parts = state.patches.iter();
+                let parts = parts.filter_map(|patch| patch.at_plates.get(wall));
+                servo.stiffness = parts.map(|[stiffness, _]| stiffness).sum();
+            }
+        }
+    }
+
+    /// Area that planes across the other axes enclose on a plane [m²]; infinite where they do not.
+    pub(crate) fn area_of_plane(&self, plane: usize) -> f64 {
+        let faces = &self.state.faces;
+        let across = (0..3).filter(|axis| *axis != faces[plane].axis);
+        let sides = across.map(|axis| {
+            let places = |facing: f64| {
+                let faces = faces.iter();
+                let faces =
+                    faces.filter(move |face| face.axis == axis && face.facing * facing > 0.0);
+                faces.map(|face| face.position)
+            };
+            let low = places(1.0).fold(f64::NEG_INFINITY, f64::max);
+            let high = places(-1.0).fold(f64::INFINITY, f64::min);
+            (high - low).max(0.0)
+        });
+        sides.product()
+    }
+
     /// ω_p² [1/s²] and D_p [1/s] (G.26) of the worst plate, if all touched it that are listed.
     pub(crate) fn plate_that_meets(&self) -> [f64; 2] {
         let plates = self.plates();
@@ -79,7 +117,8 @@ impl Engine {
         let faces = faces.map(move |(wall, face)| {
             // along itself a plane comes no closer to anything
             let speed = face.motion.velocity[face.axis].abs();
-            (wall, speed, pushed(&face.motion, face.axis..face.axis + 1))
+            let servo = face.motion.servo.map_or(0.0, |servo| servo.largest_velocity);
+            (wall, speed.max(servo), pushed(&face.motion, face.axis..face.axis + 1))
         });
         let planes = self.state.faces.len();
         let meshes = self.state.poses.iter().zip(&self.model.facets.meshes);

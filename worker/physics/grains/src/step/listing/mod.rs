@@ -97,6 +97,8 @@ pub(crate) struct Listing<'a> {
     pub(crate) memories: &'a Memories,
     /// 1/m of each wall that follows forces now [1/kg], 0 of the others.
     pub(crate) plates: &'a [f64],
+    /// Walls whose contacts are added up.
+    pub(crate) followers: &'a [bool],
     /// Distance of surfaces below which bodies are listed [m].
     pub(crate) skin: f64,
 }
@@ -121,7 +123,7 @@ impl Filling<'_> {
         radius: f64,
         springs: &Springs,
     ) {
-        if let Some(wall) = wall.filter(|wall| listing.plates[*wall] > 0.0) {
+        if let Some(wall) = wall.filter(|wall| listing.followers[*wall]) {
             self.at_plates.resize(listing.plates.len(), [0.0; 2]);
             let found = alone::at_wall(listing.law, listing.model.is_rough, radius, springs);
             for (sum, part) in self.at_plates[wall].iter_mut().zip(found) {

@@ -1,0 +1,49 @@
+//! Strengths and angles that are read off curves of soil.
+use loadframe_harness::curve;
+
+/// Part of the way at its end over which the critical state is taken.
+pub(super) const CRITICAL: f64 = 0.2;
+/// Part of the way, on either side of the peak, over which a slope is fitted.
+pub(super) const AROUND: f64 = 0.05;
+
+/// Mean ordinate over the last [`CRITICAL`] of the way.
+pub(super) fn critical(points: &[(f64, f64)]) -> f64 {
+    let end = points.last().map_or(f64::NAN, |point| point.0);
+    let start = points.first().map_or(f64::NAN, |point| point.0);
+    let from = end - CRITICAL * (end - start);
+    let last: Vec<f64> = points
+        .iter()
+        .filter(|point| point.0 >= from)
+        .map(|point| point.1)
+        .collect();
+    last.iter().sum::<f64>() / last.len() as f64
+}
+
+/// Slope of the ordinate around this abscissa, by least squares within [`AROUND`] of the way.
+pub(super) fn slope_at(points: &[(f64, f64)], place: f64) -> f64 {
+    let end = points.last().map_or(f64::NAN, |point| point.0);
+    let start = points.first().map_or(f64::NAN, |point| point.0);
+    let reach = AROUND * (end - start);
+    let near = points.iter().copied();
+    let near: Vec<(f64, f64)> = near
+        .filter(|point| (point.0 - place).abs() <= reach)
+        .collect();
+    curve::slope(&near).unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_fifth_of_the_way_is_critical_and_a_slope_is_that_of_a_line() {
+        let points: Vec<(f64, f64)> = (0..=100)
+            .map(|place| {
+                let x = f64::from(place);
+                (x, if place < 80 { 3.0 * x } else { 7.0 })
+            })
+            .collect();
+        assert!((critical(&points) - 7.0).abs() < 1e-12);
+        assert!((slope_at(&points, 40.0) - 3.0).abs() < 1e-12);
+    }
+}

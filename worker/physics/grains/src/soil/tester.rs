@@ -1,0 +1,164 @@
+//! From the rows of a scene to those of a test.
+use std::{
+    collections::BTreeMap,
+    io::{self, Write},
+};
+
+use loadframe_api::spec::soil::Script;
+use loadframe_harness::{Recorder, csv};
+
+use super::Measured;
+
+/// A row of the scene by the names of its columns.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading<'a> {
+    places: &'a BTreeMap<String, usize>,
+    values: &'a [f64],
+}
+
+/// What was heard.
+#[derive(Debug, Default)]
+pub struct Rows {
+    places: BTreeMap<String, usize>,
+    /// The last row of the scene before the test, and every one of it.
+    scene: Vec<Vec<f64>>,
+    /// Rows of the test; the first is the state before it.
+    pub(super) test: Vec<Vec<f64>>,
+    /// Σ |F_a + F_b| and Σ |F_a| over the rows [N].
+    imbalance: [f64; 2],
+}
+
+/// Stands between the engine and the recorder of a job.
+pub(super) struct Tester<'a, T: Measured> {
+    test: &'a T,
+    pub(super) script: &'a Script,
+    recorder: &'a mut dyn Recorder,
+    pub(super) rows: Rows,
+}
+
+impl Reading<'_> {
+    /// A number; not one where the scene has no such column.
+    pub(super) fn at(&self, name: &str) -> f64 {
+        let place = self.places.get(name);
+        place.map_or(f64::NAN, |place| self.values[*place])
+    }
+}
+
+impl Rows {
+    /// The state before the test, and that at its end.
+    pub(super) fn ends(&self) -> Option<[Reading<'_>; 2]> {
+        let reading = |values| Reading {
+            places: &self.places,
+            values,
+        };
+        Some([
+            reading(self.scene.first()?),
+            reading(self.scene.last()?),
+        ])
+    }
+
+    /// A column over another.
+    pub(super) fn points(&self, x: usize, y: usize) -> Vec<(f64, f64)> {
+        self.test.iter().map(|row| (row[x], row[y])).collect()
+    }
+
+    /// Σ |F_a + F_b| over Σ |F_a|.
+    pub(super) fn imbalance(&self) -> f64 {
+        self.imbalance[0] / self.imbalance[1]
+    }
+}
+
+impl<'a, T: Measured> Tester<'a, T> {
+    pub(super) fn new(test: &'a T, script: &'a Script, recorder: &'a mut dyn Recorder) -> Self {
+        Self {
+            test,
+            script,
+            recorder,
+            rows: Rows::default(),
+        }
+    }
+
+    /// The curve of the test, and the scene.
+    pub(super) fn write(&mut self) -> io::Result<()> {
+        let rows = &self.rows.test;
+        self.recorder.file("curve.csv", &mut |out| {
+            csv::header(out, T::COLUMNS)?;
+            rows.iter().try_for_each(|row| csv::row(out, row))
+        })?;
+        let script = self.script;
+        self.recorder.file("scene.json", &mut |out| {
+            let job = serde_json::json!({"kind": "granular_scene", "spec": script.scene});
+            serde_json::to_writer(&mut *out, &job)?;
+            writeln!(out)
+        })
+    }
+}
+
+impl<T: Measured> Recorder for Tester<'_, T> {
+    fn columns(&mut self, names: &[&str]) -> io::Result<()> {
+        let places = names.iter().map(|name| (*name).to_owned()).zip(0..);
+        self.rows = Rows {
+            places: places.collect(),
+            ..Rows::default()
+        };
+        self.recorder.columns(T::COLUMNS)
+    }
+
+    fn point(&mut self, values: &[f64]) -> io::Result<()> {
+        let places = &self.rows.places;
+        let reading = Reading { places, values };
+        // people count from 1
+        let is_test = reading.at("stage") > self.script.prepared as f64;
+        if !is_test {
+            // the last of these is where the test begins
+            self.rows.scene = vec![values.to_vec()];
+            return Ok(());
+        }
+        let first = self.rows.scene.first().map_or(values, Vec::as_slice);
+        let first = Reading {
+            places,
+            values: first,
+        };
+        let row = self.test.row(self.script, &reading, &first);
+        let before = self.rows.test.is_empty();
+        let start = before.then(|| self.test.row(self.script, &first, &first));
+        let [one, other] = self.test.balance(&reading);
+        self.rows.imbalance[0] += (one + other).abs();
+        self.rows.imbalance[1] += one.abs();
+        for row in start.into_iter().chain([row]) {
+            self.recorder.point(&row)?;
+            self.rows.test.push(row);
+        }
+        self.rows.scene.truncate(1);
+        self.rows.scene.push(values.to_vec());
+        Ok(())
+    }
+
+    fn file(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        // the test has a curve of its own
+        if name == "curve.csv" {
+            return Ok(());
+        }
+        self.recorder.file(name, write)
+    }
+
+    fn progress(&mut self, fraction: f64, phase: &str) {
+        self.recorder.progress(fraction, phase);
+    }
+
+    fn log(&mut self, message: &str) {
+        self.recorder.log(message);
+    }
+
+    fn checkpoint_due(&self) -> bool {
+        self.recorder.checkpoint_due()
+    }
+
+    fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.recorder.checkpoint(bytes)
+    }
+}
