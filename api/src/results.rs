@@ -30,6 +30,14 @@ const NONWOVEN: &[Named] = &[
     ("broken_bonds", "1"),
     ("nodes", "1"),
     ("bonds", "1"),
+    ("cycles", "1"),
+    ("residual_strain", "1"),
+    ("energy_loaded", "J"),
+    ("energy_recovered", "J"),
+    ("energy_dissipated", "J"),
+    ("energy_released_by_breaking", "J"),
+    ("first_cycle_stiffness", "N"),
+    ("last_cycle_stiffness", "N"),
     ("anisotropy_of_*", "1"),
 ];
 

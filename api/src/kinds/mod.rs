@@ -12,7 +12,8 @@ macro_rules! list_of_kinds {
                 "Nonwoven tensile test",
                 "A fabric of bonds is pulled until it parts; every strain step is brought to equilibrium.",
                 ["nonwoven_tensile", "nonwoven_tensile_quick", "nonwoven_tensile_network",
-                    "nonwoven_tensile_repeats", "nonwoven_tensile_directions"];
+                    "nonwoven_tensile_repeats", "nonwoven_tensile_directions",
+                    "nonwoven_tensile_cycles"];
             GranularScene("granular_scene"): spec::granular_scene::GranularScene,
                 "Granular scene",
                 "Spheres and clumps between planes and surfaces of triangles, in contact with friction, moved step by step through the stages you give.",

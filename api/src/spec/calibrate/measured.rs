@@ -125,6 +125,16 @@ impl MeasuredCurve {
     /// # Errors
     /// When the job's curve has no such columns, with a pointer into this.
     pub(super) fn wanted(&self, job: &JobSpec) -> Result<[String; 2], Violation> {
+        if let JobSpec::NonwovenTensile(spec) = job
+            && !spec.test.history.is_empty()
+        {
+            let detail =
+                "the curve of a test with a history comes back: no value belongs to a strain";
+            let violation = Violation::new("", "not_allowed", detail);
+            return Err(violation
+                .value("test.history")
+                .allowed("results only, or a job without history"));
+        }
         let known = job.curve_columns();
         let Some(names) = &self.columns else {
             return match &known[..] {

@@ -34,6 +34,32 @@ pub struct Knobs {
     #[schemars(range(min = 1e-3, max = 1e3), extend("x-unit" = "1"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_move: Option<f64>,
+    /// The gradient that `gradient_descent` and `barzilai_borwein` follow.
+    #[serde(skip_serializing_if = "DescentGradient::is_exact")]
+    pub descent_gradient: DescentGradient,
+    /// α, by which they multiply it: of every move, or of the first move of each node. Left out, the
+    /// force limit over the squared stiffness of the node, the longest step that ends within the limit.
+    #[schemars(range(min = 1e-12, max = 1e12), extend("x-unit" = "mm2/N"))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub descent_step_mm2_per_n: Option<f64>,
+    /// Distance of the 5 x 5 x 5 values that `"descent_gradient": "smoothed"` goes by, in mean rest
+    /// lengths of bonds. [Zilka2022] gives none: far enough apart to smooth, and not so far that the
+    /// minimum moves.
+    #[schemars(range(min = 1e-6, max = 1.0), extend("x-unit" = "1"))]
+    #[serde(skip_serializing_if = "is_usual_spacing")]
+    pub smoothing_spacing: f64,
+}
+
+/// Values that smooth the resultant stand so far apart where the spec does not say.
+const SMOOTHING_SPACING: f64 = 0.02;
+
+#[allow(
+    clippy::float_cmp,
+    clippy::trivially_copy_pass_by_ref,
+    reason = "what serde asks for: the same number"
+)]
+fn is_usual_spacing(spacing: &f64) -> bool {
+    *spacing == SMOOTHING_SPACING
 }
 
 /// The way to equilibrium.
@@ -47,6 +73,32 @@ pub enum Solver {
     Sequential,
     /// The thesis' relaxation with all displacements computed before any node moves.
     Parallel,
+    /// Node after node against the gradient of the magnitude of its resultant, by a fixed step; the
+    /// thesis tried it. Slow, and seldom in balance: left out, `iteration_limit` is 1 000 sweeps.
+    GradientDescent,
+    /// The same by the steps of Barzilai and Borwein.
+    BarzilaiBorwein,
+}
+
+/// The gradient of the magnitude F_b of a node's resultant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DescentGradient {
+    /// That of F_b, [Zilka2022] eq. 7.
+    #[default]
+    Exact,
+    /// The sum of the gradients of the bonds' forces, as [Zilka2022] prints it in eq. 10-12. That is the
+    /// gradient of another function, which has its minimum elsewhere: no test comes to balance by it.
+    AsPrinted,
+    /// That of a cubic spline through values of F_b around the node, [Zilka2022] section 2.3.3.
+    Smoothed,
+}
+
+impl DescentGradient {
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "what serde asks for")]
+    fn is_exact(&self) -> bool {
+        *self == Self::Exact
+    }
 }
 
 impl Default for Knobs {
@@ -72,6 +124,9 @@ impl accuracy::Knobs for Knobs {
             relaxation_factor: 0.6,
             break_precision: Some(break_precision),
             largest_move: None,
+            descent_gradient: DescentGradient::default(),
+            descent_step_mm2_per_n: None,
+            smoothing_spacing: SMOOTHING_SPACING,
         }
     }
 }

@@ -1,11 +1,11 @@
 //! What the JSON Schema cannot say: counts that must fit together, bonds that must hold something.
-use super::{Breaking, Direction, Fabric, Jaw, Lattice, Network, NonwovenTensile};
+use super::{Breaking, Direction, Fabric, Jaw, Lattice, Network, NonwovenTensile, history};
 use crate::{DisjointSets, Violation, Violations};
 
 /// More nodes than this are refused: a network of this size takes about 10 GB.
 const MOST_NODES: u64 = 20_000_000;
 /// More strain steps than this are refused.
-const MOST_STEPS: u64 = 10_000_000;
+pub(super) const MOST_STEPS: u64 = 10_000_000;
 /// Rest lengths below this [mm] make stiffness overflow.
 const SHORTEST_BOND_MM: f64 = 1e-9;
 /// Seeds beyond 2⁵³ − 1 are not exact in every language's JSON.
@@ -20,8 +20,10 @@ pub(super) fn check(spec: &NonwovenTensile, violations: &mut Violations) {
     }
     check_bond(spec, violations);
     check_output(spec, violations);
+    check_landscape(spec, violations);
     check_seeds(spec, violations);
     check_directions(spec, violations);
+    history::check(spec, violations);
     let steps = spec.test.steps();
     if spec.test.strain_step > spec.test.max_strain {
         violations.push(
@@ -65,6 +67,46 @@ fn check_output(spec: &NonwovenTensile, violations: &mut Violations) {
         .allowed(format!("≤ max_strain = {end}"))
         .unit("1")
     }));
+}
+
+fn check_landscape(spec: &NonwovenTensile, violations: &mut Violations) {
+    let Some(landscape) = &spec.output.force_landscape else {
+        return;
+    };
+    let pointer = "/output/force_landscape";
+    let end = spec.test.max_strain;
+    if landscape.strain > end {
+        violations.push(
+            Violation::new(
+                format!("{pointer}/strain"),
+                "out_of_range",
+                "the test ends before this strain",
+            )
+            .value(landscape.strain)
+            .allowed(format!("≤ max_strain = {end}"))
+            .unit("1"),
+        );
+    }
+    let Some(node) = landscape.node else { return };
+    let nodes = spec.fabric.nodes();
+    let is_held = match &spec.fabric {
+        Fabric::Lattice(_) => false,
+        Fabric::Network(network) => network
+            .jaws
+            .get(node as usize)
+            .is_some_and(|jaw| *jaw != Jaw::Free),
+    };
+    if u64::from(node) >= nodes || is_held {
+        violations.push(
+            Violation::new(
+                format!("{pointer}/node"),
+                "no_such_node",
+                "there is no free node of this number",
+            )
+            .value(node)
+            .allowed(format!("a free node among 0 … {}", nodes.saturating_sub(1))),
+        );
+    }
 }
 
 fn check_seeds(spec: &NonwovenTensile, violations: &mut Violations) {

@@ -6,7 +6,7 @@
 //! of 1.7 on all of them. Newton's method became faster since; its factors follow eight runs of the
 //! present one, up to 2.7 million bonds and 20 layers. There is no theory behind this beyond the
 //! powers that one expects: longer waves in larger networks, more digits for a tighter limit.
-use super::{Breaking, Fabric, Jaws, Lattice, NonwovenTensile, Solver};
+use super::{Breaking, DescentGradient, Fabric, Jaws, Lattice, NonwovenTensile, Solver, Target};
 use crate::{Calibration, Estimate};
 
 /// Relaxations take longer per evaluation than the solver that calibrates: they visit bonds node
@@ -14,6 +14,10 @@ use crate::{Calibration, Estimate};
 const RELAXATION_SLOWDOWN: f64 = 9.0;
 /// One after the other instead of all at once means more breaking rounds.
 const WEAKEST_FIRST: f64 = 1.6;
+/// Sweeps of a descent where the spec does not say, and moves of a node in each at most: nearly all are
+/// made, because nearly no step comes to balance.
+const DESCENT_SWEEPS: f64 = 1_000.0;
+const DESCENT_MOVES: f64 = 50.0;
 /// A flat fabric that starts as an even lattice hardly bends.
 const FLAT: f64 = 0.35;
 /// Beyond this A_cc Newton's method converges quadratically and digits come cheaper.
@@ -30,6 +34,8 @@ const CALIBRATED_ROW: f64 = 49.0;
 /// Bonds in a row of a network that is given, at most: they are gathered.
 const GATHERED_ROW: f64 = 8.0;
 const STEP_MB: f64 = 250e-6;
+/// What a step on a way that was gone before takes, over a step of the first pull.
+const LATER_STEP: f64 = 0.5;
 /// Strain and force of a step, and the results of one test, where there are repeats [MB].
 const POINT_MB: f64 = 45e-6;
 const RESULTS_MB: f64 = 500e-6;
@@ -126,12 +132,13 @@ impl Fabric {
 
 pub(super) fn estimate(spec: &NonwovenTensile, calibration: &Calibration) -> Estimate {
     let bonds = spec.fabric.bonds() as f64;
-    let steps = spec.test.steps() as f64;
+    let [first, later] = steps_of_way(spec);
+    let steps = first + later;
     let slowdown = match spec.accuracy.knobs().solver {
         Solver::NewtonCg => spec.fabric.short_runs(),
-        Solver::Sequential | Solver::Parallel => RELAXATION_SLOWDOWN,
+        _ => RELAXATION_SLOWDOWN,
     };
-    let evaluations = bonds * evaluations_per_bond(spec);
+    let evaluations = bonds * evaluations_per_bond(spec) * (1.0 + LATER_STEP * later / first);
     let every = f64::from(spec.output.snapshot_every_steps);
     let snapshots = if every > 0.0 {
         (steps / every).ceil() + 1.0
@@ -163,7 +170,7 @@ fn evaluations_per_bond(spec: &NonwovenTensile) -> f64 {
     let knobs = spec.accuracy.knobs();
     let bonds = spec.fabric.bonds() as f64 / 1e4;
     let accuracy = knobs.force_accuracy / 100.0;
-    let steps = spec.test.steps() as f64 / 10.0;
+    let steps = steps_of_way(spec)[0] / 10.0;
     let step = spec.test.strain_step / 0.01;
     let order = match spec.test.breaking {
         Breaking::WeakestFirst => WEAKEST_FIRST,
@@ -183,7 +190,7 @@ fn evaluations_per_bond(spec: &NonwovenTensile) -> f64 {
                 .min(60.0);
             let waves = (spec.fabric.rows() / 50.0).powf(0.35);
             let buckles = (spec.fabric.layers() / 3.0).powf(0.85).max(1.0);
-            let strain = (spec.test.max_strain / 0.1).powf(-0.2);
+            let strain = (farthest(spec) / 0.1).powf(-0.2);
             let flat = if spec.fabric.is_flat() { FLAT } else { 1.0 };
             flat * 1_000.0 * digits * waves * buckles * steps.sqrt() * strain
         }
@@ -201,17 +208,66 @@ fn evaluations_per_bond(spec: &NonwovenTensile) -> f64 {
             };
             all_at_once * sweeps * waves
         }
+        Solver::GradientDescent | Solver::BarzilaiBorwein => {
+            let sweeps = knobs.iteration_limit.map_or(DESCENT_SWEEPS, f64::from);
+            10.0 * steps * sweeps * DESCENT_MOVES * passes(knobs.descent_gradient)
+        }
     }
 }
 
-/// Whether the test goes far enough to tear the fabric: about half the strain at which a bond of
-/// mean strength breaks, s = e u + f_r u².
-fn ruptures(spec: &NonwovenTensile) -> bool {
-    let bond = &spec.bond;
-    let (Some(modulus), Some(strength)) = (bond.modulus_n, bond.mean_strength_n) else {
-        return spec.test.breaking != Breaking::None;
+/// Evaluations of a bond, from both its ends, for a move of a descent.
+fn passes(gradient: DescentGradient) -> f64 {
+    match gradient {
+        DescentGradient::Exact => 4.0,
+        DescentGradient::AsPrinted => 2.0,
+        DescentGradient::Smoothed => 26.0,
+    }
+}
+
+/// Strain steps of the first pull to the farthest strain, and of all other ways, both of a hair less
+/// than a step's rounding.
+fn steps_of_way(spec: &NonwovenTensile) -> [f64; 2] {
+    let test = &spec.test;
+    if test.history.is_empty() {
+        return [test.steps() as f64, 0.0];
+    }
+    // where a force is reached is not known: at the farthest strain, and come back to at none
+    let strain_of = |target, otherwise| match target {
+        Target::Strain(strain) => strain,
+        Target::ForceN(_) => otherwise,
     };
+    let (mut way, mut here) = (0.0, 0.0);
+    for leg in test.legs() {
+        let otherwise = if leg.unloads { 0.0 } else { farthest(spec) };
+        let end: f64 = strain_of(leg.target, otherwise);
+        way += (end - here).abs();
+        here = end;
+    }
+    let first = (farthest(spec) / test.strain_step).ceil().max(1.0);
+    [first, (way / test.strain_step - first).max(0.0)]
+}
+
+/// The largest strain, at most that at which a bond of mean strength breaks where only forces are
+/// given.
+fn farthest(spec: &NonwovenTensile) -> f64 {
+    let farthest = spec.test.farthest_strain();
+    if spec.test.history.is_empty() {
+        return farthest;
+    }
+    breaking_strain(spec).map_or(farthest, |strain| farthest.min(strain))
+}
+
+/// Whether the test goes far enough to tear the fabric: about half the strain at which a bond of
+/// mean strength breaks.
+fn ruptures(spec: &NonwovenTensile) -> bool {
+    spec.test.breaking != Breaking::None
+        && breaking_strain(spec).is_none_or(|strain| farthest(spec) > 0.5 * strain)
+}
+
+/// Strain at which a bond of mean strength breaks, s = e u + f_r u².
+fn breaking_strain(spec: &NonwovenTensile) -> Option<f64> {
+    let bond = &spec.bond;
+    let (modulus, strength) = (bond.modulus_n?, bond.mean_strength_n?);
     let discriminant = modulus * modulus + 4.0 * bond.friction_modulus_n * strength;
-    let breaking_strain = 2.0 * strength / (modulus + discriminant.sqrt());
-    spec.test.breaking != Breaking::None && spec.test.max_strain > 0.5 * breaking_strain
+    Some(2.0 * strength / (modulus + discriminant.sqrt()))
 }

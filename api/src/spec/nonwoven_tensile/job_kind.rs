@@ -1,5 +1,5 @@
 //! The nonwoven tensile test as a kind of job.
-use super::{CURVE_COLUMNS, NonwovenTensile, checks, estimate};
+use super::{CURVE_COLUMNS, HISTORY_COLUMNS, NonwovenTensile, checks, estimate};
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violations};
 
@@ -17,11 +17,16 @@ impl Spec for NonwovenTensile {
     }
 
     fn curve_columns(&self) -> Vec<String> {
-        CURVE_COLUMNS.map(str::to_owned).to_vec()
+        let mut columns = CURVE_COLUMNS.to_vec();
+        if !self.test.history.is_empty() {
+            columns.splice(2..2, HISTORY_COLUMNS);
+        }
+        columns.into_iter().map(str::to_owned).collect()
     }
 
     fn largest_strain(&self) -> Option<f64> {
-        Some(self.test.max_strain)
+        // a curve that comes back has no value for a strain
+        self.test.history.is_empty().then_some(self.test.max_strain)
     }
 
     fn seed(&self) -> u64 {

@@ -7,14 +7,16 @@ mod accuracy;
 mod checks;
 mod estimate;
 mod fabric;
+mod history;
 mod job_kind;
 mod study;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use accuracy::{Accuracy, Knobs, Solver};
+pub use accuracy::{Accuracy, DescentGradient, Knobs, Solver};
 pub use fabric::{Fabric, Jaw, Jaws, Lattice, Network, NetworkBond};
+pub use history::{Block, Leg, Target};
 
 /// Columns of the curve; the last two only where the width can be measured.
 pub const CURVE_COLUMNS: [&str; 9] = [
@@ -28,6 +30,10 @@ pub const CURVE_COLUMNS: [&str; 9] = [
     "width_strain",
     "poisson_ratio",
 ];
+
+/// Columns that stand after the force where the test has a history: the cycle, counted from 1, and
+/// whether the jaw comes back (1) or pulls (0).
+pub const HISTORY_COLUMNS: [&str; 2] = ["cycle", "unloading"];
 
 /// A virtual tensile test of a nonwoven fabric.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -126,6 +132,12 @@ pub struct Test {
     /// of the first; results of the second end in `_along_x` (or `_along_y`).
     #[schemars(length(min = 1, max = 2), extend("uniqueItems" = true))]
     pub directions: Vec<Direction>,
+    /// Loading and unloading in blocks of cycles, one after the other; the test ends with the last of
+    /// them, or when the specimen parts. Empty: the specimen is pulled to `max_strain`. Bonds that live
+    /// unload the way they came; what a cycle takes is what breaks in it.
+    #[schemars(length(max = 1000))]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub history: Vec<Block>,
 }
 
 /// An axis along which a specimen is pulled.
@@ -172,6 +184,38 @@ pub struct Output {
         extend("x-unit" = "1")
     )]
     pub force_distribution_strains: Vec<f64>,
+    /// Writes the force landscape of one node and the law of the bonds: `force_landscape.csv`,
+    /// `force_landscape_lines.csv` and `bond_law.csv`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_landscape: Option<ForceLandscape>,
+}
+
+/// The magnitude of a node's resultant around its place, the other nodes at theirs ([Zilka2022] graph 2).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ForceLandscape {
+    /// Taken after the first strain step that reaches this nominal strain.
+    #[schemars(range(min = 0.0, max = 100.0), extend("x-unit" = "1"))]
+    pub strain: f64,
+    /// Number of the node, as in snapshots; left out, the free node nearest to the middle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<u32>,
+    /// How far the node is moved to each side along x, y and z, in mean rest lengths of bonds.
+    #[serde(default = "half_a_bond")]
+    #[schemars(range(min = 1e-9, max = 10.0), extend("x-unit" = "1"))]
+    pub half_width: f64,
+    /// Values along each axis; the next odd number, so that one is at the place itself.
+    #[serde(default = "forty_one")]
+    #[schemars(range(min = 3, max = 401))]
+    pub points: u32,
+}
+
+fn half_a_bond() -> f64 {
+    0.5
+}
+
+fn forty_one() -> u32 {
+    41
 }
 
 fn default_seed() -> u64 {
@@ -188,6 +232,7 @@ impl Default for Test {
             speed_mm_per_min: 100.0,
             repeats: 1,
             directions: vec![Direction::Y],
+            history: Vec::new(),
         }
     }
 }
@@ -198,6 +243,7 @@ impl Default for Output {
             snapshot_every_steps: 10,
             histogram_bins: 40,
             force_distribution_strains: Vec::new(),
+            force_landscape: None,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Three ways from displacements that are not in equilibrium to displacements that are.
+//! Four ways from displacements that are not in equilibrium to displacements that are.
 //!
 //! Equilibrium means that the resultant of every free node is within
 //! F_lim = (e ε + f_r ε²)/A_cc (8) of [Zilka2022] eq. 3-4, or within what rounding alone explains.
@@ -8,13 +8,16 @@
 //!   the worst [`neighbourhoods`] first, by way of easier problems where it takes long
 //!   ([`continuation`]);
 //! - [`sequential`] moves node after node into its own balance, the thesis' relaxation;
-//! - [`parallel`] computes all moves before it makes any, the thesis' variant.
+//! - [`parallel`] computes all moves before it makes any, the thesis' variant;
+//! - [`descent`] moves node after node against the gradient of the magnitude of its resultant, which the
+//!   thesis tried and dropped.
 //!
 //! The relaxations stop on the same limit, yet their error is larger: what they leave are long
 //! waves with tiny resultants. The difference of the two jaw forces shows it.
 mod block_jacobi;
 mod conjugate_gradients;
 mod continuation;
+mod descent;
 mod forcing;
 mod line_search;
 mod multigrid;
@@ -46,6 +49,30 @@ pub(crate) enum Method {
     /// ω, the part of its own step a node moves.
     Parallel {
         relaxation_factor: f64,
+    },
+    Descent(Descent),
+}
+
+/// A descent of the magnitude of each node's resultant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Descent {
+    pub(crate) gradient: Gradient,
+    /// α [mm²/N] of the first move, and of all where it is not adaptive; `None` for the largest that
+    /// leaves no more than the limit.
+    pub(crate) step: Option<f64>,
+    /// Whether later steps are those of Barzilai and Borwein.
+    pub(crate) is_adaptive: bool,
+}
+
+/// The gradient of the magnitude of a resultant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Gradient {
+    Exact,
+    /// As [Zilka2022] has it: of the sum of the bonds' tensions.
+    Printed,
+    /// Of a spline through values so far apart [mm].
+    Smoothed {
+        spacing: f64,
     },
 }
 
@@ -95,6 +122,11 @@ impl Search {
             Method::Sequential => {
                 let start = assembly.pick(displacements);
                 let end = sequential::solve(self, assembly, start, meter)?;
+                self.relaxed(assembly, &end, team, workspace, meter)
+            }
+            Method::Descent(descent) => {
+                let start = assembly.pick(displacements);
+                let end = descent::solve(self, descent, assembly, start, meter)?;
                 self.relaxed(assembly, &end, team, workspace, meter)
             }
             Method::Parallel { relaxation_factor } => {
@@ -230,6 +262,11 @@ mod tests {
             Method::Parallel {
                 relaxation_factor: 0.3,
             },
+            Method::Descent(Descent {
+                gradient: Gradient::Exact,
+                step: None,
+                is_adaptive: true,
+            }),
         ];
         for method in methods {
             let search = Search {

@@ -7,7 +7,11 @@
 //! Source: [Zilka2022] section 2.3, figure 7.
 use loadframe_harness::Interrupt;
 
-use super::{Search, node_step::node_step, work::Meter};
+use super::{
+    Search,
+    node_step::{NodeStep, node_step},
+    work::Meter,
+};
 use crate::{Vector, assembly::Assembly};
 
 /// Moves of one node per visit, the thesis' `i_bodMAX`. Nodes need a few; the bound is there for
@@ -18,8 +22,28 @@ const MOVES_PER_VISIT: usize = 50;
 pub(super) fn solve(
     search: &Search,
     assembly: &Assembly,
+    displacements: Vec<Vector>,
+    meter: &mut Meter<'_>,
+) -> Result<Vec<Vector>, Interrupt> {
+    let incidence = assembly.incidence();
+    let (limit, cap) = (search.force_limit, search.step_cap);
+    sweep(
+        search,
+        assembly,
+        displacements,
+        meter,
+        |displacements, node, _| node_step(assembly, incidence, displacements, node, limit, cap),
+    )
+}
+
+/// Sweeps over the nodes that are not balanced until none is left, each moved as `visit` says of all
+/// displacements, a node, and how often it was moved in this visit.
+pub(super) fn sweep(
+    search: &Search,
+    assembly: &Assembly,
     mut displacements: Vec<Vector>,
     meter: &mut Meter<'_>,
+    mut visit: impl FnMut(&[Vector], usize, usize) -> NodeStep,
 ) -> Result<Vec<Vector>, Interrupt> {
     let incidence = assembly.incidence();
     let mut is_awake = vec![true; assembly.places()];
@@ -32,17 +56,16 @@ pub(super) fn solve(
             }
             let mut has_moved = false;
             for attempt in 0..=MOVES_PER_VISIT {
-                let (limit, cap) = (search.force_limit, search.step_cap);
-                let visit = node_step(assembly, incidence, &displacements, node, limit, cap);
-                meter.spend(visit.bonds)?;
-                if visit.is_balanced {
+                let found = visit(&displacements, node, attempt);
+                meter.spend(found.bonds)?;
+                if found.is_balanced {
                     break;
                 }
                 if attempt == MOVES_PER_VISIT {
                     is_awake[node] = true;
                     break;
                 }
-                displacements[node] += visit.step;
+                displacements[node] += found.step;
                 has_moved = true;
             }
             if has_moved {

@@ -1,11 +1,7 @@
 //! The distribution of bond forces at the strains a spec asks for.
 use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
 
-use super::{
-    experiment::{Experiment, nominal_strain},
-    snapshot,
-    state::State,
-};
+use super::{experiment::Experiment, path::nominal_strain, snapshot, state::State};
 
 /// The step nearest to each of the spec's strains, in their order. Of two steps equally near it is
 /// the earlier one.

@@ -2,15 +2,20 @@
 //!
 //! In the order in which a run calls them: [`specimen`] builds the network from the spec, from a
 //! [`lattice`], perhaps [`turned`], or as given, with drawn [`strength`]; [`experiment`] strains it
-//! step by step from the guess of [`predictor`] and keeps all that counts in a [`state`]; [`snapshot`],
-//! [`distribution`], [`tables`], [`spectrum`] and [`report`] turn that into files and results.
+//! step by step along a [`path`] from the guess of [`predictor`] and keeps all that counts in a [`state`]; [`snapshot`],
+//! [`landscape`], [`distribution`], [`tables`], [`cycles`], [`spectrum`] and [`report`] turn that into files and results, and
+//! [`errors`] say how wrong they may be.
 //! [`width`] measures lateral contraction, [`progress`] how far the test is. This file holds the
 //! loop, which alone talks to the recorder. [`mod@plan`] stands above: a job of repeats or of two
 //! directions is several such tests side by side ([`loadframe_harness::plan`]), their results joined.
 mod calibration;
+mod cycles;
 mod distribution;
+mod errors;
 mod experiment;
+mod landscape;
 mod lattice;
+mod path;
 mod plan;
 mod predictor;
 mod progress;
@@ -67,14 +72,15 @@ fn run_one(
         }
         None => State::new(specimen.network.positions.len()),
     };
+    landscape::check(spec, &specimen)?;
     let team = Team::new(context.threads)?;
     let yardstick = Yardstick::new(spec, &specimen);
     let mut meter = Meter::new(state.work, context.interrupt);
     let mut experiment = Experiment::new(spec, specimen, state, team);
     let has_width = experiment.specimen.width_gauge.is_some();
-    recorder.columns(tables::columns(has_width))?;
+    recorder.columns(&tables::columns(spec, has_width))?;
     for point in &experiment.state.points {
-        recorder.point(&tables::values(point))?;
+        recorder.point(&tables::values(spec, point))?;
     }
     if context.checkpoint.is_none() {
         let network = &experiment.specimen.network;
@@ -100,7 +106,7 @@ fn run_one(
         let known = experiment.state.points.len();
         let advance = experiment.advance(&mut meter);
         for point in &experiment.state.points[known..] {
-            recorder.point(&tables::values(point))?;
+            recorder.point(&tables::values(spec, point))?;
         }
         match advance {
             Ok(Advance::GoesOn) if was_whole && !experiment.state.events.is_empty() => {
@@ -129,7 +135,7 @@ fn run_one(
             }
             Err(Halt::Failed(error)) => return Err(error),
         }
-        let (fraction, phase) = yardstick.measure(spec, &experiment.state);
+        let (fraction, phase) = yardstick.measure(experiment.path(), &experiment.state);
         recorder.progress(fraction, &phase);
         if recorder.checkpoint_due() {
             keep(&mut experiment, &meter, recorder)?;
@@ -145,7 +151,12 @@ fn run_one(
     snapshot::take_peak(&experiment, recorder)?;
     tables::write(spec, &experiment.specimen, &experiment.state, recorder)?;
     recorder.progress(1.0, "finished");
-    let report = report::report(spec, &experiment.specimen, &experiment.state, stop_reason);
+    let mut report = report::report(spec, &experiment.specimen, &experiment.state, stop_reason);
+    let is_torn = matches!(
+        stop_reason,
+        StopReason::ForceDropped | StopReason::NoLoadPath
+    );
+    errors::add(&mut report, spec, &experiment.specimen, is_torn);
     Ok(Ending::Finished(report))
 }
 
@@ -157,9 +168,14 @@ fn record_step(
     recorder: &mut dyn Recorder,
 ) -> Result<(), SimulationError> {
     let every = u64::from(experiment.snapshot_every());
-    let is_due = every > 0 && (is_last || experiment.state.step.is_multiple_of(every));
+    let is_turn = is_last || experiment.is_turning();
+    let is_due = every > 0 && (is_turn || experiment.state.step.is_multiple_of(every));
     if is_due {
         snapshot::take(experiment, recorder)?;
+    }
+    if let Some(asked) = experiment.landscape_due() {
+        landscape::take(asked, experiment, recorder)?;
+        experiment.state.has_landscape = true;
     }
     if distribution_steps.contains(&experiment.state.step) {
         distribution::take(experiment);
@@ -174,6 +190,7 @@ impl StopReason {
             Self::ForceDropped => "force_dropped",
             Self::NoLoadPath => "no_load_path",
             Self::MaxStrain => "max_strain",
+            Self::HistoryFinished => "history_finished",
         }
     }
 }

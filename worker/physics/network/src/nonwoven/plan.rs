@@ -9,8 +9,9 @@ use loadframe_harness::{
     plan::{Compared, Place, Specimens, test_specimens},
 };
 
-/// Leading columns of the curve that are kept of every test: nominal strain and force.
-const KEPT_COLUMNS: usize = 2;
+/// Leading columns of the curve that are kept of every test: nominal strain and force, and with a
+/// history cycle and direction.
+const KEPT_COLUMNS: [usize; 2] = [2, 4];
 /// Results compared between directions, in units that do not depend on the specimen's size.
 const COMPARED: [Compared; 4] = [
     ("strength", "Strength"),
@@ -49,6 +50,7 @@ impl Repeats<'_> {
             // nobody would see them
             own.output.snapshot_every_steps = 0;
             own.output.force_distribution_strains.clear();
+            own.output.force_landscape = None;
         }
         own
     }
@@ -73,7 +75,7 @@ impl Specimens for Repeats<'_> {
     }
 
     fn kept_columns(&self) -> usize {
-        KEPT_COLUMNS
+        KEPT_COLUMNS[usize::from(!self.0.test.history.is_empty())]
     }
 
     fn overview(&self) -> String {

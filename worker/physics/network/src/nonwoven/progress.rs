@@ -1,7 +1,7 @@
 //! How far a test is: the part of it that is done, and the words for it.
 use loadframe_api::spec::nonwoven_tensile::{Breaking, NonwovenTensile};
 
-use super::{experiment::nominal_strain, specimen::Specimen, state::State};
+use super::{path::Path, specimen::Specimen, state::State};
 
 /// What is kept of the bar for rupture itself: about half of the wall time of a polyester test goes
 /// by at the strains where it tears. The bar tells of time, so that the time left can be told.
@@ -40,12 +40,24 @@ impl Yardstick {
     }
 
     /// Part of the test that is done, and what is being done.
-    pub(super) fn measure(&self, spec: &NonwovenTensile, state: &State) -> (f64, String) {
-        let done = nominal_strain(spec, state.step.saturating_sub(1));
+    pub(super) fn measure(&self, path: &Path, state: &State) -> (f64, String) {
+        let place = state.place;
+        let done = path.strain(place, state.step.saturating_sub(1).max(place.after_step));
         let broken = state.events.len();
-        let strain = self.percent(nominal_strain(spec, state.step));
-        let phase = format!("straining, {strain} strain, {broken} bonds broken");
-        (self.fraction(done, broken), phase)
+        let strain = self.percent(path.strain(place, state.step));
+        if !path.turns() {
+            let phase = format!("straining, {strain} strain, {broken} bonds broken");
+            return (self.fraction(done, broken), phase);
+        }
+        let leg = path.leg(place);
+        let doing = if leg.unloads {
+            "unloading"
+        } else {
+            "straining"
+        };
+        let cycle = leg.cycle;
+        let phase = format!("{doing}, cycle {cycle}, {strain} strain, {broken} bonds broken");
+        (path.part_done(place, done).min(NEARLY_DONE), phase)
     }
 
     /// A strain in percent, to as many decimals as the strain step has, at least one.

@@ -6,7 +6,7 @@ use loadframe_api::{
 use loadframe_harness::{ReportBuilder, curve};
 
 use super::{
-    distribution,
+    cycles, distribution,
     experiment::{LARGEST_OVERSTEP, StopReason},
     specimen::Specimen,
     state::{Point, State},
@@ -40,6 +40,9 @@ pub(super) fn report(
 ) -> Report {
     let mut report = ReportBuilder::new(stop_reason.name());
     results(&mut report, specimen, state);
+    if !spec.test.history.is_empty() {
+        cycles::report(&mut report, spec, state);
+    }
     checks(&mut report, spec, state);
     warn(&mut report, spec, specimen, state, stop_reason);
     count_work(&mut report, &state.work);
@@ -57,12 +60,16 @@ fn results(report: &mut ReportBuilder, specimen: &Specimen, state: &State) {
     let peak = curve::peak(&forces);
     let max_force = peak.map(|peak| forces[peak].1);
     let work_to_peak = peak.map(|peak| curve::area(&forces[..=peak]) * specimen.gauge_length);
-    let force_at_reading = curve::interpolate(&forces, READING_STRAIN);
+    // a way back says nothing of a first pull
+    let pulled = state.points.iter().position(|point| point.is_unloading);
+    let pulled = pulled.unwrap_or(state.points.len());
+    let force_at_reading = curve::interpolate(&forces[..pulled], READING_STRAIN);
     let width_strains: Option<Vec<(f64, f64)>> = specimen
         .width_gauge
         .as_ref()
         .map(|_| column(|point| point.width_strain.unwrap_or(f64::NAN)));
-    let width_strain = width_strains.and_then(|curve| curve::interpolate(&curve, READING_STRAIN));
+    let width_strain =
+        width_strains.and_then(|curve| curve::interpolate(&curve[..pulled], READING_STRAIN));
     let per_width = |force: f64| force / specimen.width * N_PER_M;
     let secant = force_at_reading.map(|force| force / READING_STRAIN);
 
@@ -290,7 +297,7 @@ fn warn(
                 100.0 * imbalance,
                 match spec.accuracy.knobs().solver {
                     Solver::NewtonCg => "",
-                    Solver::Sequential | Solver::Parallel => " or the solver newton_cg",
+                    _ => " or the solver newton_cg",
                 },
             ),
         );
@@ -318,6 +325,16 @@ fn warn(
             ),
         );
     }
+    let landscape = spec.output.force_landscape.as_ref();
+    if let Some(asked) = landscape.filter(|_| !state.has_landscape) {
+        report.warn(
+            "strain_not_reached",
+            format!(
+                "the test ended before {}, at which the force landscape was asked for",
+                strains(&[asked.strain])
+            ),
+        );
+    }
     let unloaded = specimen.unloaded_bonds();
     if unloaded > 0 {
         report.warn(
@@ -328,16 +345,29 @@ fn warn(
             ),
         );
     }
-    let at_peak = state
+    let largest = state
         .points
-        .last()
-        .is_some_and(|last| last.force >= state.max_force);
-    if spec.test.breaking != Breaking::None && stop_reason == StopReason::MaxStrain && at_peak {
+        .iter()
+        .position(|point| point.force >= state.max_force);
+    // where the pull ended at the largest force
+    let is_cut = largest.is_some_and(|peak| {
+        let next = state.points.get(peak + 1);
+        next.is_none_or(|next| next.is_unloading && !state.points[peak].is_unloading)
+    });
+    let has_turned = stop_reason == StopReason::HistoryFinished;
+    let is_whole_way = has_turned || stop_reason == StopReason::MaxStrain;
+    if spec.test.breaking != Breaking::None && is_whole_way && is_cut {
+        let end = if has_turned {
+            "the pull ended"
+        } else {
+            "the largest strain was reached"
+        };
         report.warn(
             "maximum_at_end",
-            "the force was still at its maximum when the largest strain was reached; strength \
-             and strain at maximum force are lower bounds"
-                .to_owned(),
+            format!(
+                "the force was still at its maximum when {end}; strength and strain at maximum force \
+                 are lower bounds"
+            ),
         );
     }
 }

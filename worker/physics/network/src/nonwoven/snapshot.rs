@@ -5,6 +5,7 @@
 //! cells. To see the intact network, keep the cells with `broken` below one half.
 use std::io::{self, Write};
 
+use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
 use loadframe_harness::{
     Recorder,
     vtk::{Array, Lines, Series},
@@ -115,9 +116,13 @@ fn write(
     recorder.file(name, &mut |out| lines.write(out))
 }
 
-/// The series of all snapshots, played over nominal strain.
-pub(super) fn series(out: &mut dyn Write, state: &State) -> io::Result<()> {
-    let entry = |(step, strain): &(u64, f64)| (*strain, name(*step));
+/// The series of all snapshots, played over nominal strain, or over steps where it comes back.
+pub(super) fn series(out: &mut dyn Write, spec: &NonwovenTensile, state: &State) -> io::Result<()> {
+    let has_history = !spec.test.history.is_empty();
+    let entry = |(step, strain): &(u64, f64)| {
+        let time = if has_history { *step as f64 } else { *strain };
+        (time, name(*step))
+    };
     let entries = state.snapshots.iter().map(entry).collect();
     Series { entries }.write(out)
 }

@@ -14,6 +14,7 @@
 //!   round is what breaks at one equilibrium; the rounds of a step are one cascade.
 //!
 //! Source: the original definition of the spectrum is not available to us; these are our own.
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -21,7 +22,7 @@ use loadframe_api::spec::nonwoven_tensile::{Breaking, NonwovenTensile};
 use loadframe_harness::{Recorder, csv};
 
 use super::{
-    experiment::nominal_strain,
+    path::nominal_strain,
     state::{Event, Point, State},
 };
 
@@ -69,14 +70,11 @@ pub(super) fn write(
     recorder.file("breaking_by_strain.csv", &mut |out| {
         let columns = ["nominal_strain_from", "nominal_strain_to"];
         let strain = |step| nominal_strain(spec, step);
-        write_bins(
-            out,
-            columns,
-            &by_strain(&state.events, state.step, bins, strain),
-        )
+        let (events, last) = levels(spec, state);
+        write_bins(out, columns, &by_strain(&events, last, bins, strain))
     })?;
     recorder.file("force_drops.csv", &mut |out| {
-        force_drops(out, &state.points, |step| nominal_strain(spec, step))
+        force_drops(out, &state.points)
     })?;
     recorder.file("avalanches.csv", &mut |out| {
         csv::header(out, &["bonds", "steps", "rounds"])?;
@@ -113,6 +111,24 @@ fn by_force(events: &[Event], bins: u32) -> Vec<Bin> {
     histogram
 }
 
+/// The events and the last step, by the steps of a pull without history to the same strain.
+fn levels<'a>(spec: &NonwovenTensile, state: &'a State) -> (Cow<'a, [Event]>, u64) {
+    if spec.test.history.is_empty() {
+        return (Cow::Borrowed(&state.events), state.step);
+    }
+    let level = |strain: f64| {
+        let below = (strain / spec.test.strain_step) as u64;
+        let mut from_below = below.saturating_sub(1)..;
+        let level = from_below.find(|step| nominal_strain(spec, *step) >= strain);
+        level.unwrap_or(below)
+    };
+    let events = state.events.iter().map(|event| Event {
+        step: level(event.nominal_strain),
+        ..*event
+    });
+    (events.collect(), level(state.farthest))
+}
+
 /// Bins of equally many strain steps, the fewest that give no more than `bins` of them, from no
 /// strain to that of step `last`; here the upper bound belongs to the bin. What breaks at step 0, without strain, is in the first bin.
 fn by_strain(events: &[Event], last: u64, bins: u32, strain: impl Fn(u64) -> f64) -> Vec<Bin> {
@@ -139,11 +155,7 @@ fn write_bins(out: &mut dyn Write, bounds: [&str; 2], bins: &[Bin]) -> io::Resul
     bins.try_for_each(|bin| csv::row(out, &[bin.lower, bin.upper, bin.bonds as f64, bin.energy]))
 }
 
-fn force_drops(
-    out: &mut dyn Write,
-    points: &[Point],
-    strain: impl Fn(u64) -> f64,
-) -> io::Result<()> {
+fn force_drops(out: &mut dyn Write, points: &[Point]) -> io::Result<()> {
     let columns = [
         "step",
         "nominal_strain",
@@ -155,18 +167,14 @@ fn force_drops(
     ];
     csv::header(out, &columns)?;
     let mut broken_before = 0;
-    let mut step = 0;
+    // a step has a point for each fall that was found in it, and one at its end
     for point in points {
-        // a step has a point for each fall that was found in it, and one at its end
-        while strain(step) < point.nominal_strain {
-            step += 1;
-        }
         let broken = point.broken - broken_before;
         broken_before = point.broken;
         if broken > 0 {
             let (before, after) = (point.force_before_breaking, point.force);
             let numbers = [
-                step as f64,
+                point.step as f64,
                 point.nominal_strain,
                 f64::from(point.rounds),
                 broken as f64,

@@ -1,6 +1,7 @@
 //! Everything later results of a test depend on: the content of its checkpoint.
 use serde::{Deserialize, Serialize};
 
+use super::path::Place;
 use crate::{Vector, equilibrium::work::Work};
 
 /// A test between two equilibria.
@@ -8,6 +9,8 @@ use crate::{Vector, equilibrium::work::Work};
 pub(super) struct State {
     /// Strain step being worked on, counted from 0, the step without strain.
     pub(super) step: u64,
+    /// Where on its way the jaw is.
+    pub(super) place: Place,
     /// Nominal strain being worked on: that of the step, or one on the way to it.
     pub(super) strain: f64,
     /// Breaking rounds done in this step.
@@ -18,6 +21,8 @@ pub(super) struct State {
     pub(super) reached: Reached,
     /// What is known of a break that is being looked for.
     pub(super) search: Option<Search>,
+    /// What is known of a force that is being looked for.
+    pub(super) aim: Option<Aim>,
     /// Where to go back to should the force fall in the breaking that goes on.
     pub(super) retreat: Option<Retreat>,
     /// Displacement of every node [mm].
@@ -35,6 +40,12 @@ pub(super) struct State {
     pub(super) points: Vec<Point>,
     /// Largest recorded force [N].
     pub(super) max_force: f64,
+    /// Largest recorded nominal strain.
+    pub(super) farthest: f64,
+    /// Work of the moving jaw so far [N mm].
+    pub(super) work_done: f64,
+    /// Energy that went where bonds broke [N mm].
+    pub(super) energy_lost: f64,
     /// Every bond that broke, in the order in which it did.
     pub(super) events: Vec<Event>,
     pub(super) histogram: Vec<HistogramBin>,
@@ -45,6 +56,8 @@ pub(super) struct State {
     pub(super) overstep: f64,
     /// The fall of the force that was found least precisely.
     pub(super) unresolved: Option<Unresolved>,
+    /// Whether the force landscape was written.
+    pub(super) has_landscape: bool,
     /// Steps of which a snapshot was written, and their nominal strain.
     pub(super) snapshots: Vec<(u64, f64)>,
     /// Strains at which equilibrium was not reached.
@@ -92,6 +105,16 @@ pub(super) struct Search {
     pub(super) looks: u32,
 }
 
+/// A strain at which the force is beyond the one that ends the leg, to be approached from before.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Aim {
+    pub(super) strain: f64,
+    /// On the moving jaw there [N].
+    pub(super) force: f64,
+    /// Strains tried on the way.
+    pub(super) looks: u32,
+}
+
 /// The state before the strain at which bonds now break.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Retreat {
@@ -124,6 +147,12 @@ pub(super) struct Worst {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Point {
     pub(super) nominal_strain: f64,
+    /// Strain step it belongs to.
+    pub(super) step: u64,
+    /// Cycle of the history, counted from 1.
+    pub(super) cycle: u32,
+    /// Whether the jaw comes back.
+    pub(super) is_unloading: bool,
     /// On the moving jaw [N].
     pub(super) force: f64,
     /// On the jaw at rest [N].
@@ -138,6 +167,9 @@ pub(super) struct Point {
     pub(super) rounds: u32,
     /// Energy in the loaded bonds [N mm].
     pub(super) stored_energy: f64,
+    /// Work of the moving jaw, and energy that went where bonds broke, since the start [N mm].
+    pub(super) work: f64,
+    pub(super) lost_energy: f64,
     /// ε_x, where it can be measured.
     pub(super) width_strain: Option<f64>,
 }
@@ -182,11 +214,13 @@ impl State {
     pub(super) fn new(nodes: usize) -> Self {
         Self {
             step: 0,
+            place: Place::default(),
             strain: 0.0,
             round: 0,
             rounds_before: 0,
             reached: Reached::default(),
             search: None,
+            aim: None,
             retreat: None,
             displacements: vec![Vector::zeros(); nodes],
             last_increment: None,
@@ -196,11 +230,15 @@ impl State {
             worst_of_step: Worst::default(),
             points: Vec::new(),
             max_force: 0.0,
+            farthest: 0.0,
+            work_done: 0.0,
+            energy_lost: 0.0,
             events: Vec::new(),
             histogram: Vec::new(),
             force_distribution: Vec::new(),
             overstep: 0.0,
             unresolved: None,
+            has_landscape: false,
             snapshots: Vec::new(),
             unconverged: Vec::new(),
             round_off: Vec::new(),

@@ -1,23 +1,30 @@
 //! The tables a test leaves behind.
 use std::io::{self, Write};
 
-use loadframe_api::spec::nonwoven_tensile::{CURVE_COLUMNS, NonwovenTensile};
+use loadframe_api::spec::nonwoven_tensile::{CURVE_COLUMNS, HISTORY_COLUMNS, NonwovenTensile};
 use loadframe_harness::{Recorder, csv};
 
 use super::{
-    snapshot,
+    cycles, snapshot,
     specimen::Specimen,
     spectrum,
     state::{HistogramBin, Point, State},
 };
 
 /// Columns of the curve.
-pub(super) fn columns(has_width: bool) -> &'static [&'static str] {
-    &CURVE_COLUMNS[..CURVE_COLUMNS.len() - 2 * usize::from(!has_width)]
+pub(super) fn columns(spec: &NonwovenTensile, has_width: bool) -> Vec<&'static str> {
+    let mut columns = CURVE_COLUMNS[..CURVE_COLUMNS.len() - 2 * usize::from(!has_width)].to_vec();
+    if !spec.test.history.is_empty() {
+        columns.splice(AFTER_FORCE..AFTER_FORCE, HISTORY_COLUMNS);
+    }
+    columns
 }
 
+/// Place of the columns of a history.
+const AFTER_FORCE: usize = 2;
+
 /// A point in the order of the columns.
-pub(super) fn values(point: &Point) -> Vec<f64> {
+pub(super) fn values(spec: &NonwovenTensile, point: &Point) -> Vec<f64> {
     let mut values = vec![
         point.nominal_strain,
         point.force,
@@ -29,7 +36,18 @@ pub(super) fn values(point: &Point) -> Vec<f64> {
     ];
     values.extend(point.width_strain);
     values.extend(point.poisson_ratio());
+    if !spec.test.history.is_empty() {
+        values.splice(AFTER_FORCE..AFTER_FORCE, history(point));
+    }
     values
+}
+
+/// The columns of a history.
+fn history(point: &Point) -> [f64; 2] {
+    [
+        f64::from(point.cycle),
+        f64::from(u8::from(point.is_unloading)),
+    ]
 }
 
 /// Gives all tables to the recorder.
@@ -40,15 +58,19 @@ pub(super) fn write(
     recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
     recorder.file("curve.csv", &mut |out| {
-        csv::header(out, columns(specimen.width_gauge.is_some()))?;
+        csv::header(out, &columns(spec, specimen.width_gauge.is_some()))?;
         let mut points = state.points.iter();
-        points.try_for_each(|point| csv::row(out, &values(point)))
+        points.try_for_each(|point| csv::row(out, &values(spec, point)))
     })?;
     recorder.file("curve_machine.csv", &mut |out| {
         machine_curve(out, spec, specimen, state)
     })?;
     if specimen.width_gauge.is_some() {
         recorder.file("poisson_ratio.csv", &mut |out| poisson_ratio(out, state))?;
+    }
+    if !spec.test.history.is_empty() {
+        let cycles = cycles::all(spec, state);
+        recorder.file("loops.csv", &mut |out| cycles::write(out, &cycles))?;
     }
     recorder.file("events.csv", &mut |out| events(out, state))?;
     spectrum::write(spec, state, recorder)?;
@@ -61,30 +83,42 @@ pub(super) fn write(
         recorder.file("force_histogram.csv", &mut |out| {
             histogram(out, &state.histogram)
         })?;
-        recorder.file("snapshots.pvd", &mut |out| snapshot::series(out, state))?;
+        recorder.file("snapshots.pvd", &mut |out| {
+            snapshot::series(out, spec, state)
+        })?;
     }
     Ok(())
 }
 
-/// The curve in the column order of testing machines.
+/// The curve in the column order of testing machines; the jaw has one speed on the way out and back.
 fn machine_curve(
     out: &mut dyn Write,
     spec: &NonwovenTensile,
     specimen: &Specimen,
     state: &State,
 ) -> io::Result<()> {
-    csv::header(
-        out,
-        &["time_s", "displacement_mm", "force_n", "nominal_strain"],
-    )?;
+    let has_history = !spec.test.history.is_empty();
+    let mut columns = vec!["time_s", "displacement_mm", "force_n", "nominal_strain"];
+    if has_history {
+        columns.extend(HISTORY_COLUMNS);
+    }
+    csv::header(out, &columns)?;
     let speed_mm_per_s = spec.test.speed_mm_per_min / 60.0;
+    // where the jaw turned last, how far it had gone by then, and which way it goes
+    let (mut turn, mut gone, mut last) = (0.0_f64, 0.0, (0.0_f64, false));
     for point in &state.points {
         let displacement = point.nominal_strain * specimen.gauge_length;
-        let time = displacement / speed_mm_per_s;
-        csv::row(
-            out,
-            &[time, displacement, point.force, point.nominal_strain],
-        )?;
+        if point.is_unloading != last.1 {
+            gone += (last.0 - turn).abs();
+            turn = last.0;
+        }
+        last = (displacement, point.is_unloading);
+        let time = (gone + (displacement - turn).abs()) / speed_mm_per_s;
+        let mut row = vec![time, displacement, point.force, point.nominal_strain];
+        if has_history {
+            row.extend(history(point));
+        }
+        csv::row(out, &row)?;
     }
     Ok(())
 }
@@ -104,7 +138,7 @@ fn poisson_ratio(out: &mut dyn Write, state: &State) -> io::Result<()> {
     for pair in state.points.windows(2) {
         let [before, point] = pair else { continue };
         if point.nominal_strain <= before.nominal_strain {
-            // a fall of the force at one strain
+            // a fall of the force at one strain, or the way back
             continue;
         }
         let (Some(width_before), Some(width), Some(ratio)) = (

@@ -1,12 +1,12 @@
 //! Each equilibrium: from where it is searched, how, and what it says of its own quality.
-use loadframe_api::spec::nonwoven_tensile::Solver;
+use loadframe_api::spec::nonwoven_tensile::{DescentGradient, Solver};
 use loadframe_harness::{Interrupt, SimulationError};
 
 use super::Experiment;
 use crate::{
     Vector,
     configuration::Verdict,
-    equilibrium::{Method, Search, Settled, calm, work::Meter},
+    equilibrium::{Descent, Gradient, Method, Search, Settled, calm, work::Meter},
     field::Field,
     law::{BondLaw, StrainLaw},
     nonwoven::predictor::JawMove,
@@ -15,6 +15,9 @@ use crate::{
 /// Newton iterations and sweeps allowed when the spec does not say.
 const NEWTON_ITERATIONS: u32 = 1_000;
 const SWEEPS: u32 = 100_000;
+/// Sweeps of a descent, of at most 50 moves of each node: what is not in balance by then hardly ever
+/// comes to be.
+const DESCENT_SWEEPS: u32 = 1_000;
 /// Each step that did not reach equilibrium leaves the following ones fewer Newton iterations: half
 /// after the first, a third after the second, and one part in so many at least.
 const LEAST_PATIENCE: u32 = 8;
@@ -66,6 +69,9 @@ impl Experiment<'_> {
                 let relaxation_factor = knobs.relaxation_factor;
                 (Method::Parallel { relaxation_factor }, SWEEPS)
             }
+            Solver::GradientDescent | Solver::BarzilaiBorwein => {
+                (Method::Descent(self.descent()), DESCENT_SWEEPS)
+            }
         };
         // without strain the limit would be zero, so step 0 is held to the limit of step 1
         let strain = self.nominal_strain().max(self.spec.test.strain_step);
@@ -79,6 +85,22 @@ impl Experiment<'_> {
             force_limit: in_tension.tension(strain) / knobs.force_accuracy,
             step_cap: self.step_cap,
             calm: calm(knobs.force_accuracy),
+        }
+    }
+
+    fn descent(&self) -> Descent {
+        let knobs = &self.knobs;
+        let mean_length = self.specimen.network.bonds.mean_rest_length();
+        Descent {
+            gradient: match knobs.descent_gradient {
+                DescentGradient::Exact => Gradient::Exact,
+                DescentGradient::AsPrinted => Gradient::Printed,
+                DescentGradient::Smoothed => Gradient::Smoothed {
+                    spacing: knobs.smoothing_spacing * mean_length,
+                },
+            },
+            step: knobs.descent_step_mm2_per_n,
+            is_adaptive: knobs.solver == Solver::BarzilaiBorwein,
         }
     }
 

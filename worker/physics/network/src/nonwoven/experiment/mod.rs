@@ -1,18 +1,22 @@
 //! The test itself: strain, equilibrium, breaking, until it ends.
 //!
 //! This file takes step after step; [`loaded`] is what carries load, [`equilibrium`] how it comes to
-//! rest, [`search`] how the beginning of a break is found.
+//! rest, [`search`] how the beginning of a break is found, [`turns`] where the jaw turns.
 mod equilibrium;
 mod loaded;
 mod search;
+mod turns;
 
-use loadframe_api::spec::nonwoven_tensile::{Breaking, Knobs, NonwovenTensile, Solver};
+use loadframe_api::spec::nonwoven_tensile::{
+    Breaking, ForceLandscape, Knobs, NonwovenTensile, Solver,
+};
 use loadframe_harness::Halt;
 use loadframe_numerics::Team;
 
 use super::{
+    path::Path,
     specimen::Specimen,
-    state::{Event, Increment, Peak, Point, Retreat, Search, State, Worst},
+    state::{Event, Increment, Peak, Point, Retreat, Search, State},
 };
 use crate::{
     assembly::Assembly,
@@ -31,6 +35,7 @@ const STEP_CAP: f64 = 2.0;
 /// A running test.
 pub(super) struct Experiment<'a> {
     spec: &'a NonwovenTensile,
+    path: Path,
     pub(super) specimen: Specimen,
     pub(super) state: State,
     team: Team,
@@ -52,6 +57,8 @@ pub(super) enum StopReason {
     NoLoadPath,
     /// The last strain step was done.
     MaxStrain,
+    /// The last leg of the history was done.
+    HistoryFinished,
 }
 
 /// What one equilibrium brought.
@@ -85,6 +92,7 @@ impl<'a> Experiment<'a> {
         }
         Self {
             spec,
+            path: Path::new(spec),
             team,
             knobs: spec.accuracy.knobs(),
             step_cap: spec.accuracy.knobs().largest_move.unwrap_or(STEP_CAP)
@@ -102,9 +110,22 @@ impl<'a> Experiment<'a> {
         self.spec.output.snapshot_every_steps
     }
 
+    /// The way of the jaw.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Bins of a force histogram.
     pub(super) fn histogram_bins(&self) -> u32 {
         self.spec.output.histogram_bins
+    }
+
+    /// The force landscape, where it is to be written of the step just recorded.
+    pub(super) fn landscape_due(&self) -> Option<&'a ForceLandscape> {
+        let spec: &'a NonwovenTensile = self.spec;
+        let asked = spec.output.force_landscape.as_ref()?;
+        let is_due = !self.state.has_landscape && self.state.strain >= asked.strain;
+        is_due.then_some(asked)
     }
 
     /// Nominal strain being worked on.
@@ -127,10 +148,11 @@ impl<'a> Experiment<'a> {
             }
             self.state.displacements = start;
             self.settled = None;
-            let point = self.point([0.0, 0.0], 0.0);
+            let mut point = self.point([0.0, 0.0], 0.0);
             if self.is_first() {
                 self.state.before_breaking = Some(point);
             }
+            self.account(&mut point);
             self.record_fall(&point);
             self.record(point);
             return Ok(Advance::StepDone(Some(StopReason::NoLoadPath)));
@@ -149,7 +171,8 @@ impl<'a> Experiment<'a> {
 
         let mut displacements = start;
         assembly.put(&settled.configuration.displacements, &mut displacements);
-        if self.is_first() && self.state.strain > self.state.reached.strain {
+        let has_moved = self.is_before(self.state.reached.strain, self.state.strain);
+        if self.is_first() && has_moved {
             let jaw_move = self.jaw_move();
             let pairs = displacements.iter().zip(&self.state.displacements);
             self.state.last_increment = Some(Increment {
@@ -168,6 +191,10 @@ impl<'a> Experiment<'a> {
             self.state.before_breaking = Some(point);
             let may_be_peak = self.snapshot_every() > 0 && point.force > self.state.max_force;
             self.state.may_be_peak = may_be_peak.then(|| self.state.displacements.clone());
+            if self.oversteps_force(point.force) {
+                self.settled = Some(settled);
+                return Ok(self.look_for_force(point.force, before, worst_before));
+            }
             if !over.is_empty() && !self.is_resolved(&over, point.force) {
                 let found = Search {
                     strain: self.state.strain,
@@ -204,8 +231,11 @@ impl<'a> Experiment<'a> {
         }
         self.state.retreat = None;
         let overstepped = self.state.search.as_ref().map(|search| search.strain);
-        if self.is_first() && overstepped.is_some_and(|end| self.state.strain < end) {
+        let is_between = overstepped.is_some_and(|end| self.is_before(self.state.strain, end));
+        if self.is_first() && is_between {
             // the break lies between here and where it was overstepped
+            let mut point = point;
+            self.account(&mut point);
             self.reach(point.force);
             self.look_between();
             return Ok(Advance::GoesOn);
@@ -215,27 +245,20 @@ impl<'a> Experiment<'a> {
         Ok(self.conclude(point))
     }
 
-    /// Goes on to the next step.
-    pub(super) fn next_step(&mut self) {
-        self.state.step += 1;
-        self.state.strain = nominal_strain(self.spec, self.state.step);
-        self.state.round = 0;
-        self.state.rounds_before = 0;
-        self.state.worst_of_step = Worst::default();
-    }
-
     /// Whether nothing has broken yet at the strain being worked on.
     fn is_first(&self) -> bool {
         self.state.round == self.state.rounds_before
     }
 
     /// Ends work at a strain at which nothing breaks any more.
-    fn conclude(&mut self, point: Point) -> Advance {
+    fn conclude(&mut self, mut point: Point) -> Advance {
+        self.account(&mut point);
         let has_fallen = self.record_fall(&point);
         self.reach(point.force);
         self.state.search = None;
-        let end = nominal_strain(self.spec, self.state.step);
-        if self.state.strain >= end {
+        let end = self.step_end();
+        if !self.is_before(self.state.strain, end) || self.is_at_end(point.force) {
+            self.state.aim = None;
             self.record(point);
             return Advance::StepDone(self.stop_reason());
         }
@@ -246,7 +269,7 @@ impl<'a> Experiment<'a> {
             }
         }
         self.state.rounds_before = self.state.round;
-        self.state.strain = end;
+        self.state.strain = self.next_strain(end);
         Advance::GoesOn
     }
 
@@ -300,6 +323,7 @@ impl<'a> Experiment<'a> {
             energy: energy(candidate.bond),
         });
         self.state.events.extend(events);
+        self.state.aim = None;
         self.state.round += 1;
         let before = self.state.events.len() - broken.len();
         self.loaded
@@ -315,8 +339,12 @@ impl<'a> Experiment<'a> {
             _ => force,
         };
         let width_gauge = self.specimen.width_gauge.as_ref();
+        let leg = self.path.leg(state.place);
         Point {
             nominal_strain: state.strain,
+            step: state.step,
+            cycle: leg.cycle,
+            is_unloading: leg.unloads,
             force,
             bottom_force,
             force_before_breaking: before_breaking,
@@ -324,6 +352,8 @@ impl<'a> Experiment<'a> {
             residual_ratio: state.worst_of_step.residual_ratio,
             rounds: state.round - state.rounds_before,
             stored_energy,
+            work: state.work_done,
+            lost_energy: state.energy_lost,
             width_strain: width_gauge.map(|gauge| gauge.strain(&state.displacements)),
         }
     }
@@ -340,6 +370,7 @@ impl<'a> Experiment<'a> {
             state.round_off.push(point.nominal_strain);
         }
         state.max_force = state.max_force.max(point.force);
+        state.farthest = state.farthest.max(point.nominal_strain);
         state.points.push(point);
     }
 
@@ -370,36 +401,8 @@ impl<'a> Experiment<'a> {
         let configuration = Configuration::of(&loaded.assembly, &peak.displacements, &self.team);
         (loaded, configuration)
     }
-
-    fn stop_reason(&self) -> Option<StopReason> {
-        let test = &self.spec.test;
-        let force = self.state.points.last().map_or(0.0, |point| point.force);
-        // a force that falls although nothing broke is slack being taken up, not rupture
-        let has_broken = !self.state.events.is_empty();
-        if has_broken && force < test.stop_force_fraction * self.state.max_force {
-            Some(StopReason::ForceDropped)
-        } else if self.nominal_strain() >= test.max_strain {
-            Some(StopReason::MaxStrain)
-        } else {
-            None
-        }
-    }
 }
 
 fn assembly_forces(assembly: &Assembly, settled: &Settled) -> [f64; 2] {
     assembly.jaw_forces(&settled.configuration.resultants)
 }
-
-/// Nominal strain of a step: a product, because a sum would drift, and at most the largest strain.
-pub(super) fn nominal_strain(spec: &NonwovenTensile, step: u64) -> f64 {
-    let strain = step as f64 * spec.test.strain_step;
-    // a hair below the end is the end: 0.1 must not be followed by 0.1 + 1e-17
-    if strain > spec.test.max_strain * (1.0 - LAST_STEP_SLACK) {
-        spec.test.max_strain
-    } else {
-        strain
-    }
-}
-
-/// Rounding of `step * strain_step` against `max_strain`, with a wide margin.
-const LAST_STEP_SLACK: f64 = 1e-12;

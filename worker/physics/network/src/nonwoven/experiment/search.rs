@@ -58,7 +58,8 @@ impl Experiment<'_> {
     /// its strength and this one.
     fn is_indivisible(&self, strain: f64, force: f64) -> bool {
         let (reached, precision) = (self.state.reached, self.smallest_fall());
-        let (width, rise) = (strain - reached.strain, (force - reached.force).abs());
+        let width = (strain - reached.strain).abs();
+        let rise = (force - reached.force).abs();
         let is_close = rise <= precision * self.state.max_force.max(force);
         (is_close && width <= precision * strain)
             || width <= NARROW * precision * strain
