@@ -11,7 +11,9 @@ use crate::flexure::{Drive, Flexure, Loading};
 use crate::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
 use crate::load::{Load, LoadPlace};
 use crate::material::{Material, Note};
-use crate::section::{Division, Fibre, Layout, Ply, Refinement, Section, Substance};
+use crate::section::{
+    Constituent, Division, Fibre, Fit, Layout, Ply, Refinement, Section, Substance,
+};
 use crate::solve::StaticOptions;
 use crate::supports::{Face, FaceSupport, Supports};
 
@@ -20,6 +22,9 @@ const FIRST: f64 = 0.1;
 /// Density of what is only brought to rest, where none is given [kg/m³]: the rest does not depend on
 /// it.
 const ANY_DENSITY: f64 = 1_000.0;
+
+/// Fibres so many times as stiff as their matrix are stiff ones.
+const STIFF: f64 = 3.0;
 
 /// A section ready for its test.
 pub(super) struct Model<'a> {
@@ -137,8 +142,21 @@ impl<'a> Model<'a> {
             let half = halved(self.fineness)
                 .and_then(|half| self.section.layout(division(self.spec, half.grid)).ok());
             let fit = self.layout.fit();
+            let fit = match fit {
+                Fit::Thin if self.contrast() < STIFF => Fit::Slanted,
+                fit => fit,
+            };
             Comparison::of(fit, half.map_or(fit, |half| half.fit()), is_paper)
         })
+    }
+
+    /// Largest modulus of fibres over that of what they lie in.
+    fn contrast(&self) -> f64 {
+        let largest = |all: &[Constituent]| {
+            let moduli = all.iter().map(|one| one.stiffness.amax());
+            moduli.fold(0.0, f64::max)
+        };
+        largest(&self.layout.fibres) / largest(&self.layout.plies)
     }
 
     pub(super) fn geometry(&self) -> Geometry {

@@ -202,3 +202,39 @@ fn a_laminate_peels_apart_at_its_fracture_energy() {
     let between = of("dissipated_between_plies") / of("dissipated_energy");
     assert!((between - 1.0).abs() < 1e-12, "{between}");
 }
+
+/// The error of smeared fibres is not that of any coarser grid, see [`comparison::Comparison::Thin`].
+#[test]
+fn stiff_slanted_fibres_that_are_thinner_than_cells_are_warned_of() {
+    let body = include_str!("../../../../../api/examples/composite_bending.json");
+    let told = |cells: u32, angle: f64, modulus: f64| {
+        let mut spec = spec(body);
+        spec.grid = Some(loadframe_api::spec::composite_bending::Grid {
+            cells: [cells; 2],
+            equal_cells: false,
+            graded_cells_per_fibre: None,
+        });
+        spec.fibres.truncate(1);
+        spec.fibres[0].through_mm = [35.0, 35.0];
+        spec.fibres[0].thickness_mm = 3.5;
+        spec.fibres[0].angle_deg = angle;
+        if let Some(constants) = &mut spec.materials.get_mut("fibre").unwrap().orthotropic {
+            constants.modulus_1_mpa = modulus;
+            constants.modulus_2_mpa = modulus;
+            constants.shear_modulus_12_mpa = Some(0.4 * modulus);
+        }
+        let report = report(&spec);
+        let is_warned = report.warnings.iter().any(|one| one.code == "thin_fibres");
+        let is_known = report
+            .quality
+            .contains_key("estimated_discretisation_error");
+        assert_ne!(is_warned, is_known);
+        is_warned
+    };
+    // cells of 7 mm, and of 3.5 mm
+    assert!(told(10, 45.0, 11_500.0));
+    assert!(!told(20, 45.0, 11_500.0));
+    // along an axis, or hardly stiffer than the 85 MPa around it
+    assert!(!told(10, 0.0, 11_500.0));
+    assert!(!told(10, 45.0, 150.0));
+}
