@@ -59,7 +59,8 @@ pub struct CompositeBending {
     /// hold together.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ply_interface: Option<Interface>,
-    /// Stretches of faces between plies that are open from the start, as a film leaves them.
+    /// Stretches of faces between plies that are open from the start, as a film leaves them. No two of
+    /// one face overlap.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 1000))]
     pub delaminations: Vec<Delamination>,

@@ -204,3 +204,61 @@ fn check_interfaces(spec: &CompositeBending, violations: &mut Violations) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{JobKind, Submission};
+    use serde_json::{Value, json};
+
+    /// What is wrong with the double cantilever of the examples after a change of its spec.
+    fn violations(change: impl FnOnce(&mut Value)) -> Vec<(String, String)> {
+        let examples = JobKind::CompositeBending.examples();
+        let peel = examples
+            .iter()
+            .find(|one| one.name == "composite_bending_peel");
+        let body = peel.expect("an example").body;
+        let mut body: Value = serde_json::from_str(body).expect("JSON");
+        change(&mut body["spec"]);
+        match Submission::from_slice(body.to_string().as_bytes()) {
+            Ok(_) => Vec::new(),
+            Err(error) => {
+                let found = error.violations().into_iter();
+                found.map(|one| (one.pointer, one.code)).collect()
+            }
+        }
+    }
+
+    fn one(pointer: &str, code: &str) -> Vec<(String, String)> {
+        vec![(pointer.to_owned(), code.to_owned())]
+    }
+
+    #[test]
+    fn delaminations_of_one_face_must_not_overlap() {
+        let open = |from: f64, to: f64| json!({"above_ply": 1, "from_mm": from, "to_mm": to});
+        assert_eq!(violations(|_| {}), []);
+        // in any order, and whatever lies beside them; what touches does not overlap
+        let given = [open(50.0, 60.0), open(0.0, 30.0), open(30.0, 40.0)];
+        assert_eq!(violations(|spec| spec["delaminations"] = json!(given)), []);
+        let given = [open(50.0, 60.0), open(0.0, 30.0), open(29.0, 51.0)];
+        let found = violations(|spec| spec["delaminations"] = json!(given));
+        assert_eq!(found, one("/spec/delaminations/2/from_mm", "overlap"));
+    }
+
+    #[test]
+    fn a_double_cantilever_needs_arms_and_something_that_breaks() {
+        let found = violations(|spec| spec["delaminations"][0]["from_mm"] = json!(5));
+        assert_eq!(found, one("/spec/delaminations", "not_split"));
+        let found = violations(|spec| {
+            spec["test"]["breaking"] = Value::Null;
+            spec["test"]
+                .as_object_mut()
+                .expect("a test")
+                .remove("breaking");
+        });
+        let pointers: Vec<&str> = found.iter().map(|(pointer, _)| pointer.as_str()).collect();
+        assert_eq!(
+            pointers,
+            ["/spec/test/double_cantilever", "/spec/delaminations"]
+        );
+    }
+}

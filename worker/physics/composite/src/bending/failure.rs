@@ -257,6 +257,16 @@ pub(super) fn warnings(broken: &Broken) -> Vec<(&'static str, String)> {
             ),
         ));
     }
+    if totals.overlap_share <= OVERLAPPING && totals.turns_left > 0 {
+        warnings.push((
+            "cracks_overlap",
+            format!(
+                "{} times of {} events it was not found which faces of cracks meet, so that some overlapped \
+                 until the next",
+                totals.turns_left, totals.events
+            ),
+        ));
+    }
     if totals.overloaded_cells > 0 {
         warnings.push((
             "closed_cracks_overloaded",

@@ -132,7 +132,7 @@ impl Circle {
     }
 
     /// N of (10) [N].
-    fn force(&self, segment: usize, nearest: &Nearest, stiffness: f64) -> f64 {
+    pub(crate) fn force(&self, segment: usize, nearest: &Nearest, stiffness: f64) -> f64 {
         (self.pressing[segment] - stiffness * nearest.gap).max(0.0)
     }
 }
@@ -143,6 +143,18 @@ impl Circles {
             all,
             stiffness: STIFFER * cell_stiffness,
         }
+    }
+
+    /// Whether a circle holds up an end of its face.
+    pub(crate) fn holds_an_end(&self, u: &[f64]) -> bool {
+        self.all.iter().any(|circle| {
+            let last = circle.segments() - 1;
+            [(0, 0.0), (last, 1.0)].into_iter().any(|(segment, end)| {
+                let nearest = circle.nearest(segment, u);
+                let is_at_end = (nearest.share - end).abs() < f64::EPSILON;
+                is_at_end && circle.force(segment, &nearest, self.stiffness) > 0.0
+            })
+        })
     }
 
     /// Energy of (10) [N mm] at displacements u [mm]; takes its forces from those that hold the
@@ -243,22 +255,30 @@ impl Circles {
         matrix
     }
 
-    /// Takes the forces of (10) as known; the largest gap or overlap [mm] by which they miss (9).
+    /// The largest gap or overlap [mm] by which (9) is missed.
     ///
     /// Forces of neighbouring segments that touch near their common particle are hardly told apart, and
     /// need not be: how far they are from settling says nothing.
-    pub(crate) fn augment(&mut self, u: &[f64]) -> f64 {
+    pub(crate) fn missed_mm(&self, u: &[f64]) -> f64 {
         let mut missed = 0.0_f64;
+        for circle in &self.all {
+            for segment in 0..circle.segments() {
+                let force = circle.force(segment, &circle.nearest(segment, u), self.stiffness);
+                missed = missed.max((force - circle.pressing[segment]).abs() / self.stiffness);
+            }
+        }
+        missed
+    }
+
+    /// Takes the forces of (10) as known.
+    pub(crate) fn augment(&mut self, u: &[f64]) {
         let stiffness = self.stiffness;
         for circle in &mut self.all {
             for segment in 0..circle.segments() {
                 let nearest = circle.nearest(segment, u);
-                let force = circle.force(segment, &nearest, stiffness);
-                missed = missed.max((force - circle.pressing[segment]).abs() / stiffness);
-                circle.pressing[segment] = force;
+                circle.pressing[segment] = circle.force(segment, &nearest, stiffness);
             }
         }
-        missed
     }
 }
 

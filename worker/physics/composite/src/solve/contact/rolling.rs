@@ -162,6 +162,16 @@ impl<'a> Rolling<'a> {
                     self.at.before = [self.at.advance_mm, self.at.force_n];
                     (self.at.advance_mm, self.at.force_n) = (goal, force_n);
                     stride = (2.0 * stride).min(full);
+                    // beyond, there is no rest but that of what has fallen
+                    if self.search.circles.holds_an_end(&self.search.u) {
+                        return Err(CompositeError::OutOfRange {
+                            quantity: "the way of the rollers [mm] at which an end of the section \
+                                       reaches a support",
+                            given: goal,
+                            allowed: "more than the way asked for: choose a longer section, or a \
+                                      shorter way",
+                        });
+                    }
                 }
                 Err(stuck) => {
                     self.search.u = u;
@@ -243,10 +253,10 @@ impl<'a> Rolling<'a> {
             sizes[place % 2] += reaction.abs();
         }
         let mut contacts = Vec::with_capacity(self.rollers.len());
-        let u = &self.search.u;
-        for (place, circle) in self.search.circles.all.iter().enumerate() {
-            let (contact, force) =
-                contact(&self.rollers[place], circle, u, &mut found.reactions_n)?;
+        let (u, circles) = (&self.search.u, &self.search.circles);
+        for (place, circle) in circles.all.iter().enumerate() {
+            let pressed = (&self.rollers[place], circle, circles.stiffness);
+            let (contact, force) = contact(pressed, u, &mut found.reactions_n)?;
             for axis in 0..2 {
                 sums[axis] += force[axis];
                 sizes[axis] += force[axis].abs();
@@ -290,10 +300,12 @@ impl<'a> Rolling<'a> {
             if let Err(stuck) = self.search.load_step(1.0, 1.0, &|| false)? {
                 return Ok(Err(stuck));
             }
-            missed = self.search.circles.augment(&self.search.u) / advance_mm.abs();
+            // forces that are augmented once more would be out of balance with those of the section
+            missed = self.search.circles.missed_mm(&self.search.u) / advance_mm.abs();
             if missed <= SETTLED {
                 return Ok(Ok(self.pressed()));
             }
+            self.search.circles.augment(&self.search.u);
         }
         Ok(Err(Stuck::Slow {
             iterations: self.rounds,
@@ -303,14 +315,14 @@ impl<'a> Rolling<'a> {
 
     /// Sum of the forces of rollers that press, along their way [N].
     fn pressed(&self) -> f64 {
-        let u = &self.search.u;
+        let (u, circles) = (&self.search.u, &self.search.circles);
         let of = |place: usize| -> f64 {
-            let (roller, circle) = (&self.rollers[place], &self.search.circles.all[place]);
+            let (roller, circle) = (&self.rollers[place], &circles.all[place]);
             (0..circle.segments())
-                .filter(|&segment| circle.pressing[segment] > 0.0)
                 .map(|segment| {
-                    let normal = circle.nearest(segment, u).normal;
-                    circle.pressing[segment] * roller.inward() * normal[roller.normal()]
+                    let nearest = circle.nearest(segment, u);
+                    let force = circle.force(segment, &nearest, circles.stiffness);
+                    force * roller.inward() * nearest.normal[roller.normal()]
                 })
                 .sum()
         };
@@ -365,10 +377,10 @@ fn circle(roller: &Roller, grid: &Grid) -> Circle {
     }
 }
 
-/// What a roller does to its face, and its force on it [N], which is added to those on particles.
+/// What a roller does to its face, with κ [N/mm], and its force on it [N], which is added to those on
+/// particles.
 fn contact(
-    roller: &Roller,
-    circle: &Circle,
+    (roller, circle, stiffness): (&Roller, &Circle, f64),
     u: &[f64],
     forces: &mut [f64],
 ) -> Result<(RollerContact, [f64; 2]), CompositeError> {
@@ -379,7 +391,7 @@ fn contact(
     for segment in 0..circle.segments() {
         let nearest = circle.nearest(segment, u);
         pierced = pierced.max(-nearest.gap);
-        let pressing = circle.pressing[segment];
+        let pressing = circle.force(segment, &nearest, stiffness);
         if pressing <= 0.0 {
             continue;
         }
