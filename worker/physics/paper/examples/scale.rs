@@ -1,53 +1,28 @@
-//! What the pull of a large sheet takes:
-//! `cargo run --release -p loadframe-paper --example scale -- length=10 width=5 level=beam to=peak`.
+//! What the pull of large sheets takes, one row for each length:
+//! `cargo run --release -p loadframe-paper --example scale -- length=1.9,3.5,8.4,14.6 to=10`.
 //!
-//! Keys and what they are if left out: `length` 2 and `width` 1 [mm], `grammage` 60 [g/m²], `segment` 100
-//! [µm], `level` beam or truss, `bonds` inside or nodes, `solver` cost, direct or iterative, `precision`
-//! 0.05, `threads` 1, `seed` 1, `to` rest (the first equilibrium), peak (a tenth below it) or a number of
-//! solutions. One line: the sheet, times of the processor [s] by part, solutions, iterations, results.
+//! Keys and what they are if left out: `length` 2, or several, and `width` half of the length [mm], `grammage`
+//! 60 [g/m²], `segment` 100 [µm], `level` beam or truss, `bonds` inside or nodes, `solver` cost, direct or
+//! iterative, `precision` 0.05, `threads` 1, `seed` 1, `to` rest (the first equilibrium), peak (a tenth below
+//! it, told every twentieth solution) or a number of solutions. Times are those of the processor [s].
 #![allow(clippy::print_stdout, reason = "this prints tables")]
 use std::error::Error;
 use std::sync::Arc;
-use std::time::Instant;
 
 use loadframe_numerics::Team;
 use loadframe_paper::frame::{
     Attachment, BeamSection, FrameBond, FrameFibre, FrameModel, Level, Means, Network, Pull,
     PullState, PullTest, Refactoring, Solver, Step,
 };
-use loadframe_paper::sheet::{
-    LengthDistribution, Lumen, Orientation, Placement, Pulp, Sheet, SheetPlan, contacts,
-};
+use loadframe_paper::sheet::{Sheet, contacts};
+use softwood::{Softwood, WALL_UM, WIDTH_UM};
 
-const WIDTH_UM: f64 = 28.0;
-const WALL_UM: f64 = 2.0;
+mod softwood;
+
 /// Strength of bonds, both ways [mN/µm²], their stiffness [mN/µm³], and the strength of fibres [GPa].
 const BOND_STRENGTH: f64 = 0.004;
 const BOND_STIFFNESS: f64 = 0.25;
 const FIBRE_STRENGTH: f64 = 0.6;
-
-fn plan(size_um: [f64; 2], grammage: f64) -> SheetPlan {
-    SheetPlan {
-        size_um,
-        grammage_ug_per_um2: grammage * 1e-6,
-        pulps: vec![Pulp {
-            mass_fraction: 1.0,
-            length: LengthDistribution::LogNormal {
-                mean_um: 2000.0,
-                variation: 0.4,
-            },
-            width_um: WIDTH_UM,
-            wall_um: WALL_UM,
-            coarseness_ug_per_um: 1.5e-4,
-            shape_factor: 0.95,
-            lumen: Lumen::Collapsed,
-        }],
-        orientation: Orientation::Uniform,
-        placement: Placement::Deposition { flexibility: 0.2 },
-        segment_um: None,
-        gap_um: None,
-    }
-}
 
 fn section() -> BeamSection {
     let inner = WIDTH_UM - 2.0 * WALL_UM;
@@ -108,86 +83,85 @@ fn taken() -> [f64; 2] {
     [ticks / 100.0, peak.unwrap_or(f64::NAN) / 1024.0]
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let given: Vec<String> = std::env::args().skip(1).collect();
-    let text = |key: &str, usual: &str| -> String {
-        let found = given
-            .iter()
-            .find_map(|pair| pair.strip_prefix(&format!("{key}=")));
-        found.unwrap_or(usual).to_owned()
+/// What is asked.
+struct Asked {
+    level: Level,
+    attachment: Attachment,
+    solver: Solver,
+    team: Arc<Team>,
+    grammage: f64,
+    segment_um: f64,
+    precision: f64,
+    seed: u64,
+    to: String,
+}
+
+const HEAD: &str = "fibres   bonds  unknowns    lay  contacts   rest  iterations  ms/fibre    stored  kB/fibre  residual  stiffness_mN  solutions  iterations  ms/fibre";
+
+/// Lays a sheet and pulls it; prints its row.
+fn row(asked: &Asked, size_um: [f64; 2]) -> Result<(), Box<dyn Error>> {
+    let softwood = Softwood {
+        grammage_g_per_m2: asked.grammage,
+        coarseness_mg_per_m: 0.15,
+        shape_factor: 0.95,
+        flexibility: 0.2,
     };
-    let number = |key: &str, usual: &str| text(key, usual).parse::<f64>();
-    let size_um = [number("length", "2")? * 1e3, number("width", "1")? * 1e3];
-    let team = Arc::new(Team::new(number("threads", "1")? as usize)?);
-    let is_inside = text("bonds", "inside") == "inside";
+    let plan = softwood.plan(size_um);
+    let [start, _] = taken();
+    let sheet = plan.lay(asked.seed, &asked.team)?;
+    let [laid, _] = taken();
+    let again = contacts(&sheet.fibres, plan.gap(), &asked.team);
+    let [searched, _] = taken();
+    assert_eq!(again, sheet.contacts);
     let model = FrameModel {
-        level: if text("level", "beam") == "truss" {
-            Level::Truss
-        } else {
-            Level::Beam
-        },
+        level: asked.level,
         segment_um: None,
-        attachment: if is_inside {
-            Attachment::Inside
-        } else {
-            Attachment::Node
-        },
+        attachment: asked.attachment,
         length_um: size_um[0],
     };
-    let solver = match text("solver", "cost").as_str() {
-        "direct" => Solver::Direct(Refactoring::ByCost),
-        "iterative" => Solver::Iterative,
-        _ => Solver::ByCost,
-    };
-    let to = text("to", "rest");
+    let network = network(&sheet, asked.segment_um, model)?;
+    let fibres = network.fibres() as f64;
     let test = PullTest {
         max_strain: 0.2,
-        stop_force_fraction: if to == "peak" { 0.9 } else { 0.3 },
-        break_precision: number("precision", "0.05")?,
+        stop_force_fraction: if asked.to == "peak" { 0.9 } else { 0.3 },
+        break_precision: asked.precision,
     };
-
-    let plan = plan(size_um, number("grammage", "60")?);
-    let sheet = plan.lay(number("seed", "1")? as u64, &team)?;
-    let [laid, _] = taken();
-    let again = contacts(&sheet.fibres, plan.gap(), &team);
-    let search = taken()[0] - laid;
-    assert_eq!(again, sheet.contacts);
-    let network = network(&sheet, number("segment", "100")?, model)?;
-    let built = taken()[0] - laid - search;
-    println!(
-        "{} fibres, {} bonds, {} nodes; lay {laid:.1} s, contacts {search:.1} s, network {built:.1} s",
+    let means = Means {
+        solver: asked.solver,
+        team: Arc::clone(&asked.team),
+    };
+    let [built, _] = taken();
+    let mut pull = Pull::resume(&network, test, PullState::default(), &means)?;
+    let [rested, memory_mb] = taken();
+    let first = pull.cost();
+    let measures = pull.state().measures;
+    print!(
+        "{:6}  {:6}  {:8}  {:5.1}  {:8.1}  {:5.1}  {:10}  {:8.2}  {:8}  {:8.1}  {:8.1e}  {:12.1}",
         network.fibres(),
         network.bonds(),
-        network.fibre_nodes()
+        first.unknowns,
+        laid - start,
+        searched - laid,
+        rested - built,
+        first.iterations,
+        1e3 * (rested - built) / fibres,
+        first.stored,
+        1e3 * memory_mb / fibres,
+        measures.largest_residual,
+        measures.initial_stiffness_mn
     );
-    let clock = Instant::now();
-    let means = Means { solver, team };
-    let mut pull = Pull::resume(&network, test, PullState::default(), &means)?;
-    let first = taken()[0] - laid - search - built;
-    let cost = pull.cost();
-    println!(
-        "rest: {first:.2} s ({:.2} s by the clock), {} unknowns, {} solutions, {} iterations, {} stored, {:.0} MB, residual {:.1e}, stiffness {:.6} mN",
-        clock.elapsed().as_secs_f64(),
-        cost.unknowns,
-        cost.solutions,
-        cost.iterations,
-        cost.stored,
-        taken()[1],
-        pull.state().measures.largest_residual,
-        pull.state().measures.initial_stiffness_mn
-    );
-    if to == "rest" {
-        return Ok(());
-    }
-    let most = to.parse().unwrap_or(usize::MAX);
+    let most = match asked.to.as_str() {
+        "rest" => 0,
+        to => to.parse().unwrap_or(usize::MAX),
+    };
     for step in 0..most {
         match pull.advance()? {
             Step::Ended(end) => {
-                println!("{end:?}");
+                println!("\n{end:?}");
                 break;
             }
-            Step::Broke(events) if step % 20 == 0 => println!(
-                "{step} strain {:.6} force {:.4} mN, {} together, {} s, {:?}",
+            Step::Broke(events) if asked.to == "peak" && step % 20 == 0 => println!(
+                "\n{step} strain {:.6} force {:.4} mN, {} together, {} s, {:?}",
                 events[0].strain,
                 pull.jaw_force_mn()[1],
                 events.len(),
@@ -197,14 +171,59 @@ fn main() -> Result<(), Box<dyn Error>> {
             Step::Broke(_) | Step::Strained => {}
         }
     }
-    let measures = pull.state().measures;
+    let cost = pull.cost();
+    let solutions = cost.solutions - first.solutions;
+    if solutions == 0 {
+        println!();
+        return Ok(());
+    }
     println!(
-        "{:.1} s ({:.1} s by the clock), {:.0} MB, {:?}\n{measures:?} energy error {:.1e}",
-        taken()[0],
-        clock.elapsed().as_secs_f64(),
-        taken()[1],
-        pull.cost(),
-        measures.energy_error()
+        "  {solutions:9}  {:10.1}  {:8.2}",
+        (cost.iterations - first.iterations) as f64 / solutions as f64,
+        1e3 * (taken()[0] - rested) / (solutions as f64 * fibres),
     );
+    let measures = pull.state().measures;
+    if asked.to == "peak" {
+        println!("{measures:?} energy error {:.1e}", measures.energy_error());
+    }
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let given: Vec<String> = std::env::args().skip(1).collect();
+    let text = |key: &str, usual: &str| -> String {
+        let found = given
+            .iter()
+            .find_map(|pair| pair.strip_prefix(&format!("{key}=")));
+        found.unwrap_or(usual).to_owned()
+    };
+    let number = |key: &str, usual: &str| text(key, usual).parse::<f64>();
+    let asked = Asked {
+        level: match text("level", "beam").as_str() {
+            "truss" => Level::Truss,
+            _ => Level::Beam,
+        },
+        attachment: match text("bonds", "inside").as_str() {
+            "inside" => Attachment::Inside,
+            _ => Attachment::Node,
+        },
+        solver: match text("solver", "cost").as_str() {
+            "direct" => Solver::Direct(Refactoring::ByCost),
+            "iterative" => Solver::Iterative,
+            _ => Solver::ByCost,
+        },
+        team: Arc::new(Team::new(number("threads", "1")? as usize)?),
+        grammage: number("grammage", "60")?,
+        segment_um: number("segment", "100")?,
+        precision: number("precision", "0.05")?,
+        seed: number("seed", "1")? as u64,
+        to: text("to", "rest"),
+    };
+    println!("{HEAD}");
+    for length in text("length", "2").split(',') {
+        let length: f64 = length.parse()?;
+        let width = text("width", "").parse().unwrap_or(0.5 * length);
+        row(&asked, [1e3 * length, 1e3 * width])?;
+    }
     Ok(())
 }

@@ -3,32 +3,19 @@
 use std::time::Instant;
 
 use loadframe_numerics::Team;
-use loadframe_paper::sheet::{
-    LengthDistribution, Lumen, Orientation, Placement, Pulp, Sheet, SheetError, SheetPlan,
-    Statistics, contacts,
-};
+use loadframe_paper::sheet::{Sheet, SheetError, SheetPlan, Statistics, contacts};
+use softwood::Softwood;
+
+mod softwood;
 
 fn plan(size_um: [f64; 2], grammage: f64, coarseness: f64, flexibility: f64) -> SheetPlan {
-    SheetPlan {
-        size_um,
-        grammage_ug_per_um2: grammage * 1e-6,
-        pulps: vec![Pulp {
-            mass_fraction: 1.0,
-            length: LengthDistribution::LogNormal {
-                mean_um: 2000.0,
-                variation: 0.4,
-            },
-            width_um: 28.0,
-            wall_um: 2.0,
-            coarseness_ug_per_um: coarseness,
-            shape_factor: 0.92,
-            lumen: Lumen::Collapsed,
-        }],
-        orientation: Orientation::Uniform,
-        placement: Placement::Deposition { flexibility },
-        segment_um: None,
-        gap_um: None,
-    }
+    let softwood = Softwood {
+        grammage_g_per_m2: grammage,
+        coarseness_mg_per_m: coarseness,
+        shape_factor: 0.92,
+        flexibility,
+    };
+    softwood.plan(size_um)
 }
 
 const HEAD: &str =
@@ -59,24 +46,24 @@ fn main() -> Result<(), SheetError> {
     let side: f64 = side.unwrap_or(5000.0);
     println!("flexibility (square, 60 g/m2)\n          {HEAD}");
     for flexibility in [0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0] {
-        let plan = plan([side; 2], 60.0, 2.45e-4, flexibility);
+        let plan = plan([side; 2], 60.0, 0.245, flexibility);
         println!("{flexibility:8.2}  {}", row(&plan.lay(1, &alone)?));
     }
     println!("\nsegment [um] (square, 60 g/m2, flexibility 0.2)\n          {HEAD}");
     for segment_um in [14.0, 10.0, 7.0, 5.0, 3.5, 2.5] {
-        let mut plan = plan([side; 2], 60.0, 2.45e-4, 0.2);
+        let mut plan = plan([side; 2], 60.0, 0.245, 0.2);
         plan.segment_um = Some(segment_um);
         println!("{segment_um:8.1}  {}", row(&plan.lay(1, &alone)?));
     }
     println!("\ngap [um] (square, 60 g/m2, flexibility 0.2)\n          {HEAD}");
-    let mut sheet = plan([side; 2], 60.0, 2.45e-4, 0.2).lay(1, &alone)?;
+    let mut sheet = plan([side; 2], 60.0, 0.245, 0.2).lay(1, &alone)?;
     for gap in [0.0, 0.1, 0.3, 0.5, 1.0, 2.0, 2.8, 4.0, 6.0, 10.0] {
         sheet.contacts = contacts(&sheet.fibres, gap, &alone);
         println!("{gap:8.1}  {}", row(&sheet));
     }
     println!("\ngrammage [g/m2] (square, flexibility 0.2)\n          {HEAD}");
     for grammage in [2.5, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0] {
-        let plan = plan([side; 2], grammage, 2.45e-4, 0.2);
+        let plan = plan([side; 2], grammage, 0.245, 0.2);
         println!("{grammage:8.1}  {}", row(&plan.lay(1, &alone)?));
     }
     println!(
@@ -87,7 +74,7 @@ fn main() -> Result<(), SheetError> {
             let Ok(team) = Team::new(threads) else {
                 continue;
             };
-            let plan = plan([length_mm * 1e3, 5000.0], 60.0, 1.5e-4, 0.2);
+            let plan = plan([length_mm * 1e3, 5000.0], 60.0, 0.15, 0.2);
             let start = Instant::now();
             let sheet = plan.lay(1, &team)?;
             let all = start.elapsed().as_secs_f64();

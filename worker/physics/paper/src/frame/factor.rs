@@ -240,7 +240,7 @@ impl Factor {
                 }
             }
         }
-        if places.contains(&HELD) {
+        if places.contains(&HELD) || places[0] == places[1] {
             return;
         }
         // columns of the later node, rows of the earlier one

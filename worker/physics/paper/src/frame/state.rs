@@ -75,7 +75,7 @@ pub struct PullMeasures {
 /// What a pull cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PullCost {
-    /// Unknowns, and the numbers that the factor stores: of all of them, or of a coarse grid.
+    /// Unknowns, and the numbers that the factor stores: of all of them, or of groups as rigid bodies.
     pub unknowns: usize,
     pub stored: usize,
     /// Factors made, and passes of solution over one.

@@ -65,24 +65,35 @@ impl<const M: usize> Chains<M> {
         factor(operator, fibre, &mut self.blocks[nodes])
     }
 
-    /// z = M⁻¹ r, fibre by fibre; gives r·z.
-    pub(super) fn solve(
+    /// Adds ω D⁻¹ r to z, fibre by fibre; gives the product of z with `other`.
+    pub(super) fn add(
         &self,
         operator: &Operator<'_, M>,
         team: &Team,
-        right: &[[f64; M]],
+        share: f64,
+        [right, other]: [&[[f64; M]]; 2],
         solution: &mut [[f64; M]],
     ) -> f64 {
         let network = operator.network;
         let work = |(fibres, own): (Range<usize>, &mut [[f64; M]])| {
             let mut sum = 0.0;
             let first = network.nodes_of(fibres.start).start;
+            let mut moved = Vec::new();
             for fibre in fibres {
                 let nodes = network.nodes_of(fibre);
+                moved.resize(nodes.len(), [0.0; M]);
+                substitute(
+                    &self.blocks[nodes.clone()],
+                    &right[nodes.clone()],
+                    &mut moved,
+                );
                 let own = &mut own[nodes.start - first..nodes.end - first];
-                substitute(&self.blocks[nodes.clone()], &right[nodes.clone()], own);
-                let both = right[nodes].iter().zip(&*own);
-                sum += both.map(|(right, own)| dot(right, own)).sum::<f64>();
+                for ((own, moved), other) in own.iter_mut().zip(&moved).zip(&other[nodes]) {
+                    for (own, moved) in own.iter_mut().zip(moved) {
+                        *own += share * moved;
+                    }
+                    sum += dot(own, other);
+                }
             }
             sum
         };

@@ -1,9 +1,7 @@
 //! Conjugate gradients, and how far they are from the solution.
 use loadframe_numerics::Team;
 
-use super::chains::Chains;
-use super::clumps::Clumps;
-use super::coarse::Coarse;
+use super::cycle::Cycle;
 use super::operator::{Nodal, Operator};
 
 /// Iterations that an estimate of the error looks back: with steps αⱼ and products ρⱼ = rⱼ·M⁻¹rⱼ the
@@ -36,14 +34,6 @@ pub(super) struct Iterated {
     pub(super) is_found: bool,
 }
 
-/// The stiffness, and the parts of its preconditioner.
-pub(super) type Parts<'a, 'n, const M: usize> = (
-    &'a mut Operator<'n, M>,
-    &'a Chains<M>,
-    &'a mut Clumps,
-    &'a mut Coarse,
-);
-
 impl<const M: usize> Vectors<M> {
     pub(super) fn new(nodes: usize) -> Self {
         let none = || vec![[0.0; M]; nodes];
@@ -59,7 +49,7 @@ impl<const M: usize> Vectors<M> {
     /// motion as it is.
     pub(super) fn iterate(
         &mut self,
-        (operator, chains, clumps, coarse): Parts<'_, '_, M>,
+        (operator, cycle): (&mut Operator<'_, M>, &mut Cycle<M>),
         team: &Team,
         motion: &mut Nodal<M>,
         wanted: f64,
@@ -73,11 +63,7 @@ impl<const M: usize> Vectors<M> {
                 direction,
                 forces,
             } = self;
-            clumps.solve(operator, team, residual);
-            coarse.solve(operator, team, residual);
-            let mut next = chains.solve(operator, team, residual, corrected);
-            next += clumps.add(operator, team, residual, corrected);
-            next += coarse.add(operator, team, residual, corrected);
+            let next = cycle.solve(operator, team, residual, corrected);
             if next <= 0.0 {
                 // nothing is left
                 return Iterated {

@@ -151,6 +151,35 @@ impl<'n, const M: usize> Operator<'n, M> {
         motion: &[[f64; M]],
         forces: &mut [[f64; M]],
     ) -> f64 {
+        self.pass(team, motion, forces, |node, force| {
+            dot(force, &motion[node])
+        })
+    }
+
+    /// r - K p at nodes that are free, 0 at others.
+    pub(super) fn lack(
+        &mut self,
+        team: &Team,
+        motion: &[[f64; M]],
+        right: &[[f64; M]],
+        lack: &mut [[f64; M]],
+    ) {
+        self.pass(team, motion, lack, |node, force| {
+            for (force, right) in force.iter_mut().zip(&right[node]) {
+                *force = right - *force;
+            }
+            0.0
+        });
+    }
+
+    /// Gives K p at nodes that are free to `finish`, and sums its answers; 0 is left at others.
+    fn pass(
+        &mut self,
+        team: &Team,
+        motion: &[[f64; M]],
+        forces: &mut [[f64; M]],
+        finish: impl Fn(usize, &mut [f64; M]) -> f64 + Sync,
+    ) -> f64 {
         let (ends, stiffness) = (&self.ends, &self.stiffness);
         team.fill(&mut self.bonds, |start, bonds| {
             for (bond, of_bond) in (start..).zip(bonds) {
@@ -174,7 +203,14 @@ impl<'n, const M: usize> Operator<'n, M> {
             for fibre in fibres {
                 let nodes = this.network.nodes_of(fibre);
                 let own = &mut own[nodes.start - first..nodes.end - first];
-                sum += this.apply_to_fibre(fibre, motion, own);
+                this.apply_to_fibre(fibre, motion, own);
+                for (node, force) in nodes.zip(own) {
+                    if this.is_free[node] {
+                        sum += finish(node, force);
+                    } else {
+                        *force = [0.0; M];
+                    }
+                }
             }
             sum
         };
@@ -182,7 +218,7 @@ impl<'n, const M: usize> Operator<'n, M> {
         team.map(pieces, work).into_iter().sum()
     }
 
-    fn apply_to_fibre(&self, fibre: usize, motion: &[[f64; M]], own: &mut [[f64; M]]) -> f64 {
+    fn apply_to_fibre(&self, fibre: usize, motion: &[[f64; M]], own: &mut [[f64; M]]) {
         own.fill([0.0; M]);
         let nodes = self.network.nodes_of(fibre);
         let first = nodes.start as u32;
@@ -220,15 +256,6 @@ impl<'n, const M: usize> Operator<'n, M> {
                 }
             }
         }
-        let mut sum = 0.0;
-        for (node, force) in nodes.zip(own) {
-            if self.is_free[node] {
-                sum += dot(force, &motion[node]);
-            } else {
-                *force = [0.0; M];
-            }
-        }
-        sum
     }
 }
 

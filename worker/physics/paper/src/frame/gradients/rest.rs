@@ -26,7 +26,7 @@ use super::system::{Activity, Equations, System};
 const ENERGY_ERROR: f64 = 1e-4;
 /// The same where nothing says what breaks.
 const ALONE: f64 = 1e-9;
-/// The coarse matrix is made anew when this share of the elements broke since: a stale one costs iterations.
+/// The factor of bodies is made anew when this share of the elements broke since: a stale one costs iterations.
 const STALE: f64 = 0.002;
 /// Forces that balance to this share of the largest are at the floor of round-off.
 const FLOOR: f64 = 1e-10;
@@ -56,7 +56,7 @@ pub(crate) struct Relaxation<'n> {
     is_whole: Vec<bool>,
     activity: Activity,
     system: Box<dyn System + 'n>,
-    /// Elements that broke before the coarse matrix was made, and after.
+    /// Elements that broke before the factor of bodies was made, and after.
     factored: Vec<u32>,
     taken: Vec<u32>,
     /// Error in energy at which the next solution may end.
@@ -73,7 +73,7 @@ pub(crate) struct Relaxation<'n> {
 }
 
 impl<'n> Relaxation<'n> {
-    /// Finds the rest without the elements `factored` and `taken`; the coarse matrix knows only that the
+    /// Finds the rest without the elements `factored` and `taken`; that of bodies knows only that the
     /// first are gone.
     pub(crate) fn new(
         network: &'n Network,
@@ -166,7 +166,7 @@ impl<'n> Relaxation<'n> {
     }
 
     pub(crate) fn cost(&self) -> PullCost {
-        let [_, stored] = self.system.coarse();
+        let [_, stored] = self.system.bodies();
         let free = self.activity.is_free.iter().filter(|is_free| **is_free);
         PullCost {
             unknowns: free.count() * self.network.motions(),

@@ -7,10 +7,8 @@ use nalgebra::Vector3;
 use super::super::error::FrameError;
 use super::super::load::NodeLoad;
 use super::super::network::Network;
-use super::chains::Chains;
-use super::clumps::Clumps;
-use super::coarse::Coarse;
 use super::conjugate::{Iterated, Vectors};
+use super::cycle::Cycle;
 use super::operator::{Nodal, Operator, ends_of, parts};
 
 /// What takes part in equilibrium.
@@ -31,7 +29,7 @@ pub(super) trait System: std::fmt::Debug {
         is_whole: &[bool],
         broken: &[usize],
     ) -> Result<(), FrameError>;
-    /// Makes clumps and the coarse matrix anew.
+    /// Makes groups and the factor of their motions anew.
     fn renew(&mut self) -> Result<(), FrameError>;
     /// Moves the nodes until the error in energy is about `wanted`.
     fn solve(&mut self, wanted: f64) -> Iterated;
@@ -47,16 +45,14 @@ pub(super) trait System: std::fmt::Debug {
     fn read(&self, points: &mut [[Vector3<f64>; 2]]);
     /// Gives what acts on points of bonds to the nodes that these move with.
     fn spread(&self, points: &mut [[Vector3<f64>; 2]]);
-    /// Unknowns of the coarse grid, and the numbers that its factor stores.
-    fn coarse(&self) -> [usize; 2];
+    /// Unknowns of the bodies, and the numbers that their factor stores.
+    fn bodies(&self) -> [usize; 2];
 }
 
 #[derive(Debug)]
 pub(super) struct Equations<'n, const M: usize> {
     operator: Operator<'n, M>,
-    chains: Chains<M>,
-    clumps: Clumps,
-    coarse: Coarse,
+    cycle: Cycle<M>,
     vectors: Vectors<M>,
     motion: Nodal<M>,
     loads: Nodal<M>,
@@ -83,9 +79,7 @@ impl<'n, const M: usize> Equations<'n, M> {
             points[load.node][1] += Vector3::from(load.moment_mn_um);
         }
         let mut equations = Self {
-            chains: Chains::new(&operator, &team)?,
-            clumps: Clumps::new(&operator),
-            coarse: Coarse::new(&operator)?,
+            cycle: Cycle::new(&operator, &team)?,
             vectors: Vectors::new(nodes),
             motion: vec![[0.0; M]; nodes],
             loads: Vec::new(),
@@ -140,40 +134,27 @@ impl<const M: usize> System for Equations<'_, M> {
         fibres.sort_unstable();
         fibres.dedup();
         for fibre in fibres {
-            self.chains.factor_again(&self.operator, fibre)?;
+            self.cycle.factor_again(&self.operator, fibre)?;
         }
         Ok(())
     }
 
     fn renew(&mut self) -> Result<(), FrameError> {
-        self.clumps = Clumps::new(&self.operator);
-        self.coarse = Coarse::new(&self.operator)?;
-        Ok(())
+        self.cycle.renew(&self.operator)
     }
 
     fn solve(&mut self, wanted: f64) -> Iterated {
         let Self {
             operator,
-            chains,
-            clumps,
-            coarse,
+            cycle,
             vectors,
             motion,
             loads,
             team,
         } = self;
         team.gather(|| {
-            operator.apply(team, motion, &mut vectors.residual);
-            for (node, (residual, load)) in vectors.residual.iter_mut().zip(loads).enumerate() {
-                for (residual, load) in residual.iter_mut().zip(load) {
-                    *residual = if operator.is_free[node] {
-                        *load - *residual
-                    } else {
-                        0.0
-                    };
-                }
-            }
-            vectors.iterate((operator, chains, clumps, coarse), team, motion, wanted)
+            operator.lack(team, motion, loads, &mut vectors.residual);
+            vectors.iterate((operator, cycle), team, motion, wanted)
         })
     }
 
@@ -238,7 +219,7 @@ impl<const M: usize> System for Equations<'_, M> {
         }
     }
 
-    fn coarse(&self) -> [usize; 2] {
-        self.coarse.size()
+    fn bodies(&self) -> [usize; 2] {
+        self.cycle.size()
     }
 }
