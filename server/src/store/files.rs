@@ -31,11 +31,26 @@ impl Store {
         sha256: &str,
         body: impl AsyncRead + Send + Unpin,
     ) -> Result<FileEntry> {
+        self.upload_rest(key, name, sha256, 0, body).await
+    }
+
+    /// The same of a file whose first `from` bytes have arrived before ([`Self::uploaded_part`]).
+    ///
+    /// # Errors
+    /// As [`Self::upload`]; [`StoreError::Unavailable`] when not so many bytes of it are kept.
+    pub async fn upload_rest(
+        &self,
+        key: LeaseKey,
+        name: &str,
+        sha256: &str,
+        from: u64,
+        body: impl AsyncRead + Send + Unpin,
+    ) -> Result<FileEntry> {
         check_file_name(name).map_err(|error| StoreError::Invalid(error.to_string()))?;
         self.check_lease(key).await?;
         let received = self
             .blobs()
-            .receive("a file", sha256, LARGEST_FILE, body)
+            .receive("a file", sha256, LARGEST_FILE, Some((key.id, from)), body)
             .await?;
         let entry = FileEntry {
             name: name.to_owned(),
@@ -55,6 +70,18 @@ impl Store {
             .await;
         self.undo_unless_written(&entry.sha256, written)?;
         Ok(entry)
+    }
+
+    /// Bytes that are kept of an upload of this content that broke off under this lease.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`].
+    pub async fn uploaded_part(&self, key: LeaseKey, sha256: &str) -> Result<u64> {
+        self.check_lease(key).await?;
+        if sha256.len() != 64 || !sha256.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+            return Ok(0);
+        }
+        Ok(self.blobs().part_bytes(key.id, sha256).await)
     }
 
     /// Takes in a checkpoint, to which all files uploaded so far by this attempt belong. It
@@ -78,7 +105,13 @@ impl Store {
         self.check_lease(key).await?;
         let received = self
             .blobs()
-            .receive("a checkpoint", &query.sha256, LARGEST_CHECKPOINT, body)
+            .receive(
+                "a checkpoint",
+                &query.sha256,
+                LARGEST_CHECKPOINT,
+                None,
+                body,
+            )
             .await?;
         let bytes = received.bytes;
         let guard = self.blobs().keep(received).await?;

@@ -11,11 +11,12 @@
 //! results, one for what takes a moment and must not wait behind them.
 //!
 //! Lists are [`list`], jobs one by one [`jobs`]. The worker's side in the order of a job: [`claim`], [`lease`] with [`curve`] and [`log`],
-//! [`files`] over [`blobs`], [`ending`]; if the worker falls silent, [`sweep`].
+//! [`files`] over [`blobs`] and [`arriving`], [`ending`]; if the worker falls silent, [`sweep`].
 //!
 //! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
 //! [`collector`] removes what no row names, [`scrub`] finds what is missing or has changed, and [`backup`]
 //! copies both in the right order.
+mod arriving;
 mod backup;
 mod blobs;
 mod claim;

@@ -1,7 +1,7 @@
 //! `#/components/schemas`: every type of the wire by name.
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, HeartbeatAnswer, Lease, ProgressReport,
-    ReleaseRequest,
+    ReleaseRequest, UploadedPart,
 };
 use loadframe_api::{
     CurveView, Envelope, Event, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
@@ -63,7 +63,7 @@ fn answers() -> Map<String, Value> {
         add!(generator: Problem, Timestamp, JobKind, JobView, Page<JobView>, DryRun,
             CurveView, Page<FileEntry>, Outcome, Page<LogLine>, Event,
             KindView, Page<KindView>, Page<ExampleView>, Page<WorkerView>, Health, VersionView,
-            Lease, HeartbeatAnswer);
+            Lease, HeartbeatAnswer, UploadedPart);
     });
     for schema in schemas.values_mut() {
         let required = schema["required"].as_array().cloned().unwrap_or_default();
