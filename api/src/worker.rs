@@ -93,6 +93,20 @@ pub struct CheckpointQuery {
 pub struct UploadQuery {
     #[schemars(length(equal = 64))]
     pub sha256: String,
+    /// The body is what follows so many bytes [B], which an upload that broke off has brought.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub from: u64,
+}
+
+fn is_zero(number: &u64) -> bool {
+    *number == 0
+}
+
+/// Answer to `GET /v1/worker/leases/{id}/uploads/{sha256}`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct UploadedPart {
+    /// Bytes [B] of the content that have arrived and are kept; 0 where the upload has to begin anew.
+    pub bytes: u64,
 }
 
 /// Answer to `POST /v1/worker/leases/{id}/heartbeat` and `progress`.

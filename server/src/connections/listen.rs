@@ -158,7 +158,7 @@ where
         };
         standing.enter(phase);
         let end = AtEnd::new(standing, Phase::Body, Phase::Answer);
-        let mut request = request.map(|body| Body::new(Watched { body, _end: end }));
+        let mut request = request.map(|body| Body::new(Watched { body, end }));
         request.extensions_mut().insert(ConnectInfo(peer));
         let answered = AtEnd::new(standing, Phase::Answer, Phase::Idle);
         let response = shared.app.clone().oneshot(request);
@@ -168,7 +168,7 @@ where
             answered.standing.leave(Phase::Body, Phase::Answer);
             let watch = |body| Watched {
                 body,
-                _end: answered,
+                end: answered,
             };
             Ok::<_, Infallible>(response.map(watch))
         }
@@ -219,7 +219,7 @@ impl Drop for AtEnd {
 #[derive(Debug)]
 struct Watched<B> {
     body: B,
-    _end: AtEnd,
+    end: AtEnd,
 }
 
 impl<B: HttpBody<Data = Bytes> + Unpin> HttpBody for Watched<B> {
@@ -232,7 +232,7 @@ impl<B: HttpBody<Data = Bytes> + Unpin> HttpBody for Watched<B> {
     ) -> Poll<Option<Result<Frame<Bytes>, B::Error>>> {
         let watched = self.get_mut();
         let frame = ready!(Pin::new(&mut watched.body).poll_frame(context));
-        let end = &watched._end;
+        let end = &watched.end;
         if end.from == Phase::Body && (frame.is_none() || watched.body.is_end_stream()) {
             // read to its end: what the client waits for now is the answer
             end.standing.leave(end.from, end.to);

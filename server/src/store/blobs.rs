@@ -12,17 +12,19 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use sqlx::SqlitePool;
-use tempfile::{NamedTempFile, TempPath};
-use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
+use tempfile::TempPath;
+use tokio::io::{AsyncRead, AsyncWriteExt};
 use tokio::sync::{OwnedRwLockReadGuard, RwLock, mpsc, oneshot};
 use tokio::task::spawn_blocking;
+use uuid::Uuid;
 
+use super::arriving::{Arriving, SMALLEST_PART};
 use super::collector::{Collector, Faults, Garbage};
 use super::error::{Result, StoreError};
 use super::supervision::Restarts;
 
 /// Bytes read and written at a time.
-const CHUNK: usize = 256 << 10;
+pub(super) const CHUNK: usize = 256 << 10;
 /// A file up to this many bytes is verified whenever it is given out; a larger one, which takes a
 /// moment, when it was not for a while.
 const SMALL: u64 = 64 << 20;
@@ -34,7 +36,7 @@ const REMEMBERED: usize = 10_000;
 #[derive(Clone, Debug)]
 pub(super) struct Blobs {
     root: PathBuf,
-    incoming: PathBuf,
+    pub(super) incoming: PathBuf,
     /// What is not what its name says is moved here.
     set_aside: PathBuf,
     in_use: Arc<RwLock<()>>,
@@ -125,16 +127,19 @@ impl Blobs {
         self.root.join(folder).join(sha256)
     }
 
-    /// Takes in a body of at most `limit` bytes that must hash to `sha256`.
+    /// Takes in a body of at most `limit` bytes that must hash to `sha256`; with a `part`, after so many
+    /// bytes that the same sender has sent before, and what has arrived when it breaks off is kept.
     ///
     /// # Errors
     /// [`StoreError::Invalid`], [`StoreError::TooLarge`], [`StoreError::Interrupted`] by the
-    /// sender's fault; [`StoreError::File`] by the disk's.
+    /// sender's fault; [`StoreError::Unavailable`] when not so many bytes are kept of it;
+    /// [`StoreError::File`] by the disk's.
     pub(super) async fn receive(
         &self,
         what: &'static str,
         sha256: &str,
         limit: u64,
+        part: Option<(Uuid, u64)>,
         mut body: impl AsyncRead + Send + Unpin,
     ) -> Result<Received> {
         if sha256.len() != 64
@@ -145,30 +150,28 @@ impl Blobs {
             let sentence = "sha256 is 64 lower-case hexadecimal digits";
             return Err(StoreError::Invalid(sentence.to_owned()));
         }
-        let folder = self.incoming.clone();
-        let (file, path) = blocking(&self.incoming, || NamedTempFile::new_in(folder))
-            .await?
-            .into_parts();
-        let failed = || StoreError::file(&self.incoming);
-        let mut file = tokio::fs::File::from_std(file);
-        let mut hash = Sha256::new();
-        let mut bytes = 0;
-        let mut chunk = vec![0; CHUNK];
-        loop {
-            let count = body
-                .read(&mut chunk)
-                .await
-                .map_err(StoreError::Interrupted)?;
-            if count == 0 {
-                break;
+        let mut arriving = match part {
+            Some((sender, from @ 1..)) => self.go_on(sender, sha256, from).await?,
+            _ => self.begin().await?,
+        };
+        match arriving.take_in(&mut body, what, limit).await {
+            Ok(()) => {}
+            Err(error) => {
+                if let (StoreError::Interrupted(_), Some((sender, _))) = (&error, part)
+                    && arriving.bytes >= SMALLEST_PART
+                {
+                    self.keep_part(arriving, sender, sha256).await?;
+                }
+                return Err(error);
             }
-            bytes += count as u64;
-            if bytes > limit {
-                return Err(StoreError::TooLarge { what, limit });
-            }
-            hash.update(&chunk[..count]);
-            file.write_all(&chunk[..count]).await.map_err(failed())?;
         }
+        let Arriving {
+            mut file,
+            path,
+            hash,
+            bytes,
+        } = arriving;
+        let failed = || StoreError::file(&self.incoming);
         let found = hexadecimal(hash);
         if found != sha256 {
             let sentence = format!("the body's SHA-256 is {found}, the query says {sha256}");
@@ -324,13 +327,18 @@ impl Blobs {
 
 /// SHA-256 and length of a file.
 pub(super) fn hash_of(path: &Path) -> std::io::Result<(String, u64)> {
+    hashed(path).map(|(hash, length)| (hexadecimal(hash), length))
+}
+
+/// The same, to be gone on with.
+pub(super) fn hashed(path: &Path) -> std::io::Result<(Sha256, u64)> {
     let mut file = std::fs::File::open(path)?;
     let mut hash = Sha256::new();
     let (mut chunk, mut length) = (vec![0; CHUNK], 0);
     loop {
         let count = std::io::Read::read(&mut file, &mut chunk)?;
         if count == 0 {
-            return Ok((hexadecimal(hash), length));
+            return Ok((hash, length));
         }
         hash.update(&chunk[..count]);
         length += count as u64;

@@ -91,7 +91,7 @@ impl Store {
         }
         self.check_lease(key).await?;
         let received = self
-            .received("a checkpoint", &query.sha256, LARGEST_CHECKPOINT, body)
+            .received("a checkpoint", &query.sha256, LARGEST_CHECKPOINT, None, body)
             .await?;
         let bytes = received.bytes;
         let guard = self.blobs().keep(received).await;

@@ -30,9 +30,27 @@ impl Store {
         sha256: &str,
         body: impl AsyncRead + Send + Unpin,
     ) -> Result<FileEntry> {
+        self.upload_rest(key, name, sha256, 0, body).await
+    }
+
+    /// The same of a file whose first `from` bytes have arrived before ([`Self::uploaded_part`]).
+    ///
+    /// # Errors
+    /// As [`Self::upload`]; [`StoreError::Unavailable`] when not so many bytes of it are kept.
+    pub async fn upload_rest(
+        &self,
+        key: LeaseKey,
+        name: &str,
+        sha256: &str,
+        from: u64,
+        body: impl AsyncRead + Send + Unpin,
+    ) -> Result<FileEntry> {
         check_file_name(name).map_err(|error| StoreError::Invalid(error.to_string()))?;
         self.check_lease(key).await?;
-        let received = self.received("a file", sha256, LARGEST_FILE, body).await?;
+        let arriving = Some((key.id, from));
+        let received = self
+            .received("a file", sha256, LARGEST_FILE, arriving, body)
+            .await?;
         let entry = FileEntry {
             name: name.to_owned(),
             bytes: received.bytes,
@@ -52,6 +70,18 @@ impl Store {
             .await;
         self.undo_unless_written(&entry.sha256, written)?;
         Ok(entry)
+    }
+
+    /// Bytes that are kept of an upload of this content that broke off under this lease.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`].
+    pub async fn uploaded_part(&self, key: LeaseKey, sha256: &str) -> Result<u64> {
+        self.check_lease(key).await?;
+        if sha256.len() != 64 || !sha256.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+            return Ok(0);
+        }
+        Ok(self.blobs().part_bytes(key.id, sha256).await)
     }
 
     /// Files of the job's result, or of the failure that ended it, which are in a folder that says
@@ -125,16 +155,18 @@ impl Store {
         .ok_or_else(|| StoreError::NotFound(format!("outcome of job {id}")))
     }
 
-    /// Takes in a body while there is room for it.
+    /// Takes in a body while there is room for it; `part` is the lease under which its rest may follow,
+    /// and how many of its bytes came before.
     pub(super) async fn received(
         &self,
         what: &'static str,
         sha256: &str,
         limit: u64,
+        part: Option<(Uuid, u64)>,
         body: impl AsyncRead + Send + Unpin,
     ) -> Result<Received> {
         admit(&self.0.reserve)?;
-        let received = self.blobs().receive(what, sha256, limit, body).await;
+        let received = self.blobs().receive(what, sha256, limit, part, body).await;
         received.map_err(|error| self.noted(error))
     }
 

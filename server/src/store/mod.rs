@@ -12,13 +12,14 @@
 //! results, one for what takes a moment and must not wait behind them.
 //!
 //! Lists are [`list`], jobs one by one [`jobs`]. The worker's side in the order of a job: [`claim`],
-//! [`lease`] with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`], [`ending`]; if the
-//! worker falls silent, [`sweep`]; if its machine is at fault, [`machines`]. Whose things are, and what
-//! was done by whom: [`people`].
+//! [`lease`] with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`],
+//! [`ending`]; if the worker falls silent, [`sweep`]; if its machine is at fault, [`machines`]. Whose
+//! things are, and what was done by whom: [`people`].
 //!
 //! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
 //! [`collector`] removes what no row names, [`scrub`] finds what is missing or has changed, and [`backup`]
 //! copies both in the right order. That a full disk or a panic ends nothing: [`reserve`], [`supervision`].
+mod arriving;
 mod backup;
 mod blobs;
 mod checkpoints;

@@ -95,6 +95,9 @@ impl Store {
             }
             if step % STEPS_UNTIL_TIDY == 0 {
                 self.blobs().look_through();
+                if let Err(error) = self.blobs().forget_parts().await {
+                    tracing::error!(%error, "parts of uploads could not be removed");
+                }
                 if let Err(error) = self.tidy().await {
                     tracing::error!(%error, "old traces could not be removed");
                 }

@@ -2,12 +2,13 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
+use loadframe_api::sha256_hex;
 use loadframe_server::connections::{ConnectionLimits, Listening};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio::time::{sleep, timeout};
 
-use crate::support::{Lab, example};
+use crate::support::{Lab, example, request};
 
 /// A request that a moment answers.
 const ASK: &str = "GET /v1/jobs?limit=1 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
@@ -167,6 +168,42 @@ async fn a_body_that_stalls_or_drips_is_told_that_it_is_too_slow() {
     }
     let answer = rest(&mut steady).await;
     assert!(answer.starts_with("HTTP/1.1 201"), "{answer:?}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_upload_that_stalls_ends_and_what_has_arrived_is_not_sent_again() {
+    let lab = Lab::open().await;
+    lab.submit().await;
+    let lease = lab.claim().await;
+    let address = listen(&lab, short()).await;
+    let content = "0123456789".repeat(200_000);
+    let (begun, rest_of_it) = content.split_at(1_500_000);
+    let sha256 = sha256_hex(content.as_bytes());
+    let token = lease.token.to_string();
+    let path = format!("/v1/worker/leases/{}", lease.id);
+    let head = format!(
+        "PUT {path}/files/a.bin?sha256={sha256} HTTP/1.1\r\nHost: localhost\r\nLoadframe-Lease-Token: {token}\r\nContent-Length: {}\r\n\r\n",
+        content.len()
+    );
+    let mut stalled = say(address, &format!("{head}{begun}")).await;
+    let answer = rest(&mut stalled).await;
+    assert!(answer.starts_with("HTTP/1.1 408"), "{answer:?}");
+    let token = [("loadframe-lease-token", token.as_str())];
+    let part = format!("{path}/uploads/{sha256}");
+    let kept = lab.get_with(&part, &token).await.json();
+    assert_eq!(kept["bytes"], begun.len());
+    let put = async |from: usize, body: &str| {
+        let path = format!("{path}/files/a.bin?sha256={sha256}&from={from}");
+        lab.send(request("PUT", &path, &token, body)).await
+    };
+    let stored = put(begun.len(), rest_of_it).await;
+    assert_eq!(
+        (stored.status, &stored.json()["bytes"]),
+        (200, &content.len().into())
+    );
+    assert_eq!(lab.get_with(&part, &token).await.json()["bytes"], 0);
+    // of what is not kept, the sender is told to ask again
+    put(7, &content[7..]).await.problem(503, "busy");
 }
 
 /// Bytes that do not compress.

@@ -11,9 +11,9 @@ use tokio::io::{AsyncRead, ReadBuf};
 use crate::lab::{LONG, Lab, is_invalid, is_lost, is_missing, key};
 
 /// A body that breaks off after its first bytes.
-struct Broken(&'static [u8]);
+struct Broken<'b>(&'b [u8]);
 
-impl AsyncRead for Broken {
+impl AsyncRead for Broken<'_> {
     fn poll_read(
         mut self: Pin<&mut Self>,
         _: &mut Context<'_>,
@@ -22,8 +22,9 @@ impl AsyncRead for Broken {
         if self.0.is_empty() {
             return Poll::Ready(Err(io::ErrorKind::ConnectionReset.into()));
         }
-        buffer.put_slice(self.0);
-        self.0 = &[];
+        let (now, later) = self.0.split_at(self.0.len().min(buffer.remaining()));
+        buffer.put_slice(now);
+        self.0 = later;
         Poll::Ready(Ok(()))
     }
 }
@@ -133,5 +134,51 @@ async fn the_same_content_uploaded_and_deleted_at_once_is_never_lost() {
         }
         lab.delete(new).await.unwrap();
         assert_eq!(lab.blobs().await, 0);
+    }
+}
+
+#[tokio::test]
+async fn an_upload_that_broke_off_is_gone_on_with_by_its_sender_alone() {
+    let lab = Lab::open(LONG).await;
+    lab.submit().await;
+    let lease = lab.lease().await;
+    let content: Vec<u8> = (0..3_000_000_u32)
+        .map(|number| (number % 251) as u8)
+        .collect();
+    let sha256 = sha256_hex(&content);
+    let part = async || lab.uploaded_part(key(&lease), &sha256).await.unwrap();
+    assert_eq!(part().await, 0);
+    // less than a megabyte is sent anew
+    let begun = lab.upload(key(&lease), "a.bin", &sha256, Broken(&content[..900_000]));
+    assert!(matches!(begun.await, Err(StoreError::Interrupted(_))));
+    assert_eq!(part().await, 0);
+    let begun = lab.upload(key(&lease), "a.bin", &sha256, Broken(&content[..1_200_000]));
+    assert!(matches!(begun.await, Err(StoreError::Interrupted(_))));
+    assert_eq!(part().await, 1_200_000);
+    let further = Broken(&content[1_200_000..2_000_000]);
+    let further = lab.upload_rest(key(&lease), "a.bin", &sha256, 1_200_000, further);
+    assert!(matches!(further.await, Err(StoreError::Interrupted(_))));
+    assert_eq!(part().await, 2_000_000);
+    let mut forged = key(&lease);
+    forged.token = uuid::Uuid::new_v4();
+    assert!(is_lost(lab.uploaded_part(forged, &sha256).await));
+    let rest = lab.upload_rest(
+        key(&lease),
+        "a.bin",
+        &sha256,
+        2_000_000,
+        &content[2_000_000..],
+    );
+    let entry = rest.await.unwrap();
+    assert_eq!(
+        (entry.bytes, entry.sha256.as_str()),
+        (3_000_000, sha256.as_str())
+    );
+    assert_eq!(part().await, 0);
+    // where other bytes are kept than the sender believes, it is told to ask again
+    let unknown = lab.upload_rest(key(&lease), "a.bin", &sha256, 5, &content[5..]);
+    assert!(matches!(unknown.await, Err(StoreError::Unavailable)));
+    for strange in ["", "../../lock", &sha256[..63]] {
+        assert_eq!(lab.uploaded_part(key(&lease), strange).await.unwrap(), 0);
     }
 }

@@ -8,6 +8,9 @@ use serde::de::DeserializeOwned;
 /// A server on the same network answers a connection at once or not at all.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
+/// A connection that was not used for so long is not used again: the server ends it a little later.
+const IDLE: Duration = Duration::from_secs(60);
+
 /// A server and how to speak with it; clones share connections.
 #[derive(Clone, Debug)]
 pub struct ServerClient {
@@ -78,6 +81,7 @@ impl ServerClient {
         let _ = rustls::crypto::ring::default_provider().install_default();
         let http = reqwest::Client::builder()
             .connect_timeout(CONNECT_TIMEOUT)
+            .pool_idle_timeout(IDLE)
             .tcp_nodelay(true)
             .user_agent(concat!("loadframe/", env!("CARGO_PKG_VERSION")));
         let http = match authorities {

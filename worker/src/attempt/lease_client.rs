@@ -1,13 +1,14 @@
 //! The routes of one lease, each repeated while the lease may still live.
+use std::io::SeekFrom;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use backon::{ExponentialBuilder, Retryable};
 use loadframe_api::worker::{
     CheckpointQuery, Command, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer,
-    LEASE_TOKEN_HEADER, Lease, ProgressReport, ReleaseRequest, UploadQuery,
+    LEASE_TOKEN_HEADER, Lease, ProgressReport, ReleaseRequest, UploadQuery, UploadedPart,
 };
 use loadframe_api::{FileEntry, sha256_hex};
 use loadframe_client::{ServerClient, ServerError};
@@ -15,6 +16,7 @@ use loadframe_run::{SavedRun, StopCause};
 use reqwest::{Method, RequestBuilder, Response};
 use serde::Serialize;
 use tokio::fs::File;
+use tokio::io::AsyncSeekExt;
 
 use super::stop::AttemptSwitch;
 
@@ -23,6 +25,8 @@ use super::stop::AttemptSwitch;
 const PRESUMED_LOST_AFTER_LEASES: f64 = 4.0;
 /// A checkpoint that has not come by so many leases is not waited for.
 const LEASES_FOR_A_CHECKPOINT: f64 = 2.0;
+/// How long the server may take to say how much of a file it has.
+const LONGEST_QUESTION: Duration = Duration::from_secs(10);
 /// First and longest pause between two tries.
 const FIRST_PAUSE: Duration = Duration::from_millis(50);
 const LONGEST_PAUSE: Duration = Duration::from_secs(1);
@@ -88,25 +92,43 @@ impl LeaseClient {
         self.follow_command(answer).await
     }
 
-    /// Uploads the file at `path`.
+    /// Uploads the file at `path`; what had arrived when it broke off is not sent again.
     pub(super) async fn upload(&self, entry: &FileEntry, path: &Path) -> Result<(), ServerError> {
-        let query = UploadQuery {
-            sha256: entry.sha256.clone(),
-        };
+        let is_first = AtomicBool::new(true);
         self.with_retries(|| async {
-            let file = File::open(path).await.map_err(|error| ServerError::File {
+            let from = match is_first.swap(false, Ordering::Relaxed) {
+                true => 0,
+                false => self.arrived(entry).await,
+            };
+            let failed = |error: std::io::Error| ServerError::File {
                 path: path.display().to_string(),
                 reason: error.to_string(),
-            })?;
+            };
+            let mut file = File::open(path).await.map_err(failed)?;
+            file.seek(SeekFrom::Start(from)).await.map_err(failed)?;
+            let query = UploadQuery {
+                sha256: entry.sha256.clone(),
+                from,
+            };
             let request = self.request(Method::PUT, &format!("/files/{}", entry.name));
             let request = request
                 .query(&query)
-                .header(reqwest::header::CONTENT_LENGTH, entry.bytes)
+                .header(reqwest::header::CONTENT_LENGTH, entry.bytes - from)
                 .body(file);
             self.send_once(request).await
         })
         .await?;
         Ok(())
+    }
+
+    /// Bytes of a file that the server has kept of a broken upload; none where it cannot be asked.
+    async fn arrived(&self, entry: &FileEntry) -> u64 {
+        let request = self.request(Method::GET, &format!("/uploads/{}", entry.sha256));
+        let request = request.timeout(LONGEST_QUESTION);
+        match self.server.json::<UploadedPart>(request).await {
+            Ok(part) if part.bytes < entry.bytes => part.bytes,
+            _ => 0,
+        }
     }
 
     /// Stores a checkpoint, to which all files uploaded so far belong.

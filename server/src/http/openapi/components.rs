@@ -6,7 +6,7 @@ use loadframe_api::people::{
 };
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,
-    ProgressReport, ReleaseRequest,
+    ProgressReport, ReleaseRequest, UploadedPart,
 };
 use loadframe_api::{
     CurveView, Envelope, Event, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
@@ -71,9 +71,9 @@ fn answers() -> Map<String, Value> {
         add!(generator: Problem, Timestamp, JobKind, JobView, Page<JobView>, DryRun,
             CurveView, Page<FileEntry>, Outcome, Page<LogLine>, Event,
             KindView, Page<KindView>, Page<ExampleView>, Page<WorkerView>, Health, VersionView,
-            Lease, HeartbeatAnswer, CallerView, PersonView, Page<PersonView>, Page<SessionView>,
-            InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>, GroupView,
-            Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
+            Lease, HeartbeatAnswer, UploadedPart, CallerView, PersonView, Page<PersonView>,
+            Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
+            GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
             Page<AuditEntry>);
     });
     for schema in schemas.values_mut() {

@@ -8,7 +8,7 @@ use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use futures_util::TryStreamExt;
 use loadframe_api::FileEntry;
-use loadframe_api::worker::{CheckpointInfo, CheckpointQuery, UploadQuery};
+use loadframe_api::worker::{CheckpointInfo, CheckpointQuery, UploadQuery, UploadedPart};
 use serde::Deserialize;
 use tokio::fs::File;
 use tokio::io::AsyncRead;
@@ -24,6 +24,7 @@ use super::request::{LeaseCredentials, counted};
 pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
         .routes(routes!(upload))
+        .routes(routes!(uploaded_part))
         .routes(routes!(save_checkpoint, checkpoint))
         // the store bounds what it takes in, and keeps none of it in memory
         .layer(DefaultBodyLimit::disable())
@@ -31,14 +32,18 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
 
 /// Upload a file of the result
 ///
-/// The body is the file. It is published with `complete`; uploading a name again replaces it.
+/// The body is the file. It is published with `complete`; uploading a name again replaces it. Of an
+/// upload that broke off after a megabyte or more, what has arrived is kept for an hour: `from` names its
+/// bytes, and the body is then the rest.
 #[utoipa::path(put, path = "/v1/worker/leases/{id}/files/{*name}", tag = "Worker",
     params(("id" = Uuid, Path, description = "Id of the lease"),
            ("name" = String, Path, description = "Name of the file, which may contain `/`"),
            ("sha256" = String, Query, description = "SHA-256 of the body in hexadecimal digits", min_length = 64, max_length = 64),
+           ("from" = Option<u64>, Query, description = "Bytes that have arrived before; the body is what follows them", minimum = 0),
            ("Loadframe-Lease-Token" = Uuid, Header, description = "Token of the lease")),
     request_body(content = Vec<u8>, content_type = "application/octet-stream", description = "The file"),
     responses((status = 200, description = "The file is stored", body = ref("#/components/schemas/FileEntry")),
+              (status = 408, description = "The body did not go on in time"),
               (status = 409, description = "The lease is no longer held"),
               (status = 413, description = "The file is too large"),
               (status = 422, description = "The name is not allowed, or the content has another SHA-256")))]
@@ -50,8 +55,30 @@ async fn upload(
     body: Body,
 ) -> Result<Json<FileEntry>> {
     let Path((_, name)) = path;
-    let uploaded = state.store.upload(key, &name, &query.sha256, reader(body));
+    let UploadQuery { sha256, from } = query;
+    let uploaded = state
+        .store
+        .upload_rest(key, &name, &sha256, from, reader(body));
     Ok(Json(counted(uploaded.await)?))
+}
+
+/// How much of a file has arrived
+///
+/// Of an upload that broke off: its rest may be sent alone.
+#[utoipa::path(get, path = "/v1/worker/leases/{id}/uploads/{sha256}", tag = "Worker",
+    params(("id" = Uuid, Path, description = "Id of the lease"),
+           ("sha256" = String, Path, description = "SHA-256 of the whole file in hexadecimal digits", min_length = 64, max_length = 64),
+           ("Loadframe-Lease-Token" = Uuid, Header, description = "Token of the lease")),
+    responses((status = 200, description = "Bytes that are kept, which may be none", body = ref("#/components/schemas/UploadedPart")),
+              (status = 409, description = "The lease is no longer held")))]
+async fn uploaded_part(
+    State(state): State<AppState>,
+    LeaseCredentials(key): LeaseCredentials,
+    path: Path<(String, String)>,
+) -> Result<Json<UploadedPart>> {
+    let Path((_, sha256)) = path;
+    let bytes = counted(state.store.uploaded_part(key, &sha256).await)?;
+    Ok(Json(UploadedPart { bytes }))
 }
 
 /// Store a checkpoint

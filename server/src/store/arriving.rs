@@ -1,0 +1,140 @@
+//! Files on their way in, and what is kept of one that broke off.
+//!
+//! A part is named for its sender's lease and for the whole content's SHA-256. It waits among the files
+//! on their way, which a server that starts removes; who asks is then told that there is nothing.
+use std::path::PathBuf;
+use std::time::Duration;
+
+use sha2::{Digest, Sha256};
+use tempfile::{NamedTempFile, TempPath};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
+use uuid::Uuid;
+
+use super::blobs::{Blobs, CHUNK, blocking, hashed};
+use super::error::{Result, StoreError};
+
+/// Of an upload that broke off, this many bytes are worth keeping; fewer are soon sent again.
+pub(super) const SMALLEST_PART: u64 = 1 << 20;
+/// How long they wait for the rest, and how their files are called.
+const PARTS_KEPT: Duration = Duration::from_secs(3600);
+const PART: &str = "part-";
+
+/// A file as far as it has arrived.
+#[derive(Debug)]
+pub(super) struct Arriving {
+    pub(super) file: tokio::fs::File,
+    pub(super) path: TempPath,
+    pub(super) hash: Sha256,
+    pub(super) bytes: u64,
+}
+
+impl Arriving {
+    /// Takes in what comes, to its end.
+    pub(super) async fn take_in(
+        &mut self,
+        body: &mut (impl AsyncRead + Send + Unpin),
+        what: &'static str,
+        limit: u64,
+    ) -> Result<()> {
+        let mut chunk = vec![0; CHUNK];
+        loop {
+            let count = body
+                .read(&mut chunk)
+                .await
+                .map_err(StoreError::Interrupted)?;
+            if count == 0 {
+                return Ok(());
+            }
+            if self.bytes + count as u64 > limit {
+                return Err(StoreError::TooLarge { what, limit });
+            }
+            let written = self.file.write_all(&chunk[..count]).await;
+            written.map_err(StoreError::file(&*self.path))?;
+            self.hash.update(&chunk[..count]);
+            self.bytes += count as u64;
+        }
+    }
+}
+
+impl Blobs {
+    pub(super) async fn begin(&self) -> Result<Arriving> {
+        let folder = self.incoming.clone();
+        let file = blocking(&self.incoming, || NamedTempFile::new_in(folder)).await?;
+        let (file, path) = file.into_parts();
+        Ok(Arriving {
+            file: tokio::fs::File::from_std(file),
+            path,
+            hash: Sha256::new(),
+            bytes: 0,
+        })
+    }
+
+    /// Goes on with a part. It has a name of its own from here on: of two who go on with it, one does.
+    pub(super) async fn go_on(&self, sender: Uuid, sha256: &str, from: u64) -> Result<Arriving> {
+        let (part, folder) = (self.part(sender, sha256), self.incoming.clone());
+        let taken = blocking(&self.incoming, move || {
+            let (_, path) = NamedTempFile::new_in(folder)?.into_parts();
+            match std::fs::rename(&part, &path) {
+                Ok(()) => {}
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+                Err(error) => return Err(error),
+            }
+            let (hash, bytes) = hashed(&path)?;
+            let file = std::fs::File::options().append(true).open(&path)?;
+            Ok(Some((file, path, hash, bytes)))
+        });
+        match taken.await? {
+            Some((file, path, hash, bytes)) if bytes == from => Ok(Arriving {
+                file: tokio::fs::File::from_std(file),
+                path,
+                hash,
+                bytes,
+            }),
+            // a server that was started again keeps no parts: who asks begins anew
+            _ => Err(StoreError::Unavailable),
+        }
+    }
+
+    pub(super) async fn keep_part(
+        &self,
+        mut arriving: Arriving,
+        sender: Uuid,
+        sha256: &str,
+    ) -> Result<()> {
+        let flushed = arriving.file.flush().await;
+        flushed.map_err(StoreError::file(&self.incoming))?;
+        let part = self.part(sender, sha256);
+        blocking(&self.incoming, move || Ok(arriving.path.persist(part)?)).await
+    }
+
+    /// Bytes of a content that `sender` has sent and that are kept.
+    pub(super) async fn part_bytes(&self, sender: Uuid, sha256: &str) -> u64 {
+        let part = tokio::fs::metadata(self.part(sender, sha256)).await;
+        part.map_or(0, |part| part.len())
+    }
+
+    /// Forgets parts with which nobody went on for a while.
+    pub(super) async fn forget_parts(&self) -> Result<()> {
+        let incoming = self.incoming.clone();
+        blocking(&self.incoming, move || {
+            for entry in std::fs::read_dir(incoming)? {
+                let entry = entry?;
+                let is_part = entry
+                    .file_name()
+                    .as_encoded_bytes()
+                    .starts_with(PART.as_bytes());
+                let age = entry.metadata()?.modified()?.elapsed().unwrap_or_default();
+                if is_part && age > PARTS_KEPT {
+                    std::fs::remove_file(entry.path())?;
+                }
+            }
+            Ok(())
+        })
+        .await
+    }
+
+    fn part(&self, sender: Uuid, sha256: &str) -> PathBuf {
+        self.incoming
+            .join(format!("{PART}{}-{sha256}", sender.simple()))
+    }
+}

@@ -1,0 +1,88 @@
+//! The parsers of foreign bytes, one function each: whatever the bytes are, it returns.
+use loadframe_api::surface::{TriangleMesh, read_stl};
+use loadframe_api::table::{self, Hints, Wanted};
+use loadframe_api::worker::{
+    ClaimRequest, CompleteRequest, FailRequest, ProgressReport, ReleaseRequest,
+};
+use loadframe_api::{JobChanges, Message, Submission, check_file_name};
+use loadframe_harness::checkpoint;
+use loadframe_run::{Engine, SavedRun};
+
+/// The body of `POST /v1/jobs`. What is accepted can be priced and written down, and is accepted again
+/// as written.
+pub fn submission(bytes: &[u8]) {
+    let Ok(submission) = Submission::from_slice(bytes) else {
+        return;
+    };
+    let estimate = submission.spec.estimate(&Default::default());
+    assert!(
+        estimate.wall_s >= 0.0 && estimate.memory_mb >= 0.0,
+        "{estimate:?}"
+    );
+    let written = format!(
+        r#"{{"kind":{:?},"spec":{}}}"#,
+        submission.spec.kind().name(),
+        submission.spec.to_json()
+    );
+    let again = Submission::from_slice(written.as_bytes()).expect("what was accepted is");
+    assert_eq!(again.spec.to_json(), submission.spec.to_json());
+}
+
+/// Bodies of workers, and of changes.
+pub fn message(bytes: &[u8]) {
+    let _ = ClaimRequest::from_slice(bytes);
+    let _ = ProgressReport::from_slice(bytes);
+    let _ = CompleteRequest::from_slice(bytes);
+    let _ = FailRequest::from_slice(bytes);
+    let _ = ReleaseRequest::from_slice(bytes);
+    let _ = JobChanges::from_slice(bytes);
+    let _ = check_file_name(&String::from_utf8_lossy(bytes));
+}
+
+/// A curve that a testing machine exported, in any of the forms in which it comes as text. What is
+/// understood is finite.
+pub fn table(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    let wanted = ["nominal_strain", "force_n"].map(|name| Wanted {
+        name: name.to_owned(),
+    });
+    for gauge_length_mm in [None, Some(100.0)] {
+        let hints = Hints {
+            gauge_length_mm,
+            ..Hints::default()
+        };
+        if let Ok(reading) = table::read(&text, &wanted, &hints) {
+            assert!(
+                reading
+                    .points
+                    .iter()
+                    .flatten()
+                    .all(|value| value.is_finite())
+            );
+        }
+    }
+}
+
+/// A surface in STL, binary or text, and the mesh that is made of it.
+pub fn surface(bytes: &[u8]) {
+    let Ok(triangles) = read_stl(bytes) else {
+        return;
+    };
+    let corners: Vec<_> = triangles
+        .iter()
+        .map(|triangle| triangle.map(|corner| corner.into()))
+        .collect();
+    let _ = TriangleMesh::weld(&corners).is_closed();
+}
+
+/// A checkpoint, and the saved run around it.
+pub fn checkpoint(bytes: &[u8]) {
+    let engine = Engine {
+        version: "1",
+        commit: "1",
+    };
+    if let Ok(run) = SavedRun::from_bytes(bytes, engine, "a") {
+        assert_eq!(run.to_bytes().last(), bytes.last());
+    }
+    let _ = checkpoint::unpack::<Vec<(u64, f64, String)>>(bytes);
+}
