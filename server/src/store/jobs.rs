@@ -148,6 +148,18 @@ impl AttemptRow {
     }
 }
 
+/// A page of the first `limit` rows; one more of them says that another page follows.
+fn page_of(mut rows: Vec<JobRow>, limit: u32) -> Result<Page<JobView>> {
+    let is_last = rows.len() <= limit as usize;
+    rows.truncate(limit as usize);
+    let next = rows
+        .last()
+        .filter(|_| !is_last)
+        .map(|row| row.seq.to_string());
+    let items = rows.into_iter().map(JobRow::view).collect::<Result<_>>()?;
+    Ok(Page { items, next })
+}
+
 impl Store {
     /// The job with its spec.
     ///
@@ -223,7 +235,17 @@ impl Store {
         };
         let everything = Sight::everything();
         let sight = filter.sight.as_ref().unwrap_or(&everything);
-        let mut rows: Vec<JobRow> = sqlx::query_as(select_jobs!(
+        if !sight.everything && sight.job.is_none() && filter.narrows_nothing_else() {
+            let newest = self.newest_seen(sight, before.unwrap_or(i64::MAX), limit + 1);
+            let rows: Vec<JobRow> = sqlx::query_as(select_jobs!(
+                "WHERE j.seq IN (SELECT value FROM json_each(?)) ORDER BY j.seq DESC"
+            ))
+            .bind(json(&newest.await?)?)
+            .fetch_all(self.reads())
+            .await?;
+            return page_of(rows, limit);
+        }
+        let rows: Vec<JobRow> = sqlx::query_as(select_jobs!(
             "WHERE (?1 IS NULL OR j.seq < ?1)
                AND (?2 IS NULL OR j.status = ?2)
                AND (?3 IS NULL OR j.outcome = ?3)
@@ -258,14 +280,7 @@ impl Store {
         .bind(filter.project)
         .fetch_all(self.reads())
         .await?;
-        let is_last = rows.len() <= limit as usize;
-        rows.truncate(limit as usize);
-        let next = rows
-            .last()
-            .filter(|_| !is_last)
-            .map(|row| row.seq.to_string());
-        let items = rows.into_iter().map(JobRow::view).collect::<Result<_>>()?;
-        Ok(Page { items, next })
+        page_of(rows, limit)
     }
 
     /// Jobs by id, in any order; those that are gone are left out.

@@ -56,8 +56,8 @@ pub use blobs::Loss;
 use error::Result;
 pub use error::StoreError;
 pub use events::StoredEvent;
-pub use scrub::{LostFile, ScrubReport};
 use people::{AccessState, Actor};
+pub use scrub::{LostFile, ScrubReport};
 pub use types::*;
 use writer::{Change, Work, Writer};
 

@@ -108,17 +108,20 @@ impl Store {
             queued,
             garbage,
         };
-        Ok(Self(Arc::new(Inner {
-            options,
-            writer: Writer::start(connection, announcements),
-            reads,
-            blobs,
-            last_event: last_event_receiver,
-            queued: queued_receiver,
-            access_reads,
-            access,
-            _lock: lock,
-        }), None))
+        Ok(Self(
+            Arc::new(Inner {
+                options,
+                writer: Writer::start(connection, announcements),
+                reads,
+                blobs,
+                last_event: last_event_receiver,
+                queued: queued_receiver,
+                access_reads,
+                access,
+                _lock: lock,
+            }),
+            None,
+        ))
     }
 }
 
