@@ -80,7 +80,11 @@ fn tokens_are_made_demanded_and_revoked() {
         assert!(!holds, "{} holds the secret", path.display());
     }
     token(&["revoke", id]);
-    assert_eq!(ask(secret), 401, "with the next request, by whichever process");
+    assert_eq!(
+        ask(secret),
+        401,
+        "with the next request, by whichever process"
+    );
 }
 
 #[test]

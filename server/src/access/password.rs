@@ -48,7 +48,10 @@ mod tests {
     #[test]
     fn a_password_is_known_again_and_no_other_is() {
         let kept = hash("correct horse battery").expect("hashed");
-        assert!(kept.starts_with("$argon2id$v=19$m=19456,t=2,p=1$"), "{kept}");
+        assert!(
+            kept.starts_with("$argon2id$v=19$m=19456,t=2,p=1$"),
+            "{kept}"
+        );
         assert!(is_right("correct horse battery", Some(&kept)));
         assert!(!is_right("correct horse batterz", Some(&kept)));
         assert_ne!(kept, hash("correct horse battery").expect("hashed"));

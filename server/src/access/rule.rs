@@ -83,7 +83,9 @@ fn refusal_of_the_caller(caller: &Caller, action: Action) -> Option<&'static str
         Action::Introduce => None,
         Action::Work if works && !caller.is_session() && !is_link => None,
         Action::Work => Some("only a token of scope `worker` works; administrators make them"),
-        _ if !caller.reads() => Some("this token can only work: claim jobs and write under its leases"),
+        _ if !caller.reads() => {
+            Some("this token can only work: claim jobs and write under its leases")
+        }
         Action::Read => None,
         Action::ReadFiles => match &caller.identity {
             Identity::Link(link) if !link.shows_files => {
@@ -101,8 +103,8 @@ fn refusal_of_the_caller(caller: &Caller, action: Action) -> Option<&'static str
         Action::ReadWorkers if is_guest => Some("guests read what is shared with them"),
         Action::Submit | Action::Change | Action::ReadWorkers => None,
         Action::ReadMetrics => {
-            let reads = matches!(caller.identity, Identity::Sole)
-                || caller.has_role(Role::Administrator);
+            let reads =
+                matches!(caller.identity, Identity::Sole) || caller.has_role(Role::Administrator);
             (!reads).then_some("the counts of the whole server are for administrators")
         }
         Action::ReadPeople if is_guest => Some("guests read what is shared with them"),

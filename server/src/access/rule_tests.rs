@@ -108,13 +108,19 @@ fn what_a_person_shares_is_read_by_its_groups_or_by_every_member() {
     ] {
         let bert = person(BERT, role, groups);
         let reads = |job| of_job(&bert, Action::Read, job) == Verdict::Yes;
-        assert_eq!((reads(&shared), reads(&public)), (reads_shared, reads_public));
+        assert_eq!(
+            (reads(&shared), reads(&public)),
+            (reads_shared, reads_public)
+        );
         for job in [&shared, &public] {
             assert_ne!(of_job(&bert, Action::Change, job), Verdict::Yes, "{bert:?}");
         }
     }
     let bert = person(BERT, Role::Member, &[PAPER]);
-    assert!(matches!(of_job(&bert, Action::Change, &shared), Verdict::No(_)));
+    assert!(matches!(
+        of_job(&bert, Action::Change, &shared),
+        Verdict::No(_)
+    ));
 }
 
 #[test]
@@ -123,8 +129,14 @@ fn in_a_groups_project_members_work_together_and_guests_look_on() {
     let ask = |role, groups: &[Uuid], action| of_job(&person(BERT, role, groups), action, &job);
     assert_eq!(ask(Role::Member, &[PAPER], Action::Change), Verdict::Yes);
     assert_eq!(ask(Role::Guest, &[PAPER], Action::Read), Verdict::Yes);
-    assert!(matches!(ask(Role::Guest, &[PAPER], Action::Change), Verdict::No(_)));
-    assert_eq!(ask(Role::Member, &[GRAINS], Action::Change), Verdict::Hidden);
+    assert!(matches!(
+        ask(Role::Guest, &[PAPER], Action::Change),
+        Verdict::No(_)
+    ));
+    assert_eq!(
+        ask(Role::Member, &[GRAINS], Action::Change),
+        Verdict::Hidden
+    );
 }
 
 #[test]
@@ -143,21 +155,39 @@ fn a_token_reaches_as_far_as_its_scope() {
         ]
         .map(|verdict| verdict == Verdict::Yes)
     };
-    assert_eq!(allowed(Scope::Read), [true, false, false, false, false, false]);
-    assert_eq!(allowed(Scope::Submit), [true, true, true, false, false, false]);
-    assert_eq!(allowed(Scope::Worker), [false, false, false, true, false, false]);
-    assert_eq!(allowed(Scope::Everything), [true, true, true, true, false, false]);
+    assert_eq!(
+        allowed(Scope::Read),
+        [true, false, false, false, false, false]
+    );
+    assert_eq!(
+        allowed(Scope::Submit),
+        [true, true, true, false, false, false]
+    );
+    assert_eq!(
+        allowed(Scope::Worker),
+        [false, false, false, true, false, false]
+    );
+    assert_eq!(
+        allowed(Scope::Everything),
+        [true, true, true, true, false, false]
+    );
 }
 
 #[test]
 fn a_worker_only_works_and_a_browser_never_does() {
     let own = job(annas(Visibility::Everyone));
     for action in [Action::Read, Action::ReadFiles, Action::Change] {
-        assert!(matches!(of_job(&Caller::worker(), action, &own), Verdict::No(_)));
+        assert!(matches!(
+            of_job(&Caller::worker(), action, &own),
+            Verdict::No(_)
+        ));
     }
     let asks = |caller: &Caller, action| may(caller, action, Object::Lab);
     assert_eq!(asks(&Caller::worker(), Action::Work), Verdict::Yes);
-    assert!(matches!(asks(&Caller::worker(), Action::Submit), Verdict::No(_)));
+    assert!(matches!(
+        asks(&Caller::worker(), Action::Submit),
+        Verdict::No(_)
+    ));
     let anna = person(ANNA, Role::Administrator, &[]);
     assert!(matches!(asks(&anna, Action::Work), Verdict::No(_)));
 }
@@ -171,7 +201,10 @@ fn a_link_shows_its_object_and_nothing_else() {
     };
     let one = link(Some(JOB), None, false);
     assert_eq!(of_job(&one, Action::Read, &job), Verdict::Yes);
-    assert!(matches!(of_job(&one, Action::ReadFiles, &job), Verdict::No(_)));
+    assert!(matches!(
+        of_job(&one, Action::ReadFiles, &job),
+        Verdict::No(_)
+    ));
     assert_eq!(of_job(&one, Action::Read, &other), Verdict::Hidden);
     let all = link(None, Some(PROJECT), true);
     assert_eq!(of_job(&all, Action::ReadFiles, &other), Verdict::Yes);

@@ -43,8 +43,8 @@ impl Sight {
 
     /// What `caller` sees where these are all projects.
     pub fn of(caller: &Caller, projects: &[ProjectFacts]) -> Self {
-        let everything = matches!(caller.identity, Identity::Sole)
-            || caller.has_role(Role::Administrator);
+        let everything =
+            matches!(caller.identity, Identity::Sole) || caller.has_role(Role::Administrator);
         let seen = projects.iter().filter(|project| project.is_seen_by(caller));
         Self {
             everything,
@@ -93,12 +93,10 @@ impl Sight {
 
     /// Whether it holds this job.
     pub fn shows(&self, job: Uuid, owner: Option<Uuid>, project: Option<Uuid>) -> bool {
-        let is_among = |projects: &[Uuid]| project.is_some_and(|project| projects.contains(&project));
+        let is_among =
+            |projects: &[Uuid]| project.is_some_and(|project| projects.contains(&project));
         let is_of = |person: Option<Uuid>| person.is_some() && person == owner;
-        (self.everything
-            || is_of(self.owner)
-            || self.job == Some(job)
-            || is_among(&self.projects))
+        (self.everything || is_of(self.owner) || self.job == Some(job) || is_among(&self.projects))
             && !is_among(&self.not_in)
             && !is_of(self.not_of)
     }

@@ -111,7 +111,9 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
                 print_line("nobody: this server is one person's");
             }
             for person in people {
-                let left = person.left_at.map_or(String::new(), |at| format!(", left {at}"));
+                let left = person
+                    .left_at
+                    .map_or(String::new(), |at| format!(", left {at}"));
                 let role = format!("{:?}", person.role).to_lowercase();
                 print_line(&format!("{}  {} ({role}{left})", person.id, person.name));
             }
@@ -126,7 +128,10 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
             let unknown = || Failure::new(Code::Usage, format!("nobody here is called {name:?}"));
             let (id, _) = known.ok_or_else(unknown)?;
             let password = password(password_file).await?;
-            store.set_password(id, &password, None).await.map_err(refuse)?;
+            store
+                .set_password(id, &password, None)
+                .await
+                .map_err(refuse)?;
             if !folder.json {
                 print_line("The password is set; all sessions have ended.");
             }
@@ -141,7 +146,8 @@ async fn password(file: Option<PathBuf>) -> Result<String, Failure> {
         return secret_in(&path);
     }
     if !std::io::stdin().is_terminal() {
-        let message = "there is no terminal to ask for the password; give a file with --password-file";
+        let message =
+            "there is no terminal to ask for the password; give a file with --password-file";
         return Err(Failure::new(Code::Usage, message.to_owned()));
     }
     let ask = || {

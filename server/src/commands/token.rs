@@ -113,7 +113,9 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
                     (None, None) => "in force".to_owned(),
                 };
                 let scope = format!("{:?}", token.scope).to_lowercase();
-                let owner = token.person.map_or(String::new(), |of| format!(" of {}", of.name));
+                let owner = token
+                    .person
+                    .map_or(String::new(), |of| format!(" of {}", of.name));
                 print_line(&format!(
                     "{}  {} ({scope}{owner})  made {}, {state}",
                     token.id, token.name, token.created_at

@@ -55,7 +55,8 @@ pub(crate) struct Access {
 
 impl Access {
     pub(super) fn new(config: &ServeConfig, address: SocketAddr) -> Self {
-        let hash = |secret: &Option<String>| secret.as_ref().map(|text| sha256_hex(text.as_bytes()));
+        let hash =
+            |secret: &Option<String>| secret.as_ref().map(|text| sha256_hex(text.as_bytes()));
         Self {
             is_open: !config.require_token && address.ip().is_loopback(),
             names: Names::new(&config.allowed_hosts),
@@ -146,7 +147,10 @@ pub(super) async fn identify(
 /// Whether two hashes are the same, in a time that does not tell where they differ.
 fn is_same(kept: Option<&str>, given: &str) -> bool {
     kept.is_some_and(|kept| {
-        let differences = kept.bytes().zip(given.bytes()).fold(0, |sum, (a, b)| sum | (a ^ b));
+        let differences = kept
+            .bytes()
+            .zip(given.bytes())
+            .fold(0, |sum, (a, b)| sum | (a ^ b));
         kept.len() == given.len() && differences == 0
     })
 }
@@ -184,7 +188,11 @@ impl Access {
             return;
         };
         if self.is_new_visit(id, trace.address, Instant::now()) {
-            let counted = state.store.acting(trace.actor(Some(caller))).count_visit(id).await;
+            let counted = state
+                .store
+                .acting(trace.actor(Some(caller)))
+                .count_visit(id)
+                .await;
             if let Err(error) = counted {
                 tracing::error!(%error, "a visit was not counted");
             }
@@ -209,7 +217,12 @@ mod tests {
     #[test]
     fn hashes_are_the_same_or_not() {
         assert!(is_same(Some("abc"), "abc"));
-        for (kept, given) in [(Some("abc"), "abd"), (Some("abc"), "ab"), (Some(""), "a"), (None, "")] {
+        for (kept, given) in [
+            (Some("abc"), "abd"),
+            (Some("abc"), "ab"),
+            (Some(""), "a"),
+            (None, ""),
+        ] {
             assert!(!is_same(kept, given), "{kept:?} {given}");
         }
     }

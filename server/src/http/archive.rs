@@ -37,10 +37,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
     responses((status = 200, description = "The zip, written while it is sent", body = String, content_type = "application/zip",
                headers(("Content-Disposition" = String))),
               (status = 404, description = "There is no such job, or it has no files yet")))]
-async fn download(
-    State(state): State<AppState>,
-    permit: JobPermit<ReadFiles>,
-) -> Result<Response> {
+async fn download(State(state): State<AppState>, permit: JobPermit<ReadFiles>) -> Result<Response> {
     let id = permit.id;
     let job = state.store.job(id).await?;
     let entries = state.store.files(id).await?;

@@ -79,10 +79,7 @@ async fn by_accept(
     params(("id" = Uuid, Path, description = "Id of the job"), CurveQuery),
     responses((status = 200, description = "Points of the curve", body = ref("#/components/schemas/CurveView")),
               (status = 404, description = "There is no such job")))]
-async fn as_json(
-    job: JobPermit<Read>,
-    Query(query): Query<CurveQuery>,
-) -> Result<Response> {
+async fn as_json(job: JobPermit<Read>, Query(query): Query<CurveQuery>) -> Result<Response> {
     let (store, id) = (job.store, job.id);
     let since = query.since.0;
     let curve = match query.max_points {
@@ -99,10 +96,7 @@ async fn as_json(
     params(("id" = Uuid, Path, description = "Id of the job"), CurveQuery),
     responses((status = 200, description = "Points of the curve", body = String, content_type = "text/csv"),
               (status = 404, description = "There is no such job")))]
-async fn as_csv(
-    job: JobPermit<Read>,
-    Query(query): Query<CurveQuery>,
-) -> Result<Response> {
+async fn as_csv(job: JobPermit<Read>, Query(query): Query<CurveQuery>) -> Result<Response> {
     let (store, id) = (job.store, job.id);
     let since = query.since.0;
     let body = match query.max_points {

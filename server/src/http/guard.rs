@@ -70,7 +70,10 @@ pub(super) async fn guard(
 /// What to say to somebody who is nobody.
 async fn refuse(state: &AppState, given: &Given, trace: &Trace) -> ApiError {
     let (kind, how) = match state.store.has_people() {
-        true => (SIGN_IN_NEEDED, "sign in on the page, or send `Authorization: Bearer TOKEN`"),
+        true => (
+            SIGN_IN_NEEDED,
+            "sign in on the page, or send `Authorization: Bearer TOKEN`",
+        ),
         false => (
             TOKEN_NEEDED,
             "send `Authorization: Bearer TOKEN`; `loadframe token create` on the server makes one",

@@ -35,7 +35,9 @@ impl Names {
     }
 
     fn is_allowed(&self, host: &str) -> bool {
-        self.allowed.iter().any(|known| known.eq_ignore_ascii_case(host))
+        self.allowed
+            .iter()
+            .any(|known| known.eq_ignore_ascii_case(host))
     }
 
     /// Refuses what was meant for another name than those of this machine.
@@ -51,12 +53,19 @@ impl Names {
             let authority = host.parse::<Authority>().ok();
             !authority.is_some_and(|authority| is_known(authority.host()))
         });
-        match foreign.map(|host| host.as_str()).or(given.is_empty().then_some("")) {
+        match foreign
+            .map(|host| host.as_str())
+            .or(given.is_empty().then_some(""))
+        {
             None => Ok(()),
             Some(host) => {
                 let detail = format!(
                     "Host is {host:?}; an open server answers {} only; `--allow-host` adds a name, `--require-token` opens it by token",
-                    OWN.map(str::to_owned).into_iter().chain(self.allowed.clone()).collect::<Vec<_>>().join(", ")
+                    OWN.map(str::to_owned)
+                        .into_iter()
+                        .chain(self.allowed.clone())
+                        .collect::<Vec<_>>()
+                        .join(", ")
                 );
                 Err(ApiError::new(FOREIGN_HOST, detail))
             }
@@ -65,7 +74,12 @@ impl Names {
 
     /// Refuses what a page of another origin sent: one under another name or port, or a site that the
     /// browser says is not this one.
-    pub(super) fn check_origin(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Result<()> {
+    pub(super) fn check_origin(
+        &self,
+        method: &Method,
+        uri: &Uri,
+        headers: &HeaderMap,
+    ) -> Result<()> {
         let refuse = |what: &str, value: &str| {
             let detail = format!(
                 "{what} is {value:?}: a page of another origin sent this, and only this server's own may"
@@ -88,12 +102,18 @@ impl Names {
     }
 
     /// Refuses what does not say by which page it was sent: a cookie comes along by itself.
-    pub(super) fn demand_origin(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Result<()> {
+    pub(super) fn demand_origin(
+        &self,
+        method: &Method,
+        uri: &Uri,
+        headers: &HeaderMap,
+    ) -> Result<()> {
         let site = headers.get("sec-fetch-site").map(text);
         if headers.contains_key(header::ORIGIN) || site.as_deref() == Some("same-origin") {
             return self.check_origin(method, uri, headers);
         }
-        let detail = "a request with a cookie has to say that this server's own page sent it (`Origin`)";
+        let detail =
+            "a request with a cookie has to say that this server's own page sent it (`Origin`)";
         Err(ApiError::new(FOREIGN_ORIGIN, detail))
     }
 
@@ -171,13 +191,27 @@ mod tests {
             let headers = headers(&[("host", host)]);
             names.check_host(&Uri::from_static(URI), &headers).is_ok()
         };
-        for good in ["localhost", "LOCALHOST:8400", "[::1]:8400", "lab.example:80"] {
+        for good in [
+            "localhost",
+            "LOCALHOST:8400",
+            "[::1]:8400",
+            "lab.example:80",
+        ] {
             assert!(check(good), "{good}");
         }
-        for bad in ["evil.example:8400", "localhost.evil.example", "localhost@evil.example", ""] {
+        for bad in [
+            "evil.example:8400",
+            "localhost.evil.example",
+            "localhost@evil.example",
+            "",
+        ] {
             assert!(!check(bad), "{bad}");
         }
-        assert!(names.check_host(&Uri::from_static(URI), &HeaderMap::new()).is_err());
+        assert!(
+            names
+                .check_host(&Uri::from_static(URI), &HeaderMap::new())
+                .is_err()
+        );
     }
 
     #[test]
@@ -185,9 +219,12 @@ mod tests {
         let names = Names::new(&["lab.example".to_owned()]);
         let check = |method: Method, given: &[(&'static str, &str)]| {
             let given = headers(given);
-            names.check_origin(&method, &Uri::from_static(URI), &given).is_ok()
+            names
+                .check_origin(&method, &Uri::from_static(URI), &given)
+                .is_ok()
         };
-        let from = |host: &str, origin: &str| check(Method::POST, &[("host", host), ("origin", origin)]);
+        let from =
+            |host: &str, origin: &str| check(Method::POST, &[("host", host), ("origin", origin)]);
         assert!(from("localhost:8400", "http://localhost:8400"));
         assert!(from("LOCALHOST:8400", "http://localhost:8400"));
         assert!(from("[::1]:8400", "http://[::1]:8400"));
@@ -215,7 +252,9 @@ mod tests {
         let names = Names::default();
         let check = |given: &[(&'static str, &str)]| {
             let given = headers(given);
-            names.demand_origin(&Method::POST, &Uri::from_static(URI), &given).is_ok()
+            names
+                .demand_origin(&Method::POST, &Uri::from_static(URI), &given)
+                .is_ok()
         };
         assert!(!check(&[("host", "lab")]));
         assert!(!check(&[("host", "lab"), ("sec-fetch-site", "none")]));

@@ -13,7 +13,9 @@ use uuid::Uuid;
 
 use super::problem::{ApiError, BAD_REQUEST, FORBIDDEN, Result};
 use super::state::AppState;
-use crate::access::{Action, Caller, Identity, JobFacts, Object, Person, ProjectFacts, Sight, Verdict, may};
+use crate::access::{
+    Action, Caller, Identity, JobFacts, Object, Person, ProjectFacts, Sight, Verdict, may,
+};
 use crate::store::people::Actor;
 use crate::store::{Store, StoreError};
 
@@ -71,7 +73,9 @@ impl Call {
     /// The person who asks.
     pub(super) fn person(&self) -> Result<&Person> {
         let detail = "this is done by a person who is signed in";
-        self.caller.person().ok_or_else(|| ApiError::new(FORBIDDEN, detail))
+        self.caller
+            .person()
+            .ok_or_else(|| ApiError::new(FORBIDDEN, detail))
     }
 
     /// What the caller sees.
@@ -130,8 +134,17 @@ macro_rules! asked {
 }
 
 asked!(
-    Introduce, Read, ReadFiles, ReadWorkers, ReadMetrics, Submit, Change, ManageOwn, ReadPeople,
-    Administer, Work,
+    Introduce,
+    Read,
+    ReadFiles,
+    ReadWorkers,
+    ReadMetrics,
+    Submit,
+    Change,
+    ManageOwn,
+    ReadPeople,
+    Administer,
+    Work,
 );
 
 /// That the caller may do this.

@@ -23,7 +23,10 @@ async fn list(permit: Permit<ReadWorkers>) -> Result<Json<Page<WorkerView>>> {
     // that a machine is busy is no secret, with whose job is
     for worker in &mut items {
         if let Some(id) = worker.job_id
-            && let Err(refusal) = permit.call.ask_of_job(&permit.store, Action::Read, id).await
+            && let Err(refusal) = permit
+                .call
+                .ask_of_job(&permit.store, Action::Read, id)
+                .await
         {
             match refusal.status() {
                 404 => worker.job_id = None,

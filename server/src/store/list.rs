@@ -9,7 +9,7 @@ use sqlx::sqlite::SqliteConnection;
 use sqlx::{QueryBuilder, Sqlite};
 use uuid::Uuid;
 
-use super::encoding::wire_name;
+use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
 use super::jobs::{JobRow, SELECT_JOBS, hex_names, readable};
 use super::{JobFilter, Store};
@@ -88,25 +88,54 @@ impl Store {
                 StoreError::Invalid("the cursor is not one that a page gave as `next`".to_owned())
             })?),
         };
+        let rows = match &filter.sight {
+            // a page of what one sees is merged from that of each part
+            Some(sight)
+                if !sight.everything && sight.job.is_none() && filter.narrows_nothing_else() =>
+            {
+                let newest = self.newest_seen(sight, before.unwrap_or(i64::MAX), limit + 1);
+                let mut query = Query::new(SELECT_JOBS);
+                query.push("jobs j WHERE j.seq IN (SELECT value FROM json_each(");
+                query.push_bind(json(&newest.await?)?);
+                query.push(")) ORDER BY j.seq DESC");
+                query.build_query_as().fetch_all(self.reads()).await?
+            }
+            _ => self.filtered(filter, before, limit + 1).await?,
+        };
+        Ok(page_of(rows, limit))
+    }
+
+    async fn filtered(
+        &self,
+        filter: &JobFilter,
+        before: Option<i64>,
+        limit: u32,
+    ) -> Result<Vec<JobRow>> {
         let mut words = Words::of(filter)?;
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
-        let mut query = words.statement(walk, before, limit + 1);
-        let mut rows: Vec<JobRow> = query.build_query_as().fetch_all(&mut *connection).await?;
-        drop(connection);
-        let is_last = rows.len() <= limit as usize;
-        rows.truncate(limit as usize);
-        let next = rows
-            .last()
-            .filter(|_| !is_last)
-            .map(|row| row.seq.to_string());
-        let (items, unreadable) = readable(rows);
-        Ok(Page {
-            items,
-            next,
-            unreadable,
-        })
+        let mut query = words.statement(walk, before, limit);
+        Ok(query
+            .build_query_as()
+            .fetch_all(&mut *connection)
+            .await?)
+    }
+}
+
+/// A page of the first `limit` rows; one more of them says that another page follows.
+fn page_of(mut rows: Vec<JobRow>, limit: u32) -> Page<JobView> {
+    let is_last = rows.len() <= limit as usize;
+    rows.truncate(limit as usize);
+    let next = rows
+        .last()
+        .filter(|_| !is_last)
+        .map(|row| row.seq.to_string());
+    let (items, unreadable) = readable(rows);
+    Page {
+        items,
+        next,
+        unreadable,
     }
 }
 

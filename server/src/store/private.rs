@@ -15,7 +15,12 @@ pub(super) fn private_folder(folder: &Path) -> Result<()> {
 
 /// Closes the files of the database, if they are there; those made later take after it.
 pub(super) fn private_database(folder: &Path) {
-    for name in ["loadframe.db", "loadframe.db-wal", "loadframe.db-shm", "lock"] {
+    for name in [
+        "loadframe.db",
+        "loadframe.db-wal",
+        "loadframe.db-shm",
+        "lock",
+    ] {
         let path = folder.join(name);
         if path.exists() {
             close(&path, 0o600);

@@ -100,6 +100,31 @@ pub struct JobFilter {
     pub project: Option<Uuid>,
 }
 
+impl JobFilter {
+    /// Whether only the caller's sight narrows.
+    pub(super) fn narrows_nothing_else(&self) -> bool {
+        let Self {
+            status,
+            outcome,
+            kind,
+            tag,
+            q,
+            created_after,
+            created_before,
+            sight: _,
+            project,
+        } = self;
+        status.is_none()
+            && outcome.is_none()
+            && kind.is_none()
+            && tag.is_none()
+            && q.is_none()
+            && created_after.is_none()
+            && created_before.is_none()
+            && project.is_none()
+    }
+}
+
 /// What may be changed of a job at any time; what is `None` stays.
 #[derive(Clone, Debug, Default)]
 pub struct JobEdit {

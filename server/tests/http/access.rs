@@ -24,9 +24,12 @@ async fn an_open_server_answers_its_own_machine_only() {
         .await
         .problem(403, "foreign-origin");
     // a page on another port of this machine is from elsewhere, too
-    ask(&[("host", "localhost:8400"), ("origin", "http://localhost:5173")])
-        .await
-        .problem(403, "foreign-origin");
+    ask(&[
+        ("host", "localhost:8400"),
+        ("origin", "http://localhost:5173"),
+    ])
+    .await
+    .problem(403, "foreign-origin");
     // the page as well: it must not be shown under a foreign name
     let page = lab
         .get_with("/", &[("host", "evil.example"), ("accept", "text/html")])
@@ -82,7 +85,10 @@ async fn elsewhere_a_token_is_demanded() {
         ("origin", "https://lab.example"),
     ];
     assert_eq!(lab.get_with("/v1/jobs", &origin).await.status, 200);
-    lab.store.revoke_token(token.id, None).await.expect("revoked");
+    lab.store
+        .revoke_token(token.id, None)
+        .await
+        .expect("revoked");
     ask().await.problem(401, "token-needed");
 }
 
@@ -137,7 +143,10 @@ async fn a_page_on_another_port_cancels_no_job() {
         let answer = lab.send(request("POST", &path, &[header], "")).await;
         answer.problem(403, "foreign-origin");
     }
-    let own = [("origin", "http://localhost"), ("sec-fetch-site", "same-origin")];
+    let own = [
+        ("origin", "http://localhost"),
+        ("sec-fetch-site", "same-origin"),
+    ];
     assert_eq!(lab.send(request("POST", &path, &own, "")).await.status, 200);
 }
 
@@ -154,8 +163,12 @@ async fn the_secret_of_the_start_is_good_as_long_as_the_server_was_started_with_
         lab.get_with(path, &[("authorization", &bearer)]).await
     };
     assert_eq!(ask("of the environment", "/v1/jobs").await.status, 200);
-    ask("of before", "/v1/jobs").await.problem(401, "token-needed");
-    ask("of the workers", "/v1/jobs").await.problem(403, "not-allowed");
+    ask("of before", "/v1/jobs")
+        .await
+        .problem(401, "token-needed");
+    ask("of the workers", "/v1/jobs")
+        .await
+        .problem(403, "not-allowed");
     // it is written down nowhere: changed at the next start, it is out of force
     assert!(lab.store.tokens(None).await.expect("tokens").is_empty());
 }
@@ -190,10 +203,18 @@ async fn a_stream_ends_with_its_token() {
     let token = lab.token(Scope::Read).await;
     let bearer = format!("Bearer {}", token.secret);
     let stream = lab
-        .begin(request("GET", "/v1/events", &[("authorization", &bearer)], ""))
+        .begin(request(
+            "GET",
+            "/v1/events",
+            &[("authorization", &bearer)],
+            "",
+        ))
         .await;
     assert_eq!(stream.status(), 200);
-    lab.store.revoke_token(token.id, None).await.expect("revoked");
+    lab.store
+        .revoke_token(token.id, None)
+        .await
+        .expect("revoked");
     // ended by the server: the body comes to its end
     let body = axum::body::to_bytes(stream.into_body(), 1 << 20);
     let ended = tokio::time::timeout(std::time::Duration::from_secs(10), body).await;

@@ -33,7 +33,10 @@ async fn events_follow_a_job_and_are_replayed_from_any_number() {
         rows: vec![vec![1.0], vec![2.0]],
     });
     lab.report(key(&lease), &report).await.unwrap();
-    let running = lab.events_after(submitted[0].number, None, 100).await.unwrap();
+    let running = lab
+        .events_after(submitted[0].number, None, 100)
+        .await
+        .unwrap();
     assert_eq!(names(&running), ["job", "points", "progress"]);
     let Event::Points(points) = &running[1].event else {
         panic!()
@@ -42,7 +45,10 @@ async fn events_follow_a_job_and_are_replayed_from_any_number() {
     assert!(running.is_sorted_by_key(|stored| stored.number));
 
     lab.finish(&lease).await;
-    let ended = lab.events_after(running[2].number, None, 100).await.unwrap();
+    let ended = lab
+        .events_after(running[2].number, None, 100)
+        .await
+        .unwrap();
     let Some(Event::Job(job)) = ended.first().map(|stored| &stored.event) else {
         panic!("{ended:?}")
     };

@@ -30,7 +30,10 @@ async fn a_token_is_good_until_it_is_revoked_and_its_secret_is_nowhere() {
     assert!(made.secret.starts_with("lf_") && made.secret.len() == 46);
     assert!(lab.has_tokens().await.unwrap());
     let known = caller(&lab, &made.secret).await.unwrap();
-    assert_eq!((known.identity, known.scope), (Identity::Sole, Scope::Submit));
+    assert_eq!(
+        (known.identity, known.scope),
+        (Identity::Sole, Scope::Submit)
+    );
     assert!(caller(&lab, "lf_guess").await.is_none());
     let folder = std::fs::read_dir(lab.folder.path()).unwrap();
     for file in folder

@@ -77,7 +77,7 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
                         worker_token,
                     };
                     open(&arguments, address, secrets, &has_ended).await
-                },
+                }
                 Err(_) => Ok(()),
             };
             stop_server.cancel();

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use loadframe_api::people::Named;
 use loadframe_api::{Event, Timestamp};
-use tokio::sync::{broadcast, watch};
 use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::{broadcast, watch};
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
@@ -146,7 +146,10 @@ impl Follower {
         for event in events {
             let number = event.number;
             self.seen = number;
-            if !self.sight.shows(event.event.job_id(), event.owner, event.project) {
+            if !self
+                .sight
+                .shows(event.event.job_id(), event.owner, event.project)
+            {
                 continue;
             }
             match Announced::new(&event) {

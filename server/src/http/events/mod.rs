@@ -111,7 +111,13 @@ async fn of_jobs(
     headers: HeaderMap,
 ) -> Result<impl IntoResponse> {
     let last = last_event(&headers, query.last_event_id)?;
-    follow(&state, &permit.call, query.jobs.map(|Listed(jobs)| jobs), last).await
+    follow(
+        &state,
+        &permit.call,
+        query.jobs.map(|Listed(jobs)| jobs),
+        last,
+    )
+    .await
 }
 
 async fn follow(

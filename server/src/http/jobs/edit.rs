@@ -45,7 +45,9 @@ pub(super) async fn edit(
         project,
     } = state.checks.run(client, read).await??;
     if let Some(project) = project {
-        let wanted = job.call.ask_of_project(&state.store, Action::Submit, project);
+        let wanted = job
+            .call
+            .ask_of_project(&state.store, Action::Submit, project);
         wanted.await?;
     }
     let edit = JobEdit {

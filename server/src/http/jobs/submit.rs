@@ -146,7 +146,9 @@ fn answer(enqueued: Enqueued) -> Result<Response> {
 async fn project_of(state: &AppState, call: &Call, named: Option<Uuid>) -> Result<Option<Uuid>> {
     match (named, call.caller.person()) {
         (Some(id), _) => {
-            let project = call.ask_of_project(&state.store, Action::Submit, id).await?;
+            let project = call
+                .ask_of_project(&state.store, Action::Submit, id)
+                .await?;
             Ok(Some(project.id))
         }
         (None, Some(person)) => Ok(Some(state.store.project_of(person.id).await?)),

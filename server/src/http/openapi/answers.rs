@@ -16,7 +16,10 @@ const EVERYWHERE: &[(&str, &str)] = &[
 
 /// Answers of routes that demand a token where tokens are demanded.
 const BY_TOKEN: &[(&str, &str)] = &[
-    ("401", "A token or a session is needed, or this one is not in force"),
+    (
+        "401",
+        "A token or a session is needed, or this one is not in force",
+    ),
     (
         "429",
         "Too many wrong tokens, or bodies at once, came from this client",

@@ -1,8 +1,9 @@
 //! `#/components/schemas`: every type of the wire by name.
 use loadframe_api::people::{
-    Acceptance, AuditEntry, CallerView, GroupView, HandOver, InvitationMade, InvitationView, NewGroup,
-    NewInvitation, NewProject, NewShare, NewToken, PasswordChange, PersonChanges, PersonView,
-    ProjectChanges, ProjectView, SessionView, ShareMade, ShareView, SignIn, TokenMade, TokenView,
+    Acceptance, AuditEntry, CallerView, GroupView, HandOver, InvitationMade, InvitationView,
+    NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange, PersonChanges,
+    PersonView, ProjectChanges, ProjectView, SessionView, ShareMade, ShareView, SignIn, TokenMade,
+    TokenView,
 };
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,

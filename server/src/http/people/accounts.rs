@@ -93,6 +93,9 @@ async fn change_password(
     let person = permit.call.person()?;
     check_password(&state, &permit.call.trace, &person.name, given.current).await?;
     let session = permit.call.caller.credential.id();
-    permit.store.set_password(person.id, &given.new, session).await?;
+    permit
+        .store
+        .set_password(person.id, &given.new, session)
+        .await?;
     Ok(StatusCode::NO_CONTENT)
 }

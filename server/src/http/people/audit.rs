@@ -91,10 +91,7 @@ async fn read(
 #[utoipa::path(get, operation_id = "export_audit", path = "/v1/audit.csv", tag = "People",
     params(ExportQuery),
     responses((status = 200, description = "All lines", body = String, content_type = "text/csv")))]
-async fn as_csv(
-    permit: Permit<Administer>,
-    Query(query): Query<ExportQuery>,
-) -> Result<Response> {
+async fn as_csv(permit: Permit<Administer>, Query(query): Query<ExportQuery>) -> Result<Response> {
     let filter = AuditFilter {
         person: query.person,
         object: query.object,
@@ -119,7 +116,10 @@ async fn as_csv(
     });
     let kind = HeaderValue::from_static("text/csv; charset=utf-8");
     let name = HeaderValue::from_static("attachment; filename=\"audit.csv\"");
-    let headers = [(header::CONTENT_TYPE, kind), (header::CONTENT_DISPOSITION, name)];
+    let headers = [
+        (header::CONTENT_TYPE, kind),
+        (header::CONTENT_DISPOSITION, name),
+    ];
     let head = stream::once(async move { Ok::<_, StoreError>(heading.to_owned()) });
     let body = futures_util::StreamExt::chain(head, blocks);
     Ok((headers, Body::from_stream(body)).into_response())

@@ -5,7 +5,9 @@ use axum::Json;
 use axum::extract::{Extension, Path, State};
 use axum::http::{HeaderMap, Method, StatusCode, Uri};
 use loadframe_api::Page;
-use loadframe_api::people::{Acceptance, InvitationMade, InvitationView, NewInvitation, PersonView};
+use loadframe_api::people::{
+    Acceptance, InvitationMade, InvitationView, NewInvitation, PersonView,
+};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use uuid::Uuid;

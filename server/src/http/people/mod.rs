@@ -64,7 +64,12 @@ async fn me(State(state): State<AppState>, permit: Permit<Introduce>) -> Result<
             view.person = people.into_iter().find(|of| of.id == person.id);
             let groups = state.store.groups().await?.into_iter();
             let own = groups.filter(|group| person.groups.contains(&group.id));
-            view.groups = own.map(|of| Named { id: of.id, name: of.name }).collect();
+            view.groups = own
+                .map(|of| Named {
+                    id: of.id,
+                    name: of.name,
+                })
+                .collect();
         }
         Identity::Link(link) => {
             view.kind = CallerKind::Share;
@@ -72,7 +77,10 @@ async fn me(State(state): State<AppState>, permit: Permit<Introduce>) -> Result<
             view.files = Some(link.shows_files);
             let projects = state.store.projects().await?.into_iter();
             let mut shown = projects.filter(|project| Some(project.id) == link.project);
-            view.project = shown.next().map(|of| Named { id: of.id, name: of.name });
+            view.project = shown.next().map(|of| Named {
+                id: of.id,
+                name: of.name,
+            });
         }
     }
     Ok(Json(view))

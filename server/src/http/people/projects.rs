@@ -79,7 +79,10 @@ async fn change(
     body: JsonBody,
 ) -> Result<Json<ProjectView>> {
     let changes: ProjectChanges = message(&state, body).await?;
-    permit.call.ask_of_project(&state.store, Action::Change, id).await?;
+    permit
+        .call
+        .ask_of_project(&state.store, Action::Change, id)
+        .await?;
     if let Some(group) = changes.group {
         check_membership(&permit, group)?;
     }

@@ -5,10 +5,10 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use axum::Json;
 use axum::extract::{Extension, Path, State};
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
-use axum::Json;
 use loadframe_api::Page;
 use loadframe_api::people::{SessionView, SignIn};
 use utoipa_axum::router::OpenApiRouter;
@@ -21,9 +21,7 @@ use super::super::body::{JsonBody, message};
 use super::super::guard::too_many;
 use super::super::origin::{Way, way};
 use super::super::permit::{ManageOwn, Permit, Trace};
-use super::super::problem::{
-    ApiError, CONFLICT, FORBIDDEN, IN_THE_CLEAR, Result, WRONG_PASSWORD,
-};
+use super::super::problem::{ApiError, CONFLICT, FORBIDDEN, IN_THE_CLEAR, Result, WRONG_PASSWORD};
 use crate::access::{Credential, password};
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
@@ -53,7 +51,8 @@ async fn sign_in(
     body: JsonBody,
 ) -> Result<Response> {
     if !state.store.has_people() {
-        let detail = "this server is one person's: `loadframe people create-admin` makes it a group's";
+        let detail =
+            "this server is one person's: `loadframe people create-admin` makes it a group's";
         return Err(ApiError::new(CONFLICT, detail));
     }
     state.access.names.demand_origin(&method, &uri, &headers)?;
@@ -94,7 +93,9 @@ async fn sign_out(permit: Permit<ManageOwn>, Path(id): Path<String>) -> Result<R
     };
     let id = match id.as_str() {
         "current" => current,
-        text => Uuid::try_parse(text).map_err(|_| ApiError::not_found(format!("session {text:?}")))?,
+        text => {
+            Uuid::try_parse(text).map_err(|_| ApiError::not_found(format!("session {text:?}")))?
+        }
     };
     let person = permit.call.person()?.id;
     permit.store.close_session(person, id).await?;
@@ -128,8 +129,14 @@ pub(super) async fn check_password(
     let account = name.trim().to_lowercase();
     let now = Instant::now();
     let slow = |wait| too_many("too many wrong passwords, wait a moment", wait);
-    access.wrong_passwords.check(&trace.address, now).map_err(slow)?;
-    access.wrong_for_account.check(&account, now).map_err(slow)?;
+    access
+        .wrong_passwords
+        .check(&trace.address, now)
+        .map_err(slow)?;
+    access
+        .wrong_for_account
+        .check(&account, now)
+        .map_err(slow)?;
     let known = state.store.password_of(&account).await?;
     let kept = known.as_ref().map(|(_, kept)| kept.clone());
     let turn = Arc::clone(&access.hashing).acquire_owned().await;
@@ -148,7 +155,10 @@ pub(super) async fn check_password(
             let by_address = access.wrong_passwords.count(trace.address, now);
             let by_account = access.wrong_for_account.count(account, now);
             by_address.and(by_account).map_err(slow)?;
-            Err(ApiError::new(WRONG_PASSWORD, "try again, or ask an administrator"))
+            Err(ApiError::new(
+                WRONG_PASSWORD,
+                "try again, or ask an administrator",
+            ))
         }
     }
 }

@@ -67,10 +67,16 @@ async fn create(
     let person = permit.call.person()?.id;
     match (new.job, new.project) {
         (Some(job), None) => {
-            permit.call.ask_of_job(&state.store, Action::Change, job).await?;
+            permit
+                .call
+                .ask_of_job(&state.store, Action::Change, job)
+                .await?;
         }
         (None, Some(project)) => {
-            permit.call.ask_of_project(&state.store, Action::Change, project).await?;
+            permit
+                .call
+                .ask_of_project(&state.store, Action::Change, project)
+                .await?;
         }
         _ => {
             let violation = Violation::new("", "one_object", "a link shows one job or one project")
@@ -91,6 +97,9 @@ async fn create(
 async fn revoke(permit: Permit<ManageOwn>, Path(id): Path<Uuid>) -> Result<StatusCode> {
     let person = permit.call.person()?;
     let is_administrator = person.role == Role::Administrator;
-    permit.store.revoke_share(person.id, is_administrator, id).await?;
+    permit
+        .store
+        .revoke_share(person.id, is_administrator, id)
+        .await?;
     Ok(StatusCode::NO_CONTENT)
 }

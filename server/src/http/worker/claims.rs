@@ -57,8 +57,16 @@ pub(super) async fn claim(
             }
         }
         // a token that was revoked while it waited gets no job
-        if state.store.caller_again(&permit.call.caller).await?.is_none() {
-            return Err(ApiError::new(TOKEN_NEEDED, "this token is not in force any more"));
+        if state
+            .store
+            .caller_again(&permit.call.caller)
+            .await?
+            .is_none()
+        {
+            return Err(ApiError::new(
+                TOKEN_NEEDED,
+                "this token is not in force any more",
+            ));
         }
     }
 }

@@ -151,7 +151,9 @@ impl Store {
                     .execute(&mut change.connection)
                     .await?;
                 let detail = format!("{} to {}: {jobs} jobs", giver.name, taker.name);
-                change.audit("person.handed_over", Some(from), &detail).await
+                change
+                    .audit("person.handed_over", Some(from), &detail)
+                    .await
             })
         })
         .await
@@ -176,7 +178,9 @@ impl Store {
                     .bind(kept)
                     .execute(&mut change.connection)
                     .await?;
-                change.audit("password.changed", Some(id), &person.name).await
+                change
+                    .audit("password.changed", Some(id), &person.name)
+                    .await
             })
         })
         .await
@@ -215,7 +219,13 @@ impl Change {
         .await?;
         if added.rows_affected() == 0 {
             let detail = "somebody here has this name already";
-            return Err(refused("/name", "taken", detail, name, "a name that nobody here has"));
+            return Err(refused(
+                "/name",
+                "taken",
+                detail,
+                name,
+                "a name that nobody here has",
+            ));
         }
         let project = format!("Jobs of {name}");
         self.add_project(&project, Some(id), None, Visibility::Private)
@@ -231,7 +241,13 @@ impl Change {
         }
         let detail = "guests and people who have left own no jobs";
         let allowed = "a member or an administrator";
-        Err(refused(pointer, "not_an_owner", detail, person.name, allowed))
+        Err(refused(
+            pointer,
+            "not_an_owner",
+            detail,
+            person.name,
+            allowed,
+        ))
     }
 
     async fn check_administrators(&mut self) -> Result<()> {
@@ -267,8 +283,9 @@ impl Change {
 /// What is kept of a password, made off the threads that answer.
 pub(super) async fn hashed(pointer: &'static str, given: String) -> Result<String> {
     if given.chars().count() < password::SHORTEST {
-        let violation = loadframe_api::Violation::new(pointer, "too_short", "the password is too short")
-            .allowed(format!("at least {} characters", password::SHORTEST));
+        let violation =
+            loadframe_api::Violation::new(pointer, "too_short", "the password is too short")
+                .allowed(format!("at least {} characters", password::SHORTEST));
         return Err(StoreError::Refused(vec![violation]));
     }
     let made = tokio::task::spawn_blocking(move || password::hash(&given)).await;

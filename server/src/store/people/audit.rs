@@ -4,10 +4,10 @@ use loadframe_api::people::AuditEntry;
 use loadframe_api::{Page, Timestamp};
 use uuid::Uuid;
 
+use super::super::Store;
 use super::super::error::{Result, StoreError};
 use super::super::row::row;
 use super::super::writer::Change;
-use super::super::Store;
 
 /// Longest page.
 const LONGEST_PAGE: u32 = 1000;

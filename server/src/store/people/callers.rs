@@ -217,7 +217,11 @@ impl Store {
         .await?;
         let Some(row) = row else { return Ok(None) };
         if row.last_used_at.is_none_or(|used| used + TOKEN_USE < now) {
-            self.note_use("UPDATE tokens SET last_used_at = ?1 WHERE id = ?2", row.id, now);
+            self.note_use(
+                "UPDATE tokens SET last_used_at = ?1 WHERE id = ?2",
+                row.id,
+                now,
+            );
         }
         let (id, is_owned) = (row.id, row.person.is_some());
         let caller = row.caller(Credential::Token(id))?;
@@ -248,7 +252,11 @@ impl Store {
         .await?;
         let Some(row) = row else { return Ok(None) };
         if row.last_used_at.is_none_or(|used| used + SESSION_USE < now) {
-            self.note_use("UPDATE sessions SET last_used_at = ?1 WHERE id = ?2", row.id, now);
+            self.note_use(
+                "UPDATE sessions SET last_used_at = ?1 WHERE id = ?2",
+                row.id,
+                now,
+            );
         }
         let id = row.id;
         row.caller(Credential::Session(id)).map(Some)
@@ -266,16 +274,18 @@ impl Store {
         .bind(Timestamp::now().as_millis())
         .fetch_optional(self.lookups())
         .await?;
-        Ok(row.map(|(id, job, project, shows_files, expires_at)| Caller {
-            identity: Identity::Link(Link {
-                job,
-                project,
-                shows_files,
+        Ok(
+            row.map(|(id, job, project, shows_files, expires_at)| Caller {
+                identity: Identity::Link(Link {
+                    job,
+                    project,
+                    shows_files,
+                }),
+                scope: Scope::Read,
+                credential: Credential::Link(id),
+                expires_at: Some(Timestamp(expires_at)),
             }),
-            scope: Scope::Read,
-            credential: Credential::Link(id),
-            expires_at: Some(Timestamp(expires_at)),
-        }))
+        )
     }
 
     /// Writes down that a credential was used, without making its request wait for the disk.
@@ -332,6 +342,10 @@ impl Store {
         .fetch_all(self.lookups())
         .await?;
         let facts = rows.iter().map(FactsRow::project);
-        Ok(facts.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect())
+        Ok(facts
+            .collect::<Result<Vec<_>>>()?
+            .into_iter()
+            .flatten()
+            .collect())
     }
 }

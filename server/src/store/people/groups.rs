@@ -40,7 +40,11 @@ impl Store {
             })
         })
         .await?;
-        let group = self.groups().await?.into_iter().find(|group| group.id == id);
+        let group = self
+            .groups()
+            .await?
+            .into_iter()
+            .find(|group| group.id == id);
         group.ok_or(StoreError::Unavailable)
     }
 
@@ -81,7 +85,10 @@ impl Store {
         self.write(move |change| {
             Box::pin(async move {
                 let name = change.group_name(group).await?;
-                let person_name = PersonRow::of(&mut change.connection, person).await?.view()?.name;
+                let person_name = PersonRow::of(&mut change.connection, person)
+                    .await?
+                    .view()?
+                    .name;
                 let (action, joined) = match is_member {
                     true => {
                         change.add_member(group, person).await?;

@@ -1,5 +1,7 @@
 //! Invitations: links by which people open their account.
-use loadframe_api::people::{Acceptance, InvitationMade, InvitationView, NewInvitation, PersonView, Role};
+use loadframe_api::people::{
+    Acceptance, InvitationMade, InvitationView, NewInvitation, PersonView, Role,
+};
 use loadframe_api::{Timestamp, sha256_hex};
 use uuid::Uuid;
 
@@ -151,7 +153,9 @@ impl Store {
                     *actor = std::sync::Arc::new(known);
                 }
                 let detail = format!("{name}: {role}");
-                change.audit("invitation.accepted", Some(invitation), &detail).await?;
+                change
+                    .audit("invitation.accepted", Some(invitation), &detail)
+                    .await?;
                 PersonRow::of(&mut change.connection, id).await?.view()
             })
         })
@@ -167,12 +171,22 @@ impl Store {
         .bind(Timestamp::now().as_millis())
         .fetch_one(self.lookups())
         .await?;
-        if is_in_force { Ok(()) } else { Err(out_of_force()) }
+        if is_in_force {
+            Ok(())
+        } else {
+            Err(out_of_force())
+        }
     }
 }
 
 /// The same for an invitation that was never made: it tells nothing.
 fn out_of_force() -> StoreError {
     let detail = "this invitation is not in force: it was accepted, taken back or is too old; ask for a new one";
-    refused("/secret", "not_in_force", detail, "…", "the secret of an invitation in force")
+    refused(
+        "/secret",
+        "not_in_force",
+        detail,
+        "…",
+        "the secret of an invitation in force",
+    )
 }

@@ -8,6 +8,7 @@ mod audit;
 mod callers;
 mod groups;
 mod invitations;
+mod listing;
 mod projects;
 mod secret;
 mod sessions;
@@ -67,7 +68,10 @@ fn clean_name(pointer: &str, name: &str) -> Result<String> {
     let trimmed = name.trim();
     let count = trimmed.chars().count();
     // direction marks and the like would let one name look like another's
-    let is_seen = |c: char| !c.is_control() && !matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
+    let is_seen = |c: char| {
+        !c.is_control()
+            && !matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
+    };
     if (1..=LONGEST_NAME).contains(&count) && trimmed.chars().all(is_seen) {
         return Ok(trimmed.to_owned());
     }

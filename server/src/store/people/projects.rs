@@ -68,10 +68,11 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn projects(&self) -> Result<Vec<ProjectView>> {
-        let rows: Vec<ProjectRow> =
-            sqlx::query_as(select_projects!("ORDER BY p.archived_at IS NOT NULL, p.name, p.id"))
-                .fetch_all(self.reads())
-                .await?;
+        let rows: Vec<ProjectRow> = sqlx::query_as(select_projects!(
+            "ORDER BY p.archived_at IS NOT NULL, p.name, p.id"
+        ))
+        .fetch_all(self.reads())
+        .await?;
         rows.into_iter().map(ProjectRow::view).collect()
     }
 
@@ -88,7 +89,9 @@ impl Store {
                 }
                 let owner = new.group.is_none().then_some(person);
                 check_visibility(new.group, new.visibility)?;
-                let id = change.add_project(&name, owner, new.group, new.visibility).await?;
+                let id = change
+                    .add_project(&name, owner, new.group, new.visibility)
+                    .await?;
                 change.audit("project.made", Some(id), &name).await?;
                 ProjectRow::of(&mut change.connection, id).await?.view()
             })
@@ -105,7 +108,13 @@ impl Store {
         let name = name.map(|name| clean_name("/name", name)).transpose()?;
         if changes.person.is_some() && changes.group.is_some() {
             let detail = "a project belongs to a person or to a group";
-            return Err(refused("/group", "two_owners", detail, "both", "one of the two"));
+            return Err(refused(
+                "/group",
+                "two_owners",
+                detail,
+                "both",
+                "one of the two",
+            ));
         }
         self.write(move |change| {
             Box::pin(async move {
@@ -148,7 +157,11 @@ impl Store {
                     after.name,
                     owner.map_or("", |owner| &owner.name),
                     wire_name(&after.visibility)?,
-                    if after.archived_at.is_some() { ", archived" } else { "" }
+                    if after.archived_at.is_some() {
+                        ", archived"
+                    } else {
+                        ""
+                    }
                 );
                 change.audit("project.changed", Some(id), &detail).await?;
                 Ok(after)
@@ -204,7 +217,13 @@ fn check_visibility(group: Option<Uuid>, visibility: Visibility) -> Result<()> {
     if group.is_some() && visibility == Visibility::Private {
         let detail = "a group's project is seen by the group";
         let allowed = "one of: group, everyone";
-        return Err(refused("/visibility", "not_private", detail, "private", allowed));
+        return Err(refused(
+            "/visibility",
+            "not_private",
+            detail,
+            "private",
+            allowed,
+        ));
     }
     Ok(())
 }

@@ -83,7 +83,9 @@ impl Store {
                     let what = if new.job.is_some() { "job" } else { "project" };
                     let files = if new.files { "with" } else { "without" };
                     let detail = format!("link {id} to a {what}, {files} files");
-                    change.audit("share.made", new.job.or(new.project), &detail).await?;
+                    change
+                        .audit("share.made", new.job.or(new.project), &detail)
+                        .await?;
                     Ok(expires_at)
                 })
             })
@@ -100,7 +102,12 @@ impl Store {
     ///
     /// # Errors
     /// The database's.
-    pub async fn shares(&self, person: Uuid, sight: &Sight, job: Option<Uuid>) -> Result<Vec<ShareView>> {
+    pub async fn shares(
+        &self,
+        person: Uuid,
+        sight: &Sight,
+        job: Option<Uuid>,
+    ) -> Result<Vec<ShareView>> {
         let rows: Vec<ShareRow> = sqlx::query_as(
             "SELECT s.id, s.job, s.project, s.shows_files, s.person, p.name AS person_name,
                     s.created_at, s.expires_at, s.revoked_at, s.uses, s.last_used_at, j.owner,
@@ -112,7 +119,9 @@ impl Store {
         .fetch_all(self.reads())
         .await?;
         let is_theirs = |row: &ShareRow| {
-            let is_job = row.job.is_some_and(|id| sight.shows(id, row.owner, row.job_project));
+            let is_job = row
+                .job
+                .is_some_and(|id| sight.shows(id, row.owner, row.job_project));
             row.person == person || (sight.everything) || (row.owner == Some(person) && is_job)
         };
         let rows = rows.into_iter().filter(is_theirs);
@@ -141,7 +150,9 @@ impl Store {
                 let missing = || StoreError::NotFound(format!("share link {id}"));
                 let (job, project) = revoked.ok_or_else(missing)?;
                 let detail = format!("link {id}");
-                change.audit("share.revoked", job.or(project), &detail).await
+                change
+                    .audit("share.revoked", job.or(project), &detail)
+                    .await
             })
         })
         .await
@@ -162,7 +173,9 @@ impl Store {
                 .bind(id)
                 .fetch_optional(&mut change.connection)
                 .await?;
-                let Some((job, project)) = shown else { return Ok(()) };
+                let Some((job, project)) = shown else {
+                    return Ok(());
+                };
                 let detail = format!("link {id}");
                 change.audit("share.read", job.or(project), &detail).await
             })

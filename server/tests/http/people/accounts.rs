@@ -14,14 +14,25 @@ async fn nothing_of_one_person_is_lost_when_a_server_becomes_a_groups() {
     assert_eq!(lab.get("/v1/me").await.json()["kind"], "sole");
     let (first, second) = (lab.submit().await, lab.submit().await);
     let group = Group::of(lab).await;
-    assert_eq!(ids(&group.get(&group.ada, "/v1/jobs").await.json()), [second, first]);
+    assert_eq!(
+        ids(&group.get(&group.ada, "/v1/jobs").await.json()),
+        [second, first]
+    );
     let mine = group.get(&group.ada, "/v1/jobs?whose=mine").await.json();
     assert_eq!(ids(&mine), [second, first]);
     assert_eq!(mine["items"][0]["project"]["name"], "Jobs of Ada");
     // and from now on this machine's own browser is nobody until it signs in
-    group.lab.get("/v1/jobs").await.problem(401, "sign-in-needed");
+    group
+        .lab
+        .get("/v1/jobs")
+        .await
+        .problem(401, "sign-in-needed");
     assert_eq!(group.lab.get("/healthz").await.status, 200);
-    let again = group.lab.store.create_first_administrator("Eve", PASSWORD).await;
+    let again = group
+        .lab
+        .store
+        .create_first_administrator("Eve", PASSWORD)
+        .await;
     assert!(again.is_err());
 }
 
@@ -30,46 +41,73 @@ async fn who_is_invited_opens_an_account_once() {
     let group = Group::open().await;
     let invite = async |body: Value| {
         let body = body.to_string();
-        group.send(&group.ada, "POST", "/v1/invitations", &body).await
+        group
+            .send(&group.ada, "POST", "/v1/invitations", &body)
+            .await
     };
     let made = invite(json!({ "role": "member", "groups": [group.paper] })).await;
     assert_eq!(made.status, 201);
     let path = made.json()["path"].as_str().expect("a path").to_owned();
-    let (page, secret) = path.split_once('#').expect("the secret is no server's to see");
+    let (page, secret) = path
+        .split_once('#')
+        .expect("the secret is no server's to see");
     assert_eq!(page, "/invitation");
     let accept = async |name: &str, password: &str| {
         let body = json!({ "secret": secret, "name": name, "password": password });
         let headers = [("origin", ORIGIN), ("host", "localhost:8400"), JSON];
         let path = "/v1/invitations/accept";
-        group.lab.send(request("POST", path, &headers, &body.to_string())).await
+        group
+            .lab
+            .send(request("POST", path, &headers, &body.to_string()))
+            .await
     };
     let pointer = |problem: Value| problem["violations"][0]["pointer"].clone();
-    let short = accept("Dora", "short").await.problem(422, "invalid-request");
+    let short = accept("Dora", "short")
+        .await
+        .problem(422, "invalid-request");
     assert_eq!(pointer(short), "/password");
-    let taken = accept("anna", PASSWORD).await.problem(422, "invalid-request");
+    let taken = accept("anna", PASSWORD)
+        .await
+        .problem(422, "invalid-request");
     assert_eq!(pointer(taken), "/name");
-    let unseen = accept("An\u{200b}na", PASSWORD).await.problem(422, "invalid-request");
+    let unseen = accept("An\u{200b}na", PASSWORD)
+        .await
+        .problem(422, "invalid-request");
     assert_eq!(pointer(unseen), "/name");
     let dora = accept(" Dora ", PASSWORD).await;
-    assert_eq!((dora.status, dora.json()["name"].as_str()), (201, Some("Dora")));
-    let again = accept("Eve", PASSWORD).await.problem(422, "invalid-request");
+    assert_eq!(
+        (dora.status, dora.json()["name"].as_str()),
+        (201, Some("Dora"))
+    );
+    let again = accept("Eve", PASSWORD)
+        .await
+        .problem(422, "invalid-request");
     assert_eq!(pointer(again), "/secret");
 
     let signed_in = sign_in(&group.lab, ORIGIN, "DORA", PASSWORD).await;
     assert_eq!(signed_in.status, 204, "{signed_in:?}");
     let cookie = cookie_of(&signed_in.headers);
-    let me = group.lab.get_with("/v1/me", &[("cookie", &cookie)]).await.json();
+    let me = group
+        .lab
+        .get_with("/v1/me", &[("cookie", &cookie)])
+        .await
+        .json();
     assert_eq!(me["person"]["name"], "Dora");
     assert_eq!(me["groups"][0]["name"], "Paper");
 
     let wrong = invite(json!({ "role": "member", "groups": [Uuid::from_u128(1)] })).await;
     assert_eq!(pointer(wrong.problem(422, "invalid-request")), "/groups/0");
-    let old = invite(json!({ "role": "king", "days": 0 })).await.problem(422, "invalid-request");
+    let old = invite(json!({ "role": "king", "days": 0 }))
+        .await
+        .problem(422, "invalid-request");
     assert_eq!(old["violations"].as_array().map(Vec::len), Some(2));
     // one that was taken back
     let made = invite(json!({ "role": "guest" })).await.json();
     let path = format!("/v1/invitations/{}", id_of(&made));
-    assert_eq!(group.send(&group.ada, "DELETE", &path, "").await.status, 204);
+    assert_eq!(
+        group.send(&group.ada, "DELETE", &path, "").await.status,
+        204
+    );
     let listed = group.get(&group.ada, "/v1/invitations").await.json();
     assert!(listed["items"][0]["revoked_at"].is_string());
 }
@@ -89,15 +127,23 @@ async fn signing_in_gives_a_cookie_for_this_host_alone() {
     let send = async |headers: &[(&str, &str)]| {
         let mut all = vec![("cookie", &*cookie), JSON];
         all.extend(headers);
-        group.lab.send(request("POST", "/v1/jobs", &all, example())).await
+        group
+            .lab
+            .send(request("POST", "/v1/jobs", &all, example()))
+            .await
     };
     send(&[]).await.problem(403, "foreign-origin");
-    send(&[("origin", "http://localhost:9")]).await.problem(403, "foreign-origin");
+    send(&[("origin", "http://localhost:9")])
+        .await
+        .problem(403, "foreign-origin");
     assert_eq!(send(&[("origin", "http://localhost")]).await.status, 201);
     assert_eq!(send(&[("sec-fetch-site", "same-origin")]).await.status, 201);
 
     let headers = [("cookie", &*cookie), ("origin", "http://localhost")];
-    let out = group.lab.send(request("DELETE", "/v1/sessions/current", &headers, "")).await;
+    let out = group
+        .lab
+        .send(request("DELETE", "/v1/sessions/current", &headers, ""))
+        .await;
     assert_eq!(out.status, 204);
     let asked = group.lab.get_with("/v1/me", &[("cookie", &cookie)]).await;
     asked.problem(401, "sign-in-needed");
@@ -111,9 +157,19 @@ async fn over_a_network_passwords_travel_by_https_only() {
     clear.problem(403, "in-the-clear");
     let signed_in = sign_in(&group.lab, "https://lab.example", "Anna", PASSWORD).await;
     let cookie = signed_in.header("set-cookie").to_owned();
-    assert!(cookie.starts_with("__Host-loadframe=") && cookie.contains("; Secure;"), "{cookie}");
+    assert!(
+        cookie.starts_with("__Host-loadframe=") && cookie.contains("; Secure;"),
+        "{cookie}"
+    );
     let secure = cookie_of(&signed_in.headers);
-    assert_eq!(group.lab.get_with("/v1/me", &[("cookie", &secure)]).await.status, 200);
+    assert_eq!(
+        group
+            .lab
+            .get_with("/v1/me", &[("cookie", &secure)])
+            .await
+            .status,
+        200
+    );
     // a session that travels by TLS is not taken from a cookie that need not
     let moved = secure.replace("__Host-", "");
     let asked = group.lab.get_with("/v1/me", &[("cookie", &moved)]).await;
@@ -131,9 +187,14 @@ async fn over_a_network_passwords_travel_by_https_only() {
 #[tokio::test]
 async fn guessing_tells_nothing_and_is_slowed_down() {
     let group = Group::open().await;
-    let guess = async |name: &str, password: &str| sign_in(&group.lab, ORIGIN, name, password).await;
-    let wrong = guess("Anna", "not the password").await.problem(403, "wrong-password");
-    let unknown = guess("Nobody", "not the password").await.problem(403, "wrong-password");
+    let guess =
+        async |name: &str, password: &str| sign_in(&group.lab, ORIGIN, name, password).await;
+    let wrong = guess("Anna", "not the password")
+        .await
+        .problem(403, "wrong-password");
+    let unknown = guess("Nobody", "not the password")
+        .await
+        .problem(403, "wrong-password");
     assert_eq!(wrong, unknown);
     for _ in 0..9 {
         let answer = guess("Nobody", "not the password").await;
@@ -157,23 +218,42 @@ async fn who_leaves_leaves_everything_to_somebody() {
     let left = json!({ "left": true }).to_string();
     let leaves = group.send(ada, "PATCH", &person(anna.id, ""), &left).await;
     assert!(leaves.json()["left_at"].is_string());
-    group.get(anna, "/v1/jobs").await.problem(401, "sign-in-needed");
-    group.get(&token, "/v1/jobs").await.problem(401, "sign-in-needed");
+    group
+        .get(anna, "/v1/jobs")
+        .await
+        .problem(401, "sign-in-needed");
+    group
+        .get(&token, "/v1/jobs")
+        .await
+        .problem(401, "sign-in-needed");
     let refused = sign_in(&group.lab, ORIGIN, "Anna", PASSWORD).await;
     refused.problem(403, "wrong-password");
 
     let to_guest = json!({ "to": group.gina.id }).to_string();
-    let refused = group.send(ada, "POST", &person(anna.id, "/hand-over"), &to_guest).await;
-    assert_eq!(refused.problem(422, "invalid-request")["violations"][0]["pointer"], "/to");
+    let refused = group
+        .send(ada, "POST", &person(anna.id, "/hand-over"), &to_guest)
+        .await;
+    assert_eq!(
+        refused.problem(422, "invalid-request")["violations"][0]["pointer"],
+        "/to"
+    );
     let to_carl = json!({ "to": group.carl.id }).to_string();
-    let handed = group.send(ada, "POST", &person(anna.id, "/hand-over"), &to_carl).await;
+    let handed = group
+        .send(ada, "POST", &person(anna.id, "/hand-over"), &to_carl)
+        .await;
     assert_eq!(handed.status, 204);
-    let job = group.get(&group.carl, &format!("/v1/jobs/{id}")).await.json();
+    let job = group
+        .get(&group.carl, &format!("/v1/jobs/{id}"))
+        .await
+        .json();
     assert_eq!(job["owner"]["name"], "Carl");
     // and back again, the account as it was but for its sessions
     let back = json!({ "left": false }).to_string();
     group.send(ada, "PATCH", &person(anna.id, ""), &back).await;
-    assert_eq!(sign_in(&group.lab, ORIGIN, "Anna", PASSWORD).await.status, 204);
+    assert_eq!(
+        sign_in(&group.lab, ORIGIN, "Anna", PASSWORD).await.status,
+        204
+    );
 }
 
 #[tokio::test]
@@ -181,16 +261,31 @@ async fn the_last_administrator_stays() {
     let group = Group::open().await;
     let path = format!("/v1/people/{}", group.ada.id);
     for change in [json!({ "left": true }), json!({ "role": "member" })] {
-        let refused = group.send(&group.ada, "PATCH", &path, &change.to_string()).await;
+        let refused = group
+            .send(&group.ada, "PATCH", &path, &change.to_string())
+            .await;
         let problem = refused.problem(409, "conflict");
-        assert!(problem["detail"].as_str().is_some_and(|text| text.contains("last administrator")));
+        assert!(
+            problem["detail"]
+                .as_str()
+                .is_some_and(|text| text.contains("last administrator"))
+        );
     }
     let role = json!({ "role": Role::Administrator }).to_string();
     let bert = format!("/v1/people/{}", group.bert.id);
-    assert_eq!(group.send(&group.ada, "PATCH", &bert, &role).await.status, 200);
+    assert_eq!(
+        group.send(&group.ada, "PATCH", &bert, &role).await.status,
+        200
+    );
     let member = json!({ "role": "member" }).to_string();
-    assert_eq!(group.send(&group.ada, "PATCH", &path, &member).await.status, 200);
-    group.get(&group.ada, "/v1/audit").await.problem(403, "not-allowed");
+    assert_eq!(
+        group.send(&group.ada, "PATCH", &path, &member).await.status,
+        200
+    );
+    group
+        .get(&group.ada, "/v1/audit")
+        .await
+        .problem(403, "not-allowed");
 }
 
 #[tokio::test]
@@ -198,16 +293,25 @@ async fn a_password_is_changed_by_who_knows_it() {
     let group = Group::open().await;
     let change = async |current: &str, new: &str| {
         let body = json!({ "current": current, "new": new }).to_string();
-        group.send(&group.anna, "PUT", "/v1/me/password", &body).await
+        group
+            .send(&group.anna, "PUT", "/v1/me/password", &body)
+            .await
     };
-    change("not the password", "another password").await.problem(403, "wrong-password");
-    change(PASSWORD, "short").await.problem(422, "invalid-request");
+    change("not the password", "another password")
+        .await
+        .problem(403, "wrong-password");
+    change(PASSWORD, "short")
+        .await
+        .problem(422, "invalid-request");
     let elsewhere = sign_in(&group.lab, ORIGIN, "Anna", PASSWORD).await;
     let elsewhere = cookie_of(&elsewhere.headers);
     assert_eq!(change(PASSWORD, "another password").await.status, 204);
     // the session that did it goes on, others have ended
     assert_eq!(group.get(&group.anna, "/v1/me").await.status, 200);
-    let other = group.lab.get_with("/v1/me", &[("cookie", &elsewhere)]).await;
+    let other = group
+        .lab
+        .get_with("/v1/me", &[("cookie", &elsewhere)])
+        .await;
     other.problem(401, "sign-in-needed");
     let signed_in = sign_in(&group.lab, ORIGIN, "Anna", "another password").await;
     assert_eq!(signed_in.status, 204);
@@ -216,24 +320,52 @@ async fn a_password_is_changed_by_who_knows_it() {
 #[tokio::test]
 async fn tokens_are_made_and_ended_by_their_owner() {
     let group = Group::open().await;
-    let make = async |by, body: Value| group.send(by, "POST", "/v1/tokens", &body.to_string()).await;
-    let made = make(&group.anna, json!({ "name": "script", "scope": "read", "days": 1 })).await;
+    let make = async |by, body: Value| {
+        group
+            .send(by, "POST", "/v1/tokens", &body.to_string())
+            .await
+    };
+    let made = make(
+        &group.anna,
+        json!({ "name": "script", "scope": "read", "days": 1 }),
+    )
+    .await;
     assert_eq!(made.status, 201);
     let made = made.json();
     let bearer = format!("Bearer {}", made["secret"].as_str().expect("a secret"));
-    let ask = async || group.lab.get_with("/v1/me", &[("authorization", &bearer)]).await;
+    let ask = async || {
+        group
+            .lab
+            .get_with("/v1/me", &[("authorization", &bearer)])
+            .await
+    };
     assert_eq!(ask().await.json()["scope"], "read");
     let path = format!("/v1/tokens/{}", id_of(&made));
-    group.send(&group.bert, "DELETE", &path, "").await.problem(404, "not-found");
-    assert_eq!(ids(&group.get(&group.bert, "/v1/tokens").await.json()), Vec::<Uuid>::new());
+    group
+        .send(&group.bert, "DELETE", &path, "")
+        .await
+        .problem(404, "not-found");
+    assert_eq!(
+        ids(&group.get(&group.bert, "/v1/tokens").await.json()),
+        Vec::<Uuid>::new()
+    );
     let listed = group.get(&group.anna, "/v1/tokens").await;
-    assert!(!listed.text().contains(made["secret"].as_str().expect("a secret")));
-    assert_eq!(group.send(&group.anna, "DELETE", &path, "").await.status, 204);
+    assert!(
+        !listed
+            .text()
+            .contains(made["secret"].as_str().expect("a secret"))
+    );
+    assert_eq!(
+        group.send(&group.anna, "DELETE", &path, "").await.status,
+        204
+    );
     ask().await.problem(401, "sign-in-needed");
 
     // a worker sees the spec of every job it claims
     let worker = || json!({ "name": "machine", "scope": "worker" });
-    make(&group.anna, worker()).await.problem(403, "not-allowed");
+    make(&group.anna, worker())
+        .await
+        .problem(403, "not-allowed");
     assert_eq!(make(&group.ada, worker()).await.status, 201);
     let everything = make(&group.ada, json!({ "name": "x", "scope": "everything" })).await;
     everything.problem(422, "invalid-request");

@@ -103,7 +103,13 @@ impl Group {
         let made = self.lab.store.create_token(Some(of.id), new).await;
         let made = made.expect("a token");
         let known_by = ("authorization", format!("Bearer {}", made.secret));
-        (Somebody { known_by, ..of.clone() }, made.id)
+        (
+            Somebody {
+                known_by,
+                ..of.clone()
+            },
+            made.id,
+        )
     }
 
     /// Whoever has a link of somebody.
@@ -112,7 +118,13 @@ impl Group {
         let made = made.expect("a link");
         let (_, secret) = made.path.split_once('#').expect("a secret");
         let known_by = ("authorization", format!("Bearer {secret}"));
-        (Somebody { known_by, ..of.clone() }, made.id)
+        (
+            Somebody {
+                known_by,
+                ..of.clone()
+            },
+            made.id,
+        )
     }
 }
 
@@ -127,11 +139,20 @@ pub(crate) fn to_job(job: Uuid, files: bool) -> NewShare {
 }
 
 pub(crate) fn id_of(value: &Value) -> Uuid {
-    value["id"].as_str().expect("an id").parse().expect("a UUID")
+    value["id"]
+        .as_str()
+        .expect("an id")
+        .parse()
+        .expect("a UUID")
 }
 
 pub(crate) fn ids(page: &Value) -> Vec<Uuid> {
-    page["items"].as_array().expect("items").iter().map(id_of).collect()
+    page["items"]
+        .as_array()
+        .expect("items")
+        .iter()
+        .map(id_of)
+        .collect()
 }
 
 pub(crate) fn named(somebody: &Somebody) -> Named {
@@ -173,7 +194,8 @@ pub(crate) async fn sign_in(lab: &Lab, origin: &str, name: &str, password: &str)
     let body = json!({ "name": name, "password": password }).to_string();
     let host = origin.split_once("://").map_or("", |(_, host)| host);
     let headers = [("origin", origin), ("host", host), JSON];
-    lab.send(request("POST", "/v1/sessions", &headers, &body)).await
+    lab.send(request("POST", "/v1/sessions", &headers, &body))
+        .await
 }
 
 /// The cookie of an answer, as a browser sends it back.

@@ -38,45 +38,121 @@ enum Class {
 
 /// The class of every operation, by its id.
 const ROUTES: &[(Class, &[&str])] = &[
-    (Class::Public, &["check_alive", "check_ready", "read_version", "read_openapi"]),
+    (
+        Class::Public,
+        &["check_alive", "check_ready", "read_version", "read_openapi"],
+    ),
     (Class::BeforeSignIn, &["sign_in", "accept_invitation"]),
     (Class::Introduce, &["read_me"]),
     (
         Class::ReadLab,
-        &["list_jobs", "follow_jobs", "list_kinds", "read_kind", "read_kind_schema", "list_examples", "list_projects"],
+        &[
+            "list_jobs",
+            "follow_jobs",
+            "list_kinds",
+            "read_kind",
+            "read_kind_schema",
+            "list_examples",
+            "list_projects",
+        ],
     ),
     (
         Class::ReadJob,
-        &["read_job", "read_curve", "read_curve_json", "read_curve_csv", "read_outcome", "follow_job"],
+        &[
+            "read_job",
+            "read_curve",
+            "read_curve_json",
+            "read_curve_csv",
+            "read_outcome",
+            "follow_job",
+        ],
     ),
-    (Class::ReadFiles, &["list_files", "download_file", "download_archive", "read_log"]),
+    (
+        Class::ReadFiles,
+        &[
+            "list_files",
+            "download_file",
+            "download_archive",
+            "read_log",
+        ],
+    ),
     (
         Class::ChangeJob,
-        &["change_job", "delete_job", "cancel_job", "pause_job", "resume_job", "retry_job"],
+        &[
+            "change_job",
+            "delete_job",
+            "cancel_job",
+            "pause_job",
+            "resume_job",
+            "retry_job",
+        ],
     ),
-    (Class::Make, &["submit_job", "create_project", "create_share"]),
+    (
+        Class::Make,
+        &["submit_job", "create_project", "create_share"],
+    ),
     (Class::ChangeProject, &["change_project"]),
     (Class::ReadWorkers, &["list_workers"]),
     (Class::ReadMetrics, &["read_metrics"]),
     (
         Class::ManageOwn,
-        &["list_sessions", "end_session", "change_password", "list_tokens", "create_token", "revoke_token", "list_shares", "revoke_share"],
+        &[
+            "list_sessions",
+            "end_session",
+            "change_password",
+            "list_tokens",
+            "create_token",
+            "revoke_token",
+            "list_shares",
+            "revoke_share",
+        ],
     ),
     (Class::ReadPeople, &["list_people", "list_groups"]),
     (
         Class::Administer,
-        &["change_person", "hand_over", "invite", "list_invitations", "revoke_invitation", "create_group", "add_member", "remove_member", "read_audit", "export_audit"],
+        &[
+            "change_person",
+            "hand_over",
+            "invite",
+            "list_invitations",
+            "revoke_invitation",
+            "create_group",
+            "add_member",
+            "remove_member",
+            "read_audit",
+            "export_audit",
+        ],
     ),
     (
         Class::Work,
-        &["claim", "heartbeat", "progress", "complete", "fail", "release", "upload", "checkpoint", "save_checkpoint"],
+        &[
+            "claim",
+            "heartbeat",
+            "progress",
+            "complete",
+            "fail",
+            "release",
+            "upload",
+            "checkpoint",
+            "save_checkpoint",
+        ],
     ),
 ];
 
 /// Who asks, in the order of the rows below.
 const CALLERS: [&str; 12] = [
-    "nobody", "guest", "anna", "bert", "carl", "administrator", "read token", "submit token",
-    "worker token", "link", "link with files", "revoked token",
+    "nobody",
+    "guest",
+    "anna",
+    "bert",
+    "carl",
+    "administrator",
+    "read token",
+    "submit token",
+    "worker token",
+    "link",
+    "link with files",
+    "revoked token",
 ];
 
 /// What each caller gets of Anna's private job, one in the group's project, one in her project for
@@ -183,7 +259,12 @@ impl World {
         let submit = group.token(&group.anna, Scope::Submit).await.0;
         let worker = group.token(&group.anna, Scope::Worker).await.0;
         let (revoked, id) = group.token(&group.anna, Scope::Submit).await;
-        group.lab.store.revoke_token(id, None).await.expect("revoked");
+        group
+            .lab
+            .store
+            .revoke_token(id, None)
+            .await
+            .expect("revoked");
         let callers = vec![
             None,
             Some(group.gina.clone()),
@@ -206,7 +287,10 @@ impl World {
         let group = &self.group;
         let anna = &group.anna;
         let private = group.project(anna, Visibility::Private, None).await.id;
-        let groups = group.project(anna, Visibility::Group, Some(group.paper)).await.id;
+        let groups = group
+            .project(anna, Visibility::Group, Some(group.paper))
+            .await
+            .id;
         let everyones = group.project(anna, Visibility::Everyone, None).await.id;
         let mut objects = [(Uuid::from_u128(404), Uuid::from_u128(404)); 4];
         for (place, project) in [private, groups, everyones].into_iter().enumerate() {
@@ -222,7 +306,9 @@ impl World {
     async fn ask(&self, operation: &Operation, caller: usize, id: Uuid) -> Answer {
         // what is changed stays as it was for the next one: bodies are empty objects or nonsense
         let path = operation.path.replace("{kind}", "nonwoven_tensile");
-        let path = path.replace("{name}", "curve.csv").replace("{id}", &id.to_string());
+        let path = path
+            .replace("{name}", "curve.csv")
+            .replace("{id}", &id.to_string());
         let path = path.replace("{person}", &Uuid::from_u128(405).to_string());
         let mut headers = vec![("origin", "http://localhost")];
         let known_by = self.callers[caller].as_ref().map(|of| of.known_by.clone());
@@ -276,7 +362,9 @@ async fn everybody_gets_of_every_object_what_is_written() {
     let mut objects = world.objects().await;
     for operation in operations(&world.group.lab).await {
         let class = class_of(&operation.id).expect("a row");
-        let Some(rows) = expected(class) else { continue };
+        let Some(rows) = expected(class) else {
+            continue;
+        };
         let changes = matches!(class, Class::ChangeJob | Class::ChangeProject);
         for (caller, row) in rows.into_iter().enumerate() {
             // what was changed by the one before is no longer what it was
@@ -300,7 +388,10 @@ async fn everybody_gets_of_every_object_what_is_written() {
                 asked += 1;
             }
             if got != row {
-                wrong.push(format!("{} by {}: {got}, not {row}", operation.id, CALLERS[caller]));
+                wrong.push(format!(
+                    "{} by {}: {got}, not {row}",
+                    operation.id, CALLERS[caller]
+                ));
             }
             // a foreign one is answered exactly as one that does not exist
             assert!(missing.len() <= 1, "{} {missing:?}", operation.id);
@@ -317,7 +408,9 @@ async fn everybody_may_do_in_the_lab_what_is_written() {
     let mut wrong = Vec::new();
     for operation in operations(&world.group.lab).await {
         let class = class_of(&operation.id).expect("a row");
-        let Some(row) = expected_of_lab(class) else { continue };
+        let Some(row) = expected_of_lab(class) else {
+            continue;
+        };
         let mut got = String::new();
         for caller in 0..CALLERS.len() {
             let answer = world.ask(&operation, caller, Uuid::from_u128(404)).await;
@@ -339,13 +432,19 @@ async fn what_belongs_to_the_server_cannot_be_written_by_a_submission_or_a_chang
         super::group::id_of(&answer.json())
     };
     let body: Value = serde_json::from_str(example()).expect("JSON");
-    for field in ["owner", "attempt", "attempts", "status", "outcome", "role", "lease", "cost", "person"] {
+    for field in [
+        "owner", "attempt", "attempts", "status", "outcome", "role", "lease", "cost", "person",
+    ] {
         let mut submission = body.clone();
         submission[field] = json!(group.bert.id);
-        let answer = group.send(anna, "POST", "/v1/jobs", &submission.to_string()).await;
+        let answer = group
+            .send(anna, "POST", "/v1/jobs", &submission.to_string())
+            .await;
         answer.problem(422, "invalid-job");
         let change = json!({ field: group.bert.id }).to_string();
-        let answer = group.send(anna, "PATCH", &format!("/v1/jobs/{id}"), &change).await;
+        let answer = group
+            .send(anna, "PATCH", &format!("/v1/jobs/{id}"), &change)
+            .await;
         assert_eq!(answer.status, 422, "{field}: {answer:?}");
     }
     let job = group.get(anna, &format!("/v1/jobs/{id}")).await.json();

@@ -10,7 +10,10 @@ use crate::support::request;
 
 async fn follow(group: &Group, by: &Somebody) -> Response<Body> {
     let (name, value) = &by.known_by;
-    let response = group.lab.begin(request("GET", "/v1/events", &[(name, value)], "")).await;
+    let response = group
+        .lab
+        .begin(request("GET", "/v1/events", &[(name, value)], ""))
+        .await;
     assert_eq!(response.status(), 200);
     response
 }
@@ -28,7 +31,9 @@ async fn heard(response: Response<Body>, word: &str) -> String {
         }
     };
     let wait = std::time::Duration::from_secs(20);
-    tokio::time::timeout(wait, listen).await.expect("it is heard, or the stream ends");
+    tokio::time::timeout(wait, listen)
+        .await
+        .expect("it is heard, or the stream ends");
     text
 }
 
@@ -38,12 +43,19 @@ async fn a_follower_hears_of_what_it_sees_also_of_its_end() {
     let (anna, bert) = (&group.anna, &group.bert);
     let announcing = tokio::spawn(group.lab.state.announce());
     let private = group.project(anna, Visibility::Private, None).await.id;
-    let shared = group.project(anna, Visibility::Group, Some(group.paper)).await.id;
+    let shared = group
+        .project(anna, Visibility::Group, Some(group.paper))
+        .await
+        .id;
     let stream = follow(&group, bert).await;
     let secret = group.submit(anna, private).await;
-    group.send(anna, "DELETE", &format!("/v1/jobs/{secret}"), "").await;
+    group
+        .send(anna, "DELETE", &format!("/v1/jobs/{secret}"), "")
+        .await;
     let seen = group.submit(anna, shared).await;
-    group.send(anna, "DELETE", &format!("/v1/jobs/{seen}"), "").await;
+    group
+        .send(anna, "DELETE", &format!("/v1/jobs/{seen}"), "")
+        .await;
     let last = group.submit(anna, shared).await;
     let text = heard(stream, &last.to_string()).await;
     assert!(!text.contains(&secret.to_string()), "{text}");
@@ -51,13 +63,22 @@ async fn a_follower_hears_of_what_it_sees_also_of_its_end() {
     // the same when it is read from the store, from the beginning
     let (name, value) = &bert.known_by;
     let headers = [(*name, &**value), ("last-event-id", "0")];
-    let stream = group.lab.begin(request("GET", "/v1/events", &headers, "")).await;
+    let stream = group
+        .lab
+        .begin(request("GET", "/v1/events", &headers, ""))
+        .await;
     let text = heard(stream, &last.to_string()).await;
     assert!(!text.contains(&secret.to_string()), "{text}");
-    assert!(text.contains(&seen.to_string()) && text.contains("deleted"), "{text}");
+    assert!(
+        text.contains(&seen.to_string()) && text.contains("deleted"),
+        "{text}"
+    );
     // named ones that are foreign are not there
     let path = format!("/v1/events?jobs={secret},{last}");
-    let stream = group.lab.begin(request("GET", &path, &[(name, value)], "")).await;
+    let stream = group
+        .lab
+        .begin(request("GET", &path, &[(name, value)], ""))
+        .await;
     let text = heard(stream, &last.to_string()).await;
     assert!(!text.contains(&secret.to_string()), "{text}");
     announcing.abort();
@@ -67,21 +88,29 @@ async fn a_follower_hears_of_what_it_sees_also_of_its_end() {
 async fn a_stream_follows_what_its_follower_may_see() {
     let group = Group::open().await;
     let announcing = tokio::spawn(group.lab.state.announce());
-    let shared = group.project(&group.anna, Visibility::Group, Some(group.paper)).await.id;
+    let shared = group
+        .project(&group.anna, Visibility::Group, Some(group.paper))
+        .await
+        .id;
     let job = group.submit(&group.anna, shared).await;
     let stream = follow(&group, &group.carl).await;
     let mut access = group.lab.store.access_changes();
     let version = group.lab.store.access_version().await.expect("a count");
     let joined = group.lab.store.set_member(group.paper, group.carl.id, true);
     joined.await.expect("a member");
-    access.wait_for(|seen| *seen > version).await.expect("it is told");
+    access
+        .wait_for(|seen| *seen > version)
+        .await
+        .expect("it is told");
     // the follower is woken by the same count; a change after it shows what is seen now
     let name = job.to_string();
     let hears = heard(stream, &name);
     let change = async {
         loop {
             let body = json!({ "priority": 1 }).to_string();
-            group.send(&group.anna, "PATCH", &format!("/v1/jobs/{job}"), &body).await;
+            group
+                .send(&group.anna, "PATCH", &format!("/v1/jobs/{job}"), &body)
+                .await;
             tokio::time::sleep(std::time::Duration::from_millis(100)).await;
         }
     };
@@ -92,7 +121,14 @@ async fn a_stream_follows_what_its_follower_may_see() {
     // and ends with the session
     let stream = follow(&group, &group.carl).await;
     let body = json!({ "left": true }).to_string();
-    group.send(&group.ada, "PATCH", &format!("/v1/people/{}", group.carl.id), &body).await;
+    group
+        .send(
+            &group.ada,
+            "PATCH",
+            &format!("/v1/people/{}", group.carl.id),
+            &body,
+        )
+        .await;
     heard(stream, "what never comes").await;
     announcing.abort();
 }
