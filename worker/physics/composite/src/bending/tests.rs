@@ -177,6 +177,9 @@ fn an_end_notched_laminate_slides_apart_where_beams_say() {
     assert!(value(&report, "dissipated_between_plies") > 0.0);
 }
 
+/// Measured: released 1.029 and taken 1.039 of the fracture energy. The arms are 0.776 times as stiff as their
+/// beams, as if longer by 1.76 of their height; [Williams1989]'s 2.0 has their shear in it, which the beams
+/// have here.
 #[test]
 fn a_laminate_peels_apart_at_its_fracture_energy() {
     // the example on two thirds of its cells
