@@ -10,7 +10,7 @@ use loadframe_run::{Engine, SavedRun};
 
 /// The body of `POST /v1/jobs`. What is accepted can be priced and written down, and is accepted again
 /// as written.
-pub fn submission(bytes: &[u8]) {
+pub(crate) fn submission(bytes: &[u8]) {
     let Ok(submission) = Submission::from_slice(bytes) else {
         return;
     };
@@ -29,7 +29,7 @@ pub fn submission(bytes: &[u8]) {
 }
 
 /// Bodies of workers, and of changes.
-pub fn message(bytes: &[u8]) {
+pub(crate) fn message(bytes: &[u8]) {
     let _ = ClaimRequest::from_slice(bytes);
     let _ = ProgressReport::from_slice(bytes);
     let _ = CompleteRequest::from_slice(bytes);
@@ -41,7 +41,7 @@ pub fn message(bytes: &[u8]) {
 
 /// A curve that a testing machine exported, in any of the forms in which it comes as text. What is
 /// understood is finite.
-pub fn table(bytes: &[u8]) {
+pub(crate) fn table(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let wanted = ["nominal_strain", "force_n"].map(|name| Wanted {
         name: name.to_owned(),
@@ -64,7 +64,7 @@ pub fn table(bytes: &[u8]) {
 }
 
 /// A surface in STL, binary or text, and the mesh that is made of it.
-pub fn surface(bytes: &[u8]) {
+pub(crate) fn surface(bytes: &[u8]) {
     let Ok(triangles) = read_stl(bytes) else {
         return;
     };
@@ -72,11 +72,11 @@ pub fn surface(bytes: &[u8]) {
         .iter()
         .map(|triangle| triangle.map(|corner| corner.into()))
         .collect();
-    let _ = TriangleMesh::weld(&corners).is_closed();
+    let _ = TriangleMesh::weld(&corners).seams.is_closed();
 }
 
 /// A checkpoint, and the saved run around it.
-pub fn checkpoint(bytes: &[u8]) {
+pub(crate) fn checkpoint(bytes: &[u8]) {
     let engine = Engine {
         version: "1",
         commit: "1",

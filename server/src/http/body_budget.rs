@@ -6,7 +6,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::sync::{OwnedSemaphorePermit, Semaphore, TryAcquireError};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::timeout;
 
 use super::problem::{ApiError, Result};
@@ -116,10 +116,7 @@ async fn acquire(room: &Arc<Semaphore>, units: usize) -> Option<OwnedSemaphorePe
 
 fn try_acquire(room: &Arc<Semaphore>, units: usize) -> Option<OwnedSemaphorePermit> {
     let units = u32::try_from(units).unwrap_or(u32::MAX);
-    match room.clone().try_acquire_many_owned(units) {
-        Ok(permit) => Some(permit),
-        Err(TryAcquireError::NoPermits | TryAcquireError::Closed) => None,
-    }
+    room.clone().try_acquire_many_owned(units).ok()
 }
 
 fn add(held: &mut Option<OwnedSemaphorePermit>, permit: Option<OwnedSemaphorePermit>) {
