@@ -235,7 +235,7 @@ impl Store {
         };
         let everything = Sight::everything();
         let sight = filter.sight.as_ref().unwrap_or(&everything);
-        if !sight.everything && sight.job.is_none() && filter.narrows_nothing_else() {
+        if !sight.everything && filter.narrows_nothing_else() {
             let newest = self.newest_seen(sight, before.unwrap_or(i64::MAX), limit + 1);
             let rows: Vec<JobRow> = sqlx::query_as(select_jobs!(
                 "WHERE j.seq IN (SELECT value FROM json_each(?)) ORDER BY j.seq DESC"
