@@ -20,6 +20,8 @@ pub enum Action {
     Submit,
     /// Change, cancel, delete, move, share.
     Change,
+    /// Give a project to another person or group.
+    HandOver,
     /// Look after one's own account: password, sessions, tokens, links.
     ManageOwn,
     /// See the people and groups of the lab.
@@ -64,8 +66,11 @@ pub fn may(caller: &Caller, action: Action, object: Object) -> Verdict {
         || caller.has_role(Role::Administrator);
     match action {
         _ if !is_seen => Verdict::Hidden,
-        Action::Change | Action::Submit if !is_held => {
+        Action::Change | Action::Submit | Action::HandOver if !is_held => {
             Verdict::No("it is shared with you to read; its owner can change it")
+        }
+        Action::HandOver if !is_owner(caller, object) => {
+            Verdict::No("a group's project is handed over by an administrator")
         }
         Action::Submit if is_archived(object) => {
             Verdict::No("the project is archived and takes no jobs; bring it back first")
@@ -94,14 +99,14 @@ fn refusal_of_the_caller(caller: &Caller, action: Action) -> Option<&'static str
             _ => None,
         },
         _ if is_link => Some("a share link shows what it was made for, and nothing else"),
-        Action::Submit | Action::Change if !caller.changes() => {
+        Action::Submit | Action::Change | Action::HandOver if !caller.changes() => {
             Some("this token can only read; one of scope `submit` is needed")
         }
-        Action::Submit | Action::Change if is_guest => {
+        Action::Submit | Action::Change | Action::HandOver if is_guest => {
             Some("guests read what is shared with them; an administrator can make you a member")
         }
         Action::ReadWorkers if is_guest => Some("guests read what is shared with them"),
-        Action::Submit | Action::Change | Action::ReadWorkers => None,
+        Action::Submit | Action::Change | Action::HandOver | Action::ReadWorkers => None,
         Action::ReadMetrics => {
             let reads =
                 matches!(caller.identity, Identity::Sole) || caller.has_role(Role::Administrator);
@@ -121,6 +126,13 @@ fn refusal_of_the_caller(caller: &Caller, action: Action) -> Option<&'static str
         Action::Administer if caller.has_role(Role::Administrator) => None,
         Action::Administer | Action::ManageOwn => Some("administrators do this"),
     }
+}
+
+/// Whether the project is the caller's own, or the caller an administrator.
+fn is_owner(caller: &Caller, object: Object) -> bool {
+    let own = caller.person().map(|person| person.id);
+    let is_own = matches!(object, Object::Project(project) if project.person.is_some() && project.person == own);
+    is_own || caller.has_role(Role::Administrator)
 }
 
 fn is_archived(object: Object) -> bool {

@@ -224,6 +224,20 @@ fn a_link_shows_its_object_and_nothing_else() {
 }
 
 #[test]
+fn a_groups_project_leaves_the_group_by_an_administrator() {
+    let own = annas(Visibility::Group);
+    let groups = of_group(Visibility::Group);
+    let asks = |caller: &Caller, project| may(caller, Action::HandOver, Object::Project(project));
+    let anna = person(ANNA, Role::Member, &[PAPER]);
+    assert_eq!(asks(&anna, &own), Verdict::Yes);
+    assert!(matches!(asks(&anna, &groups), Verdict::No(_)));
+    let ada = person(BERT, Role::Administrator, &[]);
+    assert_eq!(asks(&ada, &groups), Verdict::Yes);
+    let bert = person(BERT, Role::Member, &[PAPER]);
+    assert!(matches!(asks(&bert, &own), Verdict::No(_)));
+}
+
+#[test]
 fn an_archived_project_takes_no_jobs() {
     let archived = ProjectFacts {
         is_archived: true,

@@ -18,20 +18,20 @@ pub(crate) struct TokenSource {
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
     /// Refused: every user of this machine would see it
-    #[arg(long, hide = true, value_parser = refuse)]
+    #[arg(long, hide = true, value_name = "TOKEN")]
     token: Option<String>,
-}
-
-fn refuse(_: &str) -> Result<String, String> {
-    Err("on the command line every user of this machine sees it; put it into a file for --token-file, or into LOADFRAME_TOKEN, and make a new one with `loadframe token create`".to_owned())
 }
 
 impl TokenSource {
     /// The token, if there is one.
     ///
     /// # Errors
-    /// When the file cannot be read or holds none.
+    /// When the file cannot be read or holds none, or when the token was given on the command line.
     pub(crate) fn read(&self) -> Result<Option<String>, Failure> {
+        if self.token.is_some() {
+            let sentence = "a token on the command line is seen by every user of this machine: put it into a file for --token-file or into LOADFRAME_TOKEN, and make a new one, for this one was seen";
+            return Err(Failure::new(Code::Usage, sentence.to_owned()));
+        }
         match &self.token_file {
             Some(path) => secret_in(path).map(Some),
             None => Ok(std::env::var(TOKEN).ok().filter(|token| !token.is_empty())),
@@ -60,6 +60,16 @@ pub(crate) fn secret_in(path: &Path) -> Result<String, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_token_is_taken_from_the_command_line() {
+        let source = TokenSource {
+            token_file: None,
+            token: Some("lf_secret".to_owned()),
+        };
+        let refusal = source.read().expect_err("it is refused").to_string();
+        assert!(refusal.contains("--token-file") && !refusal.contains("lf_secret"));
+    }
 
     #[test]
     fn a_file_holds_one_secret_in_one_line() {

@@ -83,7 +83,7 @@ fn require_database(database: &Path) -> Result<()> {
 }
 
 fn require_empty(folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(StoreError::file(folder))?;
+    super::private::private_folder(folder)?;
     let holds_database = folder.join(DATABASE).exists();
     if holds_database || has_files(&folder.join("blobs"))? {
         let folder = folder.display();

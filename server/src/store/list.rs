@@ -90,9 +90,7 @@ impl Store {
         };
         let rows = match &filter.sight {
             // a page of what one sees is merged from that of each part
-            Some(sight)
-                if !sight.everything && sight.job.is_none() && filter.narrows_nothing_else() =>
-            {
+            Some(sight) if !sight.everything && filter.narrows_nothing_else() => {
                 let newest = self.newest_seen(sight, before.unwrap_or(i64::MAX), limit + 1);
                 let mut query = Query::new(SELECT_JOBS);
                 query.push("jobs j WHERE j.seq IN (SELECT value FROM json_each(");

@@ -67,7 +67,9 @@ pub(in crate::http) struct DryRun {
               (status = 201, description = "The job was stored and waits for a worker", body = ref("#/components/schemas/JobView"),
                headers(("Location" = String, description = "Address of the job"),
                        ("Idempotency-Replayed" = bool, description = "`true` if this key was answered before"))),
+              (status = 404, description = "There is no such project"),
               (status = 408, description = "The body did not arrive in time"),
+              (status = 409, description = "The job of this key was deleted, or no project of yours takes jobs"),
               (status = 413, description = "The body is larger than 32 MB"),
               (status = 415, description = "The body is not declared as JSON"),
               (status = 422, description = "The job cannot be accepted, see `violations`; or the key belongs to another body")))]

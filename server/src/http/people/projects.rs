@@ -79,10 +79,13 @@ async fn change(
     body: JsonBody,
 ) -> Result<Json<ProjectView>> {
     let changes: ProjectChanges = message(&state, body).await?;
-    permit
-        .call
-        .ask_of_project(&state.store, Action::Change, id)
-        .await?;
+    let project = permit.call.ask_of_project(&state.store, Action::Change, id);
+    let project = project.await?;
+    if changes.person.is_some() || changes.group.is_some() {
+        permit
+            .call
+            .ask(Action::HandOver, Object::Project(&project))?;
+    }
     if let Some(group) = changes.group {
         check_membership(&permit, group)?;
     }

@@ -129,13 +129,14 @@ pub(super) async fn check_password(
     let account = name.trim().to_lowercase();
     let now = Instant::now();
     let slow = |wait| too_many("too many wrong passwords, wait a moment", wait);
+    // counted before the comparison, which takes time: many at once are no way around
     access
         .wrong_passwords
-        .check(&trace.address, now)
+        .count(trace.address, now)
         .map_err(slow)?;
     access
         .wrong_for_account
-        .check(&account, now)
+        .count(account.clone(), now)
         .map_err(slow)?;
     let known = state.store.password_of(&account).await?;
     let kept = known.as_ref().map(|(_, kept)| kept.clone());
@@ -149,17 +150,15 @@ pub(super) async fn check_password(
     let is_right = tokio::task::spawn_blocking(compare).await;
     let is_right = is_right.map_err(|error| ApiError::internal(&error))?;
     match known {
-        Some((person, _)) if is_right => Ok(person),
-        _ => {
-            // both are counted, whichever of them has had enough
-            let by_address = access.wrong_passwords.count(trace.address, now);
-            let by_account = access.wrong_for_account.count(account, now);
-            by_address.and(by_account).map_err(slow)?;
-            Err(ApiError::new(
-                WRONG_PASSWORD,
-                "try again, or ask an administrator",
-            ))
+        Some((person, _)) if is_right => {
+            access.wrong_passwords.forgive(&trace.address);
+            access.wrong_for_account.forgive(&account);
+            Ok(person)
         }
+        _ => Err(ApiError::new(
+            WRONG_PASSWORD,
+            "try again, or ask an administrator",
+        )),
     }
 }
 

@@ -18,6 +18,15 @@ impl Store {
         before: i64,
         count: u32,
     ) -> Result<Vec<i64>> {
+        // a link to one job
+        if let Some(job) = sight.job {
+            let seq = sqlx::query_scalar("SELECT seq FROM jobs WHERE id = ? AND seq < ?")
+                .bind(job)
+                .bind(before)
+                .fetch_all(self.reads())
+                .await?;
+            return Ok(seq);
+        }
         let seen_projects = sight.projects.iter().copied();
         let projects: Vec<Uuid> = seen_projects
             .filter(|project| !sight.not_in.contains(project))

@@ -37,106 +37,30 @@ enum Class {
 }
 
 /// The class of every operation, by its id.
+#[rustfmt::skip]
 const ROUTES: &[(Class, &[&str])] = &[
-    (
-        Class::Public,
-        &["check_alive", "check_ready", "read_version", "read_openapi"],
-    ),
+    (Class::Public, &["check_alive", "check_ready", "read_version", "read_openapi"]),
     (Class::BeforeSignIn, &["sign_in", "accept_invitation"]),
     (Class::Introduce, &["read_me"]),
-    (
-        Class::ReadLab,
-        &[
-            "list_jobs",
-            "follow_jobs",
-            "list_kinds",
-            "read_kind",
-            "read_kind_schema",
-            "list_examples",
-            "list_projects",
-        ],
-    ),
-    (
-        Class::ReadJob,
-        &[
-            "read_job",
-            "read_curve",
-            "read_curve_json",
-            "read_curve_csv",
-            "read_outcome",
-            "follow_job",
-        ],
-    ),
-    (
-        Class::ReadFiles,
-        &[
-            "list_files",
-            "download_file",
-            "download_archive",
-            "read_log",
-        ],
-    ),
-    (
-        Class::ChangeJob,
-        &[
-            "change_job",
-            "delete_job",
-            "cancel_job",
-            "pause_job",
-            "resume_job",
-            "retry_job",
-        ],
-    ),
-    (
-        Class::Make,
-        &["submit_job", "create_project", "create_share"],
-    ),
+    (Class::ReadLab, &["list_jobs", "follow_jobs", "list_kinds", "read_kind", "read_kind_schema",
+        "list_examples", "list_projects"]),
+    (Class::ReadJob, &["read_job", "read_curve", "read_curve_json", "read_curve_csv", "read_outcome",
+        "follow_job"]),
+    (Class::ReadFiles, &["list_files", "download_file", "download_archive", "read_log"]),
+    (Class::ChangeJob, &["change_job", "delete_job", "cancel_job", "pause_job", "resume_job",
+        "retry_job"]),
+    (Class::Make, &["submit_job", "create_project", "create_share"]),
     (Class::ChangeProject, &["change_project"]),
     (Class::ReadWorkers, &["list_workers"]),
     (Class::ReadMetrics, &["read_metrics"]),
-    (
-        Class::ManageOwn,
-        &[
-            "list_sessions",
-            "end_session",
-            "change_password",
-            "list_tokens",
-            "create_token",
-            "revoke_token",
-            "list_shares",
-            "revoke_share",
-        ],
-    ),
+    (Class::ManageOwn, &["list_sessions", "end_session", "change_password", "list_tokens",
+        "create_token", "revoke_token", "list_shares", "revoke_share"]),
     (Class::ReadPeople, &["list_people", "list_groups"]),
-    (
-        Class::Administer,
-        &[
-            "change_person",
-            "hand_over",
-            "invite",
-            "list_invitations",
-            "revoke_invitation",
-            "create_group",
-            "add_member",
-            "remove_member",
-            "read_audit",
-            "export_audit",
-        ],
-    ),
-    (
-        Class::Work,
-        &[
-            "claim",
-            "heartbeat",
-            "progress",
-            "complete",
-            "fail",
-            "release",
-            "upload",
-            "checkpoint",
-            "save_checkpoint",
-        ],
-    ),
+    (Class::Administer, &["change_person", "hand_over", "invite", "list_invitations",
+        "revoke_invitation", "create_group", "add_member", "remove_member",
+        "read_audit", "export_audit"]),
+    (Class::Work, &["claim", "heartbeat", "progress", "complete", "fail", "release", "upload",
+        "checkpoint", "save_checkpoint"]),
 ];
 
 /// Who asks, in the order of the rows below.

@@ -173,7 +173,10 @@ async fn a_job_moves_and_a_project_is_shown_archived_and_handed_over() {
         .await;
     late.problem(403, "not-allowed");
     change(bert, json!({ "archived": false })).await;
-    let handed = change(bert, json!({ "person": bert.id, "visibility": "private" })).await;
+    let to_bert = || json!({ "person": bert.id, "visibility": "private" });
+    // a group's project leaves the group by an administrator
+    change(bert, to_bert()).await.problem(403, "not-allowed");
+    let handed = change(&group.ada, to_bert()).await;
     assert_eq!(handed.json()["person"]["name"], "Bert");
     // whose job it is sees it, wherever it is
     assert_eq!(group.get(anna, &path).await.status, 200);
