@@ -100,7 +100,8 @@ async fn a_full_disk_keeps_reads_and_cancels_alive_and_heals_by_itself() {
         assert!(is_full(store.try_write().await));
         assert!(is_full(store.claim(&worker("other")).await));
         let content: &[u8] = b"a result";
-        let upload = store.upload(key(&lease), "a.txt", &sha256_hex(content), content);
+        let sha256 = sha256_hex(content);
+        let upload = store.upload(key(&lease), "a.txt", &sha256, content);
         assert!(is_full(upload.await));
         // what frees or saves something does not, however often
         for _ in 0..200 {

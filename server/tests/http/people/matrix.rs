@@ -59,7 +59,8 @@ const ROUTES: &[(Class, &[&str])] = &[
     (Class::Administer, &["change_person", "hand_over", "invite", "list_invitations",
         "revoke_invitation", "create_group", "add_member", "remove_member",
         "read_audit", "export_audit"]),
-    (Class::Work, &["claim", "heartbeat", "progress", "complete", "fail", "release", "upload",
+    (Class::Work, &["claim", "heartbeat", "progress", "complete", "fail", "fault", "release", "upload",
+        "uploaded_part",
         "checkpoint", "save_checkpoint"]),
 ];
 
