@@ -226,8 +226,9 @@ const BALLAST: &[Named] = &[
     ("porosity", "1"),
 ];
 /// Beginnings of names that end in a moment of a ballast test, or in the name of another result.
-const JOINED: [&str; 3] = [
+const JOINED: [&str; 4] = [
     "mass_in_single_spheres_",
+    "mass_in_whole_grains_",
     "mass_from_135_spheres_",
     "anisotropy_of_",
 ];
