@@ -27,7 +27,8 @@ fn column(spheres: usize, fixed: &[&str], servo: &Value, step: f64, steps: u64) 
         plane("base", "z", 0.0, 1),
         plane("top", "z", 2.0 * RADIUS * spheres as f64, -1)
     ]);
-    spec["stages"] = json!([{"drive": {"walls": [{"name": "top", "servo": servo}], "steps": steps}}]);
+    spec["stages"] =
+        json!([{"drive": {"walls": [{"name": "top", "servo": servo}], "steps": steps}}]);
     spec["record"] = json!({"every_steps": 1, "bodies": []});
     spec
 }
@@ -117,7 +118,11 @@ fn servos_have_the_same_bits_on_threads_and_resume() {
 fn servos_are_planes_with_one_aim_and_an_area() {
     let at = "/spec/stages/0/drive/walls/0/servo";
     for (servo, pointer, code) in [
-        (json!({"largest_velocity_m_per_s": 1}), at.to_owned(), "not_one_aim"),
+        (
+            json!({"largest_velocity_m_per_s": 1}),
+            at.to_owned(),
+            "not_one_aim",
+        ),
         (
             json!({"force_n": 1, "stress_pa": 1, "largest_velocity_m_per_s": 1}),
             at.to_owned(),

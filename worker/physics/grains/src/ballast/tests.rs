@@ -128,9 +128,22 @@ fn cycles_and_their_way_back_are_told_from_where_they_begin() {
     let rows = curve(&tester);
     let [way, back] = ["displacement_in_cycle_mm", "rebound_mm"].map(place);
     // the first cycle goes down by 0.9 mm and back by 0.6 mm, the second down by 0.6 mm from there
-    for (row, [down, up]) in [(49, [0.9, 0.0]), (99, [0.3, 0.6]), (149, [0.6, 0.0]), (199, [0.0, 0.6])] {
-        assert!((rows[row][way] - down).abs() < 1e-12, "{row}: {:?}", rows[row]);
-        assert!((rows[row][back] - up).abs() < 1e-12, "{row}: {:?}", rows[row]);
+    for (row, [down, up]) in [
+        (49, [0.9, 0.0]),
+        (99, [0.3, 0.6]),
+        (149, [0.6, 0.0]),
+        (199, [0.0, 0.6]),
+    ] {
+        assert!(
+            (rows[row][way] - down).abs() < 1e-12,
+            "{row}: {:?}",
+            rows[row]
+        );
+        assert!(
+            (rows[row][back] - up).abs() < 1e-12,
+            "{row}: {:?}",
+            rows[row]
+        );
     }
 }
 
