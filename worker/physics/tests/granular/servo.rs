@@ -79,7 +79,7 @@ fn a_stress_acts_on_what_the_other_planes_enclose() {
     spec["laws"]["local_damping"] = json!(0.3);
     for (axis, side) in ["x", "y"].into_iter().zip(sides) {
         for facing in [1, -1] {
-            let plane = json!({"name": format!("{axis}{facing}"), "axis": axis, "facing": facing,
+            let plane = json!({"name": format!("{axis}_{}", if facing > 0 { "low" } else { "high" }), "axis": axis, "facing": facing,
                                "position_m": -0.5 * side * f64::from(facing), "material": "stone"});
             spec["planes"].as_array_mut().expect("planes").push(plane);
         }
