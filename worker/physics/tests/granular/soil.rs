@@ -14,7 +14,7 @@ fn triaxial() -> Value {
         "soil": {"density_kg_per_m3": 2650, "youngs_modulus_pa": 1e8, "friction_angle_rad": 0.5},
         "preparation": {"friction_factor": 0.1},
         "test": {"width_m": 0.012, "height_m": 0.014, "confining_pressure_pa": 1e5, "axial_strain": 0.1,
-                 "axial_strain_rate_per_s": 4.0},
+                 "axial_strain_rate_per_s": 2.0},
         "accuracy": {"critical_step_fraction": 0.4}, "output": {"rows": 60}}})
 }
 
