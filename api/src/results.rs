@@ -245,6 +245,7 @@ const BALLAST: &[Named] = &[
     ("oedometric_modulus", "Pa"),
     ("porosity", "1"),
     ("mass_in_single_spheres_*", "1"),
+    ("mass_in_whole_grains_*", "1"),
     ("mass_from_135_spheres_*", "1"),
 ];
 /// What names of a second direction end in.

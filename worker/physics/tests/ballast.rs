@@ -272,6 +272,8 @@ fn breakable_grains_tell_their_fragments_at_four_moments() {
         .collect();
     assert_eq!(moments, ["poured", "before_loading", "peak", "end"]);
     assert!(value(&report, "broken_bonds") > 0.0);
+    let whole = |moment: &str| value(&report, &format!("mass_in_whole_grains_{moment}"));
+    assert!(whole("poured") > 0.99 && whole("end") < whole("poured"));
     let crushed = |moment: &str| value(&report, &format!("mass_in_single_spheres_{moment}"));
     assert!(crushed("poured") <= 0.0);
     assert!(crushed("end") >= crushed("peak") && crushed("peak") > 0.0);

@@ -86,6 +86,7 @@ impl Apparatus for BoxTest {
             peak_force_n: 40e3,
             cycles: 1,
             period_s: None,
+            frequency_hz: None,
         }
     }
 

@@ -52,6 +52,14 @@ pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations
 
 fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
     let test = &spec.test;
+    if test.period_s.is_some() && test.frequency_hz.is_some() {
+        let detail = "a period and a frequency say the same";
+        violations.push(
+            Violation::new("/test/frequency_hz", "not_both", detail)
+                .value(test.frequency_hz)
+                .allowed("at most one of: period_s, frequency_hz"),
+        );
+    }
     if test.peak_force_n <= test.smallest_force_n {
         let detail = "the load does not swing";
         violations.push(

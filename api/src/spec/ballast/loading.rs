@@ -17,10 +17,14 @@ pub struct Loading {
     #[serde(default = "one")]
     #[schemars(range(min = 1, max = 100_000))]
     pub cycles: u32,
-    /// T; left out, it follows from the inertial number that `accuracy` asks for.
+    /// T; left out with `frequency_hz`, it follows from the inertial number that `accuracy` asks for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-6, max = 1e6), extend("x-unit" = "s"))]
     pub period_s: Option<f64>,
+    /// 1/T, instead of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-6, max = 1e6), extend("x-unit" = "Hz"))]
+    pub frequency_hz: Option<f64>,
 }
 
 /// Strain of grains that find their place, as it is taken for the choice of a period.
@@ -56,7 +60,13 @@ impl Loading {
         let pressed = pressure(self.peak_force_n) / (BED_MODULUS * pace.modulus);
         let strain = (STRAIN + pressed).min(LARGEST_STRAIN);
         let time = 2.0 * strain * pace.diameter * (pace.density / mean).sqrt();
-        self.period_s.unwrap_or(time / pace.inertial_number)
+        let given = self.period_s.or(self.frequency_hz.map(f64::recip));
+        given.unwrap_or(time / pace.inertial_number)
+    }
+
+    /// Whether the period is given.
+    pub(super) fn has_period(&self) -> bool {
+        self.period_s.is_some() || self.frequency_hz.is_some()
     }
 }
 

@@ -114,6 +114,16 @@ fn curve_columns(is_breakable: bool) -> Vec<&'static str> {
         "coordination_number",
         "bed_mean_stress_kpa",
         "step_over_critical",
+        "displacement_in_cycle_mm",
+        "rebound_mm",
+        "bed_porosity",
+        "bed_stress_xx_kpa",
+        "bed_stress_yy_kpa",
+        "bed_stress_zz_kpa",
+        "bed_stress_xy_kpa",
+        "bed_stress_xz_kpa",
+        "bed_stress_yz_kpa",
+        "lateral_stress_ratio",
     ];
     if is_breakable {
         columns.push("broken_bonds");

@@ -60,6 +60,7 @@ impl Apparatus for Oedometer {
             peak_force_n: 150e3,
             cycles: 1,
             period_s: None,
+            frequency_hz: None,
         }
     }
 

@@ -110,6 +110,7 @@ impl Apparatus for Railbed {
             peak_force_n: 200e3,
             cycles: 1,
             period_s: None,
+            frequency_hz: None,
         }
     }
 

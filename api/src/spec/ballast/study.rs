@@ -60,7 +60,7 @@ impl<A: Apparatus> Studied for Ballast<A> {
         let mut present = self.accuracy.knobs();
         let lines = LINES.iter().filter(|line| {
             // a period that is given does not follow any number
-            line.name != "inertial_number" || self.test.period_s.is_none()
+            line.name != "inertial_number" || !self.test.has_period()
         });
         let knob = |line: &Line| {
             let [grid @ .., finest] = line.values;

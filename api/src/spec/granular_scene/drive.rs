@@ -58,7 +58,8 @@ pub struct WallDrive {
 /// sum K of the stiffnesses of all contacts that it has or may soon have. What touches it feels a
 /// dashpot: a contact alone comes nearer to F₁ by the part `gain` of what is missing in each step, and
 /// never beyond. Until it touches anything it moves at its largest velocity, and in its first step of
-/// contact the force grows by K Δt times that.
+/// contact the force grows by K Δt times that. While the bodies make it move at a speed v its force
+/// is off by K Δt v/gain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Servo {

@@ -223,10 +223,13 @@ impl GranularScene {
         } else {
             0.0
         };
-        let step =
-            |square: f64, ratio: f64| 2.0 / square.sqrt() * step_with_dashpot(ratio);
+        let step = |square: f64, ratio: f64| 2.0 / square.sqrt() * step_with_dashpot(ratio);
         // a dashpot along the normal counts across it too, which is on the safe side
-        let turning_damping = if is_resisting { rolling.damping_ratio } else { 0.0 };
+        let turning_damping = if is_resisting {
+            rolling.damping_ratio
+        } else {
+            0.0
+        };
         let across = across.max(along).max(turning_damping);
         step(normal * inverse_mass, along).min(step(shear * inverse_mass + turning, across))
     }

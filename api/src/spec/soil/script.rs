@@ -282,8 +282,9 @@ pub(super) enum Aim {
     Stress(f64),
 }
 
-/// Part of the missing force that walls make good in a step.
-const GAIN: f64 = 0.2;
+/// Part of the missing force that walls make good in a step: much, for a wall that has to move lags
+/// behind its force by K Δt v/gain.
+const GAIN: f64 = 0.8;
 
 fn driven(name: &str) -> WallDrive {
     WallDrive {

@@ -52,7 +52,6 @@
 //! of the spec's `Stage` and its arm in [`stages`]. A test in its own terms is a script of stages and a
 //! reader of their curve, as in [`soil`].
 pub mod ballast;
-pub mod soil;
 mod contact;
 mod generate;
 mod geometry;
@@ -61,6 +60,7 @@ mod numbers;
 mod observe;
 mod output;
 mod scene;
+pub mod soil;
 mod stages;
 mod step;
 mod walls;

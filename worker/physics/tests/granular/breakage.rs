@@ -73,6 +73,24 @@ fn a_crushed_ball_falls_into_ever_smaller_fragments() {
     let (first, last) = (&rows[0], &rows[rows.len() - 1]);
     assert_eq!(first[3..8], [1.0, 1.0, 1.0, 135.0, 135.0]);
     assert_eq!(first[13], 1.0, "all mass in pieces of 135 and more");
+    assert_eq!(first[14], 1.0, "and whole");
+    assert_eq!(last[14], 0.0, "nothing is whole");
+    // the mass curve at the end has the fragments of the last row, and ends at all of the mass
+    let sizes = record.table("fragment_sizes.csv");
+    assert_close(sizes.iter().map(|size| size[1]).sum(), last[5], 1e-12);
+    assert_close(
+        sizes.iter().map(|size| size[0] * size[1]).sum(),
+        135.0,
+        1e-12,
+    );
+    let largest = &sizes[sizes.len() - 1];
+    assert_eq!(largest[0], last[7]);
+    assert_close(largest[3], 1.0, 1e-12);
+    assert!(
+        sizes
+            .windows(2)
+            .all(|pair| pair[0][0] < pair[1][0] && pair[0][3] < pair[1][3])
+    );
     assert!(last[4] < 0.5 && last[6] < 20.0, "{last:?}");
     let mass = 135.0 * 2600.0 * 4.0 / 3.0 * std::f64::consts::PI * 0.0036_f64.powi(3);
     for pair in rows.windows(2) {
@@ -81,7 +99,7 @@ fn a_crushed_ball_falls_into_ever_smaller_fragments() {
     }
     for row in &rows {
         assert_close(row[8], mass, 1e-12 * mass);
-        assert_close(row[9..].iter().sum(), 1.0, 1e-12);
+        assert_close(row[9..14].iter().sum(), 1.0, 1e-12);
         assert_close(row[6] * row[5], 135.0, 1e-9);
     }
     let broken = record.column("broken_bonds");

@@ -27,7 +27,8 @@ fn column(spheres: usize, fixed: &[&str], servo: &Value, step: f64, steps: u64) 
         plane("base", "z", 0.0, 1),
         plane("top", "z", 2.0 * RADIUS * spheres as f64, -1)
     ]);
-    spec["stages"] = json!([{"drive": {"walls": [{"name": "top", "servo": servo}], "steps": steps}}]);
+    spec["stages"] =
+        json!([{"drive": {"walls": [{"name": "top", "servo": servo}], "steps": steps}}]);
     spec["record"] = json!({"every_steps": 1, "bodies": []});
     spec
 }
@@ -78,7 +79,7 @@ fn a_stress_acts_on_what_the_other_planes_enclose() {
     spec["laws"]["local_damping"] = json!(0.3);
     for (axis, side) in ["x", "y"].into_iter().zip(sides) {
         for facing in [1, -1] {
-            let plane = json!({"name": format!("{axis}{facing}"), "axis": axis, "facing": facing,
+            let plane = json!({"name": format!("{axis}_{}", if facing > 0 { "low" } else { "high" }), "axis": axis, "facing": facing,
                                "position_m": -0.5 * side * f64::from(facing), "material": "stone"});
             spec["planes"].as_array_mut().expect("planes").push(plane);
         }
@@ -117,7 +118,11 @@ fn servos_have_the_same_bits_on_threads_and_resume() {
 fn servos_are_planes_with_one_aim_and_an_area() {
     let at = "/spec/stages/0/drive/walls/0/servo";
     for (servo, pointer, code) in [
-        (json!({"largest_velocity_m_per_s": 1}), at.to_owned(), "not_one_aim"),
+        (
+            json!({"largest_velocity_m_per_s": 1}),
+            at.to_owned(),
+            "not_one_aim",
+        ),
         (
             json!({"force_n": 1, "stress_pa": 1, "largest_velocity_m_per_s": 1}),
             at.to_owned(),

@@ -1,6 +1,8 @@
 //! What a test heard of its scene, row by row.
 use loadframe_api::spec::ballast::{Phase, Script};
 
+use super::cycles::place_in_cycles;
+
 /// A row of the scene, in terms of the test.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Row {
@@ -17,6 +19,11 @@ pub(super) struct Row {
     /// I and mean stress [Pa] of the bed.
     pub(super) inertial_number: f64,
     pub(super) mean_stress: f64,
+    /// Stress of the bed [Pa]: xx, yy, zz, xy, xz, yz, compression positive.
+    pub(super) stress: [f64; 6],
+    /// Height of the loading wall where the present cycle began, and the lowest in it so far [m].
+    pub(super) cycle_start: f64,
+    pub(super) lowest: f64,
     /// Number of the row.
     pub(super) number: usize,
     /// Solid volume of the bed [m³].
@@ -34,6 +41,8 @@ pub(super) struct Heard<'a> {
     pub(super) solids: Vec<f64>,
     /// Where the cycles begin: time [s] and height [m].
     start: Option<(f64, f64)>,
+    /// Number of the present cycle, where it began and the lowest height in it so far [m].
+    cycle: Option<(usize, f64, f64)>,
 }
 
 impl Row {
@@ -50,6 +59,7 @@ impl<'a> Heard<'a> {
             rows: Vec::new(),
             solids: Vec::new(),
             start: None,
+            cycle: None,
         }
     }
 
@@ -59,11 +69,19 @@ impl<'a> Heard<'a> {
     }
 
     /// Adds a row. Returns where the cycles began, time [s] and height [m], if it is one of them.
-    pub(super) fn add(&mut self, row: Row) -> Option<(f64, f64)> {
+    pub(super) fn add(&mut self, mut row: Row) -> Option<(f64, f64)> {
         let start = (self.phase(row.stage) == Some(Phase::Load)).then(|| {
             let before = self.rows.last().unwrap_or(&row);
             let (time, height) = (before.time, before.height);
-            *self.start.get_or_insert((time, height))
+            let start = *self.start.get_or_insert((time, height));
+            let (number, _) = place_in_cycles(self.script, row.time - start.0);
+            let (_, began, lowest) = match self.cycle {
+                Some(cycle) if cycle.0 == number => cycle,
+                _ => (number, height, height),
+            };
+            (row.cycle_start, row.lowest) = (began, lowest.min(row.height));
+            self.cycle = Some((number, began, row.lowest));
+            start
         });
         self.rows.push(row);
         start

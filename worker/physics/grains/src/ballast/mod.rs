@@ -34,7 +34,8 @@ pub fn run<A: Apparatus>(
 ) -> Result<Ending, SimulationError> {
     let script = spec.script();
     let mut tester = Tester::new(&script, recorder);
-    let (ending, journal) = stages::run::run(&script.scene, context, &mut tester)?;
+    let run = stages::run::run(&script.scene, context, &mut tester);
+    let (ending, journal) = run.inspect_err(|_| tester.keep())?;
     Ok(match ending {
         Ending::Finished(report) => Ending::Finished(tester.conclude(report, &journal.fragments)?),
         ending => ending,

@@ -28,12 +28,12 @@ impl Moments {
         )
     }
 
-    /// Each moment with the share of mass in single spheres and in pieces of 135 and more: the ends
-    /// of the mass curve.
-    pub(super) fn shares(&self) -> impl Iterator<Item = (&'static str, [f64; 2])> {
+    /// Each moment with the share of mass in single spheres and in pieces of 135 and more, the ends
+    /// of the mass curve, and in whole grains.
+    pub(super) fn shares(&self) -> impl Iterator<Item = (&'static str, [f64; 3])> {
         self.0.iter().map(|(moment, row)| {
             let [single, .., large] = row.shares;
-            (*moment, [single, large])
+            (*moment, [single, large, row.whole_share])
         })
     }
 }

@@ -117,13 +117,19 @@ pub(super) fn report(
         );
     }
     // grains of fewer members have no such pieces
-    let has_large = (moments.shares().next()).is_some_and(|(_, [_, large])| large > 0.0);
-    for (moment, [single, large]) in moments.shares() {
+    let has_large = (moments.shares().next()).is_some_and(|(_, [_, large, _])| large > 0.0);
+    for (moment, [single, large, whole]) in moments.shares() {
         report.result(
             &format!("mass_in_single_spheres_{moment}"),
             single,
             "1",
             "Share of the mass of breakable grains that is single spheres.",
+        );
+        report.result(
+            &format!("mass_in_whole_grains_{moment}"),
+            whole,
+            "1",
+            "Share of the mass of breakable grains that is grains of which nothing broke off.",
         );
         if has_large {
             report.result(

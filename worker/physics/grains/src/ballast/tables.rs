@@ -1,7 +1,6 @@
 //! The files of a test.
 use std::io;
 
-use loadframe_api::spec::ballast::Script;
 use loadframe_harness::{Recorder, csv};
 
 use super::{
@@ -13,7 +12,8 @@ use super::{
 use crate::output::fragments;
 
 /// A row of the curve; `start` is where the cycles begin, time [s] and height [m].
-pub(super) fn curve_row(script: &Script, row: &Row, start: (f64, f64)) -> Vec<f64> {
+pub(super) fn curve_row(heard: &Heard<'_>, row: &Row, start: (f64, f64)) -> Vec<f64> {
+    let script = heard.script;
     let time = row.time - start.0;
     let (cycle, part) = place_in_cycles(script, time);
     let mut values = vec![
@@ -27,7 +27,13 @@ pub(super) fn curve_row(script: &Script, row: &Row, start: (f64, f64)) -> Vec<f6
         row.coordination,
         1e-3 * row.mean_stress,
         row.step_ratio,
+        1e3 * row.displacement(row.cycle_start),
+        1e3 * (row.height - row.lowest),
+        heard.bed_porosity(row),
     ];
+    values.extend(row.stress.map(|stress| 1e-3 * stress));
+    let [xx, yy, zz, ..] = row.stress;
+    values.push(0.5 * (xx + yy) / zz);
     values.extend(row.broken_bonds);
     values
 }
@@ -42,7 +48,7 @@ pub(super) fn write(
 ) -> io::Result<()> {
     let script = heard.script;
     let (rows, start) = heard.loading();
-    let rows: Vec<Vec<f64>> = rows.map(|row| curve_row(script, row, start)).collect();
+    let rows: Vec<Vec<f64>> = rows.map(|row| curve_row(heard, row, start)).collect();
     table(recorder, "curve.csv", &script.columns(), &rows)?;
     let rows: Vec<Vec<f64>> = (1..)
         .zip(cycles)
@@ -106,7 +112,7 @@ impl Cycle {
 
 /// The state of the bed at the end of every stage. Phases are words, so that this table is written
 /// by itself.
-fn write_preparation(heard: &Heard<'_>, recorder: &mut dyn Recorder) -> io::Result<()> {
+pub(super) fn write_preparation(heard: &Heard<'_>, recorder: &mut dyn Recorder) -> io::Result<()> {
     let mut text =
         "stage,phase,time_s,bed_porosity,coordination_number,unbalanced_force_ratio\n".to_owned();
     for (stage, phase) in heard.script.phases.iter().enumerate() {

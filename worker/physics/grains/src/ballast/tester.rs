@@ -27,6 +27,7 @@ struct Places {
     step_ratio: usize,
     inertial_number: usize,
     mean_stress: usize,
+    stress: [usize; 6],
     /// Of the slices, and of the bed.
     porosities: Vec<usize>,
     broken_bonds: Option<usize>,
@@ -85,6 +86,9 @@ impl<'a> Tester<'a> {
             step_ratio: values[places.step_ratio],
             inertial_number: values[places.inertial_number] * fill.sqrt(),
             mean_stress: values[places.mean_stress] / fill,
+            stress: places.stress.map(|place| values[place] / fill),
+            cycle_start: f64::NAN,
+            lowest: f64::NAN,
             number: self.heard.rows.len(),
             bed_solid,
             broken_bonds: places.broken_bonds.map(|place| values[place]),
@@ -116,6 +120,17 @@ impl<'a> Tester<'a> {
     }
 }
 
+impl Tester<'_> {
+    /// Keeps what is known of a test that failed: how its bed was prepared.
+    pub(super) fn keep(&mut self) {
+        if let Err(error) = tables::write_preparation(&self.heard, self.recorder) {
+            // why the test failed is what is told
+            self.recorder
+                .log(&format!("the preparation could not be written: {error}"));
+        }
+    }
+}
+
 impl Recorder for Tester<'_> {
     fn columns(&mut self, names: &[&str]) -> io::Result<()> {
         let place = |name: &str| names.iter().position(|known| *known == name);
@@ -137,6 +152,8 @@ impl Recorder for Tester<'_> {
             step_ratio: known("step_over_critical"),
             inertial_number: known(&format!("{BED}_inertial_number")),
             mean_stress: known(&format!("{BED}_mean_stress_pa")),
+            stress: ["xx", "yy", "zz", "xy", "xz", "yz"]
+                .map(|part| known(&format!("{BED}_stress_{part}_pa"))),
             porosities: slices
                 .map(|slice| known(&format!("{}_porosity", slice.name)))
                 .collect(),
@@ -151,7 +168,7 @@ impl Recorder for Tester<'_> {
         let mut told = None;
         if let Some(start) = self.heard.add(row) {
             let last = self.heard.rows.last();
-            told = last.map(|row| tables::curve_row(self.heard.script, row, start));
+            told = last.map(|row| tables::curve_row(&self.heard, row, start));
         }
         told.map_or(Ok(()), |row| self.recorder.point(&row))
     }

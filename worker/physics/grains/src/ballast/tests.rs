@@ -108,6 +108,98 @@ fn cycles_are_read_from_where_they_begin() {
     );
 }
 
+/// Columns by name of the curve that a tester writes.
+fn curve(tester: &Tester<'_>) -> Vec<Vec<f64>> {
+    let (rows, start) = tester.heard.loading();
+    rows.map(|row| super::tables::curve_row(&tester.heard, row, start))
+        .collect()
+}
+
+#[test]
+fn cycles_and_their_way_back_are_told_from_where_they_begin() {
+    let script = script();
+    let mut recorder = Unrecorded;
+    let tester = heard(&script, &mut recorder);
+    let place = |name: &str| {
+        let columns = script.columns();
+        let place = columns.iter().position(|column| *column == name);
+        place.expect("a column")
+    };
+    let rows = curve(&tester);
+    let [way, back] = ["displacement_in_cycle_mm", "rebound_mm"].map(place);
+    // the first cycle goes down by 0.9 mm and back by 0.6 mm, the second down by 0.6 mm from there
+    for (row, [down, up]) in [
+        (49, [0.9, 0.0]),
+        (99, [0.3, 0.6]),
+        (149, [0.6, 0.0]),
+        (199, [0.0, 0.6]),
+    ] {
+        assert!(
+            (rows[row][way] - down).abs() < 1e-12,
+            "{row}: {:?}",
+            rows[row]
+        );
+        assert!(
+            (rows[row][back] - up).abs() < 1e-12,
+            "{row}: {:?}",
+            rows[row]
+        );
+    }
+}
+
+/// Keeps the names of files.
+#[derive(Default)]
+struct Files(Vec<String>);
+
+impl Recorder for Files {
+    fn columns(&mut self, _names: &[&str]) -> std::io::Result<()> {
+        Ok(())
+    }
+
+    fn point(&mut self, _values: &[f64]) -> std::io::Result<()> {
+        Ok(())
+    }
+
+    fn file(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn std::io::Write) -> std::io::Result<()>,
+    ) -> std::io::Result<()> {
+        let mut bytes = Vec::new();
+        write(&mut bytes)?;
+        let rows = bytes.split(|byte| *byte == b'\n').count();
+        self.0.push(format!("{name} of {rows} lines"));
+        Ok(())
+    }
+
+    fn progress(&mut self, _fraction: f64, _phase: &str) {}
+
+    fn log(&mut self, _message: &str) {}
+
+    fn checkpoint_due(&self) -> bool {
+        false
+    }
+
+    fn checkpoint(&mut self, _bytes: &[u8]) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_test_that_failed_keeps_how_its_bed_was_prepared() {
+    let script = script();
+    let mut files = Files::default();
+    let mut tester = Tester::new(&script, &mut files);
+    tester.columns(&COLUMNS).expect("it keeps nothing");
+    for (stage, time) in [(1.0, 0.5), (2.0, 1.5)] {
+        let row = [time, stage, 0.1, 0.0, 4.0, 0.0, 0.4, 0.0, 0.0, 0.4, 0.7];
+        tester.point(&row).expect("it keeps nothing");
+    }
+    tester.keep();
+    // a header, two stages, the end of the file
+    assert_eq!(files.0, ["preparation.csv of 4 lines"]);
+}
+
 #[test]
 fn an_end_of_a_cycle_belongs_to_it_and_a_step_beyond_the_last_too() {
     let script = script();

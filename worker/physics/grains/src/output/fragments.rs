@@ -1,15 +1,20 @@
-//! Fragments of breakable grains: `fragments.csv`.
+//! Fragments of breakable grains: `fragments.csv` and `fragment_sizes.csv`.
 //!
-//! Counts fragments by the number of their members, in the classes of T fig. 4.25.
+//! Counts fragments by the number of their members, in the classes of T fig. 4.25 all the time, and one by
+//! one at the end. A grain is whole when all of its members hold together.
+use std::{collections::BTreeMap, io};
+
+use loadframe_harness::Recorder;
 use serde::{Deserialize, Serialize};
 
+use super::table::write_table;
 use crate::{observe::fragments::Fragments, scene::model::NO_GRAIN, step::engine::Engine};
 
 /// Largest number of members of each class; the last class has no end.
 const CLASSES: [usize; 4] = [1, 9, 49, 134];
 
 /// Columns of `fragments.csv`.
-pub(crate) const COLUMNS: [&str; 14] = [
+pub(crate) const COLUMNS: [&str; 15] = [
     "step",
     "time_s",
     "stage",
@@ -24,7 +29,11 @@ pub(crate) const COLUMNS: [&str; 14] = [
     "mass_share_10_to_49",
     "mass_share_50_to_134",
     "mass_share_from_135",
+    "mass_share_whole_grains",
 ];
+
+/// Columns of `fragment_sizes.csv`: the mass curve over the size of fragments.
+const SIZE_COLUMNS: [&str; 4] = ["members", "fragments", "mass_kg", "mass_share_up_to"];
 
 /// What breakable grains have become at a row of the curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,41 +52,80 @@ pub(crate) struct FragmentRow {
     mass: f64,
     /// Parts of the mass, by class.
     pub(crate) shares: [f64; CLASSES.len() + 1],
+    /// Part of the mass that is whole grains.
+    pub(crate) whole_share: f64,
+}
+
+/// Members and mass [kg] of each fragment, by the number of its lowest body; none elsewhere.
+fn pieces(engine: &Engine, bonds: &[[u32; 2]]) -> Vec<(usize, f64)> {
+    let grains = &engine.model.grains;
+    let fragments = Fragments::joined(engine.model.masses.len(), bonds);
+    let mut pieces = vec![(0_usize, 0.0); grains.len()];
+    for (body, mass, _) in engine.present_bodies() {
+        if grains[body as usize] != NO_GRAIN {
+            let piece = &mut pieces[fragments.of_body(body) as usize];
+            piece.0 += 1;
+            piece.1 += mass;
+        }
+    }
+    pieces
+}
+
+/// Gives the recorder the mass curve over the size of fragments as these pairs of bodies hold together.
+pub(crate) fn write_sizes(
+    engine: &Engine,
+    bonds: &[[u32; 2]],
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
+    let mut sizes: BTreeMap<usize, (usize, f64)> = BTreeMap::new();
+    for (members, mass) in pieces(engine, bonds) {
+        if members > 0 {
+            let size = sizes.entry(members).or_default();
+            size.0 += 1;
+            size.1 += mass;
+        }
+    }
+    let whole: f64 = sizes.values().map(|(_, mass)| mass).sum();
+    let mut so_far = 0.0;
+    let mut rows = Vec::with_capacity(SIZE_COLUMNS.len() * sizes.len());
+    for (members, (count, mass)) in sizes {
+        so_far += mass;
+        rows.extend([members as f64, count as f64, mass, so_far / whole]);
+    }
+    write_table(recorder, "fragment_sizes.csv", &SIZE_COLUMNS, &rows)
 }
 
 impl FragmentRow {
     /// As these pairs of bodies hold together now.
     pub(crate) fn new(engine: &Engine, stage: usize, bonds: &[[u32; 2]]) -> Self {
         let grains = &engine.model.grains;
-        let fragments = Fragments::joined(engine.model.masses.len(), bonds);
+        let found = pieces(engine, bonds);
         let count = grains.len();
-        let (mut members, mut masses) = (vec![0_usize; count], vec![0.0; count]);
         let mut present = vec![false; count];
-        for (body, mass, _) in engine.present_bodies() {
-            let grain = grains[body as usize];
-            if grain == NO_GRAIN {
-                continue;
+        for (fragment, (members, _)) in found.iter().enumerate() {
+            if *members > 0 {
+                present[grains[fragment] as usize] = true;
             }
-            present[grain as usize] = true;
-            let fragment = fragments.of_body(body) as usize;
-            members[fragment] += 1;
-            masses[fragment] += mass;
         }
         let mut full = vec![0_usize; count];
         for grain in grains.iter().filter(|grain| **grain != NO_GRAIN) {
             full[*grain as usize] += 1;
         }
         let (mut pieces, mut whole, mut largest) = (0_usize, 0_usize, 0);
+        let (mut bodies, mut whole_mass) = (0, 0.0);
         let mut shares = [0.0; CLASSES.len() + 1];
-        for (fragment, size) in members.iter().enumerate().filter(|(_, size)| **size > 0) {
+        for (fragment, (size, mass)) in found.iter().enumerate().filter(|(_, found)| found.0 > 0) {
             pieces += 1;
+            bodies += size;
             largest = largest.max(*size);
-            whole += usize::from(*size == full[grains[fragment] as usize]);
+            if *size == full[grains[fragment] as usize] {
+                whole += 1;
+                whole_mass += mass;
+            }
             let class = CLASSES.iter().position(|most| size <= most);
-            shares[class.unwrap_or(CLASSES.len())] += masses[fragment];
+            shares[class.unwrap_or(CLASSES.len())] += mass;
         }
         let mass: f64 = shares.iter().sum();
-        let bodies: usize = members.iter().sum();
         Self {
             step: engine.state.step,
             time: engine.state.time,
@@ -89,6 +137,7 @@ impl FragmentRow {
             largest,
             mass,
             shares: shares.map(|share| if mass > 0.0 { share / mass } else { 0.0 }),
+            whole_share: if mass > 0.0 { whole_mass / mass } else { 0.0 },
         }
     }
 
@@ -110,6 +159,7 @@ impl FragmentRow {
             some,
             many,
             most,
+            self.whole_share,
         ]
     }
 }

@@ -101,7 +101,9 @@ impl Model {
             },
         });
         let rough = |material: &Material| {
-            material.friction_angle() > 0.0 || material.is_cohesive() || material.rolling().is_felt()
+            material.friction_angle() > 0.0
+                || material.is_cohesive()
+                || material.rolling().is_felt()
         };
         let first_box = first_box(spec, specimen);
         let surfaces: Vec<Surface> = spec.materials.values().map(Surface::new).collect();

@@ -67,16 +67,66 @@ impl Measured for DirectShear {
         let porosity = first.at(&format!("{SAMPLE}_porosity"));
         let angle = |tangent: f64| tangent.atan().to_degrees();
         for (name, value, unit, description) in [
-            ("peak_shear_stress", 1e3 * rows.test[peak][SHEAR], "Pa", "Shear stress where its ratio to the normal stress is largest, over the area of the box."),
-            ("peak_friction_angle", angle(strength), "deg", "Of the largest ratio of shear to normal stress, of a soil without cohesion."),
-            ("critical_friction_angle", angle(critical(&ratio)), "deg", "Of the mean ratio over the last fifth of the displacement: that of the critical state if the height has stopped changing."),
-            ("dilatancy_angle", angle(slope_at(&vertical, displacement)), "deg", "Angle of dilatancy at the peak."),
-            ("shear_displacement_at_peak", displacement, "mm", "Displacement of the lower half at the peak."),
-            ("normal_stress", 1e3 * normal, "Pa", "Mean normal stress during the test, over the area of the box."),
-            ("final_vertical_displacement", last[VERTICAL], "mm", "Of the top at the end: positive when the specimen has grown."),
-            ("largest_shear_displacement", last[DISPLACEMENT], "mm", "Displacement of the lower half at the end."),
-            ("initial_height", 1e3 * height, "mm", "Height of the specimen under the normal stress."),
-            ("initial_void_ratio", porosity / (1.0 - porosity), "1", "Void ratio under the normal stress."),
+            (
+                "peak_shear_stress",
+                1e3 * rows.test[peak][SHEAR],
+                "Pa",
+                "Shear stress where its ratio to the normal stress is largest, over the area of the box.",
+            ),
+            (
+                "peak_friction_angle",
+                angle(strength),
+                "deg",
+                "Of the largest ratio of shear to normal stress, of a soil without cohesion.",
+            ),
+            (
+                "critical_friction_angle",
+                angle(critical(&ratio)),
+                "deg",
+                "Of the mean ratio over the last fifth of the displacement: that of the critical state if the height has stopped changing.",
+            ),
+            (
+                "dilatancy_angle",
+                angle(slope_at(&vertical, displacement)),
+                "deg",
+                "Angle of dilatancy at the peak.",
+            ),
+            (
+                "shear_displacement_at_peak",
+                displacement,
+                "mm",
+                "Displacement of the lower half at the peak.",
+            ),
+            (
+                "normal_stress",
+                1e3 * normal,
+                "Pa",
+                "Mean normal stress during the test, over the area of the box.",
+            ),
+            (
+                "final_vertical_displacement",
+                last[VERTICAL],
+                "mm",
+                "Of the top at the end: positive when the specimen has grown.",
+            ),
+            (
+                "largest_shear_displacement",
+                last[DISPLACEMENT],
+                "mm",
+                "Displacement of the lower half at the end.",
+            ),
+            (
+                "initial_height",
+                1e3 * height,
+                "mm",
+                "Height of the specimen under the normal stress.",
+            ),
+            (
+                "initial_void_ratio",
+                porosity / (1.0 - porosity),
+                "1",
+                "Void ratio under the normal stress.",
+            ),
         ] {
             report.result(name, value, unit, description);
         }

@@ -51,10 +51,7 @@ impl Rows {
             places: &self.places,
             values,
         };
-        Some([
-            reading(self.scene.first()?),
-            reading(self.scene.last()?),
-        ])
+        Some([reading(self.scene.first()?), reading(self.scene.last()?)])
     }
 
     /// A column over another.

@@ -101,20 +101,90 @@ impl Measured for Triaxial {
         };
         let start = State::of(script, &first);
         for (name, value, unit, description) in [
-            ("peak_deviator_stress", 1e3 * deviator[peak].1, "Pa", "Deviator stress σ_a − σ_r where the mobilised friction angle is largest."),
-            ("peak_friction_angle", peak_angle, "deg", "Largest mobilised friction angle, of a soil without cohesion."),
-            ("critical_friction_angle", critical(&angle), "deg", "Mean mobilised friction angle over the last fifth of the strain: that of the critical state if the volume has stopped changing."),
-            ("dilatancy_angle", (dilation / (dilation - 2.0)).asin().to_degrees(), "deg", "Angle of dilatancy at the peak."),
-            ("axial_strain_at_peak", strain, "1", "Axial strain at the peak."),
-            ("secant_modulus", secant.unwrap_or(f64::NAN), "Pa", "Secant modulus at half the peak deviator stress; limited by the rows of the curve."),
-            ("confining_pressure", 1e3 * mean(RADIAL), "Pa", "Mean stress on the walls at the sides during the test."),
-            ("mean_stress_at_peak", 1e3 * rows.test[peak][MEAN], "Pa", "Mean stress p at the peak."),
-            ("initial_void_ratio", rows.test[0][VOID_RATIO], "1", "Void ratio under the confining pressure."),
-            ("final_void_ratio", last[VOID_RATIO], "1", "Void ratio at the end."),
-            ("largest_axial_strain", last[AXIAL_STRAIN], "1", "Axial strain at the end, over the height of the specimen under the confining pressure."),
-            ("final_volumetric_strain", last[VOLUMETRIC_STRAIN], "1", "Volumetric strain at the end: negative when the specimen has grown."),
-            ("initial_height", 1e3 * start.sides[2], "mm", "Height of the specimen under the confining pressure."),
-            ("initial_width", 1e3 * 0.5 * (start.sides[0] + start.sides[1]), "mm", "Mean width of the specimen under the confining pressure."),
+            (
+                "peak_deviator_stress",
+                1e3 * deviator[peak].1,
+                "Pa",
+                "Deviator stress σ_a − σ_r where the mobilised friction angle is largest.",
+            ),
+            (
+                "peak_friction_angle",
+                peak_angle,
+                "deg",
+                "Largest mobilised friction angle, of a soil without cohesion.",
+            ),
+            (
+                "critical_friction_angle",
+                critical(&angle),
+                "deg",
+                "Mean mobilised friction angle over the last fifth of the strain: that of the critical state if the volume has stopped changing.",
+            ),
+            (
+                "dilatancy_angle",
+                (dilation / (dilation - 2.0)).asin().to_degrees(),
+                "deg",
+                "Angle of dilatancy at the peak.",
+            ),
+            (
+                "axial_strain_at_peak",
+                strain,
+                "1",
+                "Axial strain at the peak.",
+            ),
+            (
+                "secant_modulus",
+                secant.unwrap_or(f64::NAN),
+                "Pa",
+                "Secant modulus at half the peak deviator stress; limited by the rows of the curve.",
+            ),
+            (
+                "confining_pressure",
+                1e3 * mean(RADIAL),
+                "Pa",
+                "Mean stress on the walls at the sides during the test.",
+            ),
+            (
+                "mean_stress_at_peak",
+                1e3 * rows.test[peak][MEAN],
+                "Pa",
+                "Mean stress p at the peak.",
+            ),
+            (
+                "initial_void_ratio",
+                rows.test[0][VOID_RATIO],
+                "1",
+                "Void ratio under the confining pressure.",
+            ),
+            (
+                "final_void_ratio",
+                last[VOID_RATIO],
+                "1",
+                "Void ratio at the end.",
+            ),
+            (
+                "largest_axial_strain",
+                last[AXIAL_STRAIN],
+                "1",
+                "Axial strain at the end, over the height of the specimen under the confining pressure.",
+            ),
+            (
+                "final_volumetric_strain",
+                last[VOLUMETRIC_STRAIN],
+                "1",
+                "Volumetric strain at the end: negative when the specimen has grown.",
+            ),
+            (
+                "initial_height",
+                1e3 * start.sides[2],
+                "mm",
+                "Height of the specimen under the confining pressure.",
+            ),
+            (
+                "initial_width",
+                1e3 * 0.5 * (start.sides[0] + start.sides[1]),
+                "mm",
+                "Mean width of the specimen under the confining pressure.",
+            ),
         ] {
             report.result(name, value, unit, description);
         }

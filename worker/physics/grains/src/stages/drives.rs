@@ -82,7 +82,11 @@ impl Runner<'_> {
                 });
             }
             // one that goes on knows what touches it
-            if let Some(servo) = wall.servo.as_ref().filter(|_| self.journal.stage_steps == 0) {
+            if let Some(servo) = wall
+                .servo
+                .as_ref()
+                .filter(|_| self.journal.stage_steps == 0)
+            {
                 let face = &mut self.engine.state.faces[number];
                 face.motion.servo = Some(Servo {
                     axis: face.axis,

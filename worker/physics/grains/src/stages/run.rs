@@ -4,7 +4,7 @@ use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError
 use loadframe_numerics::Team;
 
 use super::runner::Runner;
-use crate::output::{journal::Journal, report, snapshot, tables};
+use crate::output::{fragments, journal::Journal, report, snapshot, tables};
 
 /// Runs the scene of `spec`; returns its journal as well, for tests in terms of their own.
 pub(crate) fn run(
@@ -75,6 +75,9 @@ pub(crate) fn run(
         runner.journal.stage_start = runner.engine.state.time;
     }
     tables::write(spec, &runner.journal, recorder)?;
+    if !runner.engine.model.grains.is_empty() {
+        fragments::write_sizes(&runner.engine, &runner.journal.bonds, recorder)?;
+    }
     let has_walls = runner.engine.wall_count() > 0;
     snapshot::write_series(&runner.journal, has_walls, recorder)?;
     recorder.progress(1.0, "finished");

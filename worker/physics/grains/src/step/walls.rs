@@ -117,8 +117,15 @@ impl Engine {
         let faces = faces.map(move |(wall, face)| {
             // along itself a plane comes no closer to anything
             let speed = face.motion.velocity[face.axis].abs();
-            let servo = face.motion.servo.map_or(0.0, |servo| servo.largest_velocity);
-            (wall, speed.max(servo), pushed(&face.motion, face.axis..face.axis + 1))
+            let servo = face
+                .motion
+                .servo
+                .map_or(0.0, |servo| servo.largest_velocity);
+            (
+                wall,
+                speed.max(servo),
+                pushed(&face.motion, face.axis..face.axis + 1),
+            )
         });
         let planes = self.state.faces.len();
         let meshes = self.state.poses.iter().zip(&self.model.facets.meshes);

@@ -99,6 +99,8 @@ impl WallMotion {
 
     /// Whether it moves or may move.
     pub(crate) fn is_moving(&self) -> bool {
-        self.load.is_some() || self.servo.is_some() || self.velocity.iter().any(|part| part.abs() > 0.0)
+        self.load.is_some()
+            || self.servo.is_some()
+            || self.velocity.iter().any(|part| part.abs() > 0.0)
     }
 }

@@ -252,7 +252,11 @@ mod tests {
         (law.reach[0][0], law.reach[1][0]) = (1.0, 1.0);
         let normal = Vector::new(0.0, 0.0, 1.0);
         // M_r = −k_r Δt ω_r, M_t = −k_t Δt ω_n
-        step(&mut law, normal, [Vector::zeros(), Vector::new(30.0, 0.0, -50.0)]);
+        step(
+            &mut law,
+            normal,
+            [Vector::zeros(), Vector::new(30.0, 0.0, -50.0)],
+        );
         let spin = Vector::new(40.0, -20.0, 70.0);
         for number in 1..=500 {
             let turn = nalgebra::Rotation3::new(spin * (1e-4 * f64::from(number)));
@@ -264,7 +268,10 @@ mod tests {
         assert!((past.rolling.norm() - 0.06).abs() < 1e-14, "{past:?}");
         assert!((past.twisting - 0.1).abs() < 1e-15, "{past:?}");
         // turned by 4 rad in 500 steps of first order
-        assert!((past.rolling - expected).norm() < 0.06 * 1e-2, "{past:?} {expected:?}");
+        assert!(
+            (past.rolling - expected).norm() < 0.06 * 1e-2,
+            "{past:?} {expected:?}"
+        );
     }
 
     #[test]
@@ -273,10 +280,17 @@ mod tests {
         (law.stiffness[0][0], law.stiffness[1][0]) = (20.0, 20.0);
         (law.reach[0][0], law.reach[1][0]) = (1e-3, 2e-3);
         let normal = Vector::new(0.0, 0.0, 1.0);
-        step(&mut law, normal, [Vector::zeros(), Vector::new(0.0, 30.0, 50.0)]);
+        step(
+            &mut law,
+            normal,
+            [Vector::zeros(), Vector::new(0.0, 30.0, 50.0)],
+        );
         let past = law.past(0);
         // F_N = 1e6 N/m · 1e-5 m
-        assert!((past.rolling - Vector::new(0.0, -0.01, 0.0)).norm() < 1e-17, "{past:?}");
+        assert!(
+            (past.rolling - Vector::new(0.0, -0.01, 0.0)).norm() < 1e-17,
+            "{past:?}"
+        );
         assert!((past.twisting + 0.02).abs() < 1e-17, "{past:?}");
     }
 }
