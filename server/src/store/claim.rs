@@ -126,7 +126,8 @@ impl Change {
             let job = sqlx::query_as(
                 // the first of each kind, however many others wait before it
                 "SELECT j.seq, j.id, j.status, j.outcome, j.asked, j.losses, j.attempt, j.version
-                 FROM json_each(?1) k CROSS JOIN jobs j ON j.seq = (SELECT b.seq FROM jobs b
+                 FROM json_each(?1) k CROSS JOIN jobs j ON j.seq = (SELECT b.seq
+                    FROM jobs b INDEXED BY jobs_waiting_by_kind
                     WHERE b.status = 'queued' AND b.kind = k.value
                        AND (?5 OR NOT EXISTS (SELECT 1 FROM job_faults f
                             WHERE f.job = b.seq AND f.host = ?2))

@@ -237,7 +237,8 @@ impl Words {
         if let Some(Moment { at, bounds_numbers }) = self.after {
             query.push(" AND j.created_at > ").push_bind(at);
             if bounds_numbers {
-                let first = "(SELECT MIN(seq) FROM jobs WHERE created_at > ";
+                let first =
+                    "(SELECT MIN(seq) FROM jobs INDEXED BY jobs_by_moment WHERE created_at > ";
                 query.push(format!(" AND {number} >= {first}"));
                 query.push_bind(at).push(")");
             }
@@ -245,7 +246,8 @@ impl Words {
         if let Some(Moment { at, bounds_numbers }) = self.before {
             query.push(" AND j.created_at < ").push_bind(at);
             if bounds_numbers {
-                let last = "(SELECT MAX(seq) FROM jobs WHERE created_at < ";
+                let last =
+                    "(SELECT MAX(seq) FROM jobs INDEXED BY jobs_by_moment WHERE created_at < ";
                 query.push(format!(" AND {number} <= {last}"));
                 query.push_bind(at).push(")");
             }

@@ -173,7 +173,8 @@ impl Store {
             *place = count.unsigned_abs();
         }
         let (oldest, alive, lost, bytes): (Option<i64>, i64, i64, i64) = sqlx::query_as(
-            "SELECT (SELECT MIN(created_at) FROM jobs WHERE status = 'queued'),
+            "SELECT (SELECT created_at FROM jobs INDEXED BY jobs_waiting_since
+                     WHERE status = 'queued' ORDER BY created_at LIMIT 1),
                     (SELECT COUNT(*) FROM workers WHERE last_seen_at >= ?),
                     (SELECT COUNT(*) FROM attempts WHERE end_reason = 'lost'),
                     (SELECT COALESCE(SUM(bytes), 0) FROM (

@@ -39,6 +39,7 @@ async fn a_million_jobs_are_listed_searched_and_claimed_as_fast_as_a_thousand() 
     const LONGEST: Duration = Duration::from_millis(100);
     // of a thousand: on a machine that has other work, all takes as long as it takes
     let mut few = Vec::new();
+    let mut slow = Vec::new();
     let mut claims = Vec::new();
     for count in [1_000, 100_000, 1_000_000] {
         let lab = Lab::open(LONG).await;
@@ -98,7 +99,9 @@ async fn a_million_jobs_are_listed_searched_and_claimed_as_fast_as_a_thousand() 
             if count == 1_000 {
                 few.push(p95);
             }
-            assert!(p95 < LONGEST.max(3 * few[index]), "{what}: {p95:?}");
+            if p95 > LONGEST.max(3 * few[index]) {
+                slow.push(format!("{what} of {count}: {p95:?}"));
+            }
         }
         let early = Some(Timestamp(1_700_000_000_100));
         let old = JobFilter {
@@ -163,5 +166,6 @@ async fn a_million_jobs_are_listed_searched_and_claimed_as_fast_as_a_thousand() 
         .await;
         readers.iter().for_each(tokio::task::JoinHandle::abort);
     }
+    assert!(slow.is_empty(), "{slow:#?}");
     assert!(claims[2] < LONGEST.max(3 * claims[0]), "{claims:?}");
 }
