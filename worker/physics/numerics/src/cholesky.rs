@@ -79,6 +79,19 @@ impl SparseCholesky {
         for (entry, value) in self.entries.iter_mut().zip(entries) {
             *entry = value;
         }
+        self.factor_entries()
+    }
+
+    /// The entries of the matrix in the order of the pattern's rows, to be written where they are.
+    pub fn entries_mut(&mut self) -> &mut [f64] {
+        &mut self.entries
+    }
+
+    /// Factors the matrix with the entries as they are.
+    ///
+    /// # Errors
+    /// Why there is no factor.
+    pub fn factor_entries(&mut self) -> Result<(), NoFactor> {
         let size = self.free.len();
         if size == 0 {
             return Ok(());
@@ -145,8 +158,39 @@ impl SparseCholesky {
         }
     }
 
-    /// Solves in place, columns one after the other.
-    fn solve_free(&self, columns: &mut [f64], count: usize) {
+    /// Number of unknowns that are free.
+    pub fn size(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Stored entries of the factor.
+    pub fn stored(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Multiplications that a factor takes, by its supernodes: n columns above m rows take
+    /// n³/6 + n² m/2 + n m²/2.
+    pub fn multiplications(&self) -> f64 {
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
+            return 0.0;
+        };
+        let mut sum = 0.0;
+        for node in 0..symbolic.n_supernodes() {
+            let columns =
+                (symbolic.supernode_end()[node] - symbolic.supernode_begin()[node]) as f64;
+            let entries = symbolic.col_ptr_for_val()[node + 1] - symbolic.col_ptr_for_val()[node];
+            let below = entries as f64 / columns - columns;
+            sum += columns * (columns * columns / 3.0 + columns * below + below * below) / 2.0;
+        }
+        sum
+    }
+
+    /// Solves in place for `count` right sides, one after the other, each of the free unknowns in order of
+    /// elimination.
+    pub fn solve_free(&self, columns: &mut [f64], count: usize) {
+        if self.free.is_empty() {
+            return;
+        }
         let scratch = self.symbolic.solve_in_place_scratch::<f64>(count, Par::Seq);
         let mut memory = MemBuffer::new(scratch);
         LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(

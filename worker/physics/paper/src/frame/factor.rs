@@ -1,17 +1,8 @@
 //! The stiffness of the nodes that are free, and its Cholesky factor.
 //!
 //! A node is free in all its motions or held in all. The pattern is that of nodes, so that every entry
-//! is a dense block; `faer` factors supernodes, the order is ours. It works on one thread: the same
-//! network gives the same bytes.
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltError;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+//! is a dense block; the order of elimination is ours.
+use loadframe_numerics::{NoFactor, SparseCholesky};
 use nalgebra::Vector3;
 
 use super::element::{Element, Ends, Matrix12};
@@ -23,6 +14,7 @@ use super::order::{Graph, nested_dissection};
 const HELD: u32 = u32::MAX;
 
 /// The free nodes' matrix: its pattern, made once, its values and their factor.
+#[derive(Debug)]
 pub(crate) struct Factor {
     motions: usize,
     /// Place of each node in the order of elimination.
@@ -33,21 +25,7 @@ pub(crate) struct Factor {
     first: Vec<u32>,
     blocks: Vec<u32>,
     /// The same by motions: the upper half by columns.
-    starts: Vec<u32>,
-    rows: Vec<u32>,
-    entries: Vec<f64>,
-    symbolic: SymbolicCholesky<u32>,
-    values: Vec<f64>,
-    memory: MemBuffer,
-}
-
-impl std::fmt::Debug for Factor {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
-        formatter
-            .debug_struct("Factor")
-            .field("size", &self.size())
-            .finish_non_exhaustive()
-    }
+    cholesky: SparseCholesky,
 }
 
 impl Factor {
@@ -96,39 +74,16 @@ impl Factor {
             }
         }
         starts.push(rows.len() as u32);
-        let too_large = || FrameError::TooLarge { unknowns: size };
-        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &starts, None, &rows);
-        let symbolic = factorize_symbolic_cholesky(
-            pattern,
-            Side::Upper,
-            SymmetricOrdering::Identity,
-            CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-                ..Default::default()
-            },
-        )
-        .map_err(|_| too_large())?;
-        let mut values: Vec<f64> = Vec::new();
-        values
-            .try_reserve_exact(symbolic.len_val())
-            .map_err(|_| too_large())?;
-        values.resize(symbolic.len_val(), 0.0);
-        let scratch = symbolic
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default())
-            .or(symbolic.solve_in_place_scratch::<f64>(super::element::PARTS, Par::Seq));
-        let memory = MemBuffer::try_new(scratch).map_err(|_| too_large())?;
+        let unknowns = (0..size as u32).collect();
+        let cholesky = SparseCholesky::new(unknowns, starts, rows)
+            .map_err(|_| FrameError::TooLarge { unknowns: size })?;
         Ok(Self {
             motions,
             place,
             free,
             first,
             blocks,
-            starts,
-            entries: vec![0.0; rows.len()],
-            rows,
-            symbolic,
-            values,
-            memory,
+            cholesky,
         })
     }
 
@@ -139,24 +94,32 @@ impl Factor {
 
     /// Stored entries of the factor.
     pub(crate) fn stored(&self) -> usize {
-        self.values.len()
+        self.cholesky.stored()
     }
 
-    /// Multiplications that a factor takes, by its supernodes: n columns above m rows take
-    /// n³/6 + n² m/2 + n m²/2.
+    /// Multiplications that a factor takes.
     pub(crate) fn multiplications(&self) -> f64 {
-        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
-            return 0.0;
-        };
-        let mut sum = 0.0;
-        for node in 0..symbolic.n_supernodes() {
-            let columns =
-                (symbolic.supernode_end()[node] - symbolic.supernode_begin()[node]) as f64;
-            let entries = symbolic.col_ptr_for_val()[node + 1] - symbolic.col_ptr_for_val()[node];
-            let below = entries as f64 / columns - columns;
-            sum += columns * (columns * columns / 3.0 + columns * below + below * below) / 2.0;
-        }
-        sum
+        self.cholesky.multiplications()
+    }
+
+    /// Place of the first entry of a motion's column: before it come those of all nodes with earlier places,
+    /// and of the node's own motions before.
+    fn start(&self, place: usize, motion: usize) -> usize {
+        let each = self.motions;
+        let [first, next] = [self.first[place], self.first[place + 1]].map(|at| at as usize);
+        let above = each * (next - first);
+        each * each * first
+            + place * (each * (each + 1) / 2)
+            + motion * above
+            + motion * (motion + 1) / 2
+    }
+
+    /// Place of a diagonal entry.
+    fn diagonal(&self, unknown: usize) -> usize {
+        let (place, motion) = (unknown / self.motions, unknown % self.motions);
+        self.start(place, motion)
+            + self.motions * (self.first[place + 1] - self.first[place]) as usize
+            + motion
     }
 
     /// Sums the matrices of elements and factors.
@@ -174,7 +137,7 @@ impl Factor {
 
     /// Sums the matrices of elements.
     pub(crate) fn sum(&mut self, elements: impl Iterator<Item = ([u32; 2], Matrix12)>) {
-        self.entries.fill(0.0);
+        self.cholesky.entries_mut().fill(0.0);
         for (nodes, matrix) in elements {
             self.add(nodes, &matrix);
         }
@@ -189,41 +152,29 @@ impl Factor {
     ) -> Result<(), FrameError> {
         let mut sums = [0.0; 2];
         for column in 0..self.size() {
-            let own = self.starts[column + 1] as usize - 1;
-            sums[usize::from(column % self.motions > 2)] += self.entries[own].abs();
+            let own = self.diagonal(column);
+            sums[usize::from(column % self.motions > 2)] += self.cholesky.entries_mut()[own].abs();
         }
         let each = 3.0 * self.free.len() as f64;
         for column in 0..self.size() {
-            let own = self.starts[column + 1] as usize - 1;
-            self.entries[own] += share * sums[usize::from(column % self.motions > 2)] / each;
+            let own = self.diagonal(column);
+            self.cholesky.entries_mut()[own] +=
+                share * sums[usize::from(column % self.motions > 2)] / each;
         }
         self.factor_entries(positions)
     }
 
     fn factor_entries(&mut self, positions: &[Vector3<f64>]) -> Result<(), FrameError> {
-        let size = self.size();
-        if size == 0 {
-            return Ok(());
-        }
-        let pattern =
-            SymbolicSparseColMatRef::new_checked(size, size, &self.starts, None, &self.rows);
-        let outcome = self.symbolic.factorize_numeric_llt(
-            &mut self.values,
-            SparseColMatRef::new(pattern, &self.entries),
-            Side::Upper,
-            Default::default(),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-            Default::default(),
-        );
-        match outcome {
-            Ok(_) => Ok(()),
-            Err(LltError::NonPositivePivot { index }) => {
-                let node = self.free[index.min(size - 1) / self.motions] as usize;
+        self.cholesky.factor_entries().map_err(|error| match error {
+            NoFactor::Indefinite { unknown } => {
+                let node = self.free[unknown / self.motions] as usize;
                 let [x, y, z] = positions[node].into();
-                Err(FrameError::GivesWay { node, x, y, z })
+                FrameError::GivesWay { node, x, y, z }
             }
-        }
+            NoFactor::TooLarge => FrameError::TooLarge {
+                unknowns: self.size(),
+            },
+        })
     }
 
     fn add(&mut self, nodes: [u32; 2], matrix: &Matrix12) {
@@ -233,9 +184,10 @@ impl Factor {
                 let place = place as usize;
                 let before = self.motions * (self.first[place + 1] - self.first[place]) as usize;
                 for column in 0..self.motions {
-                    let start = self.starts[place * self.motions + column] as usize + before;
+                    let start = self.start(place, column) + before;
                     for row in 0..=column {
-                        self.entries[start + row] += matrix[6 * end + row][6 * end + column];
+                        self.cholesky.entries_mut()[start + row] +=
+                            matrix[6 * end + row][6 * end + column];
                     }
                 }
             }
@@ -253,9 +205,10 @@ impl Factor {
         let range = self.first[place] as usize..self.first[place + 1] as usize;
         let rank = self.blocks[range].partition_point(|&block| block < places[earlier]);
         for column in 0..self.motions {
-            let start = self.starts[place * self.motions + column] as usize + rank * self.motions;
+            let start = self.start(place, column) + rank * self.motions;
             for row in 0..self.motions {
-                self.entries[start + row] += matrix[6 * earlier + row][6 * later + column];
+                self.cholesky.entries_mut()[start + row] +=
+                    matrix[6 * earlier + row][6 * later + column];
             }
         }
     }
@@ -288,17 +241,8 @@ impl Factor {
     }
 
     /// Solves for `count` right sides, one after the other in `columns`, in place.
-    pub(crate) fn solve(&mut self, columns: &mut [f64], count: usize) {
-        let size = self.size();
-        if size == 0 {
-            return;
-        }
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(columns, size, count),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-        );
+    pub(crate) fn solve(&self, columns: &mut [f64], count: usize) {
+        self.cholesky.solve_free(columns, count);
     }
 }
 
