@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// Raised whenever the state's form changes.
-const VERSION: u8 = 10;
+const VERSION: u8 = 11;
 const CHECKSUM_BYTES: usize = 32;
 /// Level 1: positions are nearly incompressible, so a higher level only costs time.
 const COMPRESSION_LEVEL: i32 = 1;
