@@ -41,6 +41,9 @@ const UNKNOWN: f64 = 7.0;
 const BOND: f64 = 20.0;
 const ENTRY: f64 = 0.33;
 const TOGETHER: f64 = 0.05;
+/// Where fibres yield there are so many yields for every break, each of which costs a break's solution and
+/// takes a look at all elements. Not measured yet.
+const YIELDS: f64 = 10.0;
 /// An element in a picture, a break with its two points of the curve [MB].
 const CELL_MB: f64 = 120e-6;
 const EVENT_MB: f64 = 300e-6;
@@ -110,7 +113,8 @@ fn of_sheet(
         iterations * (UNKNOWN * unknowns + BOND * bonds + ENTRY * entries)
     } else {
         let factor = MULTIPLICATION * 2.0 * entries * entries / unknowns.max(1.0);
-        factor + BREAK * entries * events
+        let yields = if spec.yields() { YIELDS } else { 0.0 };
+        factor + BREAK * entries * events * (1.0 + yields)
     };
     let work = POINT_LAID * points + work;
     let directions = spec.test.pulled().each().len();

@@ -61,9 +61,7 @@ pub enum FrameError {
     )]
     Hanging,
     /// Fibres that yield have a history, which only a pull of small displacements with a factor follows.
-    #[error(
-        "fibres yield, which only a pull of small displacements with bonds at nodes follows"
-    )]
+    #[error("fibres yield, which only a pull of small displacements with bonds at nodes follows")]
     Yields,
     /// Segments that flow or not by turns.
     #[error("which segments yield was not decided in {rounds} rounds")]

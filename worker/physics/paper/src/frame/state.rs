@@ -110,7 +110,10 @@ impl PullState {
     #[must_use]
     pub fn at_peak(&self, broken: usize, elongation_um: f64) -> Self {
         let gone = self.factored.iter().chain(&self.taken);
-        let peak = self.yielding.as_ref().and_then(|yielded| yielded.peak.as_ref());
+        let peak = self
+            .yielding
+            .as_ref()
+            .and_then(|yielded| yielded.peak.as_ref());
         Self {
             factored: gone.take(broken).copied().collect(),
             taken: Vec::new(),

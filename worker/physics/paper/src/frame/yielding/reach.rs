@@ -40,11 +40,7 @@ pub(super) fn until_break(
 
 /// (fₙ/Fₙ)² + (fₛ/Fₛ)² = 1 is convex along the way, with and without the part of an opening force: the
 /// larger root is where it is passed, and the sign of fₙ there says which of both holds.
-fn until_bond_breaks(
-    loads: &[f64; PARTS],
-    rates: &[f64; PARTS],
-    [normal, shear]: [f64; 2],
-) -> f64 {
+fn until_bond_breaks(loads: &[f64; PARTS], rates: &[f64; PARTS], [normal, shear]: [f64; 2]) -> f64 {
     let over = |value: f64, strength: f64| {
         if value == 0.0 { 0.0 } else { value / strength }
     };

@@ -67,8 +67,13 @@ pub(super) fn changes(strained: &Strained<'_>, slopes: &Equilibrium<'_>) -> Vec<
     segments
         .filter_map(|(segment, (law, plastic))| {
             let law = law.as_ref()?;
-            let wanted = if plastic.flows { law.softened } else { law.stiffness };
-            (slopes.axial(segment) != wanted).then_some((segment, wanted))
+            let wanted = if plastic.flows {
+                law.softened
+            } else {
+                law.stiffness
+            };
+            let is_other = slopes.axial(segment).to_bits() != wanted.to_bits();
+            is_other.then_some((segment, wanted))
         })
         .collect()
 }

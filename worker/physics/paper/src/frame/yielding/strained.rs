@@ -23,9 +23,8 @@ pub(super) struct Strained<'n> {
 impl<'n> Strained<'n> {
     /// As it was made.
     pub(super) fn new(network: &'n Network) -> Self {
-        let laws = (0..network.segments()).map(|segment| {
-            Law::new(network.section_of(segment), &network.elements()[segment])
-        });
+        let laws = (0..network.segments())
+            .map(|segment| Law::new(network.section_of(segment), &network.elements()[segment]));
         let fresh = Plastic {
             longer_um: 0.0,
             hardened_um: 0.0,
@@ -145,9 +144,11 @@ impl<'n> Strained<'n> {
 
     /// Where nodes and segments are, to go on from.
     pub(super) fn kept(&self) -> (Vec<[f64; 6]>, Vec<(f64, f64, bool)>) {
-        let motion = self.motion.nodes.iter().map(|[shift, turn]| {
-            [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]
-        });
+        let motion = self
+            .motion
+            .nodes
+            .iter()
+            .map(|[shift, turn]| [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z]);
         let segments = self
             .plastic
             .iter()
@@ -170,9 +171,9 @@ impl<'n> Strained<'n> {
         if segments.len() != self.plastic.len() {
             return Err(foreign("segment", segments.len(), self.plastic.len()));
         }
-        let nodes = motion.iter().map(|[x, y, z, a, b, c]| {
-            [[*x, *y, *z], [*a, *b, *c]].map(Vector3::from)
-        });
+        let nodes = motion
+            .iter()
+            .map(|[x, y, z, a, b, c]| [[*x, *y, *z], [*a, *b, *c]].map(Vector3::from));
         self.motion = Motion {
             nodes: nodes.collect(),
         };

@@ -1,8 +1,8 @@
 //! Fibres that yield against closed forms.
 use super::super::tests::{bond, close, fibre, model, tube};
 use super::super::{
-    Bore, Broken, FrameBond, FrameError, FrameFibre, Level, Means, Network, Pull, PullEnd, PullState,
-    PullTest, Pulling, Step, Yielding, pull, run,
+    Bore, Broken, FrameBond, FrameError, FrameFibre, Level, Means, Network, Pull, PullEnd,
+    PullState, PullTest, Pulling, Step, Yielding, pull, run,
 };
 
 /// Round-off of a direct solution of a few hundred unknowns whose stiffnesses differ by 1e4.
@@ -291,11 +291,23 @@ fn work_is_stored_set_free_or_lost_and_more_events_change_nothing() {
         let measures = pull.state().measures;
         assert!(events.len() > 4, "{}", events.len());
         assert_eq!(end, PullEnd::Parted);
-        assert!(measures.energy_error() < ROUND_OFF, "{}", measures.energy_error());
+        assert!(
+            measures.energy_error() < ROUND_OFF,
+            "{}",
+            measures.energy_error()
+        );
         assert!(measures.dissipated_nj > 0.1 * measures.work_nj);
         assert!(measures.largest_jaw_imbalance < 1e-8);
-        assert!(events.iter().all(|event| event.energy_released_nj > -1e-9 * measures.work_nj));
-        forces.push((measures.peak_force_mn, measures.strain_at_peak, measures.work_nj));
+        assert!(
+            events
+                .iter()
+                .all(|event| event.energy_released_nj > -1e-9 * measures.work_nj)
+        );
+        forces.push((
+            measures.peak_force_mn,
+            measures.strain_at_peak,
+            measures.work_nj,
+        ));
     }
     for (force, strain, work) in &forces[1..] {
         close(*force, forces[0].0, 1e-8);

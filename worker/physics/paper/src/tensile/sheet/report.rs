@@ -31,7 +31,14 @@ pub(super) fn report(
         PullEnd::NoPath => "no_load_path",
     });
     let records = &course.kept.records;
-    results::add(&mut report, spec, specimen, &measures, records, residual_strain);
+    results::add(
+        &mut report,
+        spec,
+        specimen,
+        &measures,
+        records,
+        residual_strain,
+    );
     checks(&mut report, &measures, course.pull.residual_limit());
     warn(&mut report, spec, specimen, course, end);
     for (name, count) in [

@@ -7,6 +7,7 @@ use super::laid::Laid;
 use super::specimen::Specimen;
 use super::straight_parts;
 use super::theory::Theory;
+use super::together::{self, Of};
 use crate::frame::{Broken, PullMeasures};
 
 /// Standard gravity [m/s²], by which a breaking length is defined.
@@ -61,40 +62,34 @@ fn strength(
     let stiffness = N * measures.initial_stiffness_mn / width;
     let absorbed = J * measures.work_to_peak_nj / (M * width * M * length);
     let has_mass = grammage > 0.0;
-    report.result(
-        "max_force",
-        max_force,
-        "N",
-        "Largest force on the moving jaw.",
-    );
-    report.result(
-        "tensile_strength",
-        per_width,
-        "kN/m",
-        "Largest force per width (ISO 1924-2).",
-    );
+    let of = |of: Of, value: f64| together::error(spec, of, value).into_iter().collect();
+    let about = "Largest force on the moving jaw.";
+    let error = of(Of::Force, max_force);
+    report.result_with_error("max_force", max_force, "N", about, error);
+    let about = "Largest force per width (ISO 1924-2).";
+    let error = of(Of::Force, per_width);
+    report.result_with_error("tensile_strength", per_width, "kN/m", about, error);
     if has_mass {
         let index = index(per_width, grammage);
         let about = "Tensile strength over grammage.";
-        report.result("tensile_index", index, "N m/g", about);
+        let error = of(Of::Force, index);
+        report.result_with_error("tensile_index", index, "N m/g", about, error);
         let about = "Length of a strip that would break under its own weight.";
-        report.result("breaking_length", index / GRAVITY, "km", about);
+        let length = index / GRAVITY;
+        let error = of(Of::Force, length);
+        report.result_with_error("breaking_length", length, "km", about, error);
     }
-    report.result(
-        "stretch",
-        measures.strain_at_peak,
-        "1",
-        "Nominal strain at the largest force: elongation over the distance of the jaws.",
-    );
-    report.result(
-        "energy_absorption",
-        absorbed,
-        "J/m2",
-        "Work of the moving jaw up to the largest force, per area between the jaws.",
-    );
+    let stretch = measures.strain_at_peak;
+    let about = "Nominal strain at the largest force: elongation over the distance of the jaws.";
+    let error = of(Of::Stretch, stretch);
+    report.result_with_error("stretch", stretch, "1", about, error);
+    let about = "Work of the moving jaw up to the largest force, per area between the jaws.";
+    let error = of(Of::Energy, absorbed);
+    report.result_with_error("energy_absorption", absorbed, "J/m2", about, error);
     if has_mass {
         let about = "Energy absorption over grammage.";
-        report.result("energy_absorption_index", absorbed / grammage, "J/g", about);
+        let (name, index) = ("energy_absorption_index", absorbed / grammage);
+        report.result_with_error(name, index, "J/g", about, of(Of::Energy, index));
     }
     let about = "Force per width over strain before anything breaks.";
     let error = errors(stiffness);

@@ -51,7 +51,7 @@ pub(super) fn error(spec: &PaperTensile, stiffness: f64) -> Option<ErrorPart> {
 }
 
 /// Between which two of a rising list a value lies, and how far; none outside.
-fn position(list: &[f64], value: f64) -> Option<(usize, f64)> {
+pub(super) fn position(list: &[f64], value: f64) -> Option<(usize, f64)> {
     let is_within = list.first()? <= &value && &value <= list.last()?;
     let first = list.partition_point(|&one| one <= value);
     let first = first.clamp(1, list.len() - 1) - 1;
@@ -63,7 +63,7 @@ fn position(list: &[f64], value: f64) -> Option<(usize, f64)> {
     })
 }
 
-fn between(list: &[f64], (first, share): (usize, f64)) -> f64 {
+pub(super) fn between(list: &[f64], (first, share): (usize, f64)) -> f64 {
     (1.0 - share) * list[first] + share * list[first + 1]
 }
 

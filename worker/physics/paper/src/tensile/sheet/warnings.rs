@@ -64,8 +64,7 @@ pub(super) fn warn(
         report.warn(
             "nothing_broke",
             format!(
-                "nothing broke up to the largest strain of {}; the force there is that of a straight line, \
-                 not a strength",
+                "nothing broke up to the largest strain of {}; the force there is not a strength",
                 spec.test.max_strain
             ),
         );

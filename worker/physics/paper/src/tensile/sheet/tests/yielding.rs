@@ -83,7 +83,10 @@ fn yielding() -> serde_json::Value {
 #[test]
 fn yielding_adds_stretch_and_energy_and_the_sum_of_energies_holds() {
     let mut elastic = yielding();
-    elastic["pulp"][0].as_object_mut().unwrap().remove("yielding");
+    elastic["pulp"][0]
+        .as_object_mut()
+        .unwrap()
+        .remove("yielding");
     let (elastic, _) = go(&elastic, 1);
     let (report, record) = go(&yielding(), 1);
     assert!(
@@ -106,7 +109,11 @@ fn yielding_adds_stretch_and_energy_and_the_sum_of_energies_holds() {
     assert!(share > 0.1 && share < 1.0, "{share}");
     // the area under the curve up to its largest force, whose points miss some kinks
     let peak = value(&report, "max_force");
-    let end = record.points.iter().position(|point| point[1] == peak).unwrap();
+    let end = record
+        .points
+        .iter()
+        .position(|point| point[1] == peak)
+        .unwrap();
     let mut area = 0.0;
     for pair in record.points[..=end].windows(2) {
         area += 0.5 * (pair[0][1] + pair[1][1]) * (pair[1][0] - pair[0][0]);

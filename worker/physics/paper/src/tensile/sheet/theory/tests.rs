@@ -166,7 +166,12 @@ fn pages_equation_gives_its_worked_example() {
 fn fibres_that_yield_share_the_force_when_the_first_of_them_breaks() {
     // one along the pull, one at 60 degrees, as long as each other
     let mut sheet = fan(1);
-    let along = |cos: f64, sin: f64| vec![[500.0, 500.0, 0.0], [500.0 + 100.0 * cos, 500.0 + 100.0 * sin, 0.0]];
+    let along = |cos: f64, sin: f64| {
+        vec![
+            [500.0, 500.0, 0.0],
+            [500.0 + 100.0 * cos, 500.0 + 100.0 * sin, 0.0],
+        ]
+    };
     sheet.fibres[0].centre_line_um = along(1.0, 0.0);
     let mut other = sheet.fibres[0].clone();
     other.centre_line_um = along(0.5, 0.75_f64.sqrt());

@@ -1,0 +1,75 @@
+//! How far results are off where parts break together, as measured before.
+//!
+//! Parts within `break_precision` of the largest failure index break with one solution. Measured on one
+//! sheet of 1 mm x 0.5 mm at 30 g/m², bonds at nodes, against one by one (guide, "Large sheets"): a single
+//! sheet's deviation, and so no more than its order of magnitude. Where a finer precision was farther
+//! off than a coarser one, the coarser is taken to be as far.
+use loadframe_api::spec::paper_tensile::PaperTensile;
+use loadframe_api::{ErrorBasis, ErrorPart};
+
+use super::straight_parts::{between, position};
+
+const PRECISIONS: [f64; 5] = [0.0, 0.02, 0.05, 0.1, 0.2];
+/// Deviations over the result.
+const FORCE: [f64; 5] = [0.0, 0.020, 0.032, 0.065, 0.10];
+const STRETCH: [f64; 5] = [0.0, 0.018, 0.029, 0.17, 0.17];
+const ENERGY: [f64; 5] = [0.0, 0.024, 0.061, 0.28, 0.28];
+
+/// What a result is of.
+#[derive(Clone, Copy)]
+pub(super) enum Of {
+    Force,
+    Stretch,
+    Energy,
+}
+
+/// The part of the error of a result that breaking together makes; none where parts break one by one, and
+/// outside of what was measured.
+pub(super) fn error(spec: &PaperTensile, of: Of, value: f64) -> Option<ErrorPart> {
+    let precision = spec.accuracy.knobs().break_precision;
+    if precision <= 0.0 {
+        return None;
+    }
+    let off = match of {
+        Of::Force => &FORCE,
+        Of::Stretch => &STRETCH,
+        Of::Energy => &ENERGY,
+    };
+    let share = between(off, position(&PRECISIONS, precision)?);
+    Some(ErrorPart {
+        source: "break_precision".to_owned(),
+        value: share * value,
+        basis: ErrorBasis::MeasuredTable,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn found(precision: f64, of: Of) -> Option<f64> {
+        let spec = json!({
+            "version": 1,
+            "pulp": [{"name": "a", "length_mm": 1, "width_um": 28, "wall_um": 2, "youngs_modulus_gpa": 30,
+                      "poisson_ratio": 0.3, "shear_modulus_gpa": 3}],
+            "specimen": {"sheet": {"length_mm": 1, "width_mm": 1, "grammage_g_per_m2": 25}},
+            "accuracy": {"break_precision": precision},
+        });
+        error(&serde_json::from_value(spec).unwrap(), of, 2.0).map(|part| part.value)
+    }
+
+    #[test]
+    fn the_error_is_that_of_the_table_and_of_what_lies_between() {
+        assert_eq!(found(0.0, Of::Force), None);
+        assert_eq!(found(0.3, Of::Force), None);
+        for (precision, of, share) in [
+            (0.05, Of::Force, 0.032),
+            (0.075, Of::Force, 0.5 * (0.032 + 0.065)),
+            (0.1, Of::Stretch, 0.17),
+            (0.01, Of::Energy, 0.012),
+        ] {
+            assert!((found(precision, of).unwrap() - 2.0 * share).abs() < 1e-12);
+        }
+    }
+}
