@@ -91,7 +91,13 @@ impl Store {
         }
         self.check_lease(key).await?;
         let received = self
-            .received("a checkpoint", &query.sha256, LARGEST_CHECKPOINT, None, body)
+            .received(
+                "a checkpoint",
+                &query.sha256,
+                LARGEST_CHECKPOINT,
+                None,
+                body,
+            )
             .await?;
         let bytes = received.bytes;
         let guard = self.blobs().keep(received).await;

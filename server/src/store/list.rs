@@ -114,10 +114,7 @@ impl Store {
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
         let mut query = words.statement(walk, before, limit);
-        Ok(query
-            .build_query_as()
-            .fetch_all(&mut *connection)
-            .await?)
+        Ok(query.build_query_as().fetch_all(&mut *connection).await?)
     }
 }
 

@@ -143,19 +143,22 @@ impl Store {
             reserve: Arc::clone(&reserve),
             restarts: Arc::clone(&restarts),
         };
-        Ok(Self(Arc::new(Inner {
-            options,
-            writer: Writer::start(connection, database, announcements, guards),
-            reserve,
-            restarts,
-            reads,
-            lookups,
-            blobs,
-            last_event: last_event_receiver,
-            queued: queued_receiver,
-            access,
-            _lock: lock,
-        }), None))
+        Ok(Self(
+            Arc::new(Inner {
+                options,
+                writer: Writer::start(connection, database, announcements, guards),
+                reserve,
+                restarts,
+                reads,
+                lookups,
+                blobs,
+                last_event: last_event_receiver,
+                queued: queued_receiver,
+                access,
+                _lock: lock,
+            }),
+            None,
+        ))
     }
 }
 
