@@ -49,7 +49,7 @@ impl Cycle {
     fn recovered(&self) -> Option<f64> {
         self.end
             .is_unloading
-            .then(|| self.turn.work - self.end.work)
+            .then_some(self.turn.work - self.end.work)
     }
 
     fn released(&self) -> f64 {
@@ -158,7 +158,7 @@ pub(super) fn report(report: &mut ReportBuilder, spec: &NonwovenTensile, state: 
     // a pull that nothing follows is no loop
     let loops = || whole.iter().filter(|cycle| cycle.end.is_unloading);
     let total = |part: &dyn Fn(&Cycle) -> f64| loops().map(|cycle| part(cycle)).sum::<f64>();
-    let last = loops().last();
+    let last = loops().next_back();
     report.count("cycles", whole.len(), "Cycles that were finished.");
     report.result(
         "residual_strain",

@@ -8,6 +8,9 @@ use super::super::input::Level;
 use super::super::network::Network;
 use super::law::{Law, Plastic};
 
+/// How much longer a segment is for good, by how much it has hardened [µm], and whether it flows.
+type KeptSegment = (f64, f64, bool);
+
 /// Where a network is, and the forces there.
 #[derive(Debug, Clone)]
 pub(super) struct Strained<'n> {
@@ -143,7 +146,7 @@ impl<'n> Strained<'n> {
     }
 
     /// Where nodes and segments are, to go on from.
-    pub(super) fn kept(&self) -> (Vec<[f64; 6]>, Vec<(f64, f64, bool)>) {
+    pub(super) fn kept(&self) -> (Vec<[f64; 6]>, Vec<KeptSegment>) {
         let motion = self
             .motion
             .nodes
