@@ -10,7 +10,7 @@
 //! network snapped from one fold to another without breaking.
 use std::io::{self, Write};
 
-use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
+use loadframe_api::spec::nonwoven_tensile::{NonwovenTensile, Target};
 use loadframe_harness::{ReportBuilder, csv};
 
 use super::{
@@ -88,10 +88,14 @@ pub(super) fn all(spec: &NonwovenTensile, state: &State) -> Vec<Cycle> {
         let back: Vec<Point> = std::iter::once(turn)
             .chain(points.iter().copied().filter(|point| point.is_unloading))
             .collect();
-        let unloaded = back.windows(2).find(|pair| pair[1].force <= no_force);
+        // what the jaws differ by is not known to be force
+        let unknown = |point: &Point| no_force.max((point.force - point.bottom_force).abs());
+        let unloaded = back
+            .windows(2)
+            .find(|pair| pair[1].force <= unknown(&pair[1]));
         let residual_strain = unloaded.map(|pair| {
             let [before, after] = [pair[0], pair[1]];
-            if after.force >= -no_force || before.force <= after.force {
+            if after.force >= -unknown(&after) || before.force <= after.force {
                 return after.nominal_strain;
             }
             let part = before.force / (before.force - after.force);
@@ -234,9 +238,15 @@ fn check_energy(report: &mut ReportBuilder, state: &State, begun: &[Cycle]) {
 }
 
 fn warn(report: &mut ReportBuilder, spec: &NonwovenTensile, state: &State, whole: usize) {
-    let asked = spec.test.legs().last().map_or(0, |leg| leg.cycle);
-    if whole < asked as usize {
-        let block = spec.test.legs()[state.place.leg].block;
+    let legs = spec.test.legs();
+    let asked = legs.last().map_or(0, |leg| leg.cycle);
+    let leg = legs[state.place.leg];
+    // a last pull to a strain that lies beyond rupture is how a test is ended
+    let is_last_pull = state.place.leg + 1 == legs.len()
+        && !leg.unloads
+        && matches!(leg.target, Target::Strain(_));
+    if whole < asked as usize && !is_last_pull {
+        let block = leg.block;
         report.warn(
             "history_not_finished",
             format!(

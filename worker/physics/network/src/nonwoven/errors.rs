@@ -1,7 +1,7 @@
 //! How wrong results may be for how they were computed, as measured before.
 //!
-//! `errors.json` is written by `cargo run --release -p loadframe-physics --example nonwoven_errors` and
-//! read here. It holds, for each result that does not grow with the specimen, the relative error that
+//! `errors.json` is what `cargo run --release -p loadframe-physics --example nonwoven_errors -- measure 30`
+//! prints; it is read here. It holds, for each result that does not grow with the specimen, the relative error that
 //! fabrics drawn at random from a stated range had at each level of three knobs, against the finest one:
 //! A_cc, the strain step over the strain at which a bond of mean strength breaks, and the break precision.
 //! An error is the root mean square over the fabrics, or half of what 95 % of them stayed below where that
@@ -11,7 +11,7 @@
 //! from it repeats tell.
 use indexmap::IndexMap;
 use loadframe_api::spec::nonwoven_tensile::{Breaking, Fabric, NonwovenTensile, Solver};
-use loadframe_api::{ErrorBasis, ErrorPart, Report, Warning};
+use loadframe_api::{ErrorBasis, ErrorPart, Report};
 use serde::Deserialize;
 
 use super::specimen::Specimen;
@@ -19,7 +19,7 @@ use super::specimen::Specimen;
 /// Outermost part of a range, in its logarithm, that counts as its edge.
 const EDGE: f64 = 0.03;
 /// Results, and the measured one that they are proportional to.
-const SAME: [(&str, &str); 13] = [
+const SAME: [(&str, &str); 14] = [
     ("max_force", "strength"),
     ("strength", "strength"),
     ("strength_pa", "strength"),
@@ -33,6 +33,7 @@ const SAME: [(&str, &str); 13] = [
     ("secant_stiffness_at_10_percent", "modulus_at_10_percent"),
     ("modulus_at_10_percent_pa", "modulus_at_10_percent"),
     ("modulus_at_10_percent_per_tex", "modulus_at_10_percent"),
+    ("poisson_ratio", "poisson_ratio"),
 ];
 
 /// What was measured.
@@ -55,97 +56,104 @@ struct Level {
     errors: IndexMap<String, f64>,
 }
 
-/// Gives results the errors that are known of them, and says where they are not although fabrics like
-/// this one were measured.
-pub(super) fn add(report: &mut Report, spec: &NonwovenTensile, specimen: &Specimen, is_torn: bool) {
+/// Gives results the errors that are known of them. Returns what is to be said of that: why there are
+/// none, or that what was measured ends near here.
+pub(super) fn add(
+    report: &mut Report,
+    spec: &NonwovenTensile,
+    specimen: &Specimen,
+    is_torn: bool,
+) -> Option<String> {
     let Ok(table) = serde_json::from_str::<Table>(include_str!("errors.json")) else {
-        return;
+        return Some("results have no error: the table of errors cannot be read".to_owned());
     };
     let knobs = spec.accuracy.knobs();
-    let (Fabric::Lattice(_), Solver::NewtonCg) = (&spec.fabric, knobs.solver) else {
-        return;
-    };
-    let is_measured =
-        spec.test.history.is_empty() && spec.test.breaking == Breaking::AllOverStrength;
+    let is_measured = matches!(&spec.fabric, Fabric::Lattice(_))
+        && knobs.solver == Solver::NewtonCg
+        && spec.test.history.is_empty()
+        && spec.test.breaking == Breaking::AllOverStrength;
     if !is_measured {
-        return;
+        return Some(
+            "results have no error: it was measured for lattices that newton_cg pulls, all bonds over \
+             their strength breaking at once"
+                .to_owned(),
+        );
     }
     let traits = traits(spec, specimen);
-    for (name, value) in &traits {
-        let Some([least, most]) = table.range.get(*name) else {
-            return;
-        };
-        if !(least..=most).contains(&value) {
-            report.warnings.push(Warning {
-                code: "error_not_known".to_owned(),
-                detail: format!(
-                    "results have no error: {name} is {value:.4}, and {least:.4} to {most:.4} was measured"
-                ),
-            });
-            return;
-        }
+    let place = |(name, value): &(&str, f64)| {
+        let [least, most] = table.range.get(*name).copied().unwrap_or([f64::NAN; 2]);
+        format!("{name} is {value:.4}, and {least:.4} to {most:.4} was measured")
+    };
+    let is_beyond = |(name, value): &&(&str, f64)| {
+        let range = table.range.get(*name);
+        range.is_none_or(|[least, most]| !(least..=most).contains(&value))
+    };
+    if let Some(beyond) = traits.iter().find(is_beyond) {
+        return Some(format!("results have no error: {}", place(beyond)));
     }
     let step = relative_step(spec, specimen);
-    let coarser =
-        |levels: &[Level], is_coarser: &dyn Fn(f64) -> bool| -> Option<IndexMap<String, f64>> {
-            let levels = levels.iter().rev();
-            let mut fits = levels.filter(|level| is_coarser(level.at));
-            fits.next().map(|level| level.errors.clone())
-        };
-    let solver = coarser(&table.solver, &|at| at <= knobs.force_accuracy);
-    let strain_step = coarser(&table.strain_step, &|at| at >= step);
     let precision = knobs.break_precision.unwrap_or(f64::INFINITY);
-    let break_precision = coarser(&table.break_precision, &|at| at >= precision);
-    let is_edge = traits.iter().find(|(name, value)| {
-        let [least, most] = table.range[*name];
-        let width = EDGE * (most / least).ln();
-        (value / least).ln() < width || (most / value).ln() < width
-    });
-    let mut any = false;
-    for (name, base) in SAME.into_iter().chain([("poisson_ratio", "poisson_ratio")]) {
-        let breaks = !["modulus_at_10_percent", "poisson_ratio"].contains(&base);
-        if breaks && !is_torn {
+    let levels = [
+        (
+            "solver",
+            level(&table.solver, |at| at <= knobs.force_accuracy),
+        ),
+        ("strain_step", level(&table.strain_step, |at| at >= step)),
+        (
+            "break_precision",
+            level(&table.break_precision, |at| at >= precision),
+        ),
+    ];
+    for (name, base) in SAME {
+        let is_of_breaking = !["modulus_at_10_percent", "poisson_ratio"].contains(&base);
+        if is_of_breaking && !is_torn {
             // the force at a given strain is no strength, and its error none of one
             continue;
         }
         let Some(quantity) = report.summary.get_mut(name) else {
             continue;
         };
-        let mut sources = vec![("solver", &solver), ("strain_step", &strain_step)];
-        if breaks {
-            sources.push(("break_precision", &break_precision));
-        }
-        let part = |(source, errors): (&str, &Option<IndexMap<String, f64>>)| {
+        let part = |(source, level): &(&str, Option<&Level>)| {
             Some(ErrorPart {
-                source: source.to_owned(),
-                value: errors.as_ref()?.get(base)? * quantity.value?.abs(),
+                source: (*source).to_owned(),
+                value: level.as_ref()?.errors.get(base)? * quantity.value?.abs(),
                 basis: ErrorBasis::MeasuredTable,
             })
         };
-        let parts: Option<Vec<ErrorPart>> = sources.into_iter().map(part).collect();
+        let sources = &levels[..if is_of_breaking { 3 } else { 2 }];
         // one part alone would say less than the error is
+        let parts: Option<Vec<ErrorPart>> = sources.iter().map(part).collect();
         if let Some(parts) = parts {
             *quantity = quantity.clone().with_error(parts);
-            any = true;
         }
     }
-    if !any {
-        report.warnings.push(Warning {
-            code: "error_not_known".to_owned(),
-            detail:
-                "results have no error: accuracy or strain_step is coarser than what was measured"
-                    .to_owned(),
-        });
-    } else if let Some((name, value)) = is_edge {
-        let [least, most] = table.range[*name];
-        report.warnings.push(Warning {
-            code: "error_at_edge".to_owned(),
-            detail: format!(
-                "errors of results are those of fabrics on the edge of what was measured: {name} is \
-                 {value:.4}, and {least:.4} to {most:.4} was measured"
-            ),
-        });
+    let coarse: Vec<&str> = levels
+        .iter()
+        .filter(|(_, level)| level.is_none())
+        .map(|(source, _)| *source)
+        .collect();
+    if !coarse.is_empty() {
+        let coarse = coarse.join(" and ");
+        return Some(format!(
+            "some results have no error: {coarse} is coarser than was measured"
+        ));
     }
+    let is_edge = |(name, value): &&(&str, f64)| {
+        table.range.get(*name).is_some_and(|[least, most]| {
+            let width = EDGE * (most / least).ln();
+            (value / least).ln() < width || (most / value).ln() < width
+        })
+    };
+    let edge = traits.iter().find(is_edge)?;
+    Some(format!(
+        "errors of results are of the edge of what was measured: {}",
+        place(edge)
+    ))
+}
+
+/// The finest level among those that are as coarse as what was asked for.
+fn level(levels: &[Level], is_coarse: impl Fn(f64) -> bool) -> Option<&Level> {
+    levels.iter().rev().find(|level| is_coarse(level.at))
 }
 
 /// What decides how fabrics err, by name.

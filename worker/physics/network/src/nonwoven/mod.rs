@@ -156,7 +156,9 @@ fn run_one(
         stop_reason,
         StopReason::ForceDropped | StopReason::NoLoadPath
     );
-    errors::add(&mut report, spec, &experiment.specimen, is_torn);
+    if let Some(words) = errors::add(&mut report, spec, &experiment.specimen, is_torn) {
+        recorder.log(&words);
+    }
     Ok(Ending::Finished(report))
 }
 
