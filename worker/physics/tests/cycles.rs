@@ -222,7 +222,7 @@ fn forces_are_targets_on_both_ways_and_in_blocks() {
     let strains = record.column("nominal_strain");
     let cycle = record.column("cycle");
     for row in 1..strains.len() {
-        if cycle[row] == cycle[row - 1] && unloading[row] > 0.5 {
+        if (cycle[row] - cycle[row - 1]).abs() < 0.5 && unloading[row] > 0.5 {
             assert!(strains[row] < strains[row - 1], "row {row}");
         }
     }

@@ -127,7 +127,7 @@ async fn a_million_jobs_are_listed_searched_and_claimed_as_fast_as_a_thousand() 
         };
         measure("twenty lists of 200 at once", 20, twenty).await;
         measure("counts", TRIES, async || {
-            assert!(lab.counts().await.unwrap().queued > 0)
+            assert!(lab.counts().await.unwrap().queued > 0);
         })
         .await;
         let mut number = 0;

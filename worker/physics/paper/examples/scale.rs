@@ -12,7 +12,7 @@ use std::sync::Arc;
 use loadframe_numerics::Team;
 use loadframe_paper::frame::{
     Attachment, BeamSection, FrameBond, FrameFibre, FrameModel, Level, Means, Network, Pull,
-    PullState, PullTest, Refactoring, Solver, Step,
+    PullState, PullTest, Pulling, Refactoring, Solver, Step,
 };
 use loadframe_paper::sheet::{Sheet, contacts};
 use softwood::{Softwood, WALL_UM, WIDTH_UM};
