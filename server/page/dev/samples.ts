@@ -113,6 +113,7 @@ export function makeJob(number: number, changes: Partial<Job>): Job {
         started_at: ago(number * 7),
         ended_at: ago(number * 7 - 0.06),
         end_reason: "completed",
+        engine: "0.2.0 0000000",
       },
     ],
     created_at: ago(number * 7 + 1),

@@ -64,9 +64,50 @@ export interface paths {
         };
         /**
          * Does the service take requests?
-         * @description 503 while it stops, or when the store takes no writes.
+         * @description 503 while it stops, or when a write to the database or the folder of files does not work within 2 s;
+         *     `detail` says why.
          */
         get: operations["check_ready"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/audit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Read the audit log
+         * @description The newest line first. Nothing in it is ever changed or removed.
+         */
+        get: operations["read_audit"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/audit.csv": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Export the audit log as CSV
+         * @description All lines, the newest first. A cell that a spreadsheet would take for a formula begins with `'`.
+         */
+        get: operations["export_audit"];
         put?: never;
         post?: never;
         delete?: never;
@@ -96,6 +137,100 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/groups": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** List the groups */
+        get: operations["list_groups"];
+        put?: never;
+        /** Make a group */
+        post: operations["create_group"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/groups/{id}/members/{person}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /** Put a person into a group */
+        put: operations["add_member"];
+        post?: never;
+        /** Take a person out of a group */
+        delete: operations["remove_member"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/invitations": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** List the invitations */
+        get: operations["list_invitations"];
+        put?: never;
+        /**
+         * Invite somebody
+         * @description Give the person the address of the page with `path` behind it; it is shown this once.
+         */
+        post: operations["invite"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/invitations/accept": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Accept an invitation
+         * @description Opens the account; signing in follows.
+         */
+        post: operations["accept_invitation"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/invitations/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Take an invitation back */
+        delete: operations["revoke_invitation"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/jobs": {
         parameters: {
             query?: never;
@@ -117,7 +252,7 @@ export interface paths {
          *     the server's limits is refused with the numbers.
          *
          *     Send an `Idempotency-Key` to be able to repeat a submission whose answer was lost: the same key
-         *     with the same body answers the same job, with another body 422.
+         *     with the same body answers the same job, whatever limits say by then; with another body 422.
          */
         post: operations["submit_job"];
         delete?: never;
@@ -149,9 +284,9 @@ export interface paths {
         options?: never;
         head?: never;
         /**
-         * Change name, notes, tags or priority
+         * Change name, notes, tags, priority or the overrun factor
          * @description What is left out stays as it is (JSON Merge Patch, RFC 7396, without deletions). The spec of a
-         *     job never changes.
+         *     job never changes. Of two people who edit at once, who sends `If-Match` overwrites nothing unseen.
          */
         patch: operations["change_job"];
         trace?: never;
@@ -267,7 +402,8 @@ export interface paths {
          * Follow a job
          * @description A stream of server-sent events: `job` (it changed), `progress`, `points` (there are new curve
          *     points to fetch), `deleted`. It begins with a `job` event of the present state; with
-         *     `Last-Event-ID`, it goes on after that event instead. The server ends it only when it stops.
+         *     `Last-Event-ID`, it goes on after that event instead. The server ends it when it stops, or when the
+         *     token or session ends that it was opened with.
          */
         get: operations["follow_job"];
         put?: never;
@@ -484,6 +620,270 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/me": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Who am I?
+         * @description Whom the server takes the caller for, by its session, token or link.
+         */
+        get: operations["read_me"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/me/password": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Change my password
+         * @description Ends all other sessions.
+         */
+        put: operations["change_password"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/people": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** List the people */
+        get: operations["list_people"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/people/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        /** Change a person's role, or end or open the account */
+        patch: operations["change_person"];
+        trace?: never;
+    };
+    "/v1/people/{id}/hand-over": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Hand over
+         * @description All jobs and projects of a person get another owner, as when somebody leaves.
+         */
+        post: operations["hand_over"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/projects": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List the projects
+         * @description Those you see, archived ones last; none on a server of one person.
+         */
+        get: operations["list_projects"];
+        put?: never;
+        /**
+         * Make a project
+         * @description Your own, or one of a group that you are in.
+         */
+        post: operations["create_project"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/projects/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        /**
+         * Change a project
+         * @description Rename it, show it to others, archive it, or hand it over.
+         */
+        patch: operations["change_project"];
+        trace?: never;
+    };
+    "/v1/sessions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** List my sessions */
+        get: operations["list_sessions"];
+        put?: never;
+        /**
+         * Sign in
+         * @description Answers with a cookie that only this server's own page can use.
+         */
+        post: operations["sign_in"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sessions/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * End a session
+         * @description `current` as id is the one that asks: signing out.
+         */
+        delete: operations["end_session"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/shares": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List share links
+         * @description One's own and those to one's jobs; administrators see all.
+         */
+        get: operations["list_shares"];
+        put?: never;
+        /**
+         * Make a share link
+         * @description Whoever has it reads that job, or the jobs of that project, and nothing else, without an account.
+         */
+        post: operations["create_share"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/shares/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Take a share link back */
+        delete: operations["revoke_share"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/tokens": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List tokens
+         * @description One's own; administrators see all.
+         */
+        get: operations["list_tokens"];
+        put?: never;
+        /**
+         * Make a token
+         * @description Its secret is shown this once. Administrators make those of workers, which see the spec of every job.
+         */
+        post: operations["create_token"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/tokens/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Revoke a token
+         * @description The next request that uses it is refused, and streams that were opened with it end.
+         */
+        delete: operations["revoke_token"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/worker/claims": {
         parameters: {
             query?: never;
@@ -513,12 +913,15 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Fetch the checkpoint to go on from */
+        /**
+         * Fetch the checkpoint to go on from
+         * @description The newest of this worker's build of which nothing is missing.
+         */
         get: operations["checkpoint"];
         /**
          * Store a checkpoint
-         * @description The body is the checkpoint. All files uploaded so far by this attempt belong to it; it replaces
-         *     the job's earlier one.
+         * @description The body is the checkpoint. All files uploaded so far by this attempt belong to it. The one before it
+         *     is kept as well.
          */
         put: operations["save_checkpoint"];
         post?: never;
@@ -570,6 +973,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/worker/leases/{id}/fault": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Send the job to another machine
+         * @description For a fault of this one: a full disk, no memory, no threads. It costs the job nothing; this machine is
+         *     given no jobs for a while, the longer the more often. A job that three machines could not carry out
+         *     has failed. The same message may be repeated.
+         */
+        post: operations["fault"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/worker/leases/{id}/files/{name}": {
         parameters: {
             query?: never;
@@ -580,7 +1005,9 @@ export interface paths {
         get?: never;
         /**
          * Upload a file of the result
-         * @description The body is the file. It is published with `complete`; uploading a name again replaces it.
+         * @description The body is the file. It is published with `complete`; uploading a name again replaces it. Of an
+         *     upload that broke off after a megabyte or more, what has arrived is kept for an hour: `from` names its
+         *     bytes, and the body is then the rest.
          */
         put: operations["upload"];
         post?: never;
@@ -642,10 +1069,31 @@ export interface paths {
         put?: never;
         /**
          * Give the lease back
-         * @description The job is cancelled or paused if its user asked for that, and else queued again, at no charge.
+         * @description The job is cancelled or paused if its user asked for that, paused if it has taken more than its limits,
+         *     and else queued again, at no charge.
          *     The same message may be repeated.
          */
         post: operations["release"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/worker/leases/{id}/uploads/{sha256}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * How much of a file has arrived
+         * @description Of an upload that broke off: its rest may be sent alone.
+         */
+        get: operations["uploaded_part"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -703,6 +1151,16 @@ export interface components {
              * @description Higher runs first.
              */
             priority?: number;
+            /**
+             * Format: double
+             * @description How many times its estimate the job may take before it is paused (dimensionless).
+             */
+            overrun_factor?: number;
+            /**
+             * Format: uuid
+             * @description Moves the job to this project.
+             */
+            project?: string;
         };
         /** @description The body of `POST /v1/jobs`, its spec still raw. */
         Envelope: {
@@ -722,13 +1180,138 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
             /** @description The kind's spec, see `/v1/kinds/{kind}/schema`. */
             spec: {
                 [key: string]: unknown;
             };
         };
         /** @description Kind of a job. */
-        JobKind: "nonwoven_tensile" | "granular_scene" | "ballast_oedometer" | "ballast_box" | "ballast_railbed" | "composite_bending" | "composite_cell" | "paper_tensile" | "calibrate";
+        JobKind: "nonwoven_tensile" | "granular_scene" | "triaxial" | "direct_shear" | "ballast_oedometer" | "ballast_box" | "ballast_railbed" | "composite_bending" | "composite_cell" | "paper_tensile" | "calibrate";
+        /** @description `POST /v1/sessions`. */
+        SignIn: {
+            name: string;
+            password: string;
+        };
+        /** @description `PUT /v1/me/password`. */
+        PasswordChange: {
+            current: string;
+            new: string;
+        };
+        /** @description `POST /v1/invitations`. */
+        NewInvitation: {
+            role: components["schemas"]["Role"];
+            /**
+             * @description Groups the person will be in.
+             * @default []
+             */
+            groups: string[];
+            /**
+             * Format: uint32
+             * @description Days it can be accepted for.
+             * @default 7
+             */
+            days: number;
+        };
+        /** @description What a person may do. */
+        Role: "administrator" | "member" | "guest";
+        /** @description `POST /v1/invitations/accept`. */
+        Acceptance: {
+            secret: string;
+            /** @description The name to sign in with, seen by others. */
+            name: string;
+            password: string;
+        };
+        /** @description `PATCH /v1/people/{id}`. */
+        PersonChanges: {
+            role?: components["schemas"]["Role"];
+            /** @description `true` ends the account with its sessions and tokens, `false` opens it again. */
+            left?: boolean;
+        };
+        /** @description `POST /v1/people/{id}/hand-over`: jobs and projects get another owner. */
+        HandOver: {
+            /**
+             * Format: uuid
+             * @description Who gets them.
+             */
+            to: string;
+        };
+        /** @description `POST /v1/tokens`. */
+        NewToken: {
+            /** @description What it is for. */
+            name: string;
+            /** @description `read`, `submit` or `worker`. */
+            scope: components["schemas"]["Scope"];
+            /**
+             * Format: uint32
+             * @description Days it is good for; left out, until it is revoked.
+             */
+            days?: number;
+        };
+        /** @description What a token may do. */
+        Scope: "read" | "submit" | "worker" | "everything";
+        /** @description `POST /v1/groups`. */
+        NewGroup: {
+            name: string;
+        };
+        /** @description `POST /v1/projects`. */
+        NewProject: {
+            name: string;
+            visibility: components["schemas"]["Visibility"];
+            /**
+             * Format: uuid
+             * @description The group it belongs to; left out, it is your own.
+             */
+            group?: string;
+        };
+        /** @description Who sees a project and its jobs. */
+        Visibility: "private" | "group" | "everyone";
+        /** @description `PATCH /v1/projects/{id}`; what is left out stays as it is. */
+        ProjectChanges: {
+            name?: string;
+            visibility?: components["schemas"]["Visibility"];
+            /**
+             * Format: uuid
+             * @description Hands it over to a person.
+             */
+            person?: string;
+            /**
+             * Format: uuid
+             * @description Hands it over to a group.
+             */
+            group?: string;
+            archived?: boolean;
+        };
+        /** @description `POST /v1/shares`: a link for one job or one project. */
+        NewShare: {
+            /**
+             * Format: uuid
+             * @description The job it shows.
+             */
+            job?: string;
+            /**
+             * Format: uuid
+             * @description The project whose jobs it shows.
+             */
+            project?: string;
+            /**
+             * @description Whether files, snapshots and log are shown too.
+             * @default false
+             */
+            files: boolean;
+            /**
+             * Format: uint32
+             * @description Days it is good for.
+             * @default 30
+             */
+            days: number;
+        };
         /** @description `POST /v1/worker/claims`: asks for a job and waits up to `wait_s` for one (204 when none came). */
         ClaimRequest: {
             /**
@@ -775,6 +1358,13 @@ export interface components {
              * @default []
              */
             log: string[];
+            /**
+             * Format: uint64
+             * @description Log lines of this attempt before these. Lines that the server has already are passed over, so a
+             *     report may be repeated; without this number they are taken as new.
+             * @default null
+             */
+            log_from: number | null;
         };
         /** @description Consecutive points of a curve. */
         CurveBlock: {
@@ -976,12 +1566,25 @@ export interface components {
         };
         /** @description Whose fault a failure is. */
         FailCode: "simulation_error" | "worker_error" | "time_limit";
+        /**
+         * @description `POST /v1/worker/leases/{id}/fault`: this machine cannot carry the job out, another one may. It costs
+         *     the job nothing; the machine is set aside for a while.
+         */
+        FaultRequest: {
+            code: components["schemas"]["FaultCode"];
+            /** @description What happened, for people. */
+            reason: string;
+        };
+        /** @description What is wrong with a machine. */
+        FaultCode: "disk" | "memory" | "threads" | "checkpoint" | "version" | "other";
         /** @description `POST /v1/worker/leases/{id}/release`: gives the lease back before the end. */
         ReleaseRequest: {
             reason: components["schemas"]["ReleaseReason"];
+            /** @description What was exceeded, for people. */
+            detail?: string | null;
         };
         /** @description Why a lease is given back. */
-        ReleaseReason: ("paused" | "cancelled") | "shutdown";
+        ReleaseReason: ("paused" | "cancelled") | "shutdown" | "beyond_estimate";
         /** @description An error answer. */
         Problem: {
             /** @description Stable name of the kind of problem: `/problems/invalid-spec`, ... */
@@ -1054,12 +1657,27 @@ export interface components {
             finished_at: components["schemas"]["Timestamp"] | null;
             updated_at: components["schemas"]["Timestamp"];
             spec_sha256: string;
+            /**
+             * Format: double
+             * @description How many times its estimate the job may take.
+             * @default 0
+             */
+            overrun_factor: number;
+            /**
+             * @description What the job may take before it is paused; `null` for jobs of earlier versions.
+             * @default null
+             */
+            limits: components["schemas"]["JobLimits"] | null;
             /** @description The normalised spec; only on a single job. */
             spec?: unknown;
             /** @description Results of a succeeded job, as in `outcome.json`. */
             summary?: {
                 [key: string]: components["schemas"]["Quantity"];
             };
+            /** @description Who submitted it, where the server has accounts. */
+            owner?: components["schemas"]["Named"] | null;
+            /** @description The project it belongs to, where the server has accounts. */
+            project?: components["schemas"]["Named"] | null;
             links: components["schemas"]["JobLinks"];
         };
         /** @description Where a job is in its life; the diagram is in the server's `queue` module. */
@@ -1067,7 +1685,7 @@ export interface components {
         /** @description How a finished job ended. */
         JobOutcome: ("succeeded" | "failed" | "cancelled" | "timed_out") | "quarantined";
         /** @description Why a job is in its state, for programs; `reason` says it to people. */
-        ReasonCode: ("paused_by_user" | "resumed_by_user" | "retried_by_user" | "cancelled_by_user" | "time_limit" | "completed") | "submitted" | "pause_requested" | "cancel_requested" | "worker_released" | "worker_lost" | "too_many_losses" | "simulation_error" | "worker_error";
+        ReasonCode: ("paused_by_user" | "resumed_by_user" | "retried_by_user" | "cancelled_by_user" | "time_limit" | "completed") | "submitted" | "pause_requested" | "cancel_requested" | "worker_released" | "worker_lost" | "too_many_losses" | "simulation_error" | "worker_fault" | "worker_error" | "beyond_estimate";
         /** @description One worker's go at a job. */
         AttemptView: {
             /** Format: uint32 */
@@ -1078,9 +1696,38 @@ export interface components {
             started_at: components["schemas"]["Timestamp"];
             ended_at: components["schemas"]["Timestamp"] | null;
             end_reason: components["schemas"]["AttemptEnd"] | null;
+            /**
+             * @description Version and commit of the worker's build; empty where that was not noted.
+             * @default
+             */
+            engine: string;
         };
         /** @description How an attempt ended. */
-        AttemptEnd: ("completed" | "failed" | "cancelled" | "paused" | "timed_out") | "released" | "lost";
+        AttemptEnd: ("completed" | "failed" | "cancelled" | "paused" | "timed_out") | "released" | "lost" | "faulted";
+        /** @description What a job may take; beyond it, it is paused with its checkpoint. */
+        JobLimits: {
+            /**
+             * Format: double
+             * @description Wall time over all attempts [s].
+             */
+            wall_s: number;
+            /**
+             * Format: double
+             * @description Memory [MB].
+             */
+            memory_mb: number;
+            /**
+             * Format: double
+             * @description Size of all result files [MB].
+             */
+            disk_mb: number;
+        };
+        /** @description Something that has a name: a person, a group or a project. */
+        Named: {
+            /** Format: uuid */
+            id: string;
+            name: string;
+        };
         /** @description Where to go on from a job. */
         JobLinks: {
             self: string;
@@ -1097,6 +1744,12 @@ export interface components {
             items: components["schemas"]["JobView"][];
             /** @description Give this as `cursor` for the next page. */
             next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
         };
         /** @description What a job would be and take. */
         DryRun: {
@@ -1106,6 +1759,8 @@ export interface components {
             };
             spec_sha256: string;
             estimate: components["schemas"]["Estimate"];
+            /** @description What the job may take before it is paused: its estimate, `overrun_factor` times. */
+            limits: components["schemas"]["JobLimits"];
             warnings: components["schemas"]["Warning"][];
         };
         /** @description What a job is expected to take. */
@@ -1151,12 +1806,24 @@ export interface components {
             items: components["schemas"]["FileEntry"][];
             /** @description Give this as `cursor` for the next page. */
             next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
         };
         /** @description A page of a list. */
         LogLinePage: {
             items: components["schemas"]["LogLine"][];
             /** @description Give this as `cursor` for the next page. */
             next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
         };
         /** @description A line of a job's log. */
         LogLine: {
@@ -1228,12 +1895,24 @@ export interface components {
             items: components["schemas"]["KindView"][];
             /** @description Give this as `cursor` for the next page. */
             next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
         };
         /** @description A page of a list. */
         ExampleViewPage: {
             items: components["schemas"]["ExampleView"][];
             /** @description Give this as `cursor` for the next page. */
             next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
         };
         /** @description A job to start from. */
         ExampleView: {
@@ -1248,6 +1927,12 @@ export interface components {
             items: components["schemas"]["WorkerView"][];
             /** @description Give this as `cursor` for the next page. */
             next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
         };
         /** @description A worker process. */
         WorkerView: {
@@ -1263,6 +1948,23 @@ export interface components {
             /** Format: uuid */
             job_id: string | null;
             last_seen_at: components["schemas"]["Timestamp"];
+            /**
+             * @description Why it is given no jobs for a while; `null` when it is.
+             * @default null
+             */
+            set_aside: components["schemas"]["SetAside"] | null;
+        };
+        /** @description Why a worker is given no jobs for a while. */
+        SetAside: {
+            /** @description When it is tried again; sooner when its process is started again. */
+            until: components["schemas"]["Timestamp"];
+            /**
+             * Format: uint32
+             * @description Faults since it last carried out a job.
+             */
+            faults: number;
+            code: components["schemas"]["FaultCode"];
+            reason: string;
         };
         /** @description How the service is. */
         Health: {
@@ -1309,6 +2011,11 @@ export interface components {
              * @description The job may take this much wall time [s] over all attempts.
              */
             time_limit_s: number | null;
+            /**
+             * @description Beyond this the job is to be paused.
+             * @default null
+             */
+            limits: components["schemas"]["JobLimits"] | null;
             /** @description What an earlier attempt left to go on from. */
             checkpoint: components["schemas"]["CheckpointInfo"] | null;
         };
@@ -1333,6 +2040,274 @@ export interface components {
         };
         /** @description What the server wants of a worker. */
         Command: "continue" | "cancel" | "pause";
+        /** @description Answer to `GET /v1/worker/leases/{id}/uploads/{sha256}`. */
+        UploadedPart: {
+            /**
+             * Format: uint64
+             * @description Bytes [B] of the content that have arrived and are kept; 0 where the upload has to begin anew.
+             */
+            bytes: number;
+        };
+        /** @description Who the server takes the caller for. */
+        CallerView: {
+            kind: components["schemas"]["CallerKind"];
+            /** @description Whether this server has accounts. */
+            accounts: boolean;
+            /** @description What the token allows; a session allows everything its person may do. */
+            scope: components["schemas"]["Scope"] | null;
+            person?: components["schemas"]["PersonView"] | null;
+            groups?: components["schemas"]["Named"][];
+            /**
+             * Format: uuid
+             * @description The job that a share link shows.
+             */
+            job?: string;
+            /** @description The project that a share link shows. */
+            project?: components["schemas"]["Named"] | null;
+            /** @description Whether a share link shows files too. */
+            files?: boolean;
+        };
+        /** @description Kinds of callers. */
+        CallerKind: ("person" | "worker") | "sole" | "share";
+        /** @description A person with an account. */
+        PersonView: {
+            /** Format: uuid */
+            id: string;
+            name: string;
+            role: components["schemas"]["Role"];
+            created_at: components["schemas"]["Timestamp"];
+            /** @description Who has left signs in no more; what they did stays on record. */
+            left_at: components["schemas"]["Timestamp"] | null;
+        };
+        /** @description A page of a list. */
+        PersonViewPage: {
+            items: components["schemas"]["PersonView"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
+        /** @description A page of a list. */
+        SessionViewPage: {
+            items: components["schemas"]["SessionView"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
+        /** @description A browser in which somebody is signed in. */
+        SessionView: {
+            /** Format: uuid */
+            id: string;
+            created_at: components["schemas"]["Timestamp"];
+            last_used_at: components["schemas"]["Timestamp"];
+            expires_at: components["schemas"]["Timestamp"];
+            /** @description What the browser calls itself. */
+            client: string;
+            /** @description Whether it is the one that asks. */
+            current: boolean;
+        };
+        /** @description An invitation just made; the only time its secret is seen. */
+        InvitationMade: {
+            /** Format: uuid */
+            id: string;
+            /** @description The part of the page's address after the server's, the secret behind `#`: no server sees it. */
+            path: string;
+            expires_at: components["schemas"]["Timestamp"];
+        };
+        /** @description A page of a list. */
+        InvitationViewPage: {
+            items: components["schemas"]["InvitationView"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
+        /** @description An invitation to open an account. */
+        InvitationView: {
+            /** Format: uuid */
+            id: string;
+            role: components["schemas"]["Role"];
+            groups: string[];
+            created_at: components["schemas"]["Timestamp"];
+            expires_at: components["schemas"]["Timestamp"];
+            accepted_at: components["schemas"]["Timestamp"] | null;
+            revoked_at: components["schemas"]["Timestamp"] | null;
+        };
+        /** @description A token just made; the only time its secret is seen. */
+        TokenMade: {
+            /** Format: uuid */
+            id: string;
+            name: string;
+            scope: components["schemas"]["Scope"];
+            expires_at: components["schemas"]["Timestamp"] | null;
+            secret: string;
+        };
+        /** @description A page of a list. */
+        TokenViewPage: {
+            items: components["schemas"]["TokenView"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
+        /** @description An access token, without its secret. */
+        TokenView: {
+            /** Format: uuid */
+            id: string;
+            name: string;
+            scope: components["schemas"]["Scope"];
+            /** @description Whose it is; tokens of workers and of a server without accounts have no owner. */
+            person: components["schemas"]["Named"] | null;
+            created_at: components["schemas"]["Timestamp"];
+            expires_at: components["schemas"]["Timestamp"] | null;
+            /** @description To the minute. */
+            last_used_at: components["schemas"]["Timestamp"] | null;
+            revoked_at: components["schemas"]["Timestamp"] | null;
+        };
+        /** @description People who work together. */
+        GroupView: {
+            /** Format: uuid */
+            id: string;
+            name: string;
+            members: components["schemas"]["Named"][];
+            created_at: components["schemas"]["Timestamp"];
+        };
+        /** @description A page of a list. */
+        GroupViewPage: {
+            items: components["schemas"]["GroupView"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
+        /** @description Jobs that belong together, of a person or of a group. */
+        ProjectView: {
+            /** Format: uuid */
+            id: string;
+            name: string;
+            visibility: components["schemas"]["Visibility"];
+            person: components["schemas"]["Named"] | null;
+            group: components["schemas"]["Named"] | null;
+            created_at: components["schemas"]["Timestamp"];
+            /** @description An archived project takes no jobs, and its jobs are listed only when it is asked for. */
+            archived_at: components["schemas"]["Timestamp"] | null;
+        };
+        /** @description A page of a list. */
+        ProjectViewPage: {
+            items: components["schemas"]["ProjectView"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
+        /** @description A share link just made; the only time its secret is seen. */
+        ShareMade: {
+            /** Format: uuid */
+            id: string;
+            /** @description The part of the page's address after the server's, the secret behind `#`: no server sees it. */
+            path: string;
+            expires_at: components["schemas"]["Timestamp"];
+        };
+        /** @description A page of a list. */
+        ShareViewPage: {
+            items: components["schemas"]["ShareView"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
+        /** @description A share link, without its secret. */
+        ShareView: {
+            /** Format: uuid */
+            id: string;
+            /** Format: uuid */
+            job: string | null;
+            /** Format: uuid */
+            project: string | null;
+            files: boolean;
+            /** @description Who made it. */
+            person: components["schemas"]["Named"];
+            created_at: components["schemas"]["Timestamp"];
+            expires_at: components["schemas"]["Timestamp"];
+            revoked_at: components["schemas"]["Timestamp"] | null;
+            /**
+             * Format: uint64
+             * @description Visits: an address counts once an hour.
+             */
+            uses: number;
+            last_used_at: components["schemas"]["Timestamp"] | null;
+        };
+        /** @description A page of a list. */
+        AuditEntryPage: {
+            items: components["schemas"]["AuditEntry"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
+        /** @description A line of the audit log, which only grows. */
+        AuditEntry: {
+            /** Format: uint64 */
+            number: number;
+            at: components["schemas"]["Timestamp"];
+            /** @description Who: the name the person had then, `link` for a share link, `shell` for a command on the server. */
+            who: string;
+            /** Format: uuid */
+            person: string | null;
+            /**
+             * Format: uuid
+             * @description Id of the session, token or link that was used.
+             */
+            credential: string | null;
+            /** @description What was done: `job.submitted`, `share.read`, `person.changed`, … */
+            action: string;
+            /**
+             * Format: uuid
+             * @description Id of what it was done to.
+             */
+            object: string | null;
+            /** @description More about it, never a secret. */
+            detail: string;
+            /**
+             * Format: uuid
+             * @description Id of the request, as answered in `X-Request-Id`.
+             */
+            request: string | null;
+            address: string;
+        };
         /**
          * Nonwoven tensile test
          * @description A fabric of bonds is pulled until it parts; every strain step is brought to equilibrium.
@@ -1358,6 +2333,13 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
             spec: components["schemas"]["NonwovenTensile"];
         };
         NonwovenTensile: Record<string, never>;
@@ -1386,9 +2368,86 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
             spec: components["schemas"]["GranularScene"];
         };
         GranularScene: Record<string, never>;
+        /**
+         * Triaxial test
+         * @description Soil is pressed on all sides and then shortened at constant confining pressure: deviator stress, volume, friction angles at peak and critical state.
+         */
+        TriaxialSubmission: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "triaxial";
+            /**
+             * @description A name for people; left out, the kind's title.
+             * @default
+             */
+            name: string;
+            /** @default  */
+            notes: string;
+            /** @default [] */
+            tags: string[];
+            /**
+             * Format: int32
+             * @description Higher runs first.
+             * @default 0
+             */
+            priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
+            spec: components["schemas"]["Triaxial"];
+        };
+        Triaxial: Record<string, never>;
+        /**
+         * Direct shear test
+         * @description The halves of a box of soil are moved past each other under a normal stress: shear stress, dilatancy, friction angles.
+         */
+        DirectShearSubmission: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "direct_shear";
+            /**
+             * @description A name for people; left out, the kind's title.
+             * @default
+             */
+            name: string;
+            /** @default  */
+            notes: string;
+            /** @default [] */
+            tags: string[];
+            /**
+             * Format: int32
+             * @description Higher runs first.
+             * @default 0
+             */
+            priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
+            spec: components["schemas"]["DirectShear"];
+        };
+        DirectShear: Record<string, never>;
         /**
          * Ballast oedometer
          * @description Ballast is poured into a cylinder, compacted, and pressed by a plate: stiffness, void ratio, modulus.
@@ -1414,6 +2473,13 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
             spec: components["schemas"]["BallastOedometer"];
         };
         BallastOedometer: Record<string, never>;
@@ -1442,6 +2508,13 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
             spec: components["schemas"]["BallastBox"];
         };
         BallastBox: Record<string, never>;
@@ -1470,6 +2543,13 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
             spec: components["schemas"]["BallastRailbed"];
         };
         BallastRailbed: Record<string, never>;
@@ -1498,6 +2578,13 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
             spec: components["schemas"]["CompositeBending"];
         };
         CompositeBending: Record<string, never>;
@@ -1526,6 +2613,13 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
             spec: components["schemas"]["CompositeCell"];
         };
         CompositeCell: Record<string, never>;
@@ -1554,6 +2648,13 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
             spec: components["schemas"]["PaperTensile"];
         };
         PaperTensile: Record<string, never>;
@@ -1582,11 +2683,18 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: double
+             * @description How many times its estimated time, memory and files the job may take before it is paused with its
+             *     checkpoint (dimensionless).
+             * @default 10
+             */
+            overrun_factor: number;
             spec: components["schemas"]["Calibrate"];
         };
         Calibrate: Record<string, never>;
         /** @description A job to be done; `kind` decides what `spec` holds. */
-        Submission: components["schemas"]["NonwovenTensileSubmission"] | components["schemas"]["GranularSceneSubmission"] | components["schemas"]["BallastOedometerSubmission"] | components["schemas"]["BallastBoxSubmission"] | components["schemas"]["BallastRailbedSubmission"] | components["schemas"]["CompositeBendingSubmission"] | components["schemas"]["CompositeCellSubmission"] | components["schemas"]["PaperTensileSubmission"] | components["schemas"]["CalibrateSubmission"];
+        Submission: components["schemas"]["NonwovenTensileSubmission"] | components["schemas"]["GranularSceneSubmission"] | components["schemas"]["TriaxialSubmission"] | components["schemas"]["DirectShearSubmission"] | components["schemas"]["BallastOedometerSubmission"] | components["schemas"]["BallastBoxSubmission"] | components["schemas"]["BallastRailbedSubmission"] | components["schemas"]["CompositeBendingSubmission"] | components["schemas"]["CompositeCellSubmission"] | components["schemas"]["PaperTensileSubmission"] | components["schemas"]["CalibrateSubmission"];
     };
     responses: never;
     parameters: never;
@@ -1623,7 +2731,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -1672,7 +2780,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -1683,7 +2791,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -1754,7 +2862,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -1803,9 +2911,174 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_audit: {
+        parameters: {
+            query?: {
+                /** @description Most lines on a page; 100 when left out. */
+                limit?: number;
+                /** @description `next` of the page before. */
+                cursor?: string;
+                /** @description Only what this person did. */
+                person?: string;
+                /** @description Only what was done to this job, project, person, token or link. */
+                object?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of lines */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AuditEntryPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The cursor is not one of this server */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    export_audit: {
+        parameters: {
+            query?: {
+                /** @description Only what this person did. */
+                person?: string;
+                /** @description Only what was done to this job, project, person, token or link. */
+                object?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description All lines */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/csv": string;
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -1859,7 +3132,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -1870,8 +3143,742 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_groups: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description All groups with their members */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GroupViewPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_group: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description Its name */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewGroup"];
+            };
+        };
+        responses: {
+            /** @description The group */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GroupView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be made, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    add_member: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the group */
+                id: string;
+                /** @description Id of the person */
+                person: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The person is a member */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such group or person */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    remove_member: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the group */
+                id: string;
+                /** @description Id of the person */
+                person: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The person is no member */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such group or person */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_invitations: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The newest first */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["InvitationViewPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    invite: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description Role and groups */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewInvitation"];
+            };
+        };
+        responses: {
+            /** @description The invitation */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["InvitationMade"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be made, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    accept_invitation: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description The secret of the link, a name and a password */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Acceptance"];
+            };
+        };
+        responses: {
+            /** @description The account is open */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PersonView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The invitation is not in force, or name or password cannot be taken, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    revoke_invitation: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the invitation */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is not in force any more */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such invitation */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It was accepted */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -1915,10 +3922,16 @@ export interface operations {
                 kind?: components["schemas"]["JobKind"];
                 /** @description Only jobs with this tag. */
                 tag?: string;
-                /** @description Only jobs with this text in name, notes or tags, or whose id begins with it; case does not matter. */
+                /**
+                 * @description Only jobs with this text in name, notes or tags, or whose id begins with it (eight digits or
+                 *     more); case does not matter.
+                 */
                 q?: string;
                 created_after?: components["schemas"]["Timestamp"];
                 created_before?: components["schemas"]["Timestamp"];
+                /** @description Only jobs in this project; those in archived ones are listed only so. */
+                project?: string;
+                whose?: "mine" | "groups" | "shared";
             };
             header?: {
                 /** @description `ETag` of the answer you have */
@@ -1955,7 +3968,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -1966,7 +3979,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2013,6 +4026,8 @@ export interface operations {
             query?: {
                 /** @description Only check the job and say what it would take; nothing is stored. */
                 dry_run?: boolean;
+                /** @description The project the job goes to; left out, the first of your own. Only where the server has accounts. */
+                project?: string;
             };
             header?: {
                 /** @description Your name for this submission: printable ASCII without spaces */
@@ -2059,7 +4074,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -2070,8 +4085,17 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such project */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -2081,6 +4105,15 @@ export interface operations {
             };
             /** @description The body did not arrive in time */
             408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The job of this key was deleted, or no project of yours takes jobs */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -2180,7 +4213,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -2191,7 +4224,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2261,7 +4294,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -2272,7 +4305,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2326,7 +4359,10 @@ export interface operations {
     change_job: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                /** @description `ETag` of the job as you read it, or the number of an event of its stream in quotes: what somebody else has changed since is not overwritten */
+                "If-Match"?: string;
+            };
             path: {
                 /** @description Id of the job */
                 id: string;
@@ -2343,6 +4379,7 @@ export interface operations {
             /** @description The changed job */
             200: {
                 headers: {
+                    ETag?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -2358,7 +4395,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -2369,7 +4406,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2389,6 +4426,15 @@ export interface operations {
             };
             /** @description The body did not arrive in time */
             408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Name, notes, tags or priority have been changed since what `If-Match` names */
+            412: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -2478,7 +4524,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -2489,7 +4535,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2561,7 +4607,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -2572,7 +4618,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2663,7 +4709,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -2674,7 +4720,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2754,7 +4800,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -2765,7 +4811,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2845,7 +4891,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -2856,7 +4902,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -2934,7 +4980,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -2945,7 +4991,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3017,7 +5063,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -3028,7 +5074,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3140,7 +5186,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -3151,7 +5197,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3245,7 +5291,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -3256,7 +5302,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3328,7 +5374,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -3339,7 +5385,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3411,7 +5457,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -3422,7 +5468,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3503,7 +5549,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -3514,7 +5560,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3595,7 +5641,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -3606,7 +5652,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3684,7 +5730,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -3695,7 +5741,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3757,7 +5803,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -3768,7 +5814,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3839,7 +5885,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -3850,7 +5896,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3932,7 +5978,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -3943,7 +5989,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -3953,6 +5999,1632 @@ export interface operations {
                 };
             };
             /** @description There is no such kind */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_me: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The caller */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CallerView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    change_password: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description The password so far, and the new one */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PasswordChange"];
+            };
+        };
+        responses: {
+            /** @description It is changed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The new one cannot be taken, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_people: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Everybody, by name */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PersonViewPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    change_person: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the person */
+                id: string;
+            };
+            cookie?: never;
+        };
+        /** @description What to change */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PersonChanges"];
+            };
+        };
+        responses: {
+            /** @description The person */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PersonView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such person */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It is the last administrator */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The changes cannot be made, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    hand_over: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the person who has them */
+                id: string;
+            };
+            cookie?: never;
+        };
+        /** @description Who gets them */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["HandOver"];
+            };
+        };
+        responses: {
+            /** @description They are handed over */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such person */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The other cannot own jobs, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_projects: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The projects */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProjectViewPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_project: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description Name, group, and who sees it */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewProject"];
+            };
+        };
+        responses: {
+            /** @description The project */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProjectView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be made, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    change_project: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the project */
+                id: string;
+            };
+            cookie?: never;
+        };
+        /** @description What to change */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProjectChanges"];
+            };
+        };
+        responses: {
+            /** @description The project */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProjectView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such project */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The changes cannot be made, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_sessions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Where you are signed in */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionViewPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    sign_in: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description Name and password */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SignIn"];
+            };
+        };
+        responses: {
+            /** @description Signed in */
+            204: {
+                headers: {
+                    "Set-Cookie"?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Name or password is wrong, the page is of another origin, or the password would travel in the clear */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This server has no accounts */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The message does not fit its schema */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    end_session: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the session, or `current` */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It has ended */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You have no such session */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_shares: {
+        parameters: {
+            query?: {
+                /** @description Only links to this job. */
+                job?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The newest first, without their secrets */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ShareViewPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_share: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description What it shows, and for how long */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewShare"];
+            };
+        };
+        responses: {
+            /** @description The link */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ShareMade"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such job or project */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be made, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    revoke_share: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the link */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It shows nothing any more */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You have no such link */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_tokens: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The newest first, without their secrets */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TokenViewPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_token: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description What for, and what it may do */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewToken"];
+            };
+        };
+        responses: {
+            /** @description The token */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TokenMade"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be made, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    revoke_token: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the token */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is out of force */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You have no such token */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -4024,7 +7696,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -4035,7 +7707,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4106,7 +7778,10 @@ export interface operations {
     };
     checkpoint: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description SHA-256 of a checkpoint that could not be used: the one before it is wanted. */
+                before?: string;
+            };
             header: {
                 /** @description Token of the lease */
                 "Loadframe-Lease-Token": string;
@@ -4137,7 +7812,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -4148,7 +7823,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4244,7 +7919,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -4255,7 +7930,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4351,7 +8026,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -4362,7 +8037,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4476,7 +8151,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -4487,7 +8162,132 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The lease is no longer held */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The message does not fit its schema */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    fault: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description Token of the lease */
+                "Loadframe-Lease-Token": string;
+            };
+            path: {
+                /** @description Id of the lease */
+                id: string;
+            };
+            cookie?: never;
+        };
+        /** @description What is wrong with the machine */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["FaultRequest"];
+            };
+        };
+        responses: {
+            /** @description The job goes to another machine */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4570,6 +8370,8 @@ export interface operations {
             query: {
                 /** @description SHA-256 of the body in hexadecimal digits */
                 sha256: string;
+                /** @description Bytes that have arrived before; the body is what follows them */
+                from?: number;
             };
             header: {
                 /** @description Token of the lease */
@@ -4608,7 +8410,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -4619,8 +8421,17 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not go on in time */
+            408: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -4712,7 +8523,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -4723,7 +8534,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4803,7 +8614,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -4814,7 +8625,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -4928,7 +8739,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -4939,7 +8750,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5017,6 +8828,94 @@ export interface operations {
             };
         };
     };
+    uploaded_part: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description Token of the lease */
+                "Loadframe-Lease-Token": string;
+            };
+            path: {
+                /** @description Id of the lease */
+                id: string;
+                /** @description SHA-256 of the whole file in hexadecimal digits */
+                sha256: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Bytes that are kept, which may be none */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["UploadedPart"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The lease is no longer held */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_workers: {
         parameters: {
             query?: never;
@@ -5044,7 +8943,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A token is needed, or this one is not in force */
+            /** @description A token or a session is needed, or this one is not in force */
             401: {
                 headers: {
                     /** @description How to authenticate */
@@ -5055,7 +8954,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -5115,7 +9014,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description An open server was addressed by another name than its machine's, or by a page from elsewhere */
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
                 headers: {
                     [name: string]: unknown;

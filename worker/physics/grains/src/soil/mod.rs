@@ -1,7 +1,7 @@
 //! Tests of soil: a scene, read in the terms of its test.
 //!
 //! The spec's [`Script`] is a scene with stages; the engine runs it like any other. Between the engine and
-//! the job's recorder sits a [`Tester`](tester::Tester), which makes the test's own curve of the walls' places and forces,
+//! the job's recorder sits a [`Tester`], which makes the test's own curve of the walls' places and forces,
 //! row by row; when the engine is done, the test reads its results off that curve. What a test is to be
 //! read as is [`Measured`]: [`triaxial`] and [`direct_shear`], one file each. Angles that both have are of
 //! [`angles`]. A resumed run hears the whole curve again, so that nothing here is kept in a checkpoint.
