@@ -120,6 +120,8 @@ export function makeJob(number: number, changes: Partial<Job>): Job {
     started_at: ago(number * 7),
     finished_at: ago(number * 7 - 0.06),
     updated_at: ago(number),
+    overrun_factor: 10,
+    limits: null,
     spec_sha256: "9c56cc51b374c3ba189210d5b6d4bf57790d351c96c47c02190ecf1e430635ab",
     spec: SPEC,
     summary: SUMMARY,
