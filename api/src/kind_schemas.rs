@@ -70,6 +70,7 @@ mod tests {
             assert!(checker.is_usable(), "{kind}");
             // the longer ending first
             let units = [
+                ("_mm2_per_n", "mm2/N"),
                 ("_n_per_mm", "N/mm"),
                 ("_mm", "mm"),
                 ("_n", "N"),

@@ -285,9 +285,6 @@ fn energy_is_accounted_for_until_the_fabric_parts() {
         let rest = row[7] - row[8] - row[10] - row[11];
         assert!(rest.abs() < 0.01 * row[7], "{row:?}");
     }
-    // there is force left where it should be left, and none where it should come back to none
-    let residual: Vec<bool> = table[..3].iter().map(|row| row[5].is_finite()).collect();
-    assert_eq!(residual, [false, false, true], "{table:?}");
     // a cycle to the same strain breaks hardly anything more
     assert!(table[1][9] < 0.1 * table[0][9] + 1e-9, "{table:?}");
 }

@@ -87,7 +87,9 @@ fn a_rolling_sphere_slows_down_by_five_sevenths_of_its_friction_and_loses_what_t
             );
             let energy = |velocity: f64| 0.7 * mass(RADIUS) * velocity * velocity;
             let lost = energy(speed) - energy(velocity[0]);
-            let friction_work = friction * mass(RADIUS) * GRAVITY * place[0];
+            // the shear force M/(1.4 R) turns the sphere on an arm that is shorter than the radius that slip
+            // counts, and what lies between the two is lost on the way
+            let friction_work = friction * mass(RADIUS) * GRAVITY * place[0] * (1.0 + half / 1.4);
             // of the way the first part winds up the spring
             assert_close(lost, friction_work, 1e-3 * friction_work);
             assert!(

@@ -81,7 +81,8 @@ fn a_triaxial_test_keeps_its_pressure_and_finds_an_angle() {
     let ratio = 14.0 / value(&report, "initial_height");
     assert_close(last, 0.1 * ratio, 1e-3 * ratio);
     let ratio = value(&report, "initial_void_ratio");
-    assert!((0.5..0.85).contains(&ratio), "{ratio}");
+    // 0.5 to 0.85 is that of a bed; smooth walls leave gaps beside a few layers of spheres
+    assert!((0.5..1.0).contains(&ratio), "{ratio}");
     assert!(
         report.quality["wall_force_imbalance"].value < 0.2,
         "{report:#?}"

@@ -250,7 +250,7 @@ fn the_files_have_every_case_and_every_test() {
         .position(|name| *name == "max_force_n")
         .expect("a force");
     let row: Vec<&str> = csv.lines().nth(4).expect("a row").split(',').collect();
-    assert_eq!(row[..2], ["\"mean_strength_n = 1.5\"", "4"]);
+    assert_eq!(row[..2], ["mean_strength_n = 1.5", "4"]);
     let place = study.cases[1]
         .results
         .get_index_of("max_force")
