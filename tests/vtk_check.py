@@ -143,6 +143,18 @@ def check_tensile(folder: Path, spec: dict, counts: tuple[int, int] | None) -> s
     return f"{len(strains)} snapshots of {counts[0]} nodes and {counts[1]} bonds, {len(events)} broken"
 
 
+def check_loops(folder: Path) -> str:
+    """Pictures of a test that goes up and down, at strains that come again: what is broken stays so."""
+    files = sorted(folder.glob("snapshots/step_*.vtp"))
+    check(len(files) > 1, f"a series of {len(files)}")
+    meshes = [pyvista.wrap(read(file)) for file in files]
+    broken = np.array([mesh.cell_data["broken"] for mesh in meshes])
+    check(np.diff(broken.astype(int), axis=0) >= 0, "a broken bond is whole again")
+    last = json.loads((folder / "outcome.json").read_text())["summary"]["broken_bonds"]["value"]
+    check(broken[-1].sum() <= last, f"{broken[-1].sum()} broken in the last picture, {last} in all")
+    return f"{len(files)} snapshots, {broken[-1].sum()} broken in the last"
+
+
 def check_ballast(folder: Path) -> str:
     """A test of ballast tells its scene, and how that ended."""
     spec = json.loads((folder / "scene.json").read_text())["spec"]
@@ -352,6 +364,8 @@ def check_example(binary: str, example: Path) -> str:
             return check_scene(folder, spec, table(folder / "curve.csv"))
         if job["kind"].startswith("ballast_"):
             return check_ballast(folder)
+        if spec["test"].get("history"):
+            return check_loops(folder)
         found = [check_tensile(folder, spec, expected_counts(spec["fabric"]))]
         if "x" in spec["test"].get("directions", []):
             found.append(check_tensile(folder / "along_x", spec, None))

@@ -150,7 +150,7 @@ fn run_one(
     snapshot::take_peak(&experiment, recorder)?;
     tables::write(spec, &experiment.specimen, &experiment.state, recorder)?;
     recorder.progress(1.0, "finished");
-    let mut report = report::report(spec, &experiment.specimen, &experiment.state, stop_reason);
+    let report = report::report(spec, &experiment.specimen, &experiment.state, stop_reason);
     Ok(Ending::Finished(report))
 }
 
