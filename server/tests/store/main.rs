@@ -9,6 +9,7 @@ mod files;
 mod full_disk;
 mod lab;
 mod long_queue;
+mod losses;
 mod recovery;
 mod requests;
 mod safety;
