@@ -139,6 +139,41 @@ pub struct GranularScene {
 }
 
 impl GranularScene {
+    /// Nothing without gravity, for a test that writes its scene: forces by `contact` and λ_D, steps of
+    /// this fraction of the critical one.
+    pub(crate) fn of_test(
+        seed: u64,
+        contact: ContactLaw,
+        local_damping: f64,
+        critical_step_fraction: f64,
+    ) -> Self {
+        Self {
+            version: 1,
+            seed,
+            gravity_m_per_s2: [0.0; 3],
+            materials: BTreeMap::new(),
+            bodies: Vec::new(),
+            import: Vec::new(),
+            generate: Vec::new(),
+            planes: Vec::new(),
+            facets: Vec::new(),
+            laws: Laws {
+                contact,
+                local_damping: Some(local_damping),
+                convention: Convention::Loadframe,
+                bond_rest_length: BondRestLength::Initial,
+            },
+            time_step_s: TimeStep::default(),
+            allow_unstable: false,
+            stop_when_pushed_through: true,
+            accuracy: Accuracy::Knobs(Knobs {
+                critical_step_fraction,
+            }),
+            stages: Vec::new(),
+            record: Record::default(),
+        }
+    }
+
     /// Spheres of all bodies, members of clumps counted each; those to be made as far as they can be
     /// foreseen.
     pub fn particles(&self) -> u64 {

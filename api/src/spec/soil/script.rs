@@ -2,8 +2,8 @@
 use std::collections::BTreeMap;
 
 use super::super::granular_scene::{
-    self, Axis, BondRestLength, Convention, Drive, FacetMesh, Generate, GranularScene, Material,
-    Plane, Record, Region, Servo, Stage, TimeStep, Volume, WallDrive,
+    Axis, Drive, FacetMesh, Generate, GranularScene, Material, Plane, Record, Region, Servo, Stage,
+    Volume, WallDrive,
 };
 use super::Soil;
 use crate::Violations;
@@ -117,13 +117,9 @@ impl<T: Shearing> Soil<T> {
         let materials = materials.map(|(name, material)| (name.to_owned(), material));
         let volume: f64 = self.test.sides().into_iter().product();
         let knobs = self.accuracy.knobs();
+        let (law, damping) = (self.laws.contact, self.laws.local_damping);
         GranularScene {
-            version: 1,
-            seed: self.seed,
-            gravity_m_per_s2: [0.0; 3],
             materials: BTreeMap::from(materials),
-            bodies: Vec::new(),
-            import: Vec::new(),
             generate: vec![Generate {
                 grain: self.grains.shape.clone(),
                 sizes: self.grains.sizes.clone(),
@@ -134,21 +130,6 @@ impl<T: Shearing> Soil<T> {
                 },
                 ..Generate::of(SOIL)
             }],
-            planes: Vec::new(),
-            facets: Vec::new(),
-            laws: granular_scene::Laws {
-                contact: self.laws.contact,
-                local_damping: Some(self.laws.local_damping),
-                convention: Convention::Loadframe,
-                bond_rest_length: BondRestLength::Initial,
-            },
-            time_step_s: TimeStep::default(),
-            allow_unstable: false,
-            stop_when_pushed_through: true,
-            accuracy: granular_scene::Accuracy::Knobs(granular_scene::Knobs {
-                critical_step_fraction: knobs.critical_step_fraction,
-            }),
-            stages: Vec::new(),
             record: Record {
                 bodies: Some(Vec::new()),
                 stage_ends: true,
@@ -160,6 +141,7 @@ impl<T: Shearing> Soil<T> {
                 }],
                 ..Record::default()
             },
+            ..GranularScene::of_test(self.seed, law, damping, knobs.critical_step_fraction)
         }
     }
 }

@@ -1,4 +1,6 @@
 //! `/v1/projects`: jobs that belong together, and who sees them.
+use std::collections::HashSet;
+
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
@@ -12,7 +14,7 @@ use super::super::AppState;
 use super::super::body::{JsonBody, message};
 use super::super::permit::{Change, Permit, Read};
 use super::super::problem::{ApiError, INVALID, Result};
-use crate::access::{Action, Object};
+use crate::access::{Action, Object, ProjectFacts};
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
@@ -27,12 +29,10 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
     responses((status = 200, description = "The projects", body = ref("#/components/schemas/ProjectViewPage"))))]
 async fn list(permit: Permit<Read>) -> Result<Json<Page<ProjectView>>> {
     let facts = permit.store.project_facts().await?;
-    let is_seen = |id: Uuid| {
-        let project = facts.iter().find(|project| project.id == id);
-        project.is_some_and(|of| permit.call.ask(Action::Read, Object::Project(of)).is_ok())
-    };
+    let may_read = |of: &&ProjectFacts| permit.call.ask(Action::Read, Object::Project(of)).is_ok();
+    let seen: HashSet<Uuid> = facts.iter().filter(may_read).map(|of| of.id).collect();
     let all = permit.store.projects().await?.into_iter();
-    let items = all.filter(|project| is_seen(project.id)).collect();
+    let items = all.filter(|project| seen.contains(&project.id)).collect();
     Ok(Json(Page::whole(items)))
 }
 

@@ -3,8 +3,8 @@ use std::collections::BTreeMap;
 
 use super::{
     super::super::granular_scene::{
-        self, Axis, BodyDrive, BodyForce, BondRestLength, Convention, Drive, Generate,
-        GranularScene, Record, Settle, Stage, TimeStep, WallDrive, WallForce,
+        Axis, BodyDrive, BodyForce, Drive, Generate, GranularScene, Record, Settle, Stage,
+        WallDrive, WallForce,
     },
     super::{Apparatus, Ballast, Knobs, Materials, loading::Pace, materials::AGGREGATE},
     GRAVITY, Phase, Script, Slice,
@@ -64,30 +64,11 @@ impl<A: Apparatus> Ballast<A> {
             })
             .collect();
         let preparation = &self.preparation;
+        let (law, damping) = (self.laws.contact, self.laws.local_damping);
         let scene = GranularScene {
-            version: 1,
-            seed: self.seed,
             gravity_m_per_s2: [0.0, 0.0, -GRAVITY],
             materials,
-            bodies: Vec::new(),
-            import: Vec::new(),
-            generate: Vec::new(),
-            planes: Vec::new(),
-            facets: Vec::new(),
-            laws: granular_scene::Laws {
-                contact: self.laws.contact,
-                local_damping: Some(self.laws.local_damping),
-                convention: Convention::Loadframe,
-                bond_rest_length: BondRestLength::Initial,
-            },
-            time_step_s: TimeStep::default(),
-            allow_unstable: false,
-            stop_when_pushed_through: true,
-            accuracy: granular_scene::Accuracy::Knobs(granular_scene::Knobs {
-                critical_step_fraction: knobs.critical_step_fraction,
-            }),
-            stages: Vec::new(),
-            record: Record::default(),
+            ..GranularScene::of_test(self.seed, law, damping, knobs.critical_step_fraction)
         };
         Script {
             scene,
