@@ -118,7 +118,8 @@ fn what_memory_cannot_hold_is_refused_before_anything_runs() {
     command.arg("run").arg(&spec).arg("--out").arg(&out);
     let refused = command.output().unwrap();
     assert_eq!(code(&refused), 2, "{}", text(&refused));
-    for said in ["GB of memory", "GB free", "--even-if-large"] {
+    // how much is free is the machine's, gigabytes or less
+    for said in ["GB of memory", "B free", "--even-if-large"] {
         assert!(text(&refused).contains(said), "{}", text(&refused));
     }
     assert!(!out.exists());
