@@ -33,7 +33,6 @@ pub(super) async fn edit(
     headers: HeaderMap,
     body: JsonBody,
 ) -> Result<Response> {
-    let known_version = EntityTag::version_to_match(&headers)?;
     let client = body.client;
     let read = move || JobChanges::from_slice(&body.bytes);
     let JobChanges {
@@ -50,6 +49,8 @@ pub(super) async fn edit(
             .ask_of_project(&state.store, Action::Submit, project);
         wanted.await?;
     }
+    // only what would be done otherwise depends on it (RFC 9110, 13.2.1)
+    let known_version = EntityTag::version_to_match(&headers)?;
     let edit = JobEdit {
         name,
         notes,
