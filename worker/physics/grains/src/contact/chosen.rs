@@ -48,16 +48,22 @@ impl Chosen {
     }
 }
 
+/// A law with friction and both dashpots.
+type Damped<Rough> = Viscous<Viscous<Rough, Across>, Along>;
+
 /// The law of a scene.
 pub(crate) fn law(spec: &GranularScene) -> Chosen {
     if spec.materials.values().any(Material::is_cohesive) {
         return Chosen::of::<Bonded>();
     }
     if spec.resists_rolling() {
+        // with dashpots, idle where there are none: every law takes seconds to compile
         return match spec.laws.contact {
-            ContactLaw::Linear => resisting::<Coulomb<Linear, Kept>>(spec),
-            ContactLaw::Logarithmic => resisting::<Coulomb<Logarithmic, Kept>>(spec),
-            ContactLaw::HertzMindlin => resisting::<HertzMindlin>(spec),
+            ContactLaw::Linear => Chosen::of::<Resisting<Damped<Coulomb<Linear, Kept>>>>(),
+            ContactLaw::Logarithmic => {
+                Chosen::of::<Resisting<Damped<Coulomb<Logarithmic, Kept>>>>()
+            }
+            ContactLaw::HertzMindlin => Chosen::of::<Resisting<Damped<HertzMindlin>>>(),
         };
     }
     match spec.laws.contact {
@@ -79,16 +85,6 @@ fn normals_follow(spec: &GranularScene) -> bool {
     !spec.has_clumps() && spec.facets.is_empty() && spec.driven_bodies().is_empty()
 }
 
-/// The law beside what resists rolling: with all dashpots, some of them idle, or none, so that there are
-/// few laws to compile.
-fn resisting<Rough: Law>(spec: &GranularScene) -> Chosen {
-    if spec.is_viscous().contains(&true) {
-        Chosen::of::<Resisting<Viscous<Viscous<Rough, Across>, Along>>>()
-    } else {
-        Chosen::of::<Resisting<Rough>>()
-    }
-}
-
 /// The law for smooth or that for rough materials, with the dashpots that there are.
 fn law_for<Smooth: Law, Rough: Law>(spec: &GranularScene) -> Chosen {
     let mut materials = spec.materials.values();
@@ -99,6 +95,6 @@ fn law_for<Smooth: Law, Rough: Law>(spec: &GranularScene) -> Chosen {
         (true, [false, false]) => Chosen::of::<Rough>(),
         (true, [true, false]) => Chosen::of::<Viscous<Rough, Along>>(),
         // one across the normal alone is rare, and has an idle one along it
-        (true, [_, true]) => Chosen::of::<Viscous<Viscous<Rough, Across>, Along>>(),
+        (true, [_, true]) => Chosen::of::<Damped<Rough>>(),
     }
 }

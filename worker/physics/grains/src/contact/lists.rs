@@ -206,8 +206,10 @@ impl<F: Law> WithSimd for Push<'_, F> {
             deepest,
             passed,
         } = acting;
-        (lists.inner).push_inner(simd, kinematics, first, wrenches, deepest);
-        (lists.outer).push_outer(simd, kinematics, first, wrenches, halo, deepest);
+        let pairs = [(&mut lists.inner, None), (&mut lists.outer, Some(halo))];
+        for (list, halo) in pairs {
+            list.push(simd, kinematics, first, wrenches, halo, deepest);
+        }
         let (on_planes, on_meshes) = on_walls.split_at_mut(scenery.faces.len());
         let planes = lists.walls.iter_mut().zip(scenery.faces).zip(on_planes);
         for (wall, ((list, face), on_plane)) in (0..).zip(planes) {

@@ -78,18 +78,30 @@ impl<F: Law> PairList<F> {
         }
     }
 
-    /// Adds the forces of inner blocks to both particles. The patch begins with particle `first`.
+    /// Adds the forces on first particles, and of inner blocks those on second ones, to the patch that
+    /// begins with particle `first`; of outer blocks those on second particles to the `halo`.
+    ///
+    /// One loop for both: twice as much code takes twice as long to compile, law by law and width by
+    /// width, and what is asked in each lane is foreseen by the processor.
     #[inline(always)]
-    pub(super) fn push_inner<S: Simd>(
+    pub(super) fn push<S: Simd>(
         &mut self,
         simd: S,
         kinematics: Kinematics<'_>,
         first: usize,
         wrenches: &mut Wrenches,
+        mut halo: Option<&mut Wrenches>,
         deepest: &mut Deepest,
     ) {
         for index in 0..self.list.blocks.len() {
             self.ask(index + BLOCKS_AHEAD);
+            let mut places = [0; LANES];
+            if halo.is_some() {
+                if let Some(block) = self.list.blocks.get(index + OTHERS_AHEAD) {
+                    kinematics.ask(&block.ends.b);
+                }
+                places = self.places[index];
+            }
             let (block, touching, before) = self.list.take(index);
             let (a, b) = (block.ends.a, block.ends.b);
             *touching = block.advance(
@@ -99,53 +111,19 @@ impl<F: Law> PairList<F> {
                 deepest,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], torque: [f64; 4], moment: Option<[f64; 4]>| {
-                    let (a, b) = (a[lane] as usize - first, b[lane] as usize - first);
-                    wrenches.forces[a].subtract(force);
-                    wrenches.forces[b].add(force);
-                    if F::IS_ROUGH {
-                        let [on_a, on_b] = moments(force, torque, moment);
-                        wrenches.torques[a].subtract(on_a);
-                        wrenches.torques[b].subtract(on_b);
-                    }
-                },
-            );
-        }
-    }
-
-    /// Adds the forces of outer blocks to their first particles and those on the second to the halo.
-    #[inline(always)]
-    pub(super) fn push_outer<S: Simd>(
-        &mut self,
-        simd: S,
-        kinematics: Kinematics<'_>,
-        first: usize,
-        wrenches: &mut Wrenches,
-        halo: &mut Wrenches,
-        deepest: &mut Deepest,
-    ) {
-        for index in 0..self.list.blocks.len() {
-            self.ask(index + BLOCKS_AHEAD);
-            if let Some(block) = self.list.blocks.get(index + OTHERS_AHEAD) {
-                kinematics.ask(&block.ends.b);
-            }
-            let places = self.places[index];
-            let (block, touching, before) = self.list.take(index);
-            let a = block.ends.a;
-            *touching = block.advance(
-                simd,
-                kinematics,
-                before,
-                deepest,
-                #[inline(always)]
-                |lane: usize, force: [f64; 4], torque: [f64; 4], moment: Option<[f64; 4]>| {
                     let a = a[lane] as usize - first;
                     wrenches.forces[a].subtract(force);
-                    let place = places[lane] as usize;
-                    halo.forces[place].add(force);
-                    if F::IS_ROUGH {
-                        let [on_a, on_b] = moments(force, torque, moment);
+                    let moments = F::IS_ROUGH.then(|| moments(force, torque, moment));
+                    if let Some([on_a, _]) = moments {
                         wrenches.torques[a].subtract(on_a);
-                        halo.torques[place].subtract(on_b);
+                    }
+                    let (other, b) = match &mut halo {
+                        None => (&mut *wrenches, b[lane] as usize - first),
+                        Some(halo) => (&mut **halo, places[lane] as usize),
+                    };
+                    other.forces[b].add(force);
+                    if let Some([_, on_b]) = moments {
+                        other.torques[b].subtract(on_b);
                     }
                 },
             );
