@@ -4,11 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibration::{Calibration, Estimate};
 use crate::earlier::Earlier;
+use crate::results::Named;
 use crate::study::Knob;
 use crate::violations::Violations;
 
 /// What the spec of every kind can do beyond being parsed.
 pub trait Spec: Studied + Sized + Serialize + for<'de> Deserialize<'de> + JsonSchema {
+    /// Results that its jobs may have, list by list.
+    const RESULTS: &'static [&'static [Named]];
+
     /// Reports what its JSON Schema cannot say, with pointers relative to the spec.
     fn check(&self, violations: &mut Violations);
 

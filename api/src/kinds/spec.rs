@@ -4,6 +4,7 @@ use serde_json::Value;
 use super::JobKind;
 use crate::calibration::{Calibration, Estimate};
 use crate::digest::sha256_hex;
+use crate::results::Named;
 use crate::spec;
 use crate::spec_trait::{Spec, Studied};
 use crate::study::{Knob, TurnError};
@@ -23,6 +24,11 @@ macro_rules! specs {
                 match self {
                     $(Self::$kind => visitor.visit::<$spec>(|spec| JobSpec::$kind(Box::new(spec))),)+
                 }
+            }
+
+            /// Results that its jobs may have.
+            pub(crate) fn results(self) -> &'static [&'static [Named]] {
+                match self { $(Self::$kind => <$spec as Spec>::RESULTS,)+ }
             }
         }
 

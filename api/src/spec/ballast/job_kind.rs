@@ -2,8 +2,9 @@
 use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
 
-use super::super::granular_scene::Grain;
-use super::{Apparatus, Ballast, checks, curve_columns, estimate};
+use super::super::granular_scene::{Grain, results as scene};
+use super::{Apparatus, Ballast, checks, curve_columns, estimate, results::RESULTS};
+use crate::results::Named;
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violations};
 
@@ -11,6 +12,8 @@ impl<A> Spec for Ballast<A>
 where
     A: Apparatus + Serialize + DeserializeOwned + JsonSchema,
 {
+    const RESULTS: &'static [&'static [Named]] = &[RESULTS, scene::RESULTS];
+
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }

@@ -21,6 +21,7 @@ mod oedometer;
 mod output;
 mod preparation;
 mod railbed;
+mod results;
 mod script;
 mod shapes;
 mod study;

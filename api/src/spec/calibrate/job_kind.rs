@@ -1,5 +1,6 @@
 //! The calibration as a kind of job.
 use super::{Calibrate, Template, checks};
+use crate::results::Named;
 use crate::spec_trait::{Spec, Studied};
 use crate::{Calibration, Estimate, Violations, study::Knob};
 
@@ -12,6 +13,9 @@ const REALISATIONS: [&str; 4] = ["1", "2", "4", "8"];
 const MOST_REALISATIONS: &str = "16";
 
 impl Spec for Calibrate {
+    // they have the names of its parameters
+    const RESULTS: &'static [&'static [Named]] = &[];
+
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }

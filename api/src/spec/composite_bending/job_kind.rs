@@ -1,9 +1,12 @@
 //! The test of a composite's section as a kind of job.
-use super::{CompositeBending, checks, estimate};
+use super::{CompositeBending, checks, estimate, results::RESULTS};
+use crate::results::Named;
 use crate::spec_trait::Spec;
 use crate::{Calibration, Earlier, Estimate, Violations};
 
 impl Spec for CompositeBending {
+    const RESULTS: &'static [&'static [Named]] = &[RESULTS];
+
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }

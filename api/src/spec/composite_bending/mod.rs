@@ -13,6 +13,7 @@ mod job_kind;
 mod learned;
 mod lines;
 mod material;
+mod results;
 mod study;
 mod test;
 

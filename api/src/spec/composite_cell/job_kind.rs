@@ -1,9 +1,12 @@
 //! The unit cell as a kind of job.
-use super::{Accuracy, CompositeCell, checks, estimate};
+use super::{Accuracy, CompositeCell, checks, estimate, results::RESULTS};
+use crate::results::Named;
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violations};
 
 impl Spec for CompositeCell {
+    const RESULTS: &'static [&'static [Named]] = &[RESULTS];
+
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }

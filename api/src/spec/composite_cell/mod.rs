@@ -7,6 +7,7 @@ mod accuracy;
 mod checks;
 mod estimate;
 mod job_kind;
+mod results;
 mod study;
 
 use std::collections::BTreeMap;

@@ -1,9 +1,12 @@
 //! The granular scene as a kind of job.
-use super::{ContactLaw, GranularScene, checks, estimate};
+use super::{ContactLaw, GranularScene, checks, estimate, results::RESULTS};
+use crate::results::Named;
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violations};
 
 impl Spec for GranularScene {
+    const RESULTS: &'static [&'static [Named]] = &[RESULTS];
+
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }

@@ -37,6 +37,7 @@ mod rate;
 mod record;
 mod region;
 mod relax;
+pub(crate) mod results;
 mod rolling;
 mod speeds;
 mod sphere_tree;

@@ -1,9 +1,12 @@
 //! The nonwoven tensile test as a kind of job.
-use super::{CURVE_COLUMNS, HISTORY_COLUMNS, NonwovenTensile, checks, estimate};
+use super::{CURVE_COLUMNS, HISTORY_COLUMNS, NonwovenTensile, checks, estimate, results::RESULTS};
+use crate::results::Named;
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violations};
 
 impl Spec for NonwovenTensile {
+    const RESULTS: &'static [&'static [Named]] = &[RESULTS];
+
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }

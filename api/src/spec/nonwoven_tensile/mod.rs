@@ -9,6 +9,7 @@ mod estimate;
 mod fabric;
 mod history;
 mod job_kind;
+mod results;
 mod study;
 
 use schemars::JsonSchema;

@@ -1,9 +1,12 @@
 //! The tensile test of paper as a kind of job.
-use super::{PaperTensile, SHEET_CURVE, Specimen, checks, estimate};
+use super::{PaperTensile, SHEET_CURVE, Specimen, checks, estimate, results::RESULTS};
+use crate::results::Named;
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violations};
 
 impl Spec for PaperTensile {
+    const RESULTS: &'static [&'static [Named]] = &[RESULTS];
+
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);
     }

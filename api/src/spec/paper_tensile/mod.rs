@@ -18,6 +18,7 @@ mod job_kind;
 mod measured;
 mod model;
 mod pulp;
+mod results;
 mod sheet;
 mod sheet_checks;
 mod specimen;

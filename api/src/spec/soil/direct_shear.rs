@@ -2,8 +2,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::results;
 use super::script::{Aim, Pace, SMOOTH, SOIL, Script, Shearing, following, moving};
-use crate::{Violation, Violations, spec::granular_scene::Axis};
+use crate::{Violation, Violations, results::Named, spec::granular_scene::Axis};
 
 /// A box in two halves between a rough base and a rough top that carries the normal stress: the
 /// lower half and the base move along x, the upper half stands. Where the halves leave each other
@@ -68,6 +69,8 @@ impl Shearing for DirectShear {
         "coordination_number",
         "step_over_critical",
     ];
+
+    const RESULTS: &'static [Named] = results::DIRECT_SHEAR;
 
     fn stress(&self) -> f64 {
         self.normal_stress_pa

@@ -2,7 +2,9 @@
 use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
 
+use super::super::granular_scene::results as scene;
 use super::{Shearing, Soil};
+use crate::results::Named;
 use crate::spec_trait::Spec;
 use crate::{Calibration, Estimate, Violation, Violations};
 
@@ -13,6 +15,8 @@ impl<T> Spec for Soil<T>
 where
     T: Shearing + Serialize + DeserializeOwned + JsonSchema,
 {
+    const RESULTS: &'static [&'static [Named]] = &[T::RESULTS, scene::RESULTS];
+
     fn check(&self, violations: &mut Violations) {
         self.test.check(violations);
         if self.grains.sizes.is_none() && self.grains.shape.template().is_none() {

@@ -9,6 +9,7 @@
 mod accuracy;
 mod direct_shear;
 mod job_kind;
+mod results;
 mod script;
 mod study;
 mod triaxial;

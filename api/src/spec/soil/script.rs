@@ -6,7 +6,7 @@ use super::super::granular_scene::{
     Volume, WallDrive,
 };
 use super::Soil;
-use crate::Violations;
+use crate::{Violations, results::Named};
 
 /// A test as a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +33,9 @@ pub struct Pace {
 pub trait Shearing: Clone {
     /// Columns of the curve.
     const COLUMNS: &'static [&'static str];
+
+    /// Results, beside those of the scene.
+    const RESULTS: &'static [Named];
 
     /// Stress at which the specimen comes to rest [Pa].
     fn stress(&self) -> f64;

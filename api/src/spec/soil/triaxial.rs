@@ -2,8 +2,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::results;
 use super::script::{Aim, Pace, SMOOTH, Script, Shearing, following, moving};
-use crate::{Violations, spec::granular_scene::Axis};
+use crate::{Violations, results::Named, spec::granular_scene::Axis};
 
 /// A specimen between six smooth walls: the confining pressure acts on all, then the upper wall moves
 /// down at a constant rate while those at the sides keep the pressure. Sides are those of the
@@ -59,6 +60,8 @@ impl Shearing for Triaxial {
         "coordination_number",
         "step_over_critical",
     ];
+
+    const RESULTS: &'static [Named] = results::TRIAXIAL;
 
     fn stress(&self) -> f64 {
         self.confining_pressure_pa
