@@ -7,7 +7,7 @@ use crate::JobKind;
 
 /// A result's name and unit; a name that ends in a moment of the test, or in another result, is written
 /// with `*`.
-pub type Named = (&'static str, &'static str);
+pub(crate) type Named = (&'static str, &'static str);
 
 /// What names of a second direction end in.
 const ALONG: [&str; 4] = ["_along_x", "_along_y", "_along_md", "_along_cd"];

@@ -9,7 +9,7 @@ use jsonschema::Validator;
 use serde_json::{Map, Value};
 
 use super::escape;
-use super::translate::{describe, is_field_error};
+use super::translate::{Place, describe, is_field_error};
 use crate::problem::Violation;
 use crate::violations::{Violations, shorten};
 
@@ -18,25 +18,7 @@ use crate::violations::{Violations, shorten};
 const SMALL_VALUES: usize = 1_000;
 const SMALL_TEXT: usize = 64 << 10;
 
-/// A part of a schema, and where in a value it is asked for.
-pub(super) struct Place<'a> {
-    pub(super) schema: &'a Value,
-    /// JSON pointer of the value.
-    pub(super) pointer: String,
-    /// Unit that a list above states for its entries.
-    pub(super) unit: Option<&'a str>,
-}
-
 impl<'a> Place<'a> {
-    /// The whole schema, for the whole value.
-    pub(super) fn root(schema: &'a Value) -> Self {
-        Self {
-            schema,
-            pointer: String::new(),
-            unit: None,
-        }
-    }
-
     /// Tells what is wrong with a value that does not fit.
     pub(super) fn search(&self, value: &Value, found: &mut Violations) {
         if is_small(value) {

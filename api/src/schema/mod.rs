@@ -13,7 +13,7 @@ use serde_json::{Map, Value};
 
 use crate::problem::Violation;
 use crate::violations::Violations;
-use descent::Place;
+use translate::Place;
 
 /// A schema compiled for checking, with its text for messages.
 pub(crate) struct Checker {

@@ -3,9 +3,29 @@ use jsonschema::error::{TypeKind, ValidationErrorKind};
 use jsonschema::{ValidationError, Validator};
 use serde_json::{Map, Value};
 
-use super::{descent::Place, escape};
+use super::escape;
 use crate::problem::Violation;
 use crate::violations::Violations;
+
+/// A part of a schema, and where in a value it is asked for.
+pub(super) struct Place<'a> {
+    pub(super) schema: &'a Value,
+    /// JSON pointer of the value.
+    pub(super) pointer: String,
+    /// Unit that a list above states for its entries.
+    pub(super) unit: Option<&'a str>,
+}
+
+impl<'a> Place<'a> {
+    /// The whole schema, for the whole value.
+    pub(super) fn root(schema: &'a Value) -> Self {
+        Self {
+            schema,
+            pointer: String::new(),
+            unit: None,
+        }
+    }
+}
 
 impl Place<'_> {
     /// Tells all that `validator`, of this place's schema or a part of it, finds in `value`.

@@ -5,15 +5,9 @@ use super::{
     conversion::{factor, gauge_length, times, unit_of},
     header::Header,
     meaning::{by_meaning, by_name, by_number, no_such_column},
-    unit::{Dimension, of_column, of_symbol},
+    unit::of_symbol,
+    wanted::{Wanted, is_strain},
 };
-
-/// A column of the job's curve that is looked for.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Wanted {
-    /// With its unit at the end: `force_n`.
-    pub name: String,
-}
 
 /// A column of the table, in the unit of the job after the factor.
 #[derive(Clone, Copy, Debug)]
@@ -68,10 +62,6 @@ impl Choice {
             words: said,
         })
     }
-}
-
-fn is_strain(name: &str) -> bool {
-    of_column(name).is_some_and(|unit| unit.dimension == Dimension::Ratio)
 }
 
 /// Columns of a table without names: two of them, in the order and units of the job, or by number.
@@ -161,11 +151,6 @@ fn one(
         },
         sentence,
     ))
-}
-
-/// The field that says it.
-pub(super) fn name_of(side: usize) -> &'static str {
-    ["abscissa", "ordinate"][side]
 }
 
 /// A strain without unit must not lie where it can only be per cent.

@@ -2,10 +2,10 @@
 use super::{
     ColumnHint, Hints, Place, Refusal,
     cells::Sheet,
-    choice::{Wanted, name_of},
     header::{Column, Header, words},
     meaning::{is_plain_strain, means},
     unit::{Dimension, Unit, of_column, of_symbol},
+    wanted::{Wanted, name_of},
 };
 
 /// A gauge length [mm] and where it is from.

@@ -1,9 +1,9 @@
 //! Which column is meant: by the user's word for it, or by what its title means.
 use super::{
     Place, Refusal,
-    choice::{Wanted, name_of},
     header::{Column, Header, words},
     unit::{Dimension, of_column},
+    wanted::{Wanted, name_of},
 };
 
 pub(super) fn by_number(name: &str, width: usize) -> Option<usize> {

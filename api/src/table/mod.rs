@@ -6,7 +6,7 @@
 //! [`meaning`], and by what factor of [`conversion`] they become the job's; [`origin`] takes slack or preload off. What can be understood in two
 //! ways is refused with both, never decided; every line after the names is a point or refused.
 //!
-//! Nothing here knows of jobs: what is wanted is two [`Wanted`] columns by name.
+//! Nothing here knows of jobs: what is [`wanted`] is two columns by name.
 mod cells;
 mod choice;
 mod conversion;
@@ -18,13 +18,14 @@ mod origin;
 #[cfg(test)]
 mod tests;
 mod unit;
+mod wanted;
 
 use cells::Sheet;
 use choice::Choice;
 use header::Header;
 
-pub use choice::Wanted;
 pub use number::DecimalMark;
+pub use wanted::Wanted;
 
 /// What the user says of a table beyond its text; everything left out is found in the text.
 #[derive(Clone, Copy, Debug, Default)]

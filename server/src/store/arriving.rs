@@ -10,7 +10,7 @@ use tempfile::{NamedTempFile, TempPath};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use uuid::Uuid;
 
-use super::blobs::{Blobs, CHUNK, blocking, hashed};
+use super::disk::{CHUNK, blocking, hashed};
 use super::error::{Result, StoreError};
 
 /// Of an upload that broke off, this many bytes are worth keeping; fewer are soon sent again.
@@ -18,6 +18,12 @@ pub(super) const SMALLEST_PART: u64 = 1 << 20;
 /// How long they wait for the rest, and how their files are called.
 const PARTS_KEPT: Duration = Duration::from_secs(3600);
 const PART: &str = "part-";
+
+/// The folder of files on their way.
+#[derive(Clone, Debug)]
+pub(super) struct Incoming {
+    pub(super) folder: PathBuf,
+}
 
 /// A file as far as it has arrived.
 #[derive(Debug)]
@@ -56,10 +62,14 @@ impl Arriving {
     }
 }
 
-impl Blobs {
+impl Incoming {
+    pub(super) fn new(folder: PathBuf) -> Self {
+        Self { folder }
+    }
+
     pub(super) async fn begin(&self) -> Result<Arriving> {
-        let folder = self.incoming.clone();
-        let file = blocking(&self.incoming, || NamedTempFile::new_in(folder)).await?;
+        let folder = self.folder.clone();
+        let file = blocking(&self.folder, || NamedTempFile::new_in(folder)).await?;
         let (file, path) = file.into_parts();
         Ok(Arriving {
             file: tokio::fs::File::from_std(file),
@@ -71,8 +81,8 @@ impl Blobs {
 
     /// Goes on with a part. It has a name of its own from here on: of two who go on with it, one does.
     pub(super) async fn go_on(&self, sender: Uuid, sha256: &str, from: u64) -> Result<Arriving> {
-        let (part, folder) = (self.part(sender, sha256), self.incoming.clone());
-        let taken = blocking(&self.incoming, move || {
+        let (part, folder) = (self.part(sender, sha256), self.folder.clone());
+        let taken = blocking(&self.folder, move || {
             let (_, path) = NamedTempFile::new_in(folder)?.into_parts();
             match std::fs::rename(&part, &path) {
                 Ok(()) => {}
@@ -102,9 +112,9 @@ impl Blobs {
         sha256: &str,
     ) -> Result<()> {
         let flushed = arriving.file.flush().await;
-        flushed.map_err(StoreError::file(&self.incoming))?;
+        flushed.map_err(StoreError::file(&self.folder))?;
         let part = self.part(sender, sha256);
-        blocking(&self.incoming, move || Ok(arriving.path.persist(part)?)).await
+        blocking(&self.folder, move || Ok(arriving.path.persist(part)?)).await
     }
 
     /// Bytes of a content that `sender` has sent and that are kept.
@@ -115,8 +125,8 @@ impl Blobs {
 
     /// Forgets parts with which nobody went on for a while.
     pub(super) async fn forget_parts(&self) -> Result<()> {
-        let incoming = self.incoming.clone();
-        blocking(&self.incoming, move || {
+        let incoming = self.folder.clone();
+        blocking(&self.folder, move || {
             for entry in std::fs::read_dir(incoming)? {
                 let entry = entry?;
                 let is_part = entry
@@ -134,7 +144,7 @@ impl Blobs {
     }
 
     fn part(&self, sender: Uuid, sha256: &str) -> PathBuf {
-        self.incoming
+        self.folder
             .join(format!("{PART}{}-{sha256}", sender.simple()))
     }
 }

@@ -13,7 +13,8 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{ConnectOptions, Connection};
 use tempfile::NamedTempFile;
 
-use super::blobs::{Loss, blocking, hash_of, sync_folder};
+use super::disk::{blocking, hash_of, sync_folder};
+use super::error::Loss;
 use super::error::{Result, StoreError};
 use super::identity::{Mark, has_files};
 use super::scrub::{Content, LostFile};

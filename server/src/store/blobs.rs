@@ -10,21 +10,18 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 use sqlx::SqlitePool;
 use tempfile::TempPath;
 use tokio::io::{AsyncRead, AsyncWriteExt};
 use tokio::sync::{OwnedRwLockReadGuard, RwLock, mpsc, oneshot};
-use tokio::task::spawn_blocking;
 use uuid::Uuid;
 
-use super::arriving::{Arriving, SMALLEST_PART};
+use super::arriving::{Incoming, SMALLEST_PART};
 use super::collector::{Collector, Faults, Garbage};
-use super::error::{Result, StoreError};
+use super::disk::{blocking, hash_of, hexadecimal, sync_folder};
+use super::error::{Loss, Result, StoreError};
 use super::supervision::Restarts;
 
-/// Bytes read and written at a time.
-pub(super) const CHUNK: usize = 256 << 10;
 /// A file up to this many bytes is verified whenever it is given out; a larger one, which takes a
 /// moment, when it was not for a while.
 const SMALL: u64 = 64 << 20;
@@ -36,7 +33,7 @@ const REMEMBERED: usize = 10_000;
 #[derive(Clone, Debug)]
 pub(super) struct Blobs {
     root: PathBuf,
-    pub(super) incoming: PathBuf,
+    pub(super) incoming: Incoming,
     /// What is not what its name says is moved here.
     set_aside: PathBuf,
     in_use: Arc<RwLock<()>>,
@@ -44,25 +41,6 @@ pub(super) struct Blobs {
     pub(super) faults: Arc<Faults>,
     /// When larger files were verified.
     verified: Arc<Mutex<BTreeMap<String, Instant>>>,
-}
-
-/// Why a stored file cannot be given out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Loss {
-    /// It is not there.
-    Missing,
-    /// It was not what its SHA-256 says, and has been set aside.
-    Changed,
-}
-
-impl std::fmt::Display for Loss {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Missing => "is missing from the folder of files",
-            Self::Changed => "is not what was stored; what was found is in the folder set-aside",
-        })
-    }
 }
 
 /// A file that has arrived whole, still under its temporary name.
@@ -82,14 +60,14 @@ impl Blobs {
     pub(super) async fn open(data: &Path, garbage: mpsc::UnboundedSender<Garbage>) -> Result<Self> {
         let blobs = Self {
             root: data.join("blobs"),
-            incoming: data.join("incoming"),
+            incoming: Incoming::new(data.join("incoming")),
             set_aside: data.join("set-aside"),
             in_use: Arc::default(),
             garbage,
             faults: Arc::default(),
             verified: Arc::default(),
         };
-        let (root, incoming) = (blobs.root.clone(), blobs.incoming.clone());
+        let (root, incoming) = (blobs.root.clone(), blobs.incoming.folder.clone());
         blocking(data, move || {
             std::fs::create_dir_all(&incoming)?;
             // all folders at once, so that storing a file makes no folder durable but its own
@@ -104,8 +82,8 @@ impl Blobs {
 
     /// Removes half-received files that a crash left, and has stored ones without a row found.
     pub(super) async fn recover(&self) -> Result<()> {
-        let incoming = self.incoming.clone();
-        blocking(&self.incoming, move || {
+        let incoming = self.incoming.folder.clone();
+        blocking(&self.incoming.folder, move || {
             for entry in std::fs::read_dir(incoming)? {
                 std::fs::remove_file(entry?.path())?;
             }
@@ -151,8 +129,8 @@ impl Blobs {
             return Err(StoreError::Invalid(sentence.to_owned()));
         }
         let mut arriving = match part {
-            Some((sender, from @ 1..)) => self.go_on(sender, sha256, from).await?,
-            _ => self.begin().await?,
+            Some((sender, from @ 1..)) => self.incoming.go_on(sender, sha256, from).await?,
+            _ => self.incoming.begin().await?,
         };
         match arriving.take_in(&mut body, what, limit).await {
             Ok(()) => {}
@@ -160,7 +138,7 @@ impl Blobs {
                 if let (StoreError::Interrupted(_), Some((sender, _))) = (&error, part)
                     && arriving.bytes >= SMALLEST_PART
                 {
-                    self.keep_part(arriving, sender, sha256).await?;
+                    self.incoming.keep_part(arriving, sender, sha256).await?;
                 }
                 return Err(error);
             }
@@ -171,7 +149,7 @@ impl Blobs {
             hash,
             bytes,
         } = arriving;
-        let failed = || StoreError::file(&self.incoming);
+        let failed = || StoreError::file(&self.incoming.folder);
         let found = hexadecimal(hash);
         if found != sha256 {
             let sentence = format!("the body's SHA-256 is {found}, the query says {sha256}");
@@ -276,8 +254,8 @@ impl Blobs {
 
     /// Writes and removes a small file, to find out whether a write works.
     pub(super) async fn try_write(&self) -> Result<()> {
-        let folder = self.incoming.clone();
-        blocking(&self.incoming, move || {
+        let folder = self.incoming.folder.clone();
+        blocking(&self.incoming.folder, move || {
             let mut file = tempfile::tempfile_in(folder)?;
             std::io::Write::write_all(&mut file, &[0x5a; 4096])?;
             file.sync_all()
@@ -322,45 +300,5 @@ impl Blobs {
             is_behind,
             restarts,
         }
-    }
-}
-
-/// SHA-256 and length of a file.
-pub(super) fn hash_of(path: &Path) -> std::io::Result<(String, u64)> {
-    hashed(path).map(|(hash, length)| (hexadecimal(hash), length))
-}
-
-/// The same, to be gone on with.
-pub(super) fn hashed(path: &Path) -> std::io::Result<(Sha256, u64)> {
-    let mut file = std::fs::File::open(path)?;
-    let mut hash = Sha256::new();
-    let (mut chunk, mut length) = (vec![0; CHUNK], 0);
-    loop {
-        let count = std::io::Read::read(&mut file, &mut chunk)?;
-        if count == 0 {
-            return Ok((hash, length));
-        }
-        hash.update(&chunk[..count]);
-        length += count as u64;
-    }
-}
-
-pub(super) fn hexadecimal(hash: Sha256) -> String {
-    hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
-}
-
-/// Makes the names in a folder durable.
-pub(super) fn sync_folder(folder: &Path) -> std::io::Result<()> {
-    std::fs::File::open(folder)?.sync_all()
-}
-
-/// Runs file work where it may block.
-pub(super) async fn blocking<T: Send + 'static>(
-    path: &Path,
-    work: impl FnOnce() -> std::io::Result<T> + Send + 'static,
-) -> Result<T> {
-    match spawn_blocking(work).await {
-        Ok(done) => done.map_err(StoreError::file(path)),
-        Err(_) => Err(StoreError::Unavailable),
     }
 }

@@ -8,7 +8,7 @@ use loadframe_api::worker::{CheckpointInfo, CheckpointQuery};
 use sqlx::sqlite::SqliteConnection;
 use tokio::io::AsyncRead;
 
-use super::claim::entry;
+use super::encoding::entry;
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
 use super::row::row;

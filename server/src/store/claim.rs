@@ -1,6 +1,6 @@
 //! Handing a job to a worker.
+use loadframe_api::JobKind;
 use loadframe_api::worker::{CheckpointInfo, ClaimRequest, Lease};
-use loadframe_api::{FileEntry, JobKind};
 use serde_json::value::RawValue;
 use uuid::Uuid;
 
@@ -194,15 +194,6 @@ impl Change {
             None => self.tell_of_other_builds(job, number, engine).await?,
         }
         Ok(attempt)
-    }
-}
-
-/// A file from its row.
-pub(super) fn entry((name, bytes, sha256): (String, i64, String)) -> FileEntry {
-    FileEntry {
-        name,
-        bytes: bytes.unsigned_abs(),
-        sha256,
     }
 }
 

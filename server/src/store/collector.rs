@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use sqlx::SqlitePool;
 use tokio::sync::{RwLock, mpsc, oneshot};
 
-use super::blobs::blocking;
+use super::disk::blocking;
 use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::millis;

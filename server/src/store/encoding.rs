@@ -1,4 +1,5 @@
 //! How values stand in the database: names as on the wire (statuses, outcomes, kinds), and JSON.
+use loadframe_api::FileEntry;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -27,4 +28,13 @@ pub(super) fn json<T: Serialize>(value: &T) -> Result<String> {
 /// From JSON text.
 pub(super) fn parsed<T: DeserializeOwned>(text: &str, what: &'static str) -> Result<T> {
     serde_json::from_str(text).map_err(StoreError::corrupt(what))
+}
+
+/// A file from its row.
+pub(super) fn entry((name, bytes, sha256): (String, i64, String)) -> FileEntry {
+    FileEntry {
+        name,
+        bytes: bytes.unsigned_abs(),
+        sha256,
+    }
 }

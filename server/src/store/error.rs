@@ -1,9 +1,8 @@
 //! What can go wrong in the store, by whose fault.
 use std::path::PathBuf;
 
+use serde::Serialize;
 use uuid::Uuid;
-
-use super::blobs::Loss;
 
 /// What the store gives, or why not.
 pub(super) type Result<T, E = StoreError> = std::result::Result<T, E>;
@@ -103,5 +102,24 @@ impl StoreError {
     pub(super) fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
         move |source| Self::File { path, source }
+    }
+}
+
+/// Why a stored file cannot be given out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Loss {
+    /// It is not there.
+    Missing,
+    /// It was not what its SHA-256 says, and has been set aside.
+    Changed,
+}
+
+impl std::fmt::Display for Loss {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Missing => "is missing from the folder of files",
+            Self::Changed => "is not what was stored; what was found is in the folder set-aside",
+        })
     }
 }

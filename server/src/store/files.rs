@@ -6,7 +6,7 @@ use tokio::io::AsyncRead;
 use uuid::Uuid;
 
 use super::blobs::Received;
-use super::claim::entry;
+use super::encoding::entry;
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
 use super::reserve::admit;
@@ -81,7 +81,7 @@ impl Store {
         if sha256.len() != 64 || !sha256.bytes().all(|byte| byte.is_ascii_hexdigit()) {
             return Ok(0);
         }
-        Ok(self.blobs().part_bytes(key.id, sha256).await)
+        Ok(self.blobs().incoming.part_bytes(key.id, sha256).await)
     }
 
     /// Files of the job's result, or of the failure that ended it, which are in a folder that says

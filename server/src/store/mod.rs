@@ -12,7 +12,7 @@
 //! results, one for what takes a moment and must not wait behind them.
 //!
 //! Lists are [`list`], jobs one by one [`jobs`]. The worker's side in the order of a job: [`claim`],
-//! [`lease`] with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`],
+//! [`lease`] with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`],
 //! [`ending`]; if the worker falls silent, [`sweep`]; if its machine is at fault, [`machines`]. Whose
 //! things are, and what was done by whom: [`people`].
 //!
@@ -26,6 +26,7 @@ mod checkpoints;
 mod claim;
 mod collector;
 mod curve;
+mod disk;
 mod encoding;
 mod ending;
 mod error;
@@ -61,9 +62,8 @@ use tokio::sync::watch;
 
 pub use backup::{BackupReport, backup, restore};
 use blobs::Blobs;
-pub use blobs::Loss;
 use error::Result;
-pub use error::StoreError;
+pub use error::{Loss, StoreError};
 pub use events::StoredEvent;
 use people::{AccessState, Actor};
 use reserve::Reserve;

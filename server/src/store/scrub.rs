@@ -7,8 +7,8 @@ use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
 use super::Store;
-use super::blobs::Loss;
 use super::collector;
+use super::error::Loss;
 use super::error::Result;
 use super::row::row;
 

@@ -95,7 +95,7 @@ impl Store {
             }
             if step % STEPS_UNTIL_TIDY == 0 {
                 self.blobs().look_through();
-                if let Err(error) = self.blobs().forget_parts().await {
+                if let Err(error) = self.blobs().incoming.forget_parts().await {
                     tracing::error!(%error, "parts of uploads could not be removed");
                 }
                 if let Err(error) = self.tidy().await {

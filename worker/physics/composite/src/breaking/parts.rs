@@ -85,7 +85,9 @@ impl Parts {
             parts.refuse_wide(grid, cell, layout.thickness_mm, drawn)?;
         }
         parts.starts.push(parts.all.len() as u32);
-        ply_faces.refuse_unopened(layout, &parts)?;
+        let opened = parts.open.iter();
+        let opened = opened.map(|place| &parts.all[*place as usize]);
+        ply_faces.refuse_unopened(layout, opened)?;
         Ok(parts)
     }
 

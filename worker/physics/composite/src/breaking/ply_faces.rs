@@ -2,7 +2,6 @@
 use super::BetweenPlies;
 use super::laws::{check_interface, law_of_faces};
 use super::part::{BrokenPart, Law, Part};
-use super::parts::Parts;
 use crate::error::CompositeError;
 use crate::section::{Layout, within};
 use loadframe_api::section::lines::pass_through;
@@ -86,15 +85,14 @@ impl<'a> PlyFaces<'a> {
     }
 
     /// A stretch in which no cell has its middle would be open in the spec only.
-    pub(crate) fn refuse_unopened(
+    pub(crate) fn refuse_unopened<'p>(
         &self,
         layout: &Layout,
-        parts: &Parts,
+        opened: impl Iterator<Item = &'p Part> + Clone,
     ) -> Result<(), CompositeError> {
         for open in &self.given.open {
             let [from, to] = open.between_mm;
-            let is_opened = parts.open.iter().any(|&place| {
-                let part = &parts.all[place as usize];
+            let is_opened = opened.clone().any(|part| {
                 let [x, _] = layout.grid.middle_mm(part.cell as usize);
                 part.kind == BrokenPart::PlyFace(open.above_ply as u32) && from <= x && x <= to
             });
