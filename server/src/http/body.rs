@@ -15,7 +15,9 @@ use tokio_stream::StreamExt;
 
 use super::body_budget::{LARGEST, LONGEST_BEYOND, Room, SMALL};
 use super::checks::Client;
-use super::problem::{ApiError, BAD_REQUEST, INVALID, NOT_JSON_TYPE, Result, TOO_LARGE, TOO_SLOW};
+use super::problem::{
+    ApiError, BAD_REQUEST, INVALID, NOT_JSON_TYPE, Result, TOO_LARGE, is_too_slow, too_slow,
+};
 use super::state::AppState;
 
 /// A JSON body as sent, with its room in the budget until it is dropped.
@@ -82,29 +84,12 @@ fn too_large() -> ApiError {
     ApiError::new(TOO_LARGE, format!("at most {} MB are taken", LARGEST >> 20))
 }
 
-pub(super) fn too_slow() -> ApiError {
-    ApiError::new(TOO_SLOW, "the body did not go on in time")
-}
-
 /// A body that did not come to its end.
 fn broken(error: &(dyn Error + 'static)) -> ApiError {
     if is_too_slow(error) {
         return too_slow();
     }
     ApiError::new(BAD_REQUEST, "the body broke off")
-}
-
-/// Whether the connection ended the body because it came too slowly.
-pub(super) fn is_too_slow(error: &(dyn Error + 'static)) -> bool {
-    let mut cause = Some(error);
-    while let Some(error) = cause {
-        let own = error.downcast_ref::<io::Error>();
-        if own.is_some_and(|error| error.kind() == io::ErrorKind::TimedOut) {
-            return true;
-        }
-        cause = error.source();
-    }
-    false
 }
 
 fn content_length(headers: &HeaderMap) -> Option<usize> {

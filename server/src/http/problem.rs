@@ -1,4 +1,7 @@
 //! Errors as `application/problem+json`, whoever made them.
+use std::error::Error;
+use std::io;
+
 use axum::body::{Body, to_bytes};
 use axum::extract::Request;
 use axum::http::{HeaderName, HeaderValue, Response as HttpResponse, StatusCode, header};
@@ -6,7 +9,6 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use loadframe_api::{Problem, SubmissionError, Violation};
 
-use super::body::{is_too_slow, too_slow};
 use crate::store::StoreError;
 
 /// Media type of every error answer.
@@ -221,4 +223,22 @@ pub async fn only_problems(request: Request, next: Next) -> Response {
     let mut response = problem.into_response();
     response.headers_mut().extend(parts.headers);
     response
+}
+
+/// Of a body that came too slowly.
+pub(super) fn too_slow() -> ApiError {
+    ApiError::new(TOO_SLOW, "the body did not go on in time")
+}
+
+/// Whether the connection ended the body because it came too slowly.
+pub(super) fn is_too_slow(error: &(dyn Error + 'static)) -> bool {
+    let mut cause = Some(error);
+    while let Some(error) = cause {
+        let own = error.downcast_ref::<io::Error>();
+        if own.is_some_and(|error| error.kind() == io::ErrorKind::TimedOut) {
+            return true;
+        }
+        cause = error.source();
+    }
+    false
 }

@@ -9,7 +9,7 @@ use tokio_util::sync::CancellationToken;
 use super::access::Access;
 use super::body_budget::BodyBudget;
 use super::checks::Checks;
-use super::events::Announcements;
+use super::events::announcements::Announcements;
 use crate::ServeConfig;
 use crate::store::Store;
 

@@ -3,7 +3,7 @@
 //! The store numbers and keeps every event. One task reads new ones once and announces them to all
 //! connections ([`Announcements`]); a connection that starts with `Last-Event-ID`, or could not
 //! keep up, reads what it missed from the store ([`Follower`]).
-mod announcements;
+pub(super) mod announcements;
 mod follower;
 
 use std::convert::Infallible;
@@ -26,7 +26,6 @@ use super::bounded::{Listed, Number};
 use super::permit::{Call, JobPermit, Permit, Read};
 use super::problem::{ApiError, BAD_REQUEST, Result};
 use announcements::Announced;
-pub(super) use announcements::Announcements;
 use follower::Follower;
 
 /// Jobs one connection can ask for by name.
