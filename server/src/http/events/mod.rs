@@ -1,7 +1,7 @@
 //! Server-sent events: what happens to jobs, as it happens and again after a broken connection.
 //!
 //! The store numbers and keeps every event. One task reads new ones once and announces them to all
-//! connections ([`Announcements`]); a connection that starts with `Last-Event-ID`, or could not
+//! connections ([`announcements`]); a connection that starts with `Last-Event-ID`, or could not
 //! keep up, reads what it missed from the store ([`Follower`]).
 pub(super) mod announcements;
 mod follower;
