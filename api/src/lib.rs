@@ -60,7 +60,7 @@ pub use limits::{Excess, JobLimits, Limits, OVERRUN_FACTOR};
 pub use message::Message;
 pub use outcome::{
     BodyProperties, Cost, ErrorBasis, ErrorEstimate, ErrorPart, FileEntry, Outcome, OutcomeStatus,
-    Provenance, QualityCheck, Quantity, Report, Warning,
+    Provenance, QualityCheck, Quantity, Report, Tenth, Warning,
 };
 pub use plain::{csv_cell, printable};
 pub use problem::{Problem, Violation};

@@ -86,6 +86,36 @@ pub struct ErrorPart {
     pub source: String,
     pub value: f64,
     pub basis: ErrorBasis,
+    /// What would make it a tenth, where that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tenth: Option<Tenth>,
+}
+
+/// What buys a digit: a change of the spec that makes a part of an error a tenth of what it is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Tenth {
+    /// What to change, in words.
+    pub change: String,
+    /// Time that the job would then take over what it takes now, about.
+    pub time_factor: f64,
+}
+
+impl ErrorPart {
+    /// Of which is not known what would make it less.
+    pub fn new(source: &str, value: f64, basis: ErrorBasis) -> Self {
+        Self {
+            source: source.to_owned(),
+            value,
+            basis,
+            tenth: None,
+        }
+    }
+
+    /// With what would make it a tenth.
+    #[must_use]
+    pub fn with_tenth(self, tenth: Option<Tenth>) -> Self {
+        Self { tenth, ..self }
+    }
 }
 
 /// Where an error's size is known from.

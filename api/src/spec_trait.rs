@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibration::{Calibration, Estimate};
 use crate::earlier::Earlier;
+use crate::outcome::Tenth;
 use crate::results::Named;
 use crate::study::Knob;
 use crate::violations::Violations;
@@ -25,6 +26,17 @@ pub trait Spec: Studied + Sized + Serialize + for<'de> Deserialize<'de> + JsonSc
 
     /// What the job will take on a machine of the measured speed.
     fn estimate(&self, calibration: &Calibration) -> Estimate;
+
+    /// What `changed` buys and costs in place of this spec: a part of an error becomes a tenth, for
+    /// the time at which both are estimated. `None` where there is no such time.
+    fn tenth(&self, change: String, changed: &Self) -> Option<Tenth> {
+        let wall_s = |spec: &Self| spec.estimate(&Calibration::default()).wall_s;
+        let time_factor = wall_s(changed) / wall_s(self);
+        (time_factor.is_finite() && time_factor > 0.0).then_some(Tenth {
+            change,
+            time_factor,
+        })
+    }
 
     /// Names of the columns of its curve, in order; the last ones may be missing where what they tell
     /// cannot be measured.

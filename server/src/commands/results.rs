@@ -29,6 +29,11 @@ pub(crate) fn show(outcome: &Outcome) {
         print_line(&format!("  {}", warning.detail));
     }
     let cost = &outcome.cost;
+    let tenths = tenths(outcome);
+    if !tenths.is_empty() {
+        print_line("\nWhat makes an error a tenth of what it is");
+    }
+    tenths.iter().for_each(|line| print_line(line));
     print_line(&format!(
         "\nThe test ended because of {}. It took {} on {} ({} of processor time, {} of memory).",
         outcome.stop_reason.replace('_', " "),
@@ -40,6 +45,25 @@ pub(crate) fn show(outcome: &Outcome) {
         span(cost.cpu_s),
         size(cost.peak_memory_mb),
     ));
+}
+
+/// What buys a digit of results, each change once.
+fn tenths(outcome: &Outcome) -> Vec<String> {
+    let errors = outcome.summary.values().filter_map(|q| q.error.as_ref());
+    let parts = errors.flat_map(|error| &error.parts);
+    let lines = parts.filter_map(|part| {
+        let tenth = part.tenth.as_ref()?;
+        let time = span(tenth.time_factor * outcome.cost.wall_s);
+        let source = readable(&part.source);
+        Some(format!("  {source}: {}, for about {time}", tenth.change))
+    });
+    let mut once: Vec<String> = Vec::new();
+    for line in lines {
+        if !once.contains(&line) {
+            once.push(line);
+        }
+    }
+    once
 }
 
 /// Name, value, unit, description.

@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
 import type { Quantity } from "../api/types";
 import { NARROW } from "../format/numbers";
+import { formatDuration } from "../format/time";
 import { tabbed } from "./copied";
 import { errorTable } from "./errors";
 
@@ -10,7 +11,12 @@ const DEFLECTION: Quantity = {
   error: {
     value: 8.2e-5,
     parts: [
-      { source: "grid", value: 8.136e-5, basis: "two_grids" },
+      {
+        source: "grid",
+        value: 8.136e-5,
+        basis: "two_grids",
+        tenth: { change: "grid.cells [800, 400]", time_factor: 240 },
+      },
       { source: "solver", value: 1.2e-6, basis: "two_solvers" },
     ],
   },
@@ -28,12 +34,18 @@ const LOAD: Quantity = {
 const CELLS: Quantity = { value: 11400, unit: "1" };
 
 test("each source of an error has a column, in the units that the results are shown in", () => {
-  const { sources, rows } = errorTable([
-    ["mean_top_deflection", DEFLECTION],
-    ["max_strain", STRAIN],
-    ["max_force", LOAD],
-    ["cells", CELLS],
-  ]);
+  const { sources, rows, tenths } = errorTable(
+    [
+      ["mean_top_deflection", DEFLECTION],
+      ["mean_bottom_deflection", DEFLECTION],
+      ["max_strain", STRAIN],
+      ["max_force", LOAD],
+      ["cells", CELLS],
+    ],
+    0.5,
+  );
+  // told once, not for every result
+  expect(tenths).toEqual([{ source: "Grid", change: "grid.cells [800, 400]", time: formatDuration(120) }]);
   expect(sources).toEqual([
     { source: "Grid", basis: "from coarser grids" },
     { source: "Solver", basis: "from another solver" },
@@ -42,12 +54,13 @@ test("each source of an error has a column, in the units that the results are sh
   // what was given, such as a load, cannot be wrong
   expect(rows).toEqual([
     { name: "mean_top_deflection", parts: [`0.000081${NARROW}mm`, `0.0000012${NARROW}mm`, ""] },
+    { name: "mean_bottom_deflection", parts: [`0.000081${NARROW}mm`, `0.0000012${NARROW}mm`, ""] },
     { name: "max_strain", parts: ["", "", `0.041${NARROW}%`] },
   ]);
 });
 
 test("without errors there is nothing to tell", () => {
-  expect(errorTable([["cells", CELLS]])).toEqual({ sources: [], rows: [] });
+  expect(errorTable([["cells", CELLS]], 1)).toEqual({ sources: [], rows: [], tenths: [] });
 });
 
 test("a copied table has all digits, and empty cells where nothing is known", () => {

@@ -127,11 +127,7 @@ mod tests {
 
     #[test]
     fn an_error_is_told_where_it_is_known() {
-        let part = |value| ErrorPart {
-            source: "grid".to_owned(),
-            value,
-            basis: loadframe_api::ErrorBasis::TwoGrids,
-        };
+        let part = |value| ErrorPart::new("grid", value, loadframe_api::ErrorBasis::TwoGrids);
         let mut report = ReportBuilder::new("solved");
         report.result_with_error("known", 1.0, "1", "", vec![part(3.0), part(4.0)]);
         report.result_with_error("unknown", 1.0, "1", "", vec![part(f64::NAN)]);

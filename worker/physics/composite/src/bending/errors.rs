@@ -1,6 +1,6 @@
 //! How wrong results are for their grid and their solver: the same test on coarser grids and by the
 //! equations of equilibrium.
-use loadframe_api::{ErrorBasis, ErrorPart};
+use loadframe_api::{ErrorBasis, ErrorPart, Tenth};
 
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +30,17 @@ const ORDERS: [f64; 2] = [0.5, 1.0];
 const STEADY: [f64; 2] = [1.0, 3.0];
 const LARGEST_ORDER: f64 = 2.0;
 
+/// The order that is counted on where steps from grid to grid have this ratio.
+fn order(ratio: f64) -> f64 {
+    if ratio.is_nan() {
+        ORDERS[1]
+    } else if ratio > 0.0 {
+        ratio.log2().clamp(ORDERS[0], ORDERS[1])
+    } else {
+        ORDERS[0]
+    }
+}
+
 impl Finding {
     /// A value by its name.
     pub(super) fn of(values: &Values, name: &str) -> f64 {
@@ -57,15 +68,7 @@ impl Finding {
                 slow * step.abs().max(before.abs() / ORDERS[1].exp2())
             }
             Comparison::Coarser { wanders: false } => {
-                let ratio = before / step;
-                let order = if ratio.is_nan() {
-                    ORDERS[1]
-                } else if ratio > 0.0 {
-                    ratio.log2().clamp(ORDERS[0], ORDERS[1])
-                } else {
-                    ORDERS[0]
-                };
-                step.abs() / (order.exp2() - 1.0)
+                step.abs() / (order(before / step).exp2() - 1.0)
             }
         }
     }
@@ -91,6 +94,18 @@ impl Finding {
         })
     }
 
+    /// How many times as many cells along a side make the error a tenth, by the order that is counted
+    /// on; `None` where results wander or no other grids were looked at.
+    fn finer_by(&self, measured: &Measured, comparison: Comparison) -> Option<f64> {
+        let Comparison::Coarser { wanders: false } = comparison else {
+            return None;
+        };
+        let [first, second] = [self.others.first()?, self.others.get(1)?]
+            .map(|values| Self::of(values, measured.name));
+        let order = order((first - second) / (measured.value - first));
+        Some(10.0_f64.powf(1.0 / order))
+    }
+
     fn of_solver(&self, measured: &Measured) -> f64 {
         let exact = self.by_static.as_ref();
         exact.map_or(f64::NAN, |all| {
@@ -99,16 +114,19 @@ impl Finding {
     }
 
     /// All that is known of how wrong a result is.
-    pub(super) fn parts(&self, measured: &Measured, comparison: Comparison) -> Vec<ErrorPart> {
-        let part = |source: &str, value, basis| ErrorPart {
-            source: source.to_owned(),
-            value,
-            basis,
-        };
+    /// `tenth` tells what a grid that is so many times finer costs.
+    pub(super) fn parts(
+        &self,
+        measured: &Measured,
+        comparison: Comparison,
+        tenth: impl Fn(f64) -> Option<Tenth>,
+    ) -> Vec<ErrorPart> {
         let grid = self.of_grid(measured, comparison);
-        let mut parts = vec![part("grid", grid, ErrorBasis::TwoGrids)];
+        let tenth = self.finer_by(measured, comparison).and_then(tenth);
+        let grid = ErrorPart::new("grid", grid, ErrorBasis::TwoGrids).with_tenth(tenth);
+        let mut parts = vec![grid];
         if self.by_static.is_some() {
-            parts.push(part(
+            parts.push(ErrorPart::new(
                 "solver",
                 self.of_solver(measured),
                 ErrorBasis::TwoSolvers,

@@ -1,5 +1,6 @@
 //! The report of a test: results with their errors, what tells whether to believe them, warnings.
-use loadframe_api::{ErrorBasis, ErrorPart, Report};
+use loadframe_api::spec::composite_bending::{CompositeBending, Grid as Cells};
+use loadframe_api::{ErrorBasis, ErrorPart, Report, Spec as _, Tenth};
 use loadframe_harness::ReportBuilder;
 
 use super::comparison::Comparison;
@@ -54,6 +55,23 @@ const LIMITS: [(&str, &str, &str); 4] = [
     ),
 ];
 
+/// Most cells along a side that a spec may ask for.
+const MOST_CELLS: f64 = 32_768.0;
+
+/// The same test with so many times as many cells along both sides.
+fn finer(spec: &CompositeBending, times: f64) -> Option<Tenth> {
+    let grid = spec.grid();
+    let cells = grid.cells.map(|count| (f64::from(count) * times).round());
+    if cells.iter().any(|count| *count > MOST_CELLS) {
+        return None;
+    }
+    let cells = cells.map(|count| count as u32);
+    let mut changed = spec.clone();
+    changed.grid = Some(Cells { cells, ..grid });
+    let [along, across] = cells;
+    spec.tenth(format!("grid.cells [{along}, {across}]"), &changed)
+}
+
 pub(super) fn report(
     model: &Model<'_>,
     tested: &Tested,
@@ -66,18 +84,14 @@ pub(super) fn report(
         None => "full_load",
     });
     for one in measured {
-        let parts = finding.parts(one, model.comparison());
+        let parts = finding.parts(one, model.comparison(), |times| finer(model.spec, times));
         report.result_with_error(one.name, one.value, one.unit, one.description, parts);
     }
     for (name, of, about) in LIMITS {
         let of = measured.iter().find(|one| one.name == of);
         let found = of.and_then(|of| Some((of, finding.limit(of, model.comparison())?)));
         if let Some((of, [value, error])) = found {
-            let part = ErrorPart {
-                source: "grid".to_owned(),
-                value: error,
-                basis: ErrorBasis::TwoGrids,
-            };
+            let part = ErrorPart::new("grid", error, ErrorBasis::TwoGrids);
             report.result_with_error(name, value, of.unit, about, vec![part]);
         }
     }

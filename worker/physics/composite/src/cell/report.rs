@@ -1,6 +1,6 @@
 //! The report of a cell: constants with their errors, what tells whether to believe them, warnings.
-use loadframe_api::spec::composite_cell::CompositeCell;
-use loadframe_api::{ErrorBasis, ErrorPart, Report};
+use loadframe_api::spec::composite_cell::{Accuracy, CompositeCell, Knobs};
+use loadframe_api::{ErrorBasis, ErrorPart, Report, Spec as _};
 use loadframe_harness::ReportBuilder;
 
 use super::conduct::Tested;
@@ -24,7 +24,7 @@ pub(super) fn report(spec: &CompositeCell, tested: &Tested) -> Result<Report, Co
         if kind.unit == "MPa" {
             worst = worst.max(error / value);
         }
-        let parts = vec![of_grid(error)];
+        let parts = vec![of_grid(spec, error)];
         report.result_with_error(kind.name, value, kind.unit, kind.description, parts);
     }
     for Strength {
@@ -43,7 +43,7 @@ pub(super) fn report(spec: &CompositeCell, tested: &Tested) -> Result<Report, Co
             "{}, here {part}: not where the ply fails.",
             kind.description
         );
-        let parts = vec![of_grid(*error_mpa)];
+        let parts = vec![of_grid(spec, *error_mpa)];
         report.result_with_error(kind.name, *mpa, kind.unit, &about, parts);
     }
     let [columns, rows] = effective.grid();
@@ -64,12 +64,19 @@ pub(super) fn report(spec: &CompositeCell, tested: &Tested) -> Result<Report, Co
     Ok(report.finish())
 }
 
-fn of_grid(value: f64) -> ErrorPart {
-    ErrorPart {
-        source: "grid".to_owned(),
-        value,
-        basis: ErrorBasis::TwoGrids,
-    }
+/// Cells through the thinnest fibre that a spec may ask for at most.
+const MOST_CELLS: u32 = 512;
+
+/// With what makes it a tenth: errors are counted as of the first order.
+fn of_grid(spec: &CompositeCell, value: f64) -> ErrorPart {
+    let mut changed = spec.clone();
+    let cells = 10 * spec.chosen_knobs().cells_per_fibre;
+    changed.accuracy = Accuracy::Knobs(Knobs {
+        cells_per_fibre: cells,
+    });
+    let tenth = (cells <= MOST_CELLS)
+        .then(|| spec.tenth(format!("accuracy.cells_per_fibre {cells}"), &changed));
+    ErrorPart::new("grid", value, ErrorBasis::TwoGrids).with_tenth(tenth.flatten())
 }
 
 fn checks(report: &mut ReportBuilder, tested: &Tested, worst: f64) {

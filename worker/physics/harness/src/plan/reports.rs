@@ -2,7 +2,7 @@
 use std::io;
 
 use indexmap::IndexMap;
-use loadframe_api::{ErrorBasis, ErrorPart, QualityCheck, Quantity, Report, Warning};
+use loadframe_api::{ErrorBasis, ErrorPart, QualityCheck, Quantity, Report, Tenth, Warning};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -126,10 +126,14 @@ fn errors(reports: &[Report], name: &str) -> Vec<ErrorPart> {
 
 /// What the scatter of repeats leaves open of their mean: its standard error.
 fn sampling(deviation: f64, count: u32) -> Option<ErrorPart> {
-    (count > 1).then(|| ErrorPart {
-        source: "specimens".to_owned(),
-        value: deviation / f64::from(count).sqrt(),
-        basis: ErrorBasis::Repeats,
+    // the standard error falls with the root of their number
+    let tenth = Tenth {
+        change: format!("100 times as many repeats ({})", 100 * u64::from(count)),
+        time_factor: 100.0,
+    };
+    (count > 1).then(|| {
+        let open = deviation / f64::from(count).sqrt();
+        ErrorPart::new("specimens", open, ErrorBasis::Repeats).with_tenth(Some(tenth))
     })
 }
 

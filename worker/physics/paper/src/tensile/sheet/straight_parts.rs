@@ -4,7 +4,7 @@
 //! fibres climb the more. Held against the lines as they are laid, in parts of a quarter of a width; how
 //! finely those are laid is not looked at. `tests/figures paper_straight_parts` measures the table again.
 use loadframe_api::spec::paper_tensile::{Level, PaperTensile, Placement, Specimen as Kind};
-use loadframe_api::{ErrorBasis, ErrorPart};
+use loadframe_api::{ErrorBasis, ErrorPart, Spec as _, Tenth};
 
 /// Length of parts over the width of the narrowest fibre; the first are those of the lines themselves.
 const WIDTHS: [f64; 6] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
@@ -39,15 +39,35 @@ pub(super) fn error(spec: &PaperTensile, stiffness: f64) -> Option<ErrorPart> {
     let widths = spec.sheet_segment_um() / spec.narrowest_um();
     let row = position(&FLEXIBILITIES, deposition.flexibility)?;
     let column = position(&WIDTHS, widths)?;
-    let along = |row: usize| between(&TOO_STIFF[row], column);
-    let (first, share) = row;
-    let too_stiff = (1.0 - share) * along(first) + share * along(first + 1);
-    is_measured.then(|| ErrorPart {
-        source: "straight_parts".to_owned(),
-        // what is too stiff by a share is above what it should be by that share of the latter
-        value: stiffness * too_stiff / (1.0 + too_stiff),
-        basis: ErrorBasis::MeasuredTable,
+    let too_stiff = |column: (usize, f64)| {
+        let along = |row: usize| between(&TOO_STIFF[row], column);
+        let (first, share) = row;
+        (1.0 - share) * along(first) + share * along(first + 1)
+    };
+    // what is too stiff by a share is above what it should be by that share of the latter
+    let off = |column: (usize, f64)| stiffness * too_stiff(column) / (1.0 + too_stiff(column));
+    let value = off(column);
+    is_measured.then(|| {
+        let shorter = SHARES.iter().rev().map(|share| share * widths);
+        let tenth = shorter
+            .filter(|widths| position(&WIDTHS, *widths).is_some_and(|at| off(at) <= 0.1 * value))
+            .last()
+            .and_then(|widths| with_parts(spec, widths * spec.narrowest_um()));
+        ErrorPart::new("straight_parts", value, ErrorBasis::MeasuredTable).with_tenth(tenth)
     })
+}
+
+/// Lengths of parts that are tried for what a digit costs, over the present one.
+const SHARES: [f64; 7] = [0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.5];
+
+/// The same sheet in shorter parts.
+fn with_parts(spec: &PaperTensile, segment_um: f64) -> Option<Tenth> {
+    // two digits say it as well
+    let scale = 10.0_f64.powf(segment_um.log10().floor() - 1.0);
+    let segment_um = (segment_um / scale).floor() * scale;
+    let mut shorter = spec.clone();
+    shorter.model.segment_um = Some(segment_um);
+    spec.tenth(format!("model.segment_um {segment_um}"), &shorter)
 }
 
 /// Between which two of a rising list a value lies, and how far; none outside.

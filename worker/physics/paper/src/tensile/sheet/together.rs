@@ -4,8 +4,8 @@
 //! sheet of 1 mm x 0.5 mm at 30 g/m², bonds at nodes, against one by one (guide, "Large sheets"): a single
 //! sheet's deviation, and so no more than its order of magnitude. Where a finer precision was farther
 //! off than a coarser one, the coarser is taken to be as far.
-use loadframe_api::spec::paper_tensile::PaperTensile;
-use loadframe_api::{ErrorBasis, ErrorPart};
+use loadframe_api::spec::paper_tensile::{Accuracy, PaperTensile};
+use loadframe_api::{ErrorBasis, ErrorPart, Spec as _};
 
 use super::straight_parts::{between, position};
 
@@ -36,11 +36,20 @@ pub(super) fn error(spec: &PaperTensile, of: Of, value: f64) -> Option<ErrorPart
         Of::Energy => &ENERGY,
     };
     let share = between(off, position(&PRECISIONS, precision)?);
-    Some(ErrorPart {
-        source: "break_precision".to_owned(),
-        value: share * value,
-        basis: ErrorBasis::MeasuredTable,
-    })
+    // the coarsest of some finer ones that is a tenth as far off
+    let finer = [0.5, 0.2, 0.1, 0.05, 0.02].map(|share| share * precision);
+    let is_tenth = |finer: &f64| {
+        position(&PRECISIONS, *finer).is_some_and(|at| between(off, at) <= 0.1 * share)
+    };
+    let tenth = finer.into_iter().find(is_tenth).and_then(|finer| {
+        let mut changed = spec.clone();
+        let mut knobs = spec.accuracy.knobs();
+        knobs.break_precision = finer;
+        changed.accuracy = Accuracy::Knobs(knobs);
+        spec.tenth(format!("accuracy.break_precision {finer}"), &changed)
+    });
+    let part = ErrorPart::new("break_precision", share * value, ErrorBasis::MeasuredTable);
+    Some(part.with_tenth(tenth))
 }
 
 #[cfg(test)]
