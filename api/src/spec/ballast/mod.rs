@@ -31,16 +31,16 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use super::granular_scene::ContactLaw;
 
 pub use accuracy::{Accuracy, Knobs};
-pub use apparatus::Apparatus;
+pub use apparatus::{Apparatus, Walls};
 pub use box_test::{BoxTest, Sleeper};
 pub use grains::Grains;
-pub use loading::Loading;
+pub use loading::{Block, Loading};
 pub use materials::Materials;
-pub use oedometer::Oedometer;
+pub use oedometer::{Oedometer, Section};
 pub use output::Output;
 pub use preparation::{Compaction, Preparation};
 pub use railbed::Railbed;
-pub use script::{BED, Layer, Phase, Script, Slice};
+pub use script::{BED, Course, Layer, Load, Phase, Script, Slice};
 
 /// The oedometer: a cylinder, pressed by a plate.
 pub type BallastOedometer = Ballast<Oedometer>;
@@ -124,6 +124,10 @@ fn curve_columns(is_breakable: bool) -> Vec<&'static str> {
         "bed_stress_xz_kpa",
         "bed_stress_yz_kpa",
         "lateral_stress_ratio",
+        "displacement_from_set_down_mm",
+        "base_force_kn",
+        "side_vertical_force_kn",
+        "side_normal_force_kn",
     ];
     if is_breakable {
         columns.push("broken_bonds");

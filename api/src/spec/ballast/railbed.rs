@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     super::granular_scene::{Axis, Material, Volume},
-    Apparatus, Layer, Loading, Materials, Script,
+    Apparatus, Layer, Loading, Materials, Script, Walls,
     checks::check_shell,
     materials::{AGGREGATE, CONCRETE, RUBBER},
 };
@@ -111,6 +111,9 @@ impl Apparatus for Railbed {
             cycles: 1,
             period_s: None,
             frequency_hz: None,
+            velocity_m_per_s: None,
+            largest_displacement_m: None,
+            then: Vec::new(),
         }
     }
 
@@ -158,6 +161,13 @@ impl Apparatus for Railbed {
         script.compact();
         script.cut(self.top());
         script.rest();
+    }
+
+    fn walls(&self) -> Walls {
+        Walls {
+            base: "ground",
+            sides: &["symmetry", "front", "back", "form"],
+        }
     }
 
     fn footprint(&self) -> [[f64; 2]; 2] {

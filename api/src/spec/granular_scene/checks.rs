@@ -176,6 +176,10 @@ fn check_recorded(spec: &GranularScene, violations: &mut Violations) {
         let pointer = format!("/record/walls/{index}");
         violations.extend(known.check_wall(pointer, name));
     }
+    for (index, name) in spec.record.normal_forces.iter().enumerate() {
+        let pointer = format!("/record/normal_forces/{index}");
+        violations.extend(known.check_wall(pointer, name));
+    }
     let columns = spec.curve_columns().len();
     if columns > MOST_CURVE_COLUMNS {
         let detail = "planes, walls, driven bodies and regions give the curve too many columns";
@@ -183,7 +187,7 @@ fn check_recorded(spec: &GranularScene, violations: &mut Violations) {
             Violation::new("/record", "too_many_columns", detail)
                 .value(columns)
                 .allowed(format!(
-                    "at most {MOST_CURVE_COLUMNS} columns: 2 for a plane, 6 for a wall or body, 10 for a region"
+                    "at most {MOST_CURVE_COLUMNS} columns: 2 for a plane, 6 for a wall or body, 1 for normal forces, 10 for a region"
                 )),
         );
     }

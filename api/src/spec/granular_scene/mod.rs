@@ -57,7 +57,7 @@ use serde::{Deserialize, Serialize};
 pub use accuracy::{Accuracy, Knobs};
 pub use bodies::{Axis, Body, Clump, DegreeOfFreedom, Member, Plane, Sphere};
 pub use drive::{
-    BodyDrive, BodyForce, BodyVelocity, Drive, Servo, Sine, Turn, WallDrive, WallForce,
+    BodyDrive, BodyForce, BodyVelocity, Drive, Servo, Sine, Turn, Until, WallDrive, WallForce,
 };
 pub use facets::{FacetError, FacetMesh};
 pub use generate::{Arrangement, Generate, Grain, SieveFraction, Sizes, Volume};
