@@ -28,7 +28,7 @@ mod study;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use super::granular_scene::ContactLaw;
+use super::granular_scene::{ContactFriction, ContactLaw};
 
 pub use accuracy::{Accuracy, Knobs};
 pub use apparatus::{Apparatus, Walls};
@@ -90,6 +90,10 @@ pub struct Laws {
     /// λ_D of Cundall's local damping.
     #[schemars(range(min = 0.0, max = 0.99), extend("x-unit" = "1"))]
     pub local_damping: f64,
+    /// Whether contacts get the friction of the test when compaction ends, or keep that with which
+    /// they began, as contacts of Yade do.
+    #[serde(skip_serializing_if = "ContactFriction::is_renewed")]
+    pub contact_friction: ContactFriction,
 }
 
 impl Default for Laws {
@@ -97,6 +101,7 @@ impl Default for Laws {
         Self {
             contact: ContactLaw::Linear,
             local_damping: 0.3,
+            contact_friction: ContactFriction::Renewed,
         }
     }
 }

@@ -69,6 +69,29 @@ pub struct Laws {
     pub local_damping: Option<f64>,
     pub convention: Convention,
     pub bond_rest_length: BondRestLength,
+    /// Whether a change of friction by a stage reaches contacts that exist.
+    #[serde(skip_serializing_if = "ContactFriction::is_renewed")]
+    pub contact_friction: ContactFriction,
+}
+
+/// The friction of contacts when a stage changes it (`friction_factor`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactFriction {
+    /// All contacts have that of the present stage.
+    #[default]
+    Renewed,
+    /// A contact keeps the friction that it began with until it opens, as in Yade, where materials that
+    /// change do not reach it. One that opens and closes again between two searches for neighbours counts
+    /// as one that stayed.
+    Kept,
+}
+
+impl ContactFriction {
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+    pub(in crate::spec) fn is_renewed(&self) -> bool {
+        *self == Self::Renewed
+    }
 }
 
 /// The distance at which a bond carries no force.

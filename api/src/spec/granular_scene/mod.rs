@@ -66,7 +66,8 @@ pub use grains::{Filled, Lattice, Shape};
 pub use import::{Import, ImportError, ImportFormat};
 pub use insert::{Cut, Insert};
 pub use laws::{
-    AutomaticTimeStep, BondRestLength, ContactLaw, Convention, Laws, Material, TimeStep,
+    AutomaticTimeStep, BondRestLength, ContactFriction, ContactLaw, Convention, Laws, Material,
+    TimeStep,
 };
 pub use place::Place;
 pub use record::Record;
@@ -162,6 +163,7 @@ impl GranularScene {
                 local_damping: Some(local_damping),
                 convention: Convention::Loadframe,
                 bond_rest_length: BondRestLength::Initial,
+                contact_friction: ContactFriction::Renewed,
             },
             time_step_s: TimeStep::default(),
             allow_unstable: false,

@@ -356,3 +356,36 @@ fn a_stage_that_a_force_ends_resumes_to_the_same_bytes() {
         {"run": {"steps": 2000}}]);
     assert_resumes(&scene(true, 0.3, 0.1, &stages), 1);
 }
+
+/// A block that slides on a floor slows down by μg. It lands where nothing rubs: what it keeps of that is
+/// the question.
+#[test]
+fn contacts_keep_the_friction_that_they_began_with_where_that_is_asked_for() {
+    let (speed, friction) = (0.2, 0.4_f64);
+    // touches from the first step on, and stays
+    let smooth = json!({"drive": {"friction_factor": 0, "steps": 200}});
+    for (law, stages, slows) in [
+        ("renewed", json!([smooth, {"run": {"steps": 1000}}]), true),
+        ("kept", json!([smooth, {"run": {"steps": 1000}}]), false),
+        ("renewed", json!([{"run": {"steps": 1000}}, smooth]), false),
+        ("kept", json!([{"run": {"steps": 1000}}, smooth]), true),
+    ] {
+        let mut spec = scene(true, friction, 0.0, &stages);
+        spec["laws"]["contact_friction"] = json!(law);
+        let body_ = &mut spec["bodies"][0];
+        body_["fixed"] = json!(["rx", "ry", "rz"]);
+        body_["position_m"] = json!([0, 0, RADIUS - mass() * 9.81 / STIFFNESS]);
+        body_["velocity_m_per_s"] = json!([speed, 0, 0]);
+        // the second stage, in which the first pair of laws differs, or the last
+        let (from, to) = if stages[0]["drive"].is_object() {
+            (300, 1100)
+        } else {
+            (1010, 1190)
+        };
+        let (_, record) = run(&spec);
+        let velocity = |step| body(&record, step, 0)[1][0];
+        let slowing = (velocity(from) - velocity(to)) / (1e-5 * f64::from((to - from) as u32));
+        let expected = if slows { friction.tan() * 9.81 } else { 0.0 };
+        assert!((slowing - expected).abs() < 1e-3 * 9.81, "{law}: {slowing} {expected}");
+    }
+}

@@ -48,11 +48,12 @@ impl<A: Apparatus> Ballast<A> {
             .collect();
         let preparation = &self.preparation;
         let (law, damping) = (self.laws.contact, self.laws.local_damping);
-        let scene = GranularScene {
+        let mut scene = GranularScene {
             gravity_m_per_s2: [0.0, 0.0, -GRAVITY],
             materials,
             ..GranularScene::of_test(self.seed, law, damping, knobs.critical_step_fraction)
         };
+        scene.laws.contact_friction = self.laws.contact_friction;
         Script {
             scene,
             is_oedometer: A::IS_OEDOMETER,

@@ -43,6 +43,15 @@ impl Tangents {
         }
     }
 
+    /// tan φ of the contact in a lane of a block.
+    pub(super) fn friction(&self, block: usize, lane: usize) -> f64 {
+        match self {
+            Self::Unset => 0.0,
+            Self::One([_, friction]) => *friction,
+            Self::Each(blocks) => blocks[block][1][lane],
+        }
+    }
+
     /// Multiplies tan φ of all contacts.
     pub(super) fn rub(&mut self, factor: f64) {
         match self {

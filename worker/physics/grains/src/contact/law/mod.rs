@@ -47,6 +47,8 @@ pub(crate) struct Past {
     /// Moments on b of what resists rolling, and of twisting along the normal [N m].
     pub(crate) rolling: Vector,
     pub(crate) twisting: f64,
+    /// tan φ that it had, where it is to be kept.
+    pub(crate) friction: Option<f64>,
     /// The bond between the bodies, also after it broke.
     pub(crate) bond: Bond,
     /// v_N in the middle of the last step [m/s], where a dashpot works along the normal.

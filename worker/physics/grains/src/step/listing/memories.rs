@@ -81,7 +81,10 @@ impl Part {
         part.pairs.pasts.reserve(lists.candidates());
         let number = |particle: u32| particles.numbers[particle as usize];
         lists.see(&mut |touching| {
-            let past = touching.law.past(touching.lane);
+            let past = Past {
+                friction: Some(touching.friction),
+                ..touching.law.past(touching.lane)
+            };
             match touching.who {
                 Who::Pair(pair) => {
                     let [a, b] = pair.map(number);
