@@ -140,7 +140,11 @@ fn a_history_of_blocks_is_driven_by_a_machine_and_by_forces() {
     for row in (0..force.len() - 1).filter(machine) {
         let speed = (way[row + 1] - way[row]) / (time[row + 1] - time[row]);
         let is_turn = unloading[row] != unloading[row + 1];
-        let expected = if unloading[row + 1] > 0.0 { -20.0 } else { 20.0 };
+        let expected = if unloading[row + 1] > 0.0 {
+            -20.0
+        } else {
+            20.0
+        };
         assert!(
             is_turn || (speed - expected).abs() < 1e-6,
             "{row}: {speed} {expected}"
@@ -150,7 +154,10 @@ fn a_history_of_blocks_is_driven_by_a_machine_and_by_forces() {
     let spans: Vec<[f64; 2]> = blocks.iter().map(|row| [row[1], row[2]]).collect();
     assert_eq!(spans, [[1.0, 2.0], [3.0, 5.0], [6.0, 6.0]]);
     for (block, peak, tolerance) in [(0, 5.0, 0.05), (1, 20.0, 0.05), (2, 20.0, 0.05)] {
-        assert!((blocks[block][7] / peak - 1.0).abs() < tolerance, "{blocks:?}");
+        assert!(
+            (blocks[block][7] / peak - 1.0).abs() < tolerance,
+            "{blocks:?}"
+        );
         let told = value(&report, &format!("settlement_after_block_{}", block + 1));
         assert!((told - blocks[block][5]).abs() < 1e-12, "{told} {blocks:?}");
     }
@@ -161,7 +168,10 @@ fn a_history_of_blocks_is_driven_by_a_machine_and_by_forces() {
         assert!((force[row] - 0.2).abs() < 0.15, "{}", force[row]);
     }
     assert!(
-        !report.warnings.iter().any(|warning| warning.code == "load_not_reached"),
+        !report
+            .warnings
+            .iter()
+            .any(|warning| warning.code == "load_not_reached"),
         "{:?}",
         report.warnings
     );
@@ -204,9 +214,16 @@ fn base_and_sides_carry_the_load_and_the_bed() {
                 force[row]
             );
             // Coulomb on the steel
-            assert!(vertical[row] < normal[row] * 0.3_f64.tan(), "{section} {row}");
+            assert!(
+                vertical[row] < normal[row] * 0.3_f64.tan(),
+                "{section} {row}"
+            );
             // what presses the sides apart is the stress in the bed, 0.1 m high, in 0.2 m of width
-            let around = if section == "circle" { std::f64::consts::PI } else { 4.0 };
+            let around = if section == "circle" {
+                std::f64::consts::PI
+            } else {
+                4.0
+            };
             let pressure = normal[row] / (around * 0.2 * 0.1);
             assert!(
                 (pressure / lateral[row] - 1.0).abs() < 0.35,

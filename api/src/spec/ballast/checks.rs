@@ -65,7 +65,10 @@ fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
     let pointers = (0..test.then.len()).map(|index| format!("/test/then/{index}"));
     let pointers = || ["/test".to_owned()].into_iter().chain(pointers.clone());
     for (pointer, paces) in pointers().zip([first].into_iter().chain(then)) {
-        let given = paces.iter().zip(PACES).filter_map(|(pace, field)| Some((field, (*pace)?)));
+        let given = paces
+            .iter()
+            .zip(PACES)
+            .filter_map(|(pace, field)| Some((field, (*pace)?)));
         if let Some((field, value)) = given.skip(1).last() {
             let detail = "the pace of a load is said in one way";
             violations.push(
@@ -95,7 +98,9 @@ fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
             violations.push(
                 Violation::new(format!("{pointer}/cycles"), "too_many", detail)
                     .value(block.cycles)
-                    .allowed(format!("at most {MACHINE_CYCLES} cycles with a velocity in all")),
+                    .allowed(format!(
+                        "at most {MACHINE_CYCLES} cycles with a velocity in all"
+                    )),
             );
             break;
         }

@@ -190,8 +190,7 @@ impl Block {
             period_s: pace.period_s,
             frequency_hz: pace.frequency_hz,
             velocity_m_per_s: pace.velocity_m_per_s,
-            largest_displacement_m: (self.largest_displacement_m)
-                .or(before.largest_displacement_m),
+            largest_displacement_m: (self.largest_displacement_m).or(before.largest_displacement_m),
         }
     }
 

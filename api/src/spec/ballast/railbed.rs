@@ -121,6 +121,7 @@ impl Apparatus for Railbed {
         let mirror = Material {
             friction_angle_rad: Some(0.0),
             rolling_resistance: None,
+            parallel_bond: None,
             normal_cohesion_pa: 0.0,
             shear_cohesion_pa: 0.0,
             ..script.scene.materials[AGGREGATE].clone()

@@ -239,6 +239,18 @@ fn check_laws(spec: &GranularScene, violations: &mut Violations) {
     if !spec.materials.values().any(Material::is_cohesive) {
         return;
     }
+    let cohesive = spec.materials.iter();
+    let cohesive = cohesive.filter(|(_, material)| material.has_cohesion());
+    violations.extend(
+        cohesive
+            .filter(|_| spec.has_parallel_bonds())
+            .map(|(name, _)| {
+                let pointer = format!("/materials/{name}");
+                let detail = "cohesion, and somewhere in the scene bonds that bend and twist";
+                Violation::new(pointer, "not_together", detail)
+                    .allowed("parallel_bond or cohesions above 0, one of the two in a scene")
+            }),
+    );
     if spec.laws.contact != ContactLaw::Linear {
         violations.push(
             Violation::new(

@@ -2,7 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::RollingResistance;
+use super::{ParallelBond, RollingResistance};
 
 /// A material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -45,6 +45,9 @@ pub struct Material {
     /// What contacts set against rolling and twisting; left out, nothing. Not in a scene with cohesion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rolling_resistance: Option<RollingResistance>,
+    /// Bonds that bend and twist, instead of those by cohesion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parallel_bond: Option<ParallelBond>,
     /// c_N: spheres that touch at the start are bonded when both materials have cohesion; the bond
     /// breaks at a tension of c_N min(r)², the weaker material's.
     #[serde(default)]
@@ -176,6 +179,11 @@ impl Material {
 
     /// Whether its spheres can be bonded.
     pub fn is_cohesive(&self) -> bool {
+        self.has_cohesion() || self.parallel_bond.is_some()
+    }
+
+    /// Whether they are bonded by cohesion, without moments.
+    pub fn has_cohesion(&self) -> bool {
         self.normal_cohesion_pa > 0.0 || self.shear_cohesion_pa > 0.0
     }
 

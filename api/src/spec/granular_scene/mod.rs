@@ -31,6 +31,7 @@ mod job_kind;
 mod laws;
 mod overlaps;
 mod packing;
+mod parallel_bond;
 mod part_checks;
 mod place;
 mod rate;
@@ -69,6 +70,7 @@ pub use laws::{
     AutomaticTimeStep, BondRestLength, ContactFriction, ContactLaw, Convention, Laws, Material,
     TimeStep,
 };
+pub use parallel_bond::ParallelBond;
 pub use place::Place;
 pub use record::Record;
 pub use region::Region;

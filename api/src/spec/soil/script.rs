@@ -109,6 +109,7 @@ impl<T: Shearing> Soil<T> {
         let smooth = Material {
             friction_angle_rad: Some(0.0),
             rolling_resistance: None,
+            parallel_bond: None,
             normal_cohesion_pa: 0.0,
             shear_cohesion_pa: 0.0,
             ..self.soil.clone()

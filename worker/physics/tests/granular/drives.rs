@@ -317,8 +317,14 @@ fn a_stage_ends_in_the_step_in_which_its_force_is_met() {
                 "until": until, "time_s": 0.1}})
         };
         // the floor is pressed downward
-        let up = rise(speed, json!({"wall": "floor", "axis": "z", "at_most_n": -force}));
-        let down = rise(-speed, json!({"wall": "floor", "axis": "z", "at_least_n": -0.2 * force}));
+        let up = rise(
+            speed,
+            json!({"wall": "floor", "axis": "z", "at_most_n": -force}),
+        );
+        let down = rise(
+            -speed,
+            json!({"wall": "floor", "axis": "z", "at_least_n": -0.2 * force}),
+        );
         let stages = json!([up, down, {"run": {"steps": 1}}]);
         let mut spec = scene(is_plane, 0.0, 0.0, &stages);
         spec["bodies"][0]["fixed"] = json!(["x", "y", "z", "rx", "ry", "rz"]);
@@ -386,6 +392,9 @@ fn contacts_keep_the_friction_that_they_began_with_where_that_is_asked_for() {
         let velocity = |step| body(&record, step, 0)[1][0];
         let slowing = (velocity(from) - velocity(to)) / (1e-5 * f64::from((to - from) as u32));
         let expected = if slows { friction.tan() * 9.81 } else { 0.0 };
-        assert!((slowing - expected).abs() < 1e-3 * 9.81, "{law}: {slowing} {expected}");
+        assert!(
+            (slowing - expected).abs() < 1e-3 * 9.81,
+            "{law}: {slowing} {expected}"
+        );
     }
 }

@@ -2,9 +2,7 @@
 use std::collections::BTreeMap;
 
 use super::{
-    super::super::granular_scene::{
-        Generate, GranularScene, Record, Settle,
-    },
+    super::super::granular_scene::{Generate, GranularScene, Record, Settle},
     super::{Apparatus, Ballast, Knobs, Materials, materials::AGGREGATE},
     GRAVITY, Phase, Script, Slice,
 };
@@ -89,7 +87,9 @@ impl<A: Apparatus> Ballast<A> {
         let step = script.scene.expected_step() * self.softening().sqrt();
         let rows = self.output.rows_per_cycle;
         let times = self.blocks().into_iter();
-        let shortest = times.map(|block| block.cycle_time()).fold(f64::INFINITY, f64::min);
+        let shortest = times
+            .map(|block| block.cycle_time())
+            .fold(f64::INFINITY, f64::min);
         let every = (shortest / (f64::from(rows) * step)).floor().max(1.0) as u64;
         let snapshots = self.output.snapshots;
         let regions = script.slices.iter().chain([&script.bed]);
@@ -98,8 +98,17 @@ impl<A: Apparatus> Ballast<A> {
             from_stage: script.stages_before(Phase::Seat),
             bodies: Some(Vec::new()),
             stage_ends: true,
-            walls: [script.walls.base].iter().chain(script.walls.sides).map(|name| (*name).to_owned()).collect(),
-            normal_forces: script.walls.sides.iter().map(|name| (*name).to_owned()).collect(),
+            walls: [script.walls.base]
+                .iter()
+                .chain(script.walls.sides)
+                .map(|name| (*name).to_owned())
+                .collect(),
+            normal_forces: script
+                .walls
+                .sides
+                .iter()
+                .map(|name| (*name).to_owned())
+                .collect(),
             regions: regions
                 .map(|slice| slice.region(self.apparatus.footprint()))
                 .collect(),

@@ -94,7 +94,11 @@ impl Script {
     /// [s], for a time [s].
     fn force(&self, mass_kg: f64, forces: [f64; 2], period: f64, time: f64) -> Stage {
         // gravity acts on a body, and must be given to a wall
-        let own = if self.body.is_some() { 0.0 } else { self.weight };
+        let own = if self.body.is_some() {
+            0.0
+        } else {
+            self.weight
+        };
         let [force_n, peak] = forces.map(|force| [0.0, 0.0, -(force + own)]);
         let swings = period.is_finite();
         let (peak_force_n, period_s) = (swings.then_some(peak), swings.then_some(period));

@@ -55,7 +55,9 @@ impl Block {
     }
 
     pub(super) fn row(&self, number: usize) -> Vec<f64> {
-        let [first, last] = self.unloading_stiffnesses.map(|slope| slope.unwrap_or(f64::NAN));
+        let [first, last] = self
+            .unloading_stiffnesses
+            .map(|slope| slope.unwrap_or(f64::NAN));
         vec![
             number as f64,
             (self.cycles[0] + 1) as f64,

@@ -129,7 +129,9 @@ fn blocks_are_told_from_their_cycles() {
     // cycles 1 and 2: down by 1.5 m, 3.5 m at the deepest
     let row = [1.0, 1.0, 2.0, 0.0, 3500.0, 1500.0, 1500.0, 0.01, 3.0, 3.5];
     assert_eq!(blocks[0].row(1), row);
-    let row = [2.0, 3.0, 3.0, 1500.0, 9000.0, 6000.0, 4500.0, 0.02, 9.0, 9.0];
+    let row = [
+        2.0, 3.0, 3.0, 1500.0, 9000.0, 6000.0, 4500.0, 0.02, 9.0, 9.0,
+    ];
     assert_eq!(blocks[1].row(2), row);
 }
 

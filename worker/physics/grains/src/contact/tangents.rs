@@ -123,7 +123,7 @@ mod tests {
     use super::*;
     use crate::contact::{
         law::{Coulomb, Followed, Frictionless, Linear},
-        stiffness::Resistance,
+        stiffness::{Cement, Resistance},
     };
 
     type Rough = Coulomb<Linear, Followed>;
@@ -136,6 +136,7 @@ mod tests {
             friction: 0.5,
             dashpots: [0.0; 2],
             resistance: Resistance::default(),
+            cement: Cement::default(),
         };
         let mut tangents = Tangents::default();
         tangents.set::<Rough>(0, 0, &springs(0.3));

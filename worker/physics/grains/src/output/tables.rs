@@ -246,7 +246,7 @@ pub(crate) fn write(
     breaks::write(journal, recorder)?;
     if spec.record.contacts {
         let mut columns = CONTACT_COLUMNS.to_vec();
-        if spec.resists_rolling() {
+        if spec.has_moments() {
             columns.extend(MOMENT_COLUMNS);
         }
         write_table(recorder, "contacts.csv", &columns, &journal.contacts)?;

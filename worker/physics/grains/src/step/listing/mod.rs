@@ -256,7 +256,8 @@ impl Listing<'_> {
                 let springs = self.rubbed(springs, past.as_ref());
                 let pair = [a as u32, b as u32];
                 let radii = pair.map(|particle| self.radius(particle as usize));
-                filling.see(self, pair, None, radii[0].min(radii[1]), &springs);
+                let held = springs.held(past.as_ref());
+                filling.see(self, pair, None, radii[0].min(radii[1]), &held);
                 let lists = &mut *filling.lists;
                 if range.contains(&b) {
                     lists.add_inner(pair, &springs, past.as_ref());
