@@ -237,6 +237,28 @@ fn base_and_sides_carry_the_load_and_the_bed() {
     }
 }
 
+#[test]
+fn grains_fall_from_a_grid_and_are_shaken_upright() {
+    let mut job = small_oedometer();
+    let member = |x: f64| json!({"offset_m": [x, 0, 0], "radius_m": 0.012});
+    job["spec"]["grains"] = json!({"shape": {"clump": {"members": [member(-0.006), member(0.006)]}},
+        "arrangement": "grid", "turned": false});
+    job["spec"]["preparation"]["compaction"]["axes"] = json!(["z"]);
+    job["spec"]["test"]["cycles"] = json!(1);
+    let (report, record) = run(&job);
+    let scene: Value = serde_json::from_slice(&record.files["scene.json"]).expect("JSON");
+    let made = &scene["spec"]["generate"][0];
+    assert_eq!(made["arrangement"], json!("grid"));
+    assert_eq!(made["turned"], json!(false));
+    // as much as at random: 1.1 times what the cylinder holds, less what was cut
+    let full = 0.6 * std::f64::consts::PI * 0.01 * 0.1 * 2600.0;
+    let mass = value(&report, "total_mass");
+    assert!((0.8..1.1).contains(&(mass / full)), "{mass} {full}");
+    let force = record.column("force_kn");
+    let largest = force.iter().copied().fold(0.0, f64::max);
+    assert!((largest / 20.0 - 1.0).abs() < 0.01, "{largest}");
+}
+
 /// [Dubina2014] table 4.3: softened so far that grains sink into each other.
 #[test]
 fn the_thesis_softened_oedometer_warns_of_its_overlaps() {

@@ -19,6 +19,7 @@ use crate::Violations;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Oedometer {
+    #[serde(skip_serializing_if = "Section::is_circle")]
     pub section: Section,
     /// Of the cylinder, or the side of the square.
     #[schemars(range(min = 1e-3, max = 100.0), extend("x-unit" = "m"))]
@@ -41,6 +42,13 @@ pub enum Section {
     #[default]
     Circle,
     Square,
+}
+
+impl Section {
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+    fn is_circle(&self) -> bool {
+        *self == Self::Circle
+    }
 }
 
 impl Default for Oedometer {

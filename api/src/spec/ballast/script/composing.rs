@@ -68,6 +68,8 @@ impl<A: Apparatus> Ballast<A> {
             template: Generate {
                 grain: self.grains.shape.clone(),
                 sizes: self.grains.sizes(),
+                arrangement: self.grains.arrangement,
+                turned: self.grains.turned,
                 ..Generate::of(AGGREGATE)
             },
             placed_fraction: self.grains.placed_fraction(),

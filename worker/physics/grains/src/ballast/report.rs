@@ -164,7 +164,7 @@ pub(super) fn report(
             );
         }
     }
-    for detail in not_reached(heard) {
+    if let Some(detail) = not_reached(heard) {
         report.warn("load_not_reached", detail);
     }
     let Report {
