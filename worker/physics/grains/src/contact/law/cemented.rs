@@ -4,8 +4,8 @@
 //! friction. Beside it an intact bond, made at the overlap δ_b, is a round beam of radius R̄ and length
 //! L = r_a + r_b − δ_b,
 //!
-//!   F_b = EA/L (δ − δ_b) (G.31)
-//!   F_s ← F_s − κEA/L Δt v_T, M_b ← M_b − EI/L Δt ω_r, M_t ← M_t − κEJ/L Δt ω_n (G.32)
+//!   F_b = EA/L (δ − δ_b) (G.32)
+//!   F_s ← F_s − κEA/L Δt v_T, M_b ← M_b − EI/L Δt ω_r, M_t ← M_t − κEJ/L Δt ω_n (G.33)
 //!   A = πR̄², I = πR̄⁴/4, J = πR̄⁴/2
 //!
 //! with forces and moments on b, ω = ω_b − ω_a, ω_n its part along the normal and ω_r the rest. F_s and
@@ -13,7 +13,7 @@
 //! distance that they have: the slip of a contact, which is over r_a + r_b, times (r_a + r_b − δ)/(r_a + r_b).
 //! It breaks as a whole when its outermost fibre does,
 //!
-//!   σ = −F_b/A + |M_b| R̄/I > σ_c or τ = |F_s|/A + |M_t| R̄/J > τ_c (G.33)
+//!   σ = −F_b/A + |M_b| R̄/I > σ_c or τ = |F_s|/A + |M_t| R̄/J > τ_c (G.34)
 //!
 //! and what is left is the contact, which keeps δ₀ until its spheres are apart.
 //!
