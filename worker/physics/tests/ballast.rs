@@ -2,7 +2,11 @@
 mod scene;
 
 use loadframe_api::{
-    JobSpec, Report, Submission, SubmissionError, Violation, spec::ballast::Phase,
+    JobSpec, Report, Submission, SubmissionError, Violation,
+    spec::{
+        ballast::Phase,
+        granular_scene::{BondRestLength, ContactFriction},
+    },
 };
 use loadframe_physics::{Ending, Interrupt, SimulationError, Uninterrupted};
 use scene::{AtLook, Record, assert_same, finished, run_job};
@@ -418,6 +422,26 @@ fn breakable_grains_tell_their_fragments_at_four_moments() {
     let crushed = |moment: &str| value(&report, &format!("mass_in_single_spheres_{moment}"));
     assert!(crushed("poured") <= 0.0);
     assert!(crushed("end") >= crushed("peak") && crushed("peak") > 0.0);
+}
+
+#[test]
+fn laws_of_bonds_and_friction_are_those_of_the_scene() {
+    let mut job = small_oedometer();
+    let plain = json!({"contact": "linear", "local_damping": 0.2});
+    let asked = json!({"contact": "linear", "local_damping": 0.2, "contact_friction": "kept",
+        "bond_rest_length": "touching"});
+    for (laws, friction, rest) in [
+        (&plain, ContactFriction::Renewed, BondRestLength::Initial),
+        (&asked, ContactFriction::Kept, BondRestLength::Touching),
+    ] {
+        job["spec"]["laws"] = laws.clone();
+        let JobSpec::BallastOedometer(spec) = submission(&job).expect("a valid job") else {
+            panic!("another kind");
+        };
+        let scene = spec.script().scene;
+        assert_eq!(scene.laws.contact_friction, friction);
+        assert_eq!(scene.laws.bond_rest_length, rest);
+    }
 }
 
 #[test]

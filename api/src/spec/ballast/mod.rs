@@ -28,7 +28,7 @@ mod study;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use super::granular_scene::{ContactFriction, ContactLaw};
+use super::granular_scene::{BondRestLength, ContactFriction, ContactLaw};
 
 pub use accuracy::{Accuracy, Knobs};
 pub use apparatus::{Apparatus, Walls};
@@ -94,6 +94,9 @@ pub struct Laws {
     /// they began, as contacts of Yade do.
     #[serde(skip_serializing_if = "ContactFriction::is_renewed")]
     pub contact_friction: ContactFriction,
+    /// Of the bonds of breakable grains.
+    #[serde(skip_serializing_if = "BondRestLength::is_initial")]
+    pub bond_rest_length: BondRestLength,
 }
 
 impl Default for Laws {
@@ -102,6 +105,7 @@ impl Default for Laws {
             contact: ContactLaw::Linear,
             local_damping: 0.3,
             contact_friction: ContactFriction::Renewed,
+            bond_rest_length: BondRestLength::Initial,
         }
     }
 }

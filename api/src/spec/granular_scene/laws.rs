@@ -108,6 +108,13 @@ pub enum BondRestLength {
     Touching,
 }
 
+impl BondRestLength {
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+    pub(in crate::spec) fn is_initial(&self) -> bool {
+        *self == Self::Initial
+    }
+}
+
 /// Law of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

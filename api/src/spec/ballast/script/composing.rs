@@ -52,6 +52,7 @@ impl<A: Apparatus> Ballast<A> {
             ..GranularScene::of_test(self.seed, law, damping, knobs.critical_step_fraction)
         };
         scene.laws.contact_friction = self.laws.contact_friction;
+        scene.laws.bond_rest_length = self.laws.bond_rest_length;
         Script {
             scene,
             is_oedometer: A::IS_OEDOMETER,
