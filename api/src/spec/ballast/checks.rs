@@ -2,7 +2,6 @@
 use super::{
     super::granular_scene::{Clump, MOST_MEMBERS, check_grain},
     Apparatus, Ballast,
-    loading::Motion,
     shapes::shell_members,
 };
 use crate::{Violation, Violations, spec_trait::Spec as _};
@@ -79,8 +78,8 @@ fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
         }
     }
     let mut stages = 0;
-    for (pointer, block) in pointers().zip(spec.blocks()) {
-        let [smallest, peak] = block.forces;
+    for (pointer, block) in pointers().zip(test.history()) {
+        let [smallest, peak] = block.forces();
         if peak <= smallest {
             let detail = "the load does not swing";
             violations.push(
@@ -90,8 +89,8 @@ fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
                     .unit("N"),
             );
         }
-        if matches!(block.motion, Motion::Machine { .. }) {
-            stages += 2 * u64::from(block.cycles);
+        if block.velocity_m_per_s.is_some() {
+            stages += 2 * u64::from(block.cycles.unwrap_or(1));
         }
         if stages > 2 * MACHINE_CYCLES {
             let detail = "a machine goes down and up in stages of their own";
@@ -109,8 +108,8 @@ fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
 
 /// A sleeper of spheres is a body, and stages end by forces on walls.
 fn check_machine<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
-    let mut blocks = spec.blocks().into_iter();
-    let machine = blocks.position(|block| matches!(block.motion, Motion::Machine { .. }));
+    let mut blocks = spec.test.history().into_iter();
+    let machine = blocks.position(|block| block.velocity_m_per_s.is_some());
     if let Some(block) = machine
         && spec.script().body.is_some()
     {

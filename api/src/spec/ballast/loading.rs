@@ -150,9 +150,9 @@ impl Pace {
 }
 
 impl Loading {
-    /// All blocks, with what each took from those before; bed height [m].
-    pub(super) fn blocks(&self, pace: &Pace, height: f64) -> Vec<Cycles> {
-        let mut block = Block {
+    /// All blocks, with what each took from those before.
+    pub(super) fn history(&self) -> Vec<Block> {
+        let mut blocks = vec![Block {
             smallest_force_n: Some(self.smallest_force_n),
             peak_force_n: Some(self.peak_force_n),
             cycles: Some(self.cycles),
@@ -160,13 +160,20 @@ impl Loading {
             frequency_hz: self.frequency_hz,
             velocity_m_per_s: self.velocity_m_per_s,
             largest_displacement_m: self.largest_displacement_m,
-        };
-        let mut blocks = vec![block.resolved(pace, height)];
-        for next in &self.then {
-            block = next.after(&block);
-            blocks.push(block.resolved(pace, height));
+        }];
+        for (before, next) in self.then.iter().enumerate() {
+            blocks.push(next.after(&blocks[before]));
         }
         blocks
+    }
+
+    /// The same as they are carried out, on a bed of this height [m].
+    pub(super) fn blocks(&self, pace: &Pace, height: f64) -> Vec<Cycles> {
+        let blocks = self.history();
+        blocks
+            .iter()
+            .map(|block| block.resolved(pace, height))
+            .collect()
     }
 
     /// Whether the pace of all is given.
@@ -194,8 +201,13 @@ impl Block {
         }
     }
 
+    /// F₀ and F₁ [N].
+    pub(super) fn forces(&self) -> [f64; 2] {
+        [self.smallest_force_n, self.peak_force_n].map(Option::unwrap_or_default)
+    }
+
     fn resolved(&self, pace: &Pace, height: f64) -> Cycles {
-        let forces = [self.smallest_force_n, self.peak_force_n].map(Option::unwrap_or_default);
+        let forces = self.forces();
         let given = self.period_s.or(self.frequency_hz.map(f64::recip));
         let motion = match self.velocity_m_per_s {
             Some(velocity) => {

@@ -80,7 +80,8 @@ fn a_cantilever_of_bonded_spheres_bends_as_beams_do() {
         let last = rows.last().expect("rows")[0];
         let root = rows.iter().find(|row| row[0].to_bits() == last.to_bits());
         let moment = root.expect("a bond")[16];
-        let expected = -force * (whole - 0.5 * LENGTH);
+        // on what hangs at it
+        let expected = force * (whole - 0.5 * LENGTH);
         assert!(
             (moment / expected - 1.0).abs() < 1e-3,
             "{moment:e} {expected:e}"
@@ -222,7 +223,7 @@ fn a_body_of_beams_that_flies_and_turns_makes_nothing_of_nothing() {
 fn beams_are_the_same_on_any_threads_and_after_a_resume() {
     let [_, inertia, _] = section();
     let force = 1e-3 * MODULUS * inertia / LENGTH.powi(2);
-    let mut spec = pulled(6, [0.0, -force, 0.3 * force], 0.02);
+    let mut spec = pulled(6, [0.0, -force, 0.3 * force], 0.05);
     let bond = &mut spec["materials"]["stone"]["parallel_bond"];
     bond["tensile_strength_pa"] = json!(5.0 * force * LENGTH * BEAM / inertia);
     let [one, two] =

@@ -327,7 +327,8 @@ fn a_stage_ends_in_the_step_in_which_its_force_is_met() {
         );
         let stages = json!([up, down, {"run": {"steps": 1}}]);
         let mut spec = scene(is_plane, 0.0, 0.0, &stages);
-        spec["bodies"][0]["fixed"] = json!(["x", "y", "z", "rx", "ry", "rz"]);
+        // one free rotation, which nothing drives: pairs that cannot move are not looked at
+        spec["bodies"][0]["fixed"] = json!(["x", "y", "z", "ry", "rz"]);
         spec["record"]["stage_ends"] = json!(true);
         spec["record"]["normal_forces"] = json!(["floor"]);
         spec["record"]["every_steps"] = json!(1_000_000);
