@@ -46,8 +46,12 @@ pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations
     if !violations.is_empty() {
         return;
     }
-    check_sizes(spec, violations);
     check_machine(spec, violations);
+    if !violations.is_empty() {
+        // its scene would have no such wall
+        return;
+    }
+    check_sizes(spec, violations);
     let mut of_scene = Violations::default();
     spec.script().scene.check(&mut of_scene);
     violations.extend(of_scene.into_vec().into_iter().map(|mut violation| {
