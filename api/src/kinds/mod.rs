@@ -19,7 +19,7 @@ macro_rules! list_of_kinds {
                 "Spheres and clumps between planes and surfaces of triangles, in contact with friction, moved step by step through the stages you give.",
                 ["granular_scene", "granular_scene_clump_drop", "granular_scene_breaking_clump",
                     "granular_scene_hopper", "granular_scene_angle_of_repose",
-                    "granular_scene_rolling"];
+                    "granular_scene_rolling", "granular_scene_bent_rod"];
             Triaxial("triaxial"): spec::soil::SoilTriaxial,
                 "Triaxial test",
                 "Soil is pressed on all sides and then shortened at constant confining pressure: deviator stress, volume, friction angles at peak and critical state.",

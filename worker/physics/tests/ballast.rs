@@ -2,7 +2,11 @@
 mod scene;
 
 use loadframe_api::{
-    JobSpec, Report, Submission, SubmissionError, Violation, spec::ballast::Phase,
+    JobSpec, Report, Submission, SubmissionError, Violation,
+    spec::{
+        ballast::Phase,
+        granular_scene::{BondRestLength, ContactFriction},
+    },
 };
 use loadframe_physics::{Ending, Interrupt, SimulationError, Uninterrupted};
 use scene::{AtLook, Record, assert_same, finished, run_job};
@@ -116,6 +120,147 @@ fn stress_in_the_bed_is_that_of_the_plate() {
         let ratio = mean / (force / area);
         assert!((0.53..0.93).contains(&ratio), "{mean} {force}");
     }
+}
+
+/// A machine presses at its speed until the force is met and lifts until it is left; then a force swings.
+#[test]
+fn a_history_of_blocks_is_driven_by_a_machine_and_by_forces() {
+    let mut job = small_oedometer();
+    job["spec"]["test"] = json!({"smallest_force_n": 200, "peak_force_n": 5e3, "cycles": 2,
+        "velocity_m_per_s": 0.02, "then": [{"peak_force_n": 20e3, "smallest_force_n": 400,
+        "frequency_hz": 20, "cycles": 3}, {"cycles": 1}]});
+    let (report, record) = run(&job);
+    let [time, way, force, cycle, unloading] = [
+        "time_s",
+        "displacement_mm",
+        "force_kn",
+        "cycle",
+        "unloading",
+    ]
+    .map(|name| record.column(name));
+    assert_eq!(cycle.last(), Some(&6.0));
+    // 20 mm/s down and up, whatever the bed does
+    let machine = |row: &usize| cycle[*row] < 3.0 && cycle[*row + 1] < 3.0;
+    for row in (0..force.len() - 1).filter(machine) {
+        let speed = (way[row + 1] - way[row]) / (time[row + 1] - time[row]);
+        let is_turn = unloading[row] != unloading[row + 1];
+        let expected = if unloading[row + 1] > 0.0 {
+            -20.0
+        } else {
+            20.0
+        };
+        assert!(
+            is_turn || (speed - expected).abs() < 1e-6,
+            "{row}: {speed} {expected}"
+        );
+    }
+    let blocks = record.table("blocks.csv");
+    let spans: Vec<[f64; 2]> = blocks.iter().map(|row| [row[1], row[2]]).collect();
+    assert_eq!(spans, [[1.0, 2.0], [3.0, 5.0], [6.0, 6.0]]);
+    for (block, peak, tolerance) in [(0, 5.0, 0.05), (1, 20.0, 0.05), (2, 20.0, 0.05)] {
+        assert!(
+            (blocks[block][7] / peak - 1.0).abs() < tolerance,
+            "{blocks:?}"
+        );
+        let told = value(&report, &format!("settlement_after_block_{}", block + 1));
+        assert!((told - blocks[block][5]).abs() < 1e-12, "{told} {blocks:?}");
+    }
+    assert!(blocks[1][6] > blocks[2][6].abs(), "{blocks:?}");
+    // the unloading branch ends where the machine is told to turn
+    let ends = (0..force.len() - 1).filter(|row| cycle[*row] < 2.0 && cycle[row + 1] > 1.0);
+    for row in ends {
+        assert!((force[row] - 0.2).abs() < 0.15, "{}", force[row]);
+    }
+    assert!(
+        !report
+            .warnings
+            .iter()
+            .any(|warning| warning.code == "load_not_reached"),
+        "{:?}",
+        report.warnings
+    );
+}
+
+#[test]
+fn a_machine_that_turns_too_early_says_so() {
+    let mut job = small_oedometer();
+    job["spec"]["test"] = json!({"smallest_force_n": 200, "peak_force_n": 20e3,
+        "velocity_m_per_s": 0.02, "largest_displacement_m": 1e-4});
+    let (report, _) = run(&job);
+    let warned = |code: &str| report.warnings.iter().any(|warning| warning.code == code);
+    assert!(warned("load_not_reached"), "{:?}", report.warnings);
+}
+
+/// Base and walls carry the load and the weight of the bed, in a cylinder and in a square.
+#[test]
+fn base_and_sides_carry_the_load_and_the_bed() {
+    for section in ["circle", "square"] {
+        let mut job = small_oedometer();
+        job["spec"]["apparatus"]["section"] = json!(section);
+        job["spec"]["materials"]["steel"] = json!({"density_kg_per_m3": 7850,
+            "youngs_modulus_pa": 1e10, "stiffness_ratio": 0.25, "friction_angle_rad": 0.3});
+        job["spec"]["test"]["cycles"] = json!(1);
+        let (report, record) = run(&job);
+        let weight = 9.81e-3 * value(&report, "total_mass");
+        let [force, base, vertical, normal, lateral] = [
+            "force_kn",
+            "base_force_kn",
+            "side_vertical_force_kn",
+            "side_normal_force_kn",
+            "bed_stress_xx_kpa",
+        ]
+        .map(|name| record.column(name));
+        for row in (0..force.len()).filter(|row| force[*row] > 10.0) {
+            let carried = base[row] + vertical[row];
+            assert!(
+                (carried - force[row] - weight).abs() < 0.02 * force[row],
+                "{section}: {carried} {} {weight}",
+                force[row]
+            );
+            // Coulomb on the steel
+            assert!(
+                vertical[row] < normal[row] * 0.3_f64.tan(),
+                "{section} {row}"
+            );
+            // what presses the sides apart is the stress in the bed, 0.1 m high, in 0.2 m of width
+            let around = if section == "circle" {
+                std::f64::consts::PI
+            } else {
+                4.0
+            };
+            let pressure = normal[row] / (around * 0.2 * 0.1);
+            assert!(
+                (pressure / lateral[row] - 1.0).abs() < 0.35,
+                "{section}: {pressure} {}",
+                lateral[row]
+            );
+        }
+        let [from_load, from_set_down] = ["peak_displacement", "peak_displacement_from_set_down"]
+            .map(|name| value(&report, name));
+        assert!(from_set_down > from_load, "{from_set_down} {from_load}");
+    }
+}
+
+#[test]
+fn grains_fall_from_a_grid_and_are_shaken_upright() {
+    let mut job = small_oedometer();
+    let member = |x: f64| json!({"offset_m": [x, 0, 0], "radius_m": 0.012});
+    job["spec"]["grains"] = json!({"shape": {"clump": {"members": [member(-0.006), member(0.006)]}},
+        "arrangement": "grid", "turned": false});
+    job["spec"]["preparation"]["compaction"]["axes"] = json!(["z"]);
+    job["spec"]["test"]["cycles"] = json!(1);
+    let (report, record) = run(&job);
+    let scene: Value = serde_json::from_slice(&record.files["scene.json"]).expect("JSON");
+    let made = &scene["spec"]["generate"][0];
+    assert_eq!(made["arrangement"], json!("grid"));
+    assert_eq!(made["turned"], json!(false));
+    // as much as at random: 1.1 times what the cylinder holds, less what was cut
+    let full = 0.6 * std::f64::consts::PI * 0.01 * 0.1 * 2600.0;
+    let mass = value(&report, "total_mass");
+    assert!((0.8..1.1).contains(&(mass / full)), "{mass} {full}");
+    let force = record.column("force_kn");
+    let largest = force.iter().copied().fold(0.0, f64::max);
+    assert!((largest / 20.0 - 1.0).abs() < 0.01, "{largest}");
 }
 
 /// [Dubina2014] table 4.3: softened so far that grains sink into each other.
@@ -280,6 +425,26 @@ fn breakable_grains_tell_their_fragments_at_four_moments() {
 }
 
 #[test]
+fn laws_of_bonds_and_friction_are_those_of_the_scene() {
+    let mut job = small_oedometer();
+    let plain = json!({"contact": "linear", "local_damping": 0.2});
+    let asked = json!({"contact": "linear", "local_damping": 0.2, "contact_friction": "kept",
+        "bond_rest_length": "touching"});
+    for (laws, friction, rest) in [
+        (&plain, ContactFriction::Renewed, BondRestLength::Initial),
+        (&asked, ContactFriction::Kept, BondRestLength::Touching),
+    ] {
+        job["spec"]["laws"] = laws.clone();
+        let JobSpec::BallastOedometer(spec) = submission(&job).expect("a valid job") else {
+            panic!("another kind");
+        };
+        let scene = spec.script().scene;
+        assert_eq!(scene.laws.contact_friction, friction);
+        assert_eq!(scene.laws.bond_rest_length, rest);
+    }
+}
+
+#[test]
 fn what_cannot_be_tested_is_refused_by_field() {
     let refused = |change: fn(&mut Value), pointer: &str, code: &str| {
         let mut job = small_oedometer();
@@ -302,6 +467,24 @@ fn what_cannot_be_tested_is_refused_by_field() {
         |spec| spec["test"]["peak_force_n"] = json!(50),
         "/test/peak_force_n",
         "out_of_order",
+    );
+    refused(
+        |spec| spec["test"]["then"] = json!([{"peak_force_n": 50}]),
+        "/test/then/0/peak_force_n",
+        "out_of_order",
+    );
+    refused(
+        |spec| spec["test"]["then"] = json!([{"velocity_m_per_s": 1, "period_s": 1}]),
+        "/test/then/0/velocity_m_per_s",
+        "not_both",
+    );
+    refused(
+        |spec| {
+            spec["test"]["velocity_m_per_s"] = json!(0.01);
+            spec["test"]["cycles"] = json!(1000);
+        },
+        "/test/cycles",
+        "too_many",
     );
     refused(
         |spec| spec["grains"]["sizes"] = json!({"radius_m": 0.06}),

@@ -2,6 +2,15 @@
 use super::{Loading, Materials, Script};
 use crate::Violations;
 
+/// Walls whose forces are told, by their names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Walls {
+    /// Below the bed.
+    pub base: &'static str,
+    /// Around it.
+    pub sides: &'static [&'static str],
+}
+
 /// A cylinder, a box, a track bed: walls, layers of grains, and the wall that loads them.
 pub trait Apparatus: Clone + Default {
     /// Friction angle of steel where the spec gives none [rad].
@@ -22,6 +31,9 @@ pub trait Apparatus: Clone + Default {
     /// Writes its part of the scene: walls, layers, the wall that loads, into a script that has
     /// grains and materials.
     fn set_up(&self, script: &mut Script);
+
+    /// The walls below and around the bed.
+    fn walls(&self) -> Walls;
 
     /// Lower and upper corner of a rectangle around the area under the loading wall [m].
     fn footprint(&self) -> [[f64; 2]; 2];

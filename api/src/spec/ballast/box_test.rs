@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     super::granular_scene::{Axis, Volume},
-    Apparatus, Layer, Loading, Materials, Script,
+    Apparatus, Layer, Loading, Materials, Script, Walls,
     checks::check_shell,
     materials::{RUBBER, STEEL},
 };
@@ -87,6 +87,9 @@ impl Apparatus for BoxTest {
             cycles: 1,
             period_s: None,
             frequency_hz: None,
+            velocity_m_per_s: None,
+            largest_displacement_m: None,
+            then: Vec::new(),
         }
     }
 
@@ -124,6 +127,13 @@ impl Apparatus for BoxTest {
         });
         script.cut(self.height_m);
         script.compact();
+    }
+
+    fn walls(&self) -> Walls {
+        Walls {
+            base: "base",
+            sides: &["left", "right", "front", "back"],
+        }
     }
 
     fn footprint(&self) -> [[f64; 2]; 2] {

@@ -9,6 +9,11 @@ use crate::{Violation, Violations, spec_trait::Spec as _};
 /// The largest grain over the narrowest width that it is poured into, at most: wider ones jam.
 const LARGEST_GRAIN: f64 = 0.65;
 
+/// Ways to say the pace of a load.
+const PACES: [&str; 3] = ["period_s", "frequency_hz", "velocity_m_per_s"];
+/// Cycles of machines: each is two of the stages of a scene.
+const MACHINE_CYCLES: u64 = 450;
+
 /// Finds a sleeper with these sides [m] that would be of too many spheres; the pointer is that of their
 /// radius [m].
 pub(super) fn check_shell(
@@ -41,6 +46,11 @@ pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations
     if !violations.is_empty() {
         return;
     }
+    check_machine(spec, violations);
+    if !violations.is_empty() {
+        // its scene would have no such wall
+        return;
+    }
     check_sizes(spec, violations);
     let mut of_scene = Violations::default();
     spec.script().scene.check(&mut of_scene);
@@ -52,21 +62,69 @@ pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations
 
 fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
     let test = &spec.test;
-    if test.period_s.is_some() && test.frequency_hz.is_some() {
-        let detail = "a period and a frequency say the same";
-        violations.push(
-            Violation::new("/test/frequency_hz", "not_both", detail)
-                .value(test.frequency_hz)
-                .allowed("at most one of: period_s, frequency_hz"),
-        );
+    let first = [test.period_s, test.frequency_hz, test.velocity_m_per_s];
+    let then = (test.then.iter())
+        .map(|block| [block.period_s, block.frequency_hz, block.velocity_m_per_s]);
+    let pointers = (0..test.then.len()).map(|index| format!("/test/then/{index}"));
+    let pointers = || ["/test".to_owned()].into_iter().chain(pointers.clone());
+    for (pointer, paces) in pointers().zip([first].into_iter().chain(then)) {
+        let given = paces
+            .iter()
+            .zip(PACES)
+            .filter_map(|(pace, field)| Some((field, (*pace)?)));
+        if let Some((field, value)) = given.skip(1).last() {
+            let detail = "the pace of a load is said in one way";
+            violations.push(
+                Violation::new(format!("{pointer}/{field}"), "not_both", detail)
+                    .value(value)
+                    .allowed(format!("at most one of: {}", PACES.join(", "))),
+            );
+        }
     }
-    if test.peak_force_n <= test.smallest_force_n {
-        let detail = "the load does not swing";
+    let mut stages = 0;
+    for (pointer, block) in pointers().zip(test.history()) {
+        let [smallest, peak] = block.forces();
+        if peak <= smallest {
+            let detail = "the load does not swing";
+            violations.push(
+                Violation::new(format!("{pointer}/peak_force_n"), "out_of_order", detail)
+                    .value(peak)
+                    .allowed(format!("> {smallest}"))
+                    .unit("N"),
+            );
+        }
+        if block.velocity_m_per_s.is_some() {
+            stages += 2 * u64::from(block.cycles.unwrap_or(1));
+        }
+        if stages > 2 * MACHINE_CYCLES {
+            let detail = "a machine goes down and up in stages of their own";
+            violations.push(
+                Violation::new(format!("{pointer}/cycles"), "too_many", detail)
+                    .value(block.cycles)
+                    .allowed(format!(
+                        "at most {MACHINE_CYCLES} cycles with a velocity in all"
+                    )),
+            );
+            break;
+        }
+    }
+}
+
+/// A sleeper of spheres is a body, and stages end by forces on walls.
+fn check_machine<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
+    let mut blocks = spec.test.history().into_iter();
+    let machine = blocks.position(|block| block.velocity_m_per_s.is_some());
+    if let Some(block) = machine
+        && spec.script().body.is_some()
+    {
+        let pointer = match block.checked_sub(1) {
+            None => "/test/velocity_m_per_s".to_owned(),
+            Some(index) => format!("/test/then/{index}/velocity_m_per_s"),
+        };
+        let detail = "a machine moves a sleeper of flat faces, not one of spheres";
         violations.push(
-            Violation::new("/test/peak_force_n", "out_of_order", detail)
-                .value(test.peak_force_n)
-                .allowed(format!("> {}", test.smallest_force_n))
-                .unit("N"),
+            Violation::new(pointer, "not_together", detail)
+                .allowed("a sleeper without a radius of spheres, or a period"),
         );
     }
 }

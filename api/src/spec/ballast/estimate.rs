@@ -1,7 +1,7 @@
 //! What a test takes: that of its scene, with the times that beds need to settle.
 use super::{
     super::granular_scene::{Settle, Stage},
-    Apparatus, Ballast, Phase,
+    Apparatus, Ballast, Course, Phase,
 };
 use crate::{Calibration, Estimate, spec_trait::Spec as _};
 
@@ -14,6 +14,17 @@ pub(super) fn estimate<A: Apparatus>(spec: &Ballast<A>, calibration: &Calibratio
     let script = spec.script();
     let mut scene = script.scene;
     let before = [Phase::Pour].into_iter().chain(script.phases);
+    let blocks = spec.blocks();
+    for (number, load) in &script.loads {
+        // a machine turns when it has come to its force
+        if let (Some(Stage::Drive(drive)), false) = (
+            scene.stages.get_mut(*number),
+            matches!(load.course, Course::Swing { .. }),
+        ) {
+            let likely = 0.5 * blocks[load.block].cycle_time();
+            drive.time_s = drive.time_s.map(|longest| longest.min(likely));
+        }
+    }
     for (stage, before) in scene.stages.iter_mut().zip(before) {
         if let Stage::Settle(Settle { time_s, steps, .. }) = stage {
             if before != Phase::Pour {

@@ -2,10 +2,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::granular_scene::{Grain, Sizes};
+use super::super::granular_scene::{Arrangement, Grain, Sizes};
 
 /// Shape and sizes of grains.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Grains {
     /// A sphere, a rigid clump, or a breakable one of an aggregate with cohesion. A clump is given
@@ -15,7 +15,38 @@ pub struct Grains {
     /// radii of 0.6 to 1.4 times 16.25 mm and clumps the size they are given with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sizes: Option<Sizes>,
+    /// Where the grains of the first layer begin to fall: at random places or on a lattice; later layers
+    /// come in at random.
+    #[serde(skip_serializing_if = "is_random")]
+    pub arrangement: Arrangement,
+    /// Whether grains that are not spheres are turned at random.
+    #[serde(skip_serializing_if = "is_true")]
+    pub turned: bool,
 }
+
+impl Default for Grains {
+    fn default() -> Self {
+        Self {
+            shape: Grain::default(),
+            sizes: None,
+            arrangement: Arrangement::Random,
+            turned: true,
+        }
+    }
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_random(arrangement: &Arrangement) -> bool {
+    *arrangement == Arrangement::Random
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_true(turned: &bool) -> bool {
+    *turned
+}
+
+/// Part of the places of a lattice that lie in a round or narrow region, at least.
+const PLACES_INSIDE: f64 = 0.6;
 
 /// r of the source's spheres, and its scatter.
 const RADIUS: f64 = 0.01625;
@@ -33,9 +64,15 @@ impl Grains {
         }
     }
 
-    /// Solid fraction that random placing of these grains reaches.
+    /// Solid fraction that the first layer reaches before it falls.
     pub(super) fn placed_fraction(&self) -> f64 {
-        self.shape.placed_fraction()
+        let places = match self.arrangement {
+            Arrangement::Random => return self.shape.placed_fraction(),
+            Arrangement::Grid => 1.0,
+            Arrangement::Hexagonal => std::f64::consts::SQRT_2,
+        };
+        let volume = std::f64::consts::PI / 6.0 * self.mean_diameter().powi(3);
+        PLACES_INSIDE * places * volume / self.largest_diameter().powi(3)
     }
 
     /// Diameter of the largest ball around a grain [m].

@@ -29,6 +29,7 @@ fn wall(aggregate: &Material, [density, factor, ratio, friction]: [f64; 4]) -> M
         stiffness_ratio: ratio,
         friction_angle_rad: Some(friction),
         rolling_resistance: None,
+        parallel_bond: None,
         normal_cohesion_pa: 0.0,
         shear_cohesion_pa: 0.0,
         ..aggregate.clone()

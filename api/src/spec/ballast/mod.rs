@@ -29,19 +29,19 @@ mod study;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use super::granular_scene::ContactLaw;
+use super::granular_scene::{BondRestLength, ContactFriction, ContactLaw};
 
 pub use accuracy::{Accuracy, Knobs};
-pub use apparatus::Apparatus;
+pub use apparatus::{Apparatus, Walls};
 pub use box_test::{BoxTest, Sleeper};
 pub use grains::Grains;
-pub use loading::Loading;
+pub use loading::{Block, Loading};
 pub use materials::Materials;
-pub use oedometer::Oedometer;
+pub use oedometer::{Oedometer, Section};
 pub use output::Output;
 pub use preparation::{Compaction, Preparation};
 pub use railbed::Railbed;
-pub use script::{BED, Layer, Phase, Script, Slice};
+pub use script::{BED, Course, Layer, Load, Phase, Script, Slice};
 
 /// The oedometer: a cylinder, pressed by a plate.
 pub type BallastOedometer = Ballast<Oedometer>;
@@ -91,6 +91,13 @@ pub struct Laws {
     /// λ_D of Cundall's local damping.
     #[schemars(range(min = 0.0, max = 0.99), extend("x-unit" = "1"))]
     pub local_damping: f64,
+    /// Whether contacts get the friction of the test when compaction ends, or keep that with which
+    /// they began, as contacts of Yade do.
+    #[serde(skip_serializing_if = "ContactFriction::is_renewed")]
+    pub contact_friction: ContactFriction,
+    /// Of the bonds of breakable grains.
+    #[serde(skip_serializing_if = "BondRestLength::is_initial")]
+    pub bond_rest_length: BondRestLength,
 }
 
 impl Default for Laws {
@@ -98,6 +105,8 @@ impl Default for Laws {
         Self {
             contact: ContactLaw::Linear,
             local_damping: 0.3,
+            contact_friction: ContactFriction::Renewed,
+            bond_rest_length: BondRestLength::Initial,
         }
     }
 }
@@ -125,6 +134,10 @@ fn curve_columns(is_breakable: bool) -> Vec<&'static str> {
         "bed_stress_xz_kpa",
         "bed_stress_yz_kpa",
         "lateral_stress_ratio",
+        "displacement_from_set_down_mm",
+        "base_force_kn",
+        "side_vertical_force_kn",
+        "side_normal_force_kn",
     ];
     if is_breakable {
         columns.push("broken_bonds");

@@ -2,6 +2,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::super::granular_scene::Axis;
+
 /// Layer by layer, grains are poured in, settle, and what stands above the layer's height is taken out.
 ///
 /// An oedometer's bed is compacted under its plate, that of a box test as a whole, around and under its
@@ -22,7 +24,7 @@ pub struct Preparation {
     pub compaction: Option<Compaction>,
 }
 
-/// Shaking along x and y in turn, while grains slide more easily.
+/// Shaking along x and y in turn, or along other axes, while grains slide more easily.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Compaction {
@@ -32,6 +34,10 @@ pub struct Compaction {
     pub frequency_hz: f64,
     #[schemars(range(min = 1e-3, max = 1e3), extend("x-unit" = "s"))]
     pub time_s: f64,
+    /// Axes along which it is shaken, in turn: `["z"]` is a vertical vibrator.
+    #[serde(skip_serializing_if = "is_across")]
+    #[schemars(length(min = 1, max = 100))]
+    pub axes: Vec<Axis>,
     /// What tan φ is multiplied with meanwhile.
     #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "1"))]
     pub friction_factor: f64,
@@ -57,7 +63,12 @@ impl Default for Compaction {
             acceleration_m_per_s2: 9.81,
             frequency_hz: 20.0,
             time_s: 1.0,
+            axes: vec![Axis::X, Axis::Y],
             friction_factor: 0.1,
         }
     }
+}
+
+fn is_across(axes: &[Axis]) -> bool {
+    axes == [Axis::X, Axis::Y]
 }

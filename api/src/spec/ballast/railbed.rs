@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     super::granular_scene::{Axis, Material, Volume},
-    Apparatus, Layer, Loading, Materials, Script,
+    Apparatus, Layer, Loading, Materials, Script, Walls,
     checks::check_shell,
     materials::{AGGREGATE, CONCRETE, RUBBER},
 };
@@ -111,6 +111,9 @@ impl Apparatus for Railbed {
             cycles: 1,
             period_s: None,
             frequency_hz: None,
+            velocity_m_per_s: None,
+            largest_displacement_m: None,
+            then: Vec::new(),
         }
     }
 
@@ -118,6 +121,7 @@ impl Apparatus for Railbed {
         let mirror = Material {
             friction_angle_rad: Some(0.0),
             rolling_resistance: None,
+            parallel_bond: None,
             normal_cohesion_pa: 0.0,
             shear_cohesion_pa: 0.0,
             ..script.scene.materials[AGGREGATE].clone()
@@ -158,6 +162,13 @@ impl Apparatus for Railbed {
         script.compact();
         script.cut(self.top());
         script.rest();
+    }
+
+    fn walls(&self) -> Walls {
+        Walls {
+            base: "ground",
+            sides: &["symmetry", "front", "back", "form"],
+        }
     }
 
     fn footprint(&self) -> [[f64; 2]; 2] {

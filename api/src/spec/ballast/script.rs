@@ -1,9 +1,12 @@
 //! The scene that a test is, and what its stages are.
 mod building;
 mod composing;
+mod loads;
+
+use std::collections::BTreeMap;
 
 use super::super::granular_scene::{Generate, GranularScene, Region, Settle, Volume};
-use super::{Compaction, materials::AGGREGATE};
+use super::{Compaction, Walls, materials::AGGREGATE};
 
 /// What a stage of a test does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +20,27 @@ pub enum Phase {
     /// The smallest force acts.
     Seat,
     Load,
+}
+
+/// A stage of the load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Number of its block, from 0.
+    pub block: usize,
+    /// Number of its cycle, or of the first of them, from 0.
+    pub cycle: usize,
+    pub course: Course,
+}
+
+/// How a stage of the load goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Course {
+    /// The force swings: T [s] and cycles.
+    Swing { period: f64, cycles: u32 },
+    /// A machine goes down until this force [N], beside the wall's weight.
+    Down { force: f64 },
+    /// And up again.
+    Up,
 }
 
 /// A bed's layer.
@@ -51,11 +75,12 @@ pub struct Script {
     pub body: Option<u32>,
     /// Height of its lower face at the start [m].
     pub wall_height: f64,
+    /// Walls below and around the bed.
+    pub walls: Walls,
     /// Area under it [m²].
     pub loaded_area: f64,
-    /// T of a cycle [s].
-    pub period: f64,
-    pub cycles: u32,
+    /// What each stage of the load is, by number of the stage.
+    pub loads: BTreeMap<usize, Load>,
     /// Force of the wall's weight, beside the load [N].
     pub weight: f64,
     pub slices: Vec<Slice>,

@@ -173,6 +173,17 @@ pub(super) fn check_drive(
             violations.extend(check_servo(known, servo, &wall.name, &pointer));
         }
     }
+    if let Some(until) = &drive.until {
+        let pointer = format!("{pointer}/until");
+        violations.extend(known.check_wall(format!("{pointer}/wall"), &until.wall));
+        if until.at_least_n.is_some() == until.at_most_n.is_some() {
+            let detail = "a force ends a stage from one side";
+            violations.push(
+                Violation::new(pointer, "not_one_of", detail)
+                    .allowed("exactly one of: at_least_n, at_most_n"),
+            );
+        }
+    }
     let mut bodies = BTreeSet::new();
     for (index, body) in drive.bodies.iter().enumerate() {
         let pointer = format!("{pointer}/bodies/{index}");

@@ -176,6 +176,10 @@ fn check_recorded(spec: &GranularScene, violations: &mut Violations) {
         let pointer = format!("/record/walls/{index}");
         violations.extend(known.check_wall(pointer, name));
     }
+    for (index, name) in spec.record.normal_forces.iter().enumerate() {
+        let pointer = format!("/record/normal_forces/{index}");
+        violations.extend(known.check_wall(pointer, name));
+    }
     let columns = spec.curve_columns().len();
     if columns > MOST_CURVE_COLUMNS {
         let detail = "planes, walls, driven bodies and regions give the curve too many columns";
@@ -183,7 +187,7 @@ fn check_recorded(spec: &GranularScene, violations: &mut Violations) {
             Violation::new("/record", "too_many_columns", detail)
                 .value(columns)
                 .allowed(format!(
-                    "at most {MOST_CURVE_COLUMNS} columns: 2 for a plane, 6 for a wall or body, 10 for a region"
+                    "at most {MOST_CURVE_COLUMNS} columns: 2 for a plane, 6 for a wall or body, 1 for normal forces, 10 for a region"
                 )),
         );
     }
@@ -235,6 +239,18 @@ fn check_laws(spec: &GranularScene, violations: &mut Violations) {
     if !spec.materials.values().any(Material::is_cohesive) {
         return;
     }
+    let cohesive = spec.materials.iter();
+    let cohesive = cohesive.filter(|(_, material)| material.has_cohesion());
+    violations.extend(
+        cohesive
+            .filter(|_| spec.has_parallel_bonds())
+            .map(|(name, _)| {
+                let pointer = format!("/materials/{name}");
+                let detail = "cohesion, and somewhere in the scene bonds that bend and twist";
+                Violation::new(pointer, "not_together", detail)
+                    .allowed("parallel_bond or cohesions above 0, one of the two in a scene")
+            }),
+    );
     if spec.laws.contact != ContactLaw::Linear {
         violations.push(
             Violation::new(

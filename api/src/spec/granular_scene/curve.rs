@@ -49,8 +49,8 @@ const REGION: [&str; 10] = [
 ];
 
 impl GranularScene {
-    /// Columns of the curve: place in the run, recorded planes, walls and driven bodies, readings,
-    /// regions.
+    /// Columns of the curve: place in the run, recorded planes, walls and driven bodies, normal
+    /// forces, readings, regions.
     pub fn curve_columns(&self) -> Vec<String> {
         let place = PLACE.map(str::to_owned);
         let planes = self.record.planes.iter().flat_map(|plane| {
@@ -68,6 +68,8 @@ impl GranularScene {
             };
             [along("displacement", "m"), along("force", "n")].concat()
         });
+        let pressed = self.record.normal_forces.iter();
+        let pressed = pressed.map(|name| format!("{name}_normal_force_n"));
         let regions = self.record.regions.iter().flat_map(|region| {
             let name = &region.name;
             REGION.map(|column| format!("{name}_{column}"))
@@ -77,6 +79,7 @@ impl GranularScene {
             .into_iter()
             .chain(planes)
             .chain(driven)
+            .chain(pressed)
             .chain(READINGS.map(str::to_owned))
             .chain(regions)
             .chain(bonds)

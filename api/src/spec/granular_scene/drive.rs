@@ -24,12 +24,32 @@ pub struct Drive {
     #[serde(default = "one", skip_serializing_if = "is_one")]
     #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "1"))]
     pub friction_factor: f64,
+    /// The stage ends before its time when the bodies press on a wall as this says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<Until>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1_000_000_000_000_u64))]
     pub steps: Option<u64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-15, max = 1e9), extend("x-unit" = "s"))]
     pub time_s: Option<f64>,
+}
+
+/// An end of a stage by a force: after the first step in which the force of all bodies on a wall along
+/// an axis, signed as in its column of the curve, is `at_least_n` or `at_most_n`, exactly one of
+/// the two. A peak of a single step counts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Until {
+    /// Name of a plane or of facets.
+    pub wall: String,
+    pub axis: Axis,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -1e15, max = 1e15), extend("x-unit" = "N"))]
+    pub at_least_n: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = -1e15, max = 1e15), extend("x-unit" = "N"))]
+    pub at_most_n: Option<f64>,
 }
 
 /// How a wall is driven: `velocity_m_per_s`, `sine`, `turn`, `force` or `servo`, exactly one of them.
@@ -205,6 +225,28 @@ pub(super) fn swing(first: f64, peak: Option<f64>, period: Option<f64>, time: f6
 
 fn swings(first: [f64; 3], peak: Option<[f64; 3]>, period: Option<f64>, time: f64) -> [f64; 3] {
     std::array::from_fn(|axis| swing(first[axis], peak.map(|peak| peak[axis]), period, time))
+}
+
+impl WallDrive {
+    /// Not driven yet, in no way.
+    pub fn of(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            velocity_m_per_s: None,
+            sine: None,
+            turn: None,
+            force: None,
+            servo: None,
+        }
+    }
+}
+
+impl Until {
+    /// Whether this force along the axis [N] ends the stage.
+    pub fn is_met(&self, force: f64) -> bool {
+        self.at_least_n.is_some_and(|least| force >= least)
+            || self.at_most_n.is_some_and(|most| force <= most)
+    }
 }
 
 impl WallForce {

@@ -2,7 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::RollingResistance;
+use super::{ParallelBond, RollingResistance};
 
 /// A material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -45,6 +45,9 @@ pub struct Material {
     /// What contacts set against rolling and twisting; left out, nothing. Not in a scene with cohesion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rolling_resistance: Option<RollingResistance>,
+    /// Bonds that bend and twist, instead of those by cohesion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parallel_bond: Option<ParallelBond>,
     /// c_N: spheres that touch at the start are bonded when both materials have cohesion; the bond
     /// breaks at a tension of c_N min(r)², the weaker material's.
     #[serde(default)]
@@ -69,6 +72,29 @@ pub struct Laws {
     pub local_damping: Option<f64>,
     pub convention: Convention,
     pub bond_rest_length: BondRestLength,
+    /// Whether a change of friction by a stage reaches contacts that exist.
+    #[serde(skip_serializing_if = "ContactFriction::is_renewed")]
+    pub contact_friction: ContactFriction,
+}
+
+/// The friction of contacts when a stage changes it (`friction_factor`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactFriction {
+    /// All contacts have that of the present stage.
+    #[default]
+    Renewed,
+    /// A contact keeps the friction that it began with until it opens, as in Yade, where materials that
+    /// change do not reach it. One that opens and closes again between two searches for neighbours counts
+    /// as one that stayed.
+    Kept,
+}
+
+impl ContactFriction {
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+    pub(in crate::spec) fn is_renewed(&self) -> bool {
+        *self == Self::Renewed
+    }
 }
 
 /// The distance at which a bond carries no force.
@@ -80,6 +106,13 @@ pub enum BondRestLength {
     Initial,
     /// That at which the spheres just touch, as in Yade: an overlap at the start is a compression.
     Touching,
+}
+
+impl BondRestLength {
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+    pub(in crate::spec) fn is_initial(&self) -> bool {
+        *self == Self::Initial
+    }
 }
 
 /// Law of a contact.
@@ -153,6 +186,11 @@ impl Material {
 
     /// Whether its spheres can be bonded.
     pub fn is_cohesive(&self) -> bool {
+        self.has_cohesion() || self.parallel_bond.is_some()
+    }
+
+    /// Whether they are bonded by cohesion, without moments.
+    pub fn has_cohesion(&self) -> bool {
         self.normal_cohesion_pa > 0.0 || self.shear_cohesion_pa > 0.0
     }
 

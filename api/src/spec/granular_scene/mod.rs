@@ -31,6 +31,7 @@ mod job_kind;
 mod laws;
 mod overlaps;
 mod packing;
+mod parallel_bond;
 mod part_checks;
 mod place;
 mod rate;
@@ -58,7 +59,7 @@ use serde::{Deserialize, Serialize};
 pub use accuracy::{Accuracy, Knobs};
 pub use bodies::{Axis, Body, Clump, DegreeOfFreedom, Member, Plane, Sphere};
 pub use drive::{
-    BodyDrive, BodyForce, BodyVelocity, Drive, Servo, Sine, Turn, WallDrive, WallForce,
+    BodyDrive, BodyForce, BodyVelocity, Drive, Servo, Sine, Turn, Until, WallDrive, WallForce,
 };
 pub use facets::{FacetError, FacetMesh};
 pub use generate::{Arrangement, Generate, Grain, SieveFraction, Sizes, Volume};
@@ -67,8 +68,10 @@ pub use grains::{Filled, Lattice, Shape};
 pub use import::{Import, ImportError, ImportFormat};
 pub use insert::{Cut, Insert};
 pub use laws::{
-    AutomaticTimeStep, BondRestLength, ContactLaw, Convention, Laws, Material, TimeStep,
+    AutomaticTimeStep, BondRestLength, ContactFriction, ContactLaw, Convention, Laws, Material,
+    TimeStep,
 };
+pub use parallel_bond::ParallelBond;
 pub use place::Place;
 pub use record::Record;
 pub use region::Region;
@@ -163,6 +166,7 @@ impl GranularScene {
                 local_damping: Some(local_damping),
                 convention: Convention::Loadframe,
                 bond_rest_length: BondRestLength::Initial,
+                contact_friction: ContactFriction::Renewed,
             },
             time_step_s: TimeStep::default(),
             allow_unstable: false,

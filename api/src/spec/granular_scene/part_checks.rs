@@ -108,7 +108,7 @@ pub(super) fn check_cohesive(
         let detail = "nothing bonds the spheres of a breakable body of this material";
         Violation::new(format!("{pointer}/material"), "not_cohesive", detail)
             .value(material)
-            .allowed("a material with normal_cohesion_pa or shear_cohesion_pa above 0")
+            .allowed("a material with normal_cohesion_pa or shear_cohesion_pa above 0, or a parallel_bond")
     })
 }
 

@@ -32,6 +32,11 @@ pub struct Record {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 1000))]
     pub walls: Vec<String>,
+    /// Walls, planes and facets alike, whose normal forces go to `curve.csv` added up as numbers: what
+    /// presses a cylinder apart, which as vectors cancels.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub normal_forces: Vec<String>,
     /// Boxes in which the scene is measured for `curve.csv`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 100))]
@@ -55,6 +60,7 @@ impl Default for Record {
             stage_ends: false,
             planes: Vec::new(),
             walls: Vec::new(),
+            normal_forces: Vec::new(),
             regions: Vec::new(),
             contacts: false,
             snapshot_every_steps: 0,

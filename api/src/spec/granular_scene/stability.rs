@@ -200,12 +200,17 @@ impl GranularScene {
     /// 2/ω of two spheres in contact [s]; infinite when neither moves.
     fn critical_step(&self, a: &Partner<'_>, b: &Partner<'_>, speed: f64) -> f64 {
         let inverse_mass = a.inverse_mass + b.inverse_mass;
-        let is_rough = a.material.friction_angle().min(b.material.friction_angle()) > 0.0;
+        let is_bonded = a.material.parallel_bond.is_some() && b.material.parallel_bond.is_some();
+        let is_rough =
+            is_bonded || a.material.friction_angle().min(b.material.friction_angle()) > 0.0;
         let [normal, shear] = match self.laws.contact {
             ContactLaw::Linear | ContactLaw::Logarithmic => linear_stiffness(a, b),
             ContactLaw::HertzMindlin => hertz_stiffness(a, b, inverse_mass, speed),
         };
         let shear_alone = shear;
+        let bond = self.bond_stiffness(a, b);
+        let normal = normal + bond[0];
+        let shear = shear + bond[1];
         let shear = if is_rough {
             shear * (1.0 + SPHERE_ROTATION)
         } else {
@@ -223,6 +228,9 @@ impl GranularScene {
         } else {
             0.0
         };
+        let turns = [a, b]
+            .map(|side| side.inverse_mass * side.curvature * side.curvature * SPHERE_ROTATION);
+        let turning = turning + bond[2].max(bond[3]) * (turns[0] + turns[1]);
         let step = |square: f64, ratio: f64| 2.0 / square.sqrt() * step_with_dashpot(ratio);
         // a dashpot along the normal counts across it too, which is on the safe side
         let turning_damping = if is_resisting {
@@ -232,6 +240,18 @@ impl GranularScene {
         };
         let across = across.max(along).max(turning_damping);
         step(normal * inverse_mass, along).min(step(shear * inverse_mass + turning, across))
+    }
+
+    /// Stiffnesses of the bond that two spheres which touch would have, 0 where there is none.
+    fn bond_stiffness(&self, a: &Partner<'_>, b: &Partner<'_>) -> [f64; 4] {
+        let is_pair = a.curvature > 0.0 && b.curvature > 0.0;
+        match (a.material.parallel_bond, b.material.parallel_bond) {
+            (Some(own), Some(other)) if is_pair => {
+                let length = a.radius + b.radius;
+                own.with(&other).stiffnesses(a.radius.min(b.radius), length)
+            }
+            _ => [0.0; 4],
+        }
     }
 }
 

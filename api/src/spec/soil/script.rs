@@ -112,6 +112,7 @@ impl<T: Shearing> Soil<T> {
         let smooth = Material {
             friction_angle_rad: Some(0.0),
             rolling_resistance: None,
+            parallel_bond: None,
             normal_cohesion_pa: 0.0,
             shear_cohesion_pa: 0.0,
             ..self.soil.clone()
@@ -214,6 +215,7 @@ impl Script {
                 // what is pressed together is not yet what is measured
                 flow: true,
                 friction_factor: factor,
+                until: None,
                 steps: None,
                 time_s: Some(time_s),
             }));
@@ -227,6 +229,7 @@ impl Script {
             bodies: Vec::new(),
             flow: false,
             friction_factor: 1.0,
+            until: None,
             steps: None,
             time_s: Some(time_s),
         }));
@@ -237,7 +240,7 @@ impl Script {
 pub(super) fn moving(name: &str, velocity: [f64; 3]) -> WallDrive {
     WallDrive {
         velocity_m_per_s: Some(velocity),
-        ..driven(name)
+        ..WallDrive::of(name)
     }
 }
 
@@ -254,7 +257,7 @@ pub(super) fn following(name: &str, aim: Aim, largest_velocity_m_per_s: f64) -> 
             largest_velocity_m_per_s,
             gain: GAIN,
         }),
-        ..driven(name)
+        ..WallDrive::of(name)
     }
 }
 
@@ -270,14 +273,3 @@ pub(super) enum Aim {
 /// Part of the missing force that walls make good in a step: much, for a wall that has to move lags
 /// behind its force by K Δt v/gain.
 const GAIN: f64 = 0.8;
-
-fn driven(name: &str) -> WallDrive {
-    WallDrive {
-        name: name.to_owned(),
-        velocity_m_per_s: None,
-        sine: None,
-        turn: None,
-        force: None,
-        servo: None,
-    }
-}

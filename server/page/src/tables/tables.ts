@@ -37,6 +37,16 @@ export const TABLES: FileTable[] = [
     leastRows: 2,
   },
   {
+    file: "blocks.csv",
+    title: "Settlement by block",
+    about: "Displacement that is left when the cycles of a load end, and what they added.",
+    over: "block",
+    lines: ["end_displacement_mm", "settlement_in_block_mm"],
+    more: ["peak_displacement_mm", "first_unloading_stiffness_n_per_m", "last_unloading_stiffness_n_per_m"],
+    style: { hasPoints: true },
+    leastRows: 2,
+  },
+  {
     file: "oedometer.csv",
     title: "Void ratio over stress",
     about: "Stress by powers of ten, as oedometer tests are read.",

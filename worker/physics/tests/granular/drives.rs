@@ -306,3 +306,96 @@ fn driven_scenes_have_the_same_bits_on_any_threads_and_in_pieces() {
     }
     assert_resumes(&spec, 5);
 }
+
+/// A floor that rises at v under a sphere that is held presses on it with F = k v t: down to the last step.
+#[test]
+fn a_stage_ends_in_the_step_in_which_its_force_is_met() {
+    let (speed, force) = (1e-3, 0.05);
+    for is_plane in [true, false] {
+        let rise = |speed: f64, until: Value| {
+            json!({"drive": {"walls": [{"name": "floor", "velocity_m_per_s": [0, 0, speed]}],
+                "until": until, "time_s": 0.1}})
+        };
+        // the floor is pressed downward
+        let up = rise(
+            speed,
+            json!({"wall": "floor", "axis": "z", "at_most_n": -force}),
+        );
+        let down = rise(
+            -speed,
+            json!({"wall": "floor", "axis": "z", "at_least_n": -0.2 * force}),
+        );
+        let stages = json!([up, down, {"run": {"steps": 1}}]);
+        let mut spec = scene(is_plane, 0.0, 0.0, &stages);
+        // one free rotation, which nothing drives: pairs that cannot move are not looked at
+        spec["bodies"][0]["fixed"] = json!(["x", "y", "z", "ry", "rz"]);
+        spec["record"]["stage_ends"] = json!(true);
+        spec["record"]["normal_forces"] = json!(["floor"]);
+        spec["record"]["every_steps"] = json!(1_000_000);
+        let (_, record) = run(&spec);
+        let [stage, time, way, pressed, total] = [
+            "stage",
+            "time_s",
+            "floor_displacement_z_m",
+            "floor_force_z_n",
+            "floor_normal_force_n",
+        ]
+        .map(|name| record.column(name));
+        // F/k = 5e-7 m is 50 steps of 1e-8 m, and the force of a step is that of the place it begins at
+        assert_eq!(stage, [1.0, 1.0, 2.0, 3.0]);
+        for (row, steps) in [(1, 51.0), (2, 51.0 + 41.0)] {
+            assert!((time[row] / 1e-5 - steps).abs() < 1.5, "{time:?}");
+            assert_close(way[row], 1e-8 * (51.0 - (steps - 51.0)), 1.5e-8);
+        }
+        // the row holds the force at the place where the wall came to rest
+        for row in 1..3 {
+            assert_close(pressed[row], -STIFFNESS * way[row], 1e-9);
+            assert_close(total[row], -pressed[row], 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_stage_that_a_force_ends_resumes_to_the_same_bytes() {
+    let stages = json!([
+        {"drive": {"walls": [{"name": "floor", "velocity_m_per_s": [0, 0, 1e-3]}],
+            "until": {"wall": "floor", "axis": "z", "at_most_n": -0.05}, "time_s": 0.1}},
+        {"run": {"steps": 2000}}]);
+    assert_resumes(&scene(true, 0.3, 0.1, &stages), 1);
+}
+
+/// A block that slides on a floor slows down by μg. It lands where nothing rubs: what it keeps of that is
+/// the question.
+#[test]
+fn contacts_keep_the_friction_that_they_began_with_where_that_is_asked_for() {
+    let (speed, friction) = (0.2, 0.4_f64);
+    // touches from the first step on, and stays
+    let smooth = json!({"drive": {"friction_factor": 0, "steps": 200}});
+    for (law, stages, slows) in [
+        ("renewed", json!([smooth, {"run": {"steps": 1000}}]), true),
+        ("kept", json!([smooth, {"run": {"steps": 1000}}]), false),
+        ("renewed", json!([{"run": {"steps": 1000}}, smooth]), false),
+        ("kept", json!([{"run": {"steps": 1000}}, smooth]), true),
+    ] {
+        let mut spec = scene(true, friction, 0.0, &stages);
+        spec["laws"]["contact_friction"] = json!(law);
+        let body_ = &mut spec["bodies"][0];
+        body_["fixed"] = json!(["rx", "ry", "rz"]);
+        body_["position_m"] = json!([0, 0, RADIUS - mass() * 9.81 / STIFFNESS]);
+        body_["velocity_m_per_s"] = json!([speed, 0, 0]);
+        // the second stage, in which the first pair of laws differs, or the last
+        let (from, to) = if stages[0]["drive"].is_object() {
+            (300, 1100)
+        } else {
+            (1010, 1190)
+        };
+        let (_, record) = run(&spec);
+        let velocity = |step| body(&record, step, 0)[1][0];
+        let slowing = (velocity(from) - velocity(to)) / (1e-5 * f64::from((to - from) as u32));
+        let expected = if slows { friction.tan() * 9.81 } else { 0.0 };
+        assert!(
+            (slowing - expected).abs() < 1e-3 * 9.81,
+            "{law}: {slowing} {expected}"
+        );
+    }
+}

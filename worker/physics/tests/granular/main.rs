@@ -3,6 +3,8 @@
 mod scene;
 
 mod appendix_a;
+mod beams;
+mod beams_beside_yade;
 mod beside_facets;
 mod between_looks;
 mod bonds;

@@ -2,8 +2,8 @@
 use super::super::curve_columns;
 use super::{
     super::super::granular_scene::{
-        Axis, Body, Clump, Cut, DegreeOfFreedom, FacetMesh, Generate, Grain, Insert, Place, Plane,
-        Run, Settle, Stage, Stiffen, Vibrate,
+        Arrangement, Axis, Body, Clump, Cut, DegreeOfFreedom, FacetMesh, Generate, Grain, Insert,
+        Place, Plane, Run, Settle, Stage, Stiffen, Vibrate,
     },
     super::{materials::AGGREGATE, shapes::shell},
     BED, GRAVITY, Layer, Phase, Script, Slice,
@@ -138,7 +138,10 @@ impl Script {
             self.scene.generate.push(pour);
         } else {
             let insert = Insert {
-                bodies: pour,
+                bodies: Generate {
+                    arrangement: Arrangement::Random,
+                    ..pour
+                },
                 every_s: BATCH_S,
                 batch: None,
                 steps: None,
@@ -166,7 +169,7 @@ impl Script {
             let vibrate = Vibrate {
                 acceleration_m_per_s2: compaction.acceleration_m_per_s2,
                 frequency_hz: compaction.frequency_hz,
-                axes: vec![Axis::X, Axis::Y],
+                axes: compaction.axes.clone(),
                 periods_per_axis: 1,
                 friction_factor: compaction.friction_factor,
                 steps: None,

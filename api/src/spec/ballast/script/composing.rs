@@ -2,16 +2,10 @@
 use std::collections::BTreeMap;
 
 use super::{
-    super::super::granular_scene::{
-        Axis, BodyDrive, BodyForce, Drive, Generate, GranularScene, Record, Settle, Stage,
-        WallDrive, WallForce,
-    },
-    super::{Apparatus, Ballast, Knobs, Materials, loading::Pace, materials::AGGREGATE},
+    super::super::granular_scene::{Generate, GranularScene, Record, Settle},
+    super::{Apparatus, Ballast, Knobs, Materials, materials::AGGREGATE},
     GRAVITY, Phase, Script, Slice,
 };
-
-/// Part of a period during which the smallest force acts before the first cycle.
-const SEATING: f64 = 0.05;
 
 impl<A: Apparatus> Ballast<A> {
     /// Materials, walls included.
@@ -24,19 +18,6 @@ impl<A: Apparatus> Ballast<A> {
         let knobs = self.accuracy.knobs();
         let modulus = knobs.stiffness * self.materials.aggregate.youngs_modulus_pa;
         (knobs.preparation_modulus_pa / modulus).min(1.0)
-    }
-
-    /// T of a cycle [s].
-    pub fn period(&self) -> f64 {
-        let knobs = self.accuracy.knobs();
-        let aggregate = &self.materials.aggregate;
-        self.test.period(&Pace {
-            inertial_number: knobs.inertial_number,
-            area: self.apparatus.loaded_area(),
-            diameter: self.grains.mean_diameter(),
-            density: aggregate.density_kg_per_m3,
-            modulus: knobs.stiffness * aggregate.youngs_modulus_pa,
-        })
     }
 
     /// The test as a scene.
@@ -65,11 +46,13 @@ impl<A: Apparatus> Ballast<A> {
             .collect();
         let preparation = &self.preparation;
         let (law, damping) = (self.laws.contact, self.laws.local_damping);
-        let scene = GranularScene {
+        let mut scene = GranularScene {
             gravity_m_per_s2: [0.0, 0.0, -GRAVITY],
             materials,
             ..GranularScene::of_test(self.seed, law, damping, knobs.critical_step_fraction)
         };
+        scene.laws.contact_friction = self.laws.contact_friction;
+        scene.laws.bond_rest_length = self.laws.bond_rest_length;
         Script {
             scene,
             is_oedometer: A::IS_OEDOMETER,
@@ -77,15 +60,17 @@ impl<A: Apparatus> Ballast<A> {
             wall: String::new(),
             body: None,
             wall_height: 0.0,
+            walls: self.apparatus.walls(),
             loaded_area: self.apparatus.loaded_area(),
-            period: self.period(),
-            cycles: self.test.cycles,
+            loads: BTreeMap::new(),
             weight: 0.0,
             slices: Vec::new(),
             bed: Slice::default(),
             template: Generate {
                 grain: self.grains.shape.clone(),
                 sizes: self.grains.sizes(),
+                arrangement: self.grains.arrangement,
+                turned: self.grains.turned,
                 ..Generate::of(AGGREGATE)
             },
             placed_fraction: self.grains.placed_fraction(),
@@ -100,66 +85,15 @@ impl<A: Apparatus> Ballast<A> {
         }
     }
 
-    /// The smallest force, then the cycles.
-    fn load(&self, script: &mut Script, materials: &Materials) {
-        let mass = self.apparatus.loading_mass(materials);
-        if !A::IS_OEDOMETER {
-            script.weight = mass * GRAVITY;
-        }
-        // gravity acts on a body, and must be given to a wall
-        let own = if script.body.is_some() {
-            0.0
-        } else {
-            script.weight
-        };
-        let [smallest, peak] = [self.test.smallest_force_n, self.test.peak_force_n]
-            .map(|force| [0.0, 0.0, -(force + own)]);
-        let drive = |peak, period, time| {
-            let wall = || WallDrive {
-                name: script.wall.clone(),
-                velocity_m_per_s: None,
-                sine: None,
-                turn: None,
-                force: Some(WallForce {
-                    mass_kg: mass,
-                    force_n: smallest,
-                    peak_force_n: peak,
-                    period_s: period,
-                    free: vec![Axis::Z],
-                }),
-                servo: None,
-            };
-            let body = |body| BodyDrive {
-                body,
-                velocity: None,
-                force: Some(BodyForce {
-                    force_n: smallest,
-                    peak_force_n: peak,
-                    period_s: period,
-                }),
-            };
-            Stage::Drive(Drive {
-                walls: script.body.is_none().then(wall).into_iter().collect(),
-                bodies: script.body.map(body).into_iter().collect(),
-                flow: false,
-                friction_factor: 1.0,
-                steps: None,
-                time_s: Some(time),
-            })
-        };
-        let period = script.period;
-        let seat = drive(None, None, SEATING * period);
-        let cycles = f64::from(self.test.cycles) * period;
-        let load = drive(Some(peak), Some(period), cycles);
-        script.add(Phase::Seat, seat);
-        script.add(Phase::Load, load);
-    }
-
     /// Rows and snapshots of the scene.
     fn record(&self, script: &mut Script) {
         let step = script.scene.expected_step() * self.softening().sqrt();
         let rows = self.output.rows_per_cycle;
-        let every = (script.period / (f64::from(rows) * step)).floor().max(1.0) as u64;
+        let times = self.blocks().into_iter();
+        let shortest = times
+            .map(|block| block.cycle_time())
+            .fold(f64::INFINITY, f64::min);
+        let every = (shortest / (f64::from(rows) * step)).floor().max(1.0) as u64;
         let snapshots = self.output.snapshots;
         let regions = script.slices.iter().chain([&script.bed]);
         script.scene.record = Record {
@@ -167,6 +101,17 @@ impl<A: Apparatus> Ballast<A> {
             from_stage: script.stages_before(Phase::Seat),
             bodies: Some(Vec::new()),
             stage_ends: true,
+            walls: [script.walls.base]
+                .iter()
+                .chain(script.walls.sides)
+                .map(|name| (*name).to_owned())
+                .collect(),
+            normal_forces: script
+                .walls
+                .sides
+                .iter()
+                .map(|name| (*name).to_owned())
+                .collect(),
             regions: regions
                 .map(|slice| slice.region(self.apparatus.footprint()))
                 .collect(),

@@ -1,5 +1,5 @@
 //! What happens in each cycle of loading.
-use loadframe_api::spec::ballast::Script;
+use loadframe_api::spec::ballast::{Course, Load};
 use loadframe_harness::curve;
 
 use super::heard::Heard;
@@ -13,6 +13,8 @@ const HAIR: f64 = 1e-9;
 /// A cycle. Displacements are downward from where the cycles began.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Cycle {
+    /// Number of its block, from 0.
+    pub(super) block: usize,
     /// At its start, at its deepest, at its end [m].
     pub(super) start: f64,
     pub(super) peak: f64,
@@ -27,41 +29,63 @@ pub(super) struct Cycle {
     pub(super) dissipated: f64,
 }
 
-/// Number of the cycle, from 0, that a time [s] after the start belongs to, and the part of it that
-/// has passed. The end of a cycle belongs to it.
-pub(super) fn place_in_cycles(script: &Script, time: f64) -> (usize, f64) {
-    let passed = time / script.period;
-    // the last step may go a little beyond the end
-    let last = f64::from(script.cycles) - 1.0;
-    let number = (passed - HAIR).floor().clamp(0.0, last);
-    (number as usize, passed - number)
+/// Where a row is in the cycles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Place {
+    /// Number of the block and of the cycle, from 0.
+    pub(super) block: usize,
+    pub(super) cycle: usize,
+    /// Whether the load goes back.
+    pub(super) is_unloading: bool,
+}
+
+/// The place of a time [s] after a stage of the load began. The end of a cycle belongs to it.
+pub(super) fn place(load: &Load, time: f64) -> Place {
+    let (number, is_unloading) = match load.course {
+        Course::Swing { period, cycles } => {
+            let passed = time / period;
+            // the last step may go a little beyond the end
+            let last = f64::from(cycles) - 1.0;
+            let number = (passed - HAIR).floor().clamp(0.0, last);
+            (number as usize, passed - number > 0.5)
+        }
+        Course::Down { .. } => (0, false),
+        Course::Up => (0, true),
+    };
+    Place {
+        block: load.block,
+        cycle: load.cycle + number,
+        is_unloading,
+    }
 }
 
 /// All cycles of a test.
 pub(super) fn of(heard: &Heard<'_>) -> Vec<Cycle> {
-    let (rows, start) = heard.loading();
-    let mut cycles: Vec<Vec<(f64, f64, f64)>> = Vec::new();
-    let before = heard.last_before_loading();
-    let mut last = before.map_or((0.0, 0.0), |row| (0.0, row.force));
-    for row in rows {
-        let (number, part) = place_in_cycles(heard.script, row.time - start.0);
-        while cycles.len() <= number {
-            // a cycle begins where the one before it ended
-            cycles.push(vec![(0.0, last.0, last.1)]);
+    let (_, (_, origin)) = heard.loading();
+    let mut cycles: Vec<(usize, Vec<(f64, f64)>)> = Vec::new();
+    let mut last = (0.0, 0.0);
+    for row in &heard.rows {
+        let here = (row.displacement(origin), row.force);
+        if let Some(place) = row.place {
+            while cycles.len() <= place.cycle {
+                // a cycle begins where what was before it ended
+                cycles.push((place.block, vec![last]));
+            }
+            cycles[place.cycle].1.push(here);
         }
-        last = (start.1 - row.height, row.force);
-        cycles[number].push((part, last.0, last.1));
+        last = here;
     }
-    cycles.iter().map(|points| cycle(points)).collect()
+    cycles
+        .iter()
+        .map(|(block, path)| cycle(*block, path))
+        .collect()
 }
 
-/// A cycle of points: part of the cycle, displacement [m], force [N].
-fn cycle(points: &[(f64, f64, f64)]) -> Cycle {
-    let by_displacement: Vec<(f64, f64)> = points.iter().map(|point| (point.0, point.1)).collect();
-    let by_force: Vec<(f64, f64)> = points.iter().map(|point| (point.0, point.2)).collect();
-    let deepest = curve::peak(&by_displacement).unwrap_or_default();
-    let strongest = curve::peak(&by_force).unwrap_or_default();
-    let path: Vec<(f64, f64)> = points.iter().map(|point| (point.1, point.2)).collect();
+/// A cycle of points: displacement [m], force [N].
+fn cycle(block: usize, path: &[(f64, f64)]) -> Cycle {
+    let turned: Vec<(f64, f64)> = path.iter().map(|(way, force)| (*force, *way)).collect();
+    let deepest = curve::peak(&turned).unwrap_or_default();
+    let strongest = curve::peak(path).unwrap_or_default();
     let peak_force = path[strongest].1;
     let unloading: Vec<(f64, f64)> = path[strongest..]
         .iter()
@@ -70,6 +94,7 @@ fn cycle(points: &[(f64, f64, f64)]) -> Cycle {
         .collect();
     let (start, peak) = (path[0].0, path[deepest].0);
     Cycle {
+        block,
         start,
         peak,
         end: path[path.len() - 1].0,
@@ -77,6 +102,6 @@ fn cycle(points: &[(f64, f64, f64)]) -> Cycle {
         // a bed that creeps on while it is unloaded has no such branch
         unloading_stiffness: curve::slope(&unloading).filter(|slope| *slope > 0.0),
         loading_stiffness: (peak > start).then(|| (peak_force - path[0].1) / (peak - start)),
-        dissipated: curve::area(&path),
+        dissipated: curve::area(path),
     }
 }

@@ -1,7 +1,7 @@
 //! What a test heard of its scene, row by row.
 use loadframe_api::spec::ballast::{Phase, Script};
 
-use super::cycles::place_in_cycles;
+use super::cycles::{Place, place};
 
 /// A row of the scene, in terms of the test.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,6 +21,10 @@ pub(super) struct Row {
     pub(super) mean_stress: f64,
     /// Stress of the bed [Pa]: xx, yy, zz, xy, xz, yz, compression positive.
     pub(super) stress: [f64; 6],
+    /// Of the bed on the base, downward, and on all sides, downward and along their normals [N].
+    pub(super) on_walls: [f64; 3],
+    /// Where in the cycles it is, if it is in any.
+    pub(super) place: Option<Place>,
     /// Height of the loading wall where the present cycle began, and the lowest in it so far [m].
     pub(super) cycle_start: f64,
     pub(super) lowest: f64,
@@ -39,8 +43,12 @@ pub(super) struct Heard<'a> {
     /// Solid volumes of slices [m³], row after row: many small vectors among the engine's large ones
     /// would keep memory from being used again.
     pub(super) solids: Vec<f64>,
+    /// Height of the loading wall where it was set down [m].
+    pub(super) set_down: f64,
     /// Where the cycles begin: time [s] and height [m].
     start: Option<(f64, f64)>,
+    /// The present stage of the load, and when it began [s].
+    stage: Option<(usize, f64)>,
     /// Number of the present cycle, where it began and the lowest height in it so far [m].
     cycle: Option<(usize, f64, f64)>,
 }
@@ -58,7 +66,9 @@ impl<'a> Heard<'a> {
             script,
             rows: Vec::new(),
             solids: Vec::new(),
+            set_down: f64::NAN,
             start: None,
+            stage: None,
             cycle: None,
         }
     }
@@ -70,17 +80,27 @@ impl<'a> Heard<'a> {
 
     /// Adds a row. Returns where the cycles began, time [s] and height [m], if it is one of them.
     pub(super) fn add(&mut self, mut row: Row) -> Option<(f64, f64)> {
-        let start = (self.phase(row.stage) == Some(Phase::Load)).then(|| {
+        if self.phase(row.stage) == Some(Phase::Place) {
+            self.set_down = row.height;
+        }
+        let load = self.script.loads.get(&row.stage);
+        let start = load.map(|load| {
             let before = self.rows.last().unwrap_or(&row);
             let (time, height) = (before.time, before.height);
             let start = *self.start.get_or_insert((time, height));
-            let (number, _) = place_in_cycles(self.script, row.time - start.0);
-            let (_, began, lowest) = match self.cycle {
-                Some(cycle) if cycle.0 == number => cycle,
-                _ => (number, height, height),
+            let began = match self.stage {
+                Some((stage, began)) if stage == row.stage => began,
+                _ => time,
             };
+            self.stage = Some((row.stage, began));
+            let place = place(load, row.time - began);
+            let (_, began, lowest) = match self.cycle {
+                Some(cycle) if cycle.0 == place.cycle => cycle,
+                _ => (place.cycle, height, height),
+            };
+            row.place = Some(place);
             (row.cycle_start, row.lowest) = (began, lowest.min(row.height));
-            self.cycle = Some((number, began, row.lowest));
+            self.cycle = Some((place.cycle, began, row.lowest));
             start
         });
         self.rows.push(row);
@@ -100,14 +120,15 @@ impl<'a> Heard<'a> {
     /// Rows of the cycles, with what they are measured from: time [s] and height [m].
     pub(super) fn loading(&self) -> (impl Iterator<Item = &Row> + Clone, (f64, f64)) {
         let rows = self.rows.iter();
-        let rows = rows.filter(|row| self.phase(row.stage) == Some(Phase::Load));
+        let rows = rows.filter(|row| row.place.is_some());
         (rows, self.start.unwrap_or_default())
     }
 
     /// The last row before the cycles.
     pub(super) fn last_before_loading(&self) -> Option<&Row> {
         let mut rows = self.rows.iter().rev();
-        rows.find(|row| self.phase(row.stage) != Some(Phase::Load))
+        let time = self.start.map_or(f64::INFINITY, |(time, _)| time);
+        rows.find(|row| row.place.is_none() && row.time <= time)
     }
 
     /// Volume of each slice below the loading wall at a row [m³].

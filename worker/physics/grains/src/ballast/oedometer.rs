@@ -5,10 +5,7 @@
 //! ([Terzaghi1943]; steps as in ISO 17892-5, each twice the one before).
 use loadframe_harness::curve;
 
-use super::{
-    cycles::place_in_cycles,
-    heard::{Heard, Row},
-};
+use super::heard::{Heard, Row};
 
 /// Steps of stress up to the peak, each twice the one before.
 const STEPS: i32 = 6;
@@ -47,15 +44,15 @@ pub(super) fn of(heard: &Heard<'_>) -> Option<Oedometer> {
     if !heard.script.is_oedometer {
         return None;
     }
-    let (rows, (start, height)) = heard.loading();
+    let (rows, (_, height)) = heard.loading();
     let area = heard.script.loaded_area;
     let state = |row: &Row| {
         let strain = row.displacement(height) / height;
         [row.force / area, strain, void_ratio(heard, row.height)]
     };
     let path: Vec<[f64; 3]> = rows.clone().map(state).collect();
-    let first = rows.map(|row| place_in_cycles(heard.script, row.time - start).0);
-    let first = first.take_while(|cycle| *cycle == 0).count();
+    let is_first = |row: &&Row| row.place.is_some_and(|place| place.cycle == 0);
+    let first = rows.take_while(is_first).count();
     Some(Oedometer {
         height,
         void_ratio: void_ratio(heard, height),

@@ -1,8 +1,9 @@
 //! Results of a test of ballast.
-use loadframe_api::Report;
+use loadframe_api::{Report, spec::ballast::Course};
 use loadframe_harness::ReportBuilder;
 
 use super::{
+    blocks::Block,
     cycles::Cycle,
     heard::{Heard, Row},
     moments::Moments,
@@ -33,6 +34,12 @@ pub(super) fn report(
         "Way of plate or sleeper at its deepest in the first cycle.",
     );
     report.result(
+        "peak_displacement_from_set_down",
+        1e3 * (heard.set_down - heard.loading().1.1 + of(first, |cycle| cycle.peak)),
+        "mm",
+        "The same from where plate or sleeper was set down: with what compaction, its weight and the smallest force did.",
+    );
+    report.result(
         "residual_displacement",
         1e3 * of(first, |cycle| cycle.end),
         "mm",
@@ -58,6 +65,23 @@ pub(super) fn report(
             "N/m",
             "The same slope in the last cycle.",
         );
+    }
+    let blocks = Block::of(cycles);
+    if blocks.len() > 1 {
+        for (number, block) in (1..).zip(&blocks) {
+            report.result(
+                &format!("settlement_after_block_{number}"),
+                1e3 * block.end,
+                "mm",
+                "Way that is left after the cycles of this block.",
+            );
+            report.result(
+                &format!("unloading_stiffness_of_block_{number}"),
+                block.unloading_stiffnesses[1].unwrap_or(f64::NAN),
+                "N/m",
+                "Slope of the unloading branch in the last cycle of this block.",
+            );
+        }
     }
     report.result(
         "peak_force",
@@ -140,9 +164,13 @@ pub(super) fn report(
             );
         }
     }
+    if let Some(detail) = not_reached(heard) {
+        report.warn("load_not_reached", detail);
+    }
     let Report {
         stop_reason,
         mut summary,
+        warnings,
         ..
     } = report.finish();
     for (name, quantity) in scene.summary {
@@ -151,8 +179,34 @@ pub(super) fn report(
     Report {
         stop_reason,
         summary,
+        warnings: [warnings, scene.warnings].concat(),
         // told by the tables
         bodies: Vec::new(),
         ..scene
     }
+}
+
+/// Part of a force at which a machine has come to it: its last row is told from where the wall was at rest.
+const REACHED: f64 = 0.99;
+
+/// Cycles in which a machine turned before it had come to its force.
+fn not_reached(heard: &Heard<'_>) -> Option<String> {
+    let short = heard.script.loads.iter().filter_map(|(stage, load)| {
+        let Course::Down { force } = load.course else {
+            return None;
+        };
+        let rows = heard.rows.iter().filter(|row| row.stage == *stage);
+        let largest = rows.map(|row| row.force).fold(f64::NEG_INFINITY, f64::max);
+        (largest < REACHED * force).then_some((load.cycle + 1, largest, force))
+    });
+    let short: Vec<_> = short.collect();
+    let (cycle, largest, force) = short.first()?;
+    Some(format!(
+        "in {} of its cycles the machine turned before it had come to its force, first in cycle {cycle} \
+         at {:.3e} of {:.3e} kN: give it more /test/largest_displacement_m, or it is the most the bed \
+         carries",
+        short.len(),
+        1e-3 * largest,
+        1e-3 * force,
+    ))
 }

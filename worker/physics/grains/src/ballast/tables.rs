@@ -4,7 +4,8 @@ use std::io;
 use loadframe_harness::{Recorder, csv};
 
 use super::{
-    cycles::{Cycle, place_in_cycles},
+    blocks::Block,
+    cycles::Cycle,
     heard::{Heard, Row},
     moments::Moments,
     oedometer::Oedometer,
@@ -13,15 +14,13 @@ use crate::output::fragments;
 
 /// A row of the curve; `start` is where the cycles begin, time [s] and height [m].
 pub(super) fn curve_row(heard: &Heard<'_>, row: &Row, start: (f64, f64)) -> Vec<f64> {
-    let script = heard.script;
-    let time = row.time - start.0;
-    let (cycle, part) = place_in_cycles(script, time);
+    let place = row.place.unwrap_or_default();
     let mut values = vec![
-        time,
+        row.time - start.0,
         1e-3 * row.force,
         1e3 * row.displacement(start.1),
-        (cycle + 1) as f64,
-        f64::from(u8::from(part > 0.5)),
+        (place.cycle + 1) as f64,
+        f64::from(u8::from(place.is_unloading)),
         row.inertial_number,
         row.unbalanced,
         row.coordination,
@@ -34,6 +33,8 @@ pub(super) fn curve_row(heard: &Heard<'_>, row: &Row, start: (f64, f64)) -> Vec<
     values.extend(row.stress.map(|stress| 1e-3 * stress));
     let [xx, yy, zz, ..] = row.stress;
     values.push(0.5 * (xx + yy) / zz);
+    values.push(1e3 * row.displacement(heard.set_down));
+    values.extend(row.on_walls.map(|force| 1e-3 * force));
     values.extend(row.broken_bonds);
     values
 }
@@ -55,6 +56,12 @@ pub(super) fn write(
         .map(|(number, cycle)| cycle.row(number))
         .collect();
     table(recorder, "cycles.csv", &CYCLE_COLUMNS, &rows)?;
+    let blocks = Block::of(cycles);
+    if blocks.len() > 1 {
+        let rows = (1..).zip(&blocks);
+        let rows: Vec<Vec<f64>> = rows.map(|(number, block)| block.row(number)).collect();
+        table(recorder, "blocks.csv", &Block::COLUMNS, &rows)?;
+    }
     write_preparation(heard, recorder)?;
     write_profile(heard, recorder)?;
     if let Some(oedometer) = oedometer {

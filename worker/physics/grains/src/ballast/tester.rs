@@ -28,6 +28,9 @@ struct Places {
     inertial_number: usize,
     mean_stress: usize,
     stress: [usize; 6],
+    /// Vertical forces on the base and on each side, normal forces on each side.
+    base: usize,
+    sides: [Vec<usize>; 2],
     /// Of the slices, and of the bed.
     porosities: Vec<usize>,
     broken_bonds: Option<usize>,
@@ -87,12 +90,21 @@ impl<'a> Tester<'a> {
             inertial_number: values[places.inertial_number] * fill.sqrt(),
             mean_stress: values[places.mean_stress] / fill,
             stress: places.stress.map(|place| values[place] / fill),
+            on_walls: self.on_walls(values),
+            place: None,
             cycle_start: f64::NAN,
             lowest: f64::NAN,
             number: self.heard.rows.len(),
             bed_solid,
             broken_bonds: places.broken_bonds.map(|place| values[place]),
         }
+    }
+
+    /// See [`Row::on_walls`].
+    fn on_walls(&self, values: &[f64]) -> [f64; 3] {
+        let sum = |places: &[usize]| places.iter().map(|place| values[*place]).sum::<f64>();
+        let [vertical, normal] = &self.places.sides;
+        [-values[self.places.base], -sum(vertical), sum(normal)]
     }
 
     /// Makes files and the report of the test, given the scene's report and what became of its
@@ -135,7 +147,7 @@ impl Recorder for Tester<'_> {
     fn columns(&mut self, names: &[&str]) -> io::Result<()> {
         let place = |name: &str| names.iter().position(|known| *known == name);
         let known = |name: &str| place(name).unwrap_or_default();
-        let wall = &self.heard.script.wall;
+        let (wall, walls) = (&self.heard.script.wall, self.heard.script.walls);
         let slices = self
             .heard
             .script
@@ -154,6 +166,11 @@ impl Recorder for Tester<'_> {
             mean_stress: known(&format!("{BED}_mean_stress_pa")),
             stress: ["xx", "yy", "zz", "xy", "xz", "yz"]
                 .map(|part| known(&format!("{BED}_stress_{part}_pa"))),
+            base: known(&format!("{}_force_z_n", walls.base)),
+            sides: ["force_z_n", "normal_force_n"].map(|what| {
+                let sides = walls.sides.iter();
+                sides.map(|name| known(&format!("{name}_{what}"))).collect()
+            }),
             porosities: slices
                 .map(|slice| known(&format!("{}_porosity", slice.name)))
                 .collect(),

@@ -2,12 +2,13 @@
 #![allow(clippy::float_cmp, reason = "these numbers are exact")]
 use loadframe_api::{
     JobSpec, Submission,
-    spec::ballast::{Phase, Script},
+    spec::ballast::{Course, Load, Phase, Script},
 };
 use loadframe_harness::{Recorder, Unrecorded};
 
 use super::{
-    cycles::{self, place_in_cycles},
+    blocks::Block,
+    cycles::{self, Place, place},
     oedometer,
     tester::Tester,
 };
@@ -108,6 +109,32 @@ fn cycles_are_read_from_where_they_begin() {
     );
 }
 
+#[test]
+fn blocks_are_told_from_their_cycles() {
+    let cycle = |block: usize, [start, peak, end]: [f64; 3]| cycles::Cycle {
+        block,
+        start,
+        peak,
+        end,
+        peak_force: 10.0 * (block + 1) as f64,
+        unloading_stiffness: Some(peak),
+        ..cycles::Cycle::default()
+    };
+    let blocks = Block::of(&[
+        cycle(0, [0.0, 3.0, 1.0]),
+        cycle(0, [1.0, 3.5, 1.5]),
+        cycle(1, [1.5, 9.0, 6.0]),
+    ]);
+    assert_eq!(blocks.len(), 2);
+    // cycles 1 and 2: down by 1.5 m, 3.5 m at the deepest
+    let row = [1.0, 1.0, 2.0, 0.0, 3500.0, 1500.0, 1500.0, 0.01, 3.0, 3.5];
+    assert_eq!(blocks[0].row(1), row);
+    let row = [
+        2.0, 3.0, 3.0, 1500.0, 9000.0, 6000.0, 4500.0, 0.02, 9.0, 9.0,
+    ];
+    assert_eq!(blocks[1].row(2), row);
+}
+
 /// Columns by name of the curve that a tester writes.
 fn curve(tester: &Tester<'_>) -> Vec<Vec<f64>> {
     let (rows, start) = tester.heard.loading();
@@ -202,11 +229,27 @@ fn a_test_that_failed_keeps_how_its_bed_was_prepared() {
 
 #[test]
 fn an_end_of_a_cycle_belongs_to_it_and_a_step_beyond_the_last_too() {
-    let script = script();
-    assert_eq!(place_in_cycles(&script, 0.5), (0, 0.5));
-    assert_eq!(place_in_cycles(&script, 1.0), (0, 1.0));
-    assert_eq!(place_in_cycles(&script, 1.25), (1, 0.25));
-    assert_eq!(place_in_cycles(&script, 2.001).0, 1);
+    let load = Load {
+        block: 1,
+        cycle: 5,
+        course: Course::Swing {
+            period: 1.0,
+            cycles: 2,
+        },
+    };
+    for (time, cycle, is_unloading) in [
+        (0.5, 5, false),
+        (1.0, 5, true),
+        (1.25, 6, false),
+        (2.001, 6, true),
+    ] {
+        let expected = Place {
+            block: 1,
+            cycle,
+            is_unloading,
+        };
+        assert_eq!(place(&load, time), expected, "{time}");
+    }
 }
 
 #[test]

@@ -119,6 +119,7 @@ impl<E: Ends, F: Law> Blocks<E, F> {
                     who: of(&block.ends, lane),
                     constant: block.stiffness[lane],
                     shear_ratio: self.tangents.ratio(number, lane),
+                    friction: self.tangents.friction(number, lane),
                     law: &block.law,
                     lane,
                 });

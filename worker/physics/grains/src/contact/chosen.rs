@@ -5,8 +5,8 @@ use loadframe_harness::checkpoint::CheckpointError;
 
 use super::{
     law::{
-        Across, Along, Bonded, Coulomb, Followed, Frictionless, Hertz, HertzMindlin, Kept, Law,
-        Linear, Logarithmic, Normal as _, Resisting, Spring, Viscous,
+        Across, Along, Bonded, Cemented, Coulomb, Followed, Frictionless, Hertz, HertzMindlin,
+        Kept, Law, Linear, Logarithmic, Normal as _, Resisting, Spring, Viscous,
     },
     lists::{Lists, PatchLists},
     stiffness::{Side, Springs},
@@ -53,6 +53,9 @@ type Damped<Rough> = Viscous<Viscous<Rough, Across>, Along>;
 
 /// The law of a scene.
 pub(crate) fn law(spec: &GranularScene) -> Chosen {
+    if spec.has_parallel_bonds() {
+        return Chosen::of::<Cemented>();
+    }
     if spec.materials.values().any(Material::is_cohesive) {
         return Chosen::of::<Bonded>();
     }

@@ -1,9 +1,11 @@
 //! What two bodies bring to a contact: materials, radii, masses.
 use loadframe_api::spec::granular_scene::{
-    Material, RollingResistance,
+    Material, ParallelBond, RollingResistance,
     hertz::{self, Solid},
     step_with_dashpot,
 };
+
+use super::law::Past;
 
 /// A material as contacts see it.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +24,8 @@ pub(crate) struct Surface {
     /// β of the dashpots along and across the normal.
     damping_ratios: [f64; 2],
     rolling: RollingResistance,
+    /// Its modulus is softened with the other.
+    bond: Option<ParallelBond>,
 }
 
 /// A body at a contact.
@@ -47,6 +51,21 @@ pub(crate) struct Springs {
     /// c_N and c_T [N s/m] beside linear springs.
     pub(crate) dashpots: [f64; 2],
     pub(crate) resistance: Resistance,
+    /// What a bond between the two is made of, where it bends and twists.
+    pub(crate) cement: Cement,
+}
+
+/// A bond like a beam; nothing where there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Cement {
+    /// R̄ [m].
+    pub(crate) radius: f64,
+    /// EA [N].
+    pub(crate) section: f64,
+    /// κ.
+    pub(crate) ratio: f64,
+    /// Of a fibre in tension and in shear [Pa].
+    pub(crate) strengths: [f64; 2],
 }
 
 /// What a contact sets against rolling and twisting, in this order; where nothing is asked for, 0.
@@ -78,6 +97,7 @@ impl Surface {
             cohesion: [material.normal_cohesion_pa, material.shear_cohesion_pa],
             damping_ratios: material.damping_ratios(),
             rolling: material.rolling(),
+            bond: material.parallel_bond,
         }
     }
 
@@ -85,6 +105,10 @@ impl Surface {
     pub(crate) fn stiffened(&self, factor: f64) -> Self {
         Self {
             youngs_modulus: factor * self.youngs_modulus,
+            bond: self.bond.map(|bond| ParallelBond {
+                youngs_modulus_pa: factor * bond.youngs_modulus_pa,
+                ..bond
+            }),
             ..*self
         }
     }
@@ -120,6 +144,29 @@ impl Surface {
     }
 }
 
+impl Springs {
+    /// With what a bond that bends and twists adds to the springs, for how large a step it allows.
+    pub(crate) fn held(&self, past: Option<&Past>) -> Self {
+        let bond = past.map(|past| past.bond).filter(|bond| bond.is_intact);
+        let Some(bond) = bond.filter(|_| self.cement.section > 0.0) else {
+            return *self;
+        };
+        let axial = self.cement.section / bond.beam.length;
+        let across = self.cement.ratio * axial;
+        let square = self.cement.radius.powi(2);
+        let normal = self.normal + axial;
+        Self {
+            normal,
+            ratio: (self.ratio * self.normal + across) / normal,
+            resistance: Resistance {
+                stiffness: [0.25 * axial * square, 0.5 * across * square],
+                ..self.resistance
+            },
+            ..*self
+        }
+    }
+}
+
 impl Side {
     /// A wall of this surface, where this sphere touches it; 1/m [1/kg] is 0 for one that no force
     /// moves.
@@ -140,6 +187,27 @@ impl Side {
     /// tan φ of the smoother surface.
     pub(super) fn friction_with(&self, other: &Self) -> f64 {
         self.surface.friction.min(other.surface.friction)
+    }
+
+    /// What a bond of the two is made of.
+    pub(super) fn cement_with(&self, other: &Self) -> Cement {
+        let (Some(own), Some(others), false) = (
+            self.surface.bond,
+            other.surface.bond,
+            self.is_flat || other.is_flat,
+        ) else {
+            return Cement::default();
+        };
+        let bond = own.with(&others);
+        let smaller = self.radius.min(other.radius);
+        // EA, as of a beam that is 1 m long
+        let [section, ..] = bond.stiffnesses(smaller, 1.0);
+        Cement {
+            radius: bond.radius_ratio * smaller,
+            section,
+            ratio: bond.stiffness_ratio,
+            strengths: [bond.tensile_strength_pa, bond.shear_strength_pa],
+        }
     }
 
     /// What the two set against rolling and twisting beside a shear spring [N/m].
@@ -190,8 +258,12 @@ impl Side {
 }
 
 /// Strengths a = c r² [N] of a bond between two surfaces, of the smaller radius [m] and the weaker
-/// material, for the normal and the shear direction (T 3.34); `None` when it would not hold.
+/// material, for the normal and the shear direction (T 3.34), or 0 of one that bends and twists, whose
+/// strengths are stresses; `None` when it would not hold.
 pub(crate) fn bond_strength(a: (Surface, f64), b: (Surface, f64)) -> Option<[f64; 2]> {
+    if a.0.bond.is_some() && b.0.bond.is_some() {
+        return Some([0.0; 2]);
+    }
     let radius = a.1.min(b.1);
     let strength = [0, 1].map(|way| a.0.cohesion[way].min(b.0.cohesion[way]) * radius * radius);
     strength

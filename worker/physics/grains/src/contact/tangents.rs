@@ -43,6 +43,15 @@ impl Tangents {
         }
     }
 
+    /// tan φ of the contact in a lane of a block.
+    pub(super) fn friction(&self, block: usize, lane: usize) -> f64 {
+        match self {
+            Self::Unset => 0.0,
+            Self::One([_, friction]) => *friction,
+            Self::Each(blocks) => blocks[block][1][lane],
+        }
+    }
+
     /// Multiplies tan φ of all contacts.
     pub(super) fn rub(&mut self, factor: f64) {
         match self {
@@ -114,7 +123,7 @@ mod tests {
     use super::*;
     use crate::contact::{
         law::{Coulomb, Followed, Frictionless, Linear},
-        stiffness::Resistance,
+        stiffness::{Cement, Resistance},
     };
 
     type Rough = Coulomb<Linear, Followed>;
@@ -127,6 +136,7 @@ mod tests {
             friction: 0.5,
             dashpots: [0.0; 2],
             resistance: Resistance::default(),
+            cement: Cement::default(),
         };
         let mut tangents = Tangents::default();
         tangents.set::<Rough>(0, 0, &springs(0.3));

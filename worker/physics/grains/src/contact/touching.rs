@@ -20,6 +20,8 @@ pub(crate) struct Touching<'a> {
     pub(crate) constant: f64,
     /// k_T/k_N of the constants.
     pub(crate) shear_ratio: f64,
+    /// tan φ.
+    pub(crate) friction: f64,
     /// Its law, and its lane there.
     pub(crate) law: &'a dyn Lanewise,
     pub(crate) lane: usize,

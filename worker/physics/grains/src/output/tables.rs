@@ -85,6 +85,10 @@ pub(crate) fn curve_row(
         row.extend(engine.body_displacement(driven).iter());
         row.extend(force_on(driven.body, contacts).iter());
     }
+    for name in &spec.record.normal_forces {
+        let number = engine.wall(name).unwrap_or(usize::MAX);
+        row.push(pressed(engine, number, contacts));
+    }
     let reading = &journal.last;
     row.extend([
         reading.kinetic,
@@ -110,6 +114,16 @@ pub(crate) fn curve_row(
         row.push(engine.broken_bonds(reading) as f64);
     }
     row
+}
+
+/// Sizes of the normal forces of all contacts at a wall [N].
+fn pressed(engine: &Engine, wall: usize, contacts: &[Contact]) -> f64 {
+    let number = engine.model.masses.len() + wall;
+    let at_wall = contacts.iter().filter(|contact| {
+        let [_, other] = contact.bodies;
+        other as usize == number
+    });
+    at_wall.map(|contact| contact.normal_force.norm()).sum()
 }
 
 /// Force of all contacts on a body [N].
@@ -232,7 +246,7 @@ pub(crate) fn write(
     breaks::write(journal, recorder)?;
     if spec.record.contacts {
         let mut columns = CONTACT_COLUMNS.to_vec();
-        if spec.resists_rolling() {
+        if spec.has_moments() {
             columns.extend(MOMENT_COLUMNS);
         }
         write_table(recorder, "contacts.csv", &columns, &journal.contacts)?;

@@ -1,6 +1,6 @@
 //! From spec to model: what a scene is made of, resolved and in SI, and the state it starts from.
 use loadframe_api::spec::granular_scene::{
-    Body, BondRestLength, Convention, GranularScene, Material, Touching,
+    Body, BondRestLength, ContactFriction, Convention, GranularScene, Material, Touching,
 };
 use nalgebra::UnitQuaternion;
 
@@ -32,6 +32,8 @@ pub(crate) struct Model {
     pub(crate) is_viscous: bool,
     /// Whether a bond rests where it is made, and not where its spheres just touch.
     pub(crate) bonds_rest_as_made: bool,
+    /// Whether contacts keep the friction that they began with.
+    pub(crate) keeps_friction: bool,
     pub(crate) gravity: Vector,
     pub(crate) damping: f64,
     pub(crate) rotation: Rotation,
@@ -112,6 +114,7 @@ impl Model {
             first_surfaces: surfaces,
             is_rough: spec.materials.values().any(rough),
             is_viscous: spec.is_viscous().contains(&true) || spec.resists_rolling(),
+            keeps_friction: spec.laws.contact_friction == ContactFriction::Kept,
             bonds_rest_as_made: spec.laws.bond_rest_length == BondRestLength::Initial,
             gravity: Vector::from(spec.gravity_m_per_s2),
             damping: spec.local_damping(),

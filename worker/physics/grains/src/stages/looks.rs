@@ -218,7 +218,7 @@ impl Runner<'_> {
         let step = self.engine.state.step;
         if self.spec.record.contacts && step > 0 {
             put_in_order(contacts);
-            let has_moments = self.spec.resists_rolling();
+            let has_moments = self.spec.has_moments();
             tables::contact_rows(step, contacts, has_moments, &mut self.journal.contacts);
         }
         Ok(())

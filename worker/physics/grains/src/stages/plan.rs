@@ -1,6 +1,6 @@
 //! The stages of a run: when each is done, how far the run is.
-use loadframe_api::spec::granular_scene::Stage;
-use loadframe_harness::Recorder;
+use loadframe_api::spec::granular_scene::{Drive, Stage};
+use loadframe_harness::{Recorder, SimulationError};
 
 use super::runner::Runner;
 use crate::numbers::Vector;
@@ -10,7 +10,40 @@ const HAIR: f64 = 1e-6;
 
 impl Runner<'_> {
     pub(crate) fn is_stage_done(&self, stage: &Stage) -> bool {
-        self.journal.is_settled || self.steps_left(stage) <= 0.0
+        self.journal.is_settled || self.is_force_met(stage) || self.steps_left(stage) <= 0.0
+    }
+
+    /// Whether the force that ends the stage acted in its last step.
+    fn is_force_met(&self, stage: &Stage) -> bool {
+        let Stage::Drive(Drive {
+            until: Some(until), ..
+        }) = stage
+        else {
+            return false;
+        };
+        let wall = self.engine.wall(&until.wall);
+        let wall = wall.filter(|_| self.journal.stage_steps > 0);
+        wall.is_some_and(|wall| {
+            let force = self.engine.wall_force(wall);
+            until.is_met(force[until.axis.index()])
+        })
+    }
+
+    /// Makes the row of the end of a stage that a force ended: nobody knew before that step that it would
+    /// be the last.
+    pub(crate) fn tell_end(
+        &mut self,
+        stage: &Stage,
+        recorder: &mut dyn Recorder,
+    ) -> Result<(), SimulationError> {
+        let columns = self.spec.curve_columns().len();
+        let told = self.journal.curve.rchunks(columns).next();
+        let told = told.and_then(|row| row.first());
+        let is_told = told.is_some_and(|step| *step as u64 == self.engine.state.step);
+        if self.is_force_met(stage) && !is_told && (self.records_ends() || self.is_last_stage()) {
+            self.observe_still(recorder)?;
+        }
+        Ok(())
     }
 
     pub(crate) fn is_last_stage(&self) -> bool {

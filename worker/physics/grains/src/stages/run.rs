@@ -61,6 +61,7 @@ pub(crate) fn run(
             runner.supply(stage, recorder);
             runner.step(stage, recorder)?;
         }
+        runner.tell_end(stage, recorder)?;
         let waits = matches!(stage, Stage::Settle(_) | Stage::Relax(_));
         if waits && !runner.journal.is_settled {
             runner.journal.unsettled_stages.push(runner.journal.stage);

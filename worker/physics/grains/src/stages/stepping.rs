@@ -109,13 +109,20 @@ impl Runner<'_> {
         self.check_speed()
     }
 
+    /// Whether the end of the present stage has a row.
+    pub(super) fn records_ends(&self) -> bool {
+        let record = &self.spec.record;
+        let is_told = self.journal.stage >= record.from_stage;
+        !is_told || !self.engine.model.grains.is_empty() || record.stage_ends
+    }
+
     /// What the next step is looked at for, if it is.
     fn reason_to_look(&self) -> Option<Reason> {
         let next = self.engine.state.step + 1;
         let record = &self.spec.record;
         let is_last = self.is_last_step();
         let is_told = self.journal.stage >= record.from_stage;
-        let records_ends = !is_told || !self.engine.model.grains.is_empty() || record.stage_ends;
+        let records_ends = self.records_ends();
         let is_end = records_ends && self.ends_stage();
         let reason = Reason {
             is_recorded: is_told && next.is_multiple_of(record.every_steps) || is_last || is_end,
@@ -137,8 +144,10 @@ impl Runner<'_> {
         // the look itself may end such a stage, and that is recorded
         let may_end = matches!(stage, Some(Stage::Settle(_) | Stage::Relax(_)));
         let has_pictures = record.snapshot_every_steps > 0;
-        let has_rows =
-            record.contacts || !record.regions.is_empty() || !self.engine.model.driven.is_empty();
+        let has_rows = record.contacts
+            || !record.regions.is_empty()
+            || !record.normal_forces.is_empty()
+            || !self.engine.model.driven.is_empty();
         stage.is_some_and(Stage::is_quasi_static)
             || reason.is_pictured
             || reason.is_recorded && has_rows

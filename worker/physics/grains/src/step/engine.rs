@@ -405,10 +405,11 @@ impl Engine {
             search: &self.search,
             particles: &state.particles,
             memories,
+            friction_factor: state.friction_factor,
             skin,
         };
         (state.patches, self.contact_lists) = listing.list(&state.clumps, &self.team);
-        if state.friction_factor < 1.0 {
+        if state.friction_factor < 1.0 && !self.model.keeps_friction {
             let factor = state.friction_factor;
             (self.contact_lists)
                 .iter_mut()

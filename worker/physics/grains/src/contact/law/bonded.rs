@@ -15,7 +15,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Bond, ContactForces, Kept, Lanewise, Law, Linear, Past, Push, Slip, Spring, Touch,
+    Beam, Bond, ContactForces, Kept, Lanewise, Law, Linear, Past, Push, Slip, Spring, Touch,
     coulomb::{Coulomb, cut},
 };
 use crate::numbers::{
@@ -125,6 +125,7 @@ impl Lanewise for Bonded {
                 is_intact: self.intact[lane] > 0.0,
                 strength: [self.normal_strength[lane], self.shear_strength[lane]],
                 rest: self.rest[lane],
+                beam: Beam::default(),
             },
             ..self.coulomb.past(lane)
         }

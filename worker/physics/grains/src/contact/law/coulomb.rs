@@ -42,11 +42,25 @@ impl<N: Normal, M: Normals> Coulomb<N, M> {
         slip: Slip<S>,
         time_step: f64,
     ) -> Vectors<S> {
+        let shear = Vectors::load(simd, &self.shear, part);
+        self.turn(simd, part, shear, normal, slip, time_step)
+    }
+
+    /// A vector of the last step that turns with the contact (G.3).
+    #[inline(always)]
+    pub(super) fn turn<S: Simd>(
+        &self,
+        simd: S,
+        part: usize,
+        vector: Vectors<S>,
+        normal: Vectors<S>,
+        slip: Slip<S>,
+        time_step: f64,
+    ) -> Vectors<S> {
         let before = self.normals.before(simd, part, slip.last_normal);
-        let mut shear = Vectors::load(simd, &self.shear, part);
-        shear = shear - shear.cross(before.cross(normal));
+        let vector = vector - vector.cross(before.cross(normal));
         let twist = Lanes::splat(simd, 0.5 * time_step) * before.dot(slip.spins);
-        shear - shear.cross(before.scaled(twist))
+        vector - vector.cross(before.scaled(twist))
     }
 
     /// The shear force turned and grown (G.3), (G.4), not cut.

@@ -22,7 +22,7 @@ use super::{
     normal::{Normal, Spring},
 };
 use crate::{
-    contact::stiffness::{Side, Springs},
+    contact::stiffness::{Cement, Side, Springs},
     numbers::{
         ahead::ask,
         lanes::{Array, Lanes, Vectors},
@@ -51,6 +51,8 @@ impl Normal for Hertz {
             friction: a.friction_with(b),
             dashpots: [DASHPOT * along, across],
             resistance: a.resistance_with(b, stiffness[1]),
+            // bonds stand on linear springs
+            cement: Cement::default(),
         }
     }
 

@@ -3,11 +3,12 @@
 //! A law is a type of its own, one file each, chosen once for a scene: [`Frictionless`] remembers
 //! nothing and turns nothing, [`Coulomb`] remembers its shear force (and turns it by the normal of the
 //! last step, [`Kept`] or [`Followed`]), [`HertzMindlin`] the overlap it
-//! belongs to as well, [`Bonded`] holds together until it breaks. Each stands on a spring along the
+//! belongs to as well, [`Bonded`] holds together until it breaks, [`Cemented`] with moments. Each stands on a spring along the
 //! [`normal`]: [`Linear`], [`Logarithmic`] or [`Hertz`]. [`Viscous`] is a dashpot beside any of them,
 //! [`Along`] the normal or, beside those with friction, [`Across`]. Around all of these stands what is
 //! [`Resisting`] rolling and twisting.
 mod bonded;
+mod cemented;
 mod coulomb;
 mod frictionless;
 mod hertz;
@@ -26,6 +27,7 @@ use super::{Push, Slip, Touch, stiffness::Springs};
 use crate::numbers::Vector;
 
 pub(crate) use bonded::Bonded;
+pub(crate) use cemented::Cemented;
 pub(crate) use coulomb::Coulomb;
 pub(crate) use frictionless::Frictionless;
 pub(crate) use hertz::{Hertz, HertzMindlin};
@@ -47,6 +49,8 @@ pub(crate) struct Past {
     /// Moments on b of what resists rolling, and of twisting along the normal [N m].
     pub(crate) rolling: Vector,
     pub(crate) twisting: f64,
+    /// tan φ that it had, where it is to be kept.
+    pub(crate) friction: Option<f64>,
     /// The bond between the bodies, also after it broke.
     pub(crate) bond: Bond,
     /// v_N in the middle of the last step [m/s], where a dashpot works along the normal.
@@ -79,6 +83,8 @@ pub(crate) struct ContactForces {
     pub(crate) turning_dashpots: [f64; 2],
     /// Compression of the spring [m], negative where a bond is stretched.
     pub(crate) compression: f64,
+    /// In what holds beside those springs [J].
+    pub(crate) held: f64,
     /// Whether an intact bond holds the bodies together.
     pub(crate) is_bonded: bool,
 }
@@ -91,6 +97,19 @@ pub(crate) struct Bond {
     pub(crate) strength: [f64; 2],
     /// Overlap without force [m].
     pub(crate) rest: f64,
+    /// What it bends and twists with beside that, where it does.
+    pub(crate) beam: Beam,
+}
+
+/// State of a bond that bends and twists, beside its moments.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Beam {
+    /// Overlap at which it carries no force along it [m].
+    pub(crate) rest: f64,
+    /// L [m].
+    pub(crate) length: f64,
+    /// F_T on b [N].
+    pub(crate) shear: Vector,
 }
 
 /// The law of a block one contact at a time: what lists and observers need of it between steps.
@@ -172,6 +191,7 @@ impl ContactForces {
         in_spring(self.spring_shear.norm_squared(), self.stiffness[1])
             + in_spring(self.rolling.norm_squared(), rolling)
             + in_spring(self.twisting.powi(2), twisting)
+            + self.held
     }
 }
 
@@ -192,6 +212,13 @@ impl Past {
             shear: -self.shear,
             rolling: -self.rolling,
             slip: self.slip.map(|slip| -slip),
+            bond: Bond {
+                beam: Beam {
+                    shear: -self.bond.beam.shear,
+                    ..self.bond.beam
+                },
+                ..self.bond
+            },
             ..*self
         }
     }
@@ -201,7 +228,7 @@ impl Past {
 mod tests {
     use super::*;
     use crate::{
-        contact::stiffness::Resistance,
+        contact::stiffness::{Cement, Resistance},
         numbers::lanes::{Array, LANES, Lanes, Vectors},
     };
     use pulp::{Arch, Scalar, WithSimd};
@@ -227,9 +254,24 @@ mod tests {
                         reach: [1e-3, 2e-3],
                         dashpots: [1e-4, 2e-4],
                     },
+                    cement: Cement {
+                        radius: 0.008,
+                        section: 1e3,
+                        ratio: 0.4,
+                        strengths: [1e9, 1e9],
+                    },
                 };
                 let past = Past {
                     normal: Vector::new(0.0, 0.6, 0.8),
+                    bond: Bond {
+                        is_intact: true,
+                        strength: [1e9; 2],
+                        beam: Beam {
+                            length: 0.02,
+                            ..Beam::default()
+                        },
+                        ..Bond::default()
+                    },
                     ..Past::default()
                 };
                 self.0.start(lane, &springs, &past);
@@ -304,6 +346,7 @@ mod tests {
         assert_same_bits::<Coulomb<Logarithmic, Kept>>();
         assert_same_bits::<HertzMindlin>();
         assert_same_bits::<Bonded>();
+        assert_same_bits::<Cemented>();
         assert_same_bits::<Viscous<HertzMindlin, Along>>();
         assert_same_bits::<Viscous<Frictionless<Hertz>, Along>>();
         assert_same_bits::<Viscous<Coulomb<Linear, Followed>, Across>>();

@@ -117,6 +117,7 @@ impl Linear {
             friction: a.friction_with(b),
             dashpots: a.dashpots_with(b, [normal, shear]),
             resistance: a.resistance_with(b, shear),
+            cement: a.cement_with(b),
         }
     }
 }

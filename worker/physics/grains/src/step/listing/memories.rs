@@ -3,12 +3,13 @@ use loadframe_numerics::Team;
 
 use crate::{
     contact::{
-        law::{Bond, Past},
+        law::{Beam, Bond, Past},
         lists::Lists,
         stiffness::bond_strength,
         touching::Who,
     },
     geometry::neighbours::grid::is_near,
+    numbers::Vector,
     scene::{model::Model, particles::Particles},
 };
 
@@ -81,7 +82,10 @@ impl Part {
         part.pairs.pasts.reserve(lists.candidates());
         let number = |particle: u32| particles.numbers[particle as usize];
         lists.see(&mut |touching| {
-            let past = touching.law.past(touching.lane);
+            let past = Past {
+                friction: Some(touching.friction),
+                ..touching.law.past(touching.lane)
+            };
             match touching.who {
                 Who::Pair(pair) => {
                     let [a, b] = pair.map(number);
@@ -185,8 +189,10 @@ impl Memories {
             if past.bond.is_intact {
                 let [a, b] = [a, b].map(|place| &particles.centres[place as usize]);
                 let overlap = a.overlap(b);
-                let rest = &mut past.bond.rest;
-                *rest = overlap - ratio * (overlap - *rest);
+                let bond = &mut past.bond;
+                for rest in [&mut bond.rest, &mut bond.beam.rest] {
+                    *rest = overlap - ratio * (overlap - *rest);
+                }
             }
         }
     }
@@ -278,6 +284,11 @@ impl Memories {
                 is_intact: true,
                 strength,
                 rest,
+                beam: Beam {
+                    rest: overlap,
+                    length: radii[0] + radii[1] - overlap,
+                    shear: Vector::zeros(),
+                },
             },
             ..Past::default()
         })

@@ -14,6 +14,7 @@ use super::{
 use crate::{
     contact::{
         chosen::Chosen,
+        law::Past,
         lists::Lists,
         stiffness::{Side, Springs},
     },
@@ -99,6 +100,8 @@ pub(crate) struct Listing<'a> {
     pub(crate) plates: &'a [f64],
     /// Walls whose contacts are added up.
     pub(crate) followers: &'a [bool],
+    /// What tan φ of new contacts is multiplied with, where others keep theirs.
+    pub(crate) friction_factor: f64,
     /// Distance of surfaces below which bodies are listed [m].
     pub(crate) skin: f64,
 }
@@ -248,11 +251,13 @@ impl Listing<'_> {
             pairs.partition(|&(a, b)| self.is_touching(a, b) || is_bonded(a, b));
         for pairs in [held, apart] {
             for (a, b) in pairs {
-                let springs = (self.law.springs)(&self.side(a), &self.side(b));
                 let past = past(a, b);
+                let springs = (self.law.springs)(&self.side(a), &self.side(b));
+                let springs = self.rubbed(springs, past.as_ref());
                 let pair = [a as u32, b as u32];
                 let radii = pair.map(|particle| self.radius(particle as usize));
-                filling.see(self, pair, None, radii[0].min(radii[1]), &springs);
+                let held = springs.held(past.as_ref());
+                filling.see(self, pair, None, radii[0].min(radii[1]), &held);
                 let lists = &mut *filling.lists;
                 if range.contains(&b) {
                     lists.add_inner(pair, &springs, past.as_ref());
@@ -262,6 +267,18 @@ impl Listing<'_> {
                 }
             }
             filling.lists.close_blocks();
+        }
+    }
+
+    /// With the friction of this contact, where contacts keep theirs.
+    fn rubbed(&self, springs: Springs, past: Option<&Past>) -> Springs {
+        if !self.model.keeps_friction {
+            return springs;
+        }
+        let kept = past.and_then(|past| past.friction);
+        Springs {
+            friction: kept.unwrap_or(self.friction_factor * springs.friction),
+            ..springs
         }
     }
 
@@ -294,6 +311,7 @@ impl Listing<'_> {
                 let wall = own.wall(self.model.surfaces[plane.surface], self.freedom_of(number));
                 let springs = (self.law.springs)(&own, &wall);
                 let past = (self.memories).wall(self.particles.numbers[particle], number as u32);
+                let springs = self.rubbed(springs, past.as_ref());
                 let particle = particle as u32;
                 filling.see(self, [particle; 2], Some(number), radius, &springs);
                 (filling.lists).add_plane(number, particle, &springs, past.as_ref());
@@ -327,7 +345,8 @@ impl Listing<'_> {
                 let mut wall = own.wall(self.model.surfaces[mesh.surface], freedom);
                 wall.radius *= facets.radius_ratio;
                 let springs = (self.law.springs)(&own, &wall);
-                (*facet, springs, self.memories.facet(number, *facet))
+                let past = self.memories.facet(number, *facet);
+                (*facet, self.rubbed(springs, past.as_ref()), past)
             }));
             for (facet, springs, _) in &near {
                 let wall = Some(wall_of(facets.facets[*facet as usize].mesh as usize));
