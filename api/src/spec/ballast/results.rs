@@ -5,7 +5,10 @@ use crate::results::Named;
 pub(super) const RESULTS: &[Named] = &[
     ("unloading_stiffness", "N/m"),
     ("peak_displacement", "mm"),
+    ("peak_displacement_from_set_down", "mm"),
     ("residual_displacement", "mm"),
+    ("settlement_after_block_*", "mm"),
+    ("unloading_stiffness_of_block_*", "N/m"),
     ("cycles", "1"),
     ("last_cycle_displacement", "mm"),
     ("settlement", "mm"),
