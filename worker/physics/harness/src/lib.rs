@@ -22,7 +22,7 @@ use loadframe_api::Report;
 
 pub use checkpoint::CheckpointError;
 pub use error::{Halt, SimulationError};
-pub use recorder::{Interrupt, InterruptSource, Recorder, Uninterrupted, Unrecorded};
+pub use recorder::{Decorator, Interrupt, InterruptSource, Recorder, Uninterrupted, Unrecorded};
 pub use report::ReportBuilder;
 pub use statistics::{Sample, Welch};
 

@@ -34,6 +34,68 @@ pub trait Recorder {
     fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()>;
 }
 
+/// A recorder around another: what it does not take for itself goes on to that one.
+pub trait Decorator {
+    /// The other.
+    fn inner(&self) -> &dyn Recorder;
+
+    /// The other.
+    fn inner_mut(&mut self) -> &mut dyn Recorder;
+
+    /// [`Recorder::columns`].
+    fn columns(&mut self, names: &[&str]) -> io::Result<()> {
+        self.inner_mut().columns(names)
+    }
+
+    /// [`Recorder::point`].
+    fn point(&mut self, values: &[f64]) -> io::Result<()> {
+        self.inner_mut().point(values)
+    }
+
+    /// [`Recorder::file`].
+    fn file(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        self.inner_mut().file(name, write)
+    }
+}
+
+impl<D: Decorator> Recorder for D {
+    fn columns(&mut self, names: &[&str]) -> io::Result<()> {
+        Decorator::columns(self, names)
+    }
+
+    fn point(&mut self, values: &[f64]) -> io::Result<()> {
+        Decorator::point(self, values)
+    }
+
+    fn file(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        Decorator::file(self, name, write)
+    }
+
+    fn progress(&mut self, fraction: f64, phase: &str) {
+        self.inner_mut().progress(fraction, phase);
+    }
+
+    fn log(&mut self, message: &str) {
+        self.inner_mut().log(message);
+    }
+
+    fn checkpoint_due(&self) -> bool {
+        self.inner().checkpoint_due()
+    }
+
+    fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.inner_mut().checkpoint(bytes)
+    }
+}
+
 /// A request to stop early, seen by the solver within a fraction of a second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interrupt {

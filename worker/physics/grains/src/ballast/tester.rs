@@ -5,7 +5,7 @@ use loadframe_api::{
     Report,
     spec::ballast::{BED, Script},
 };
-use loadframe_harness::Recorder;
+use loadframe_harness::{Decorator, Recorder};
 
 use super::{
     cycles,
@@ -143,7 +143,15 @@ impl Tester<'_> {
     }
 }
 
-impl Recorder for Tester<'_> {
+impl Decorator for Tester<'_> {
+    fn inner(&self) -> &dyn Recorder {
+        &*self.recorder
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn Recorder {
+        self.recorder
+    }
+
     fn columns(&mut self, names: &[&str]) -> io::Result<()> {
         let place = |name: &str| names.iter().position(|known| *known == name);
         let known = |name: &str| place(name).unwrap_or_default();
@@ -200,21 +208,5 @@ impl Recorder for Tester<'_> {
             return Ok(());
         }
         self.recorder.file(name, write)
-    }
-
-    fn progress(&mut self, fraction: f64, phase: &str) {
-        self.recorder.progress(fraction, phase);
-    }
-
-    fn log(&mut self, message: &str) {
-        self.recorder.log(message);
-    }
-
-    fn checkpoint_due(&self) -> bool {
-        self.recorder.checkpoint_due()
-    }
-
-    fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.recorder.checkpoint(bytes)
     }
 }

@@ -5,7 +5,7 @@ use std::{
 };
 
 use loadframe_api::spec::soil::Script;
-use loadframe_harness::{Recorder, csv};
+use loadframe_harness::{Decorator, Recorder, csv};
 
 use super::Measured;
 
@@ -91,7 +91,15 @@ impl<'a, T: Measured> Tester<'a, T> {
     }
 }
 
-impl<T: Measured> Recorder for Tester<'_, T> {
+impl<T: Measured> Decorator for Tester<'_, T> {
+    fn inner(&self) -> &dyn Recorder {
+        &*self.recorder
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn Recorder {
+        self.recorder
+    }
+
     fn columns(&mut self, names: &[&str]) -> io::Result<()> {
         let places = names.iter().map(|name| (*name).to_owned()).zip(0..);
         self.rows = Rows {
@@ -141,21 +149,5 @@ impl<T: Measured> Recorder for Tester<'_, T> {
             return Ok(());
         }
         self.recorder.file(name, write)
-    }
-
-    fn progress(&mut self, fraction: f64, phase: &str) {
-        self.recorder.progress(fraction, phase);
-    }
-
-    fn log(&mut self, message: &str) {
-        self.recorder.log(message);
-    }
-
-    fn checkpoint_due(&self) -> bool {
-        self.recorder.checkpoint_due()
-    }
-
-    fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.recorder.checkpoint(bytes)
     }
 }

@@ -1,9 +1,9 @@
 //! A recorder that keeps the curve that passes through it.
-use std::io::{self, Write};
+use std::io;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Recorder;
+use crate::{Decorator, Recorder};
 
 /// A curve in one piece of memory.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -52,7 +52,15 @@ impl<'a> CurveKeeper<'a> {
     }
 }
 
-impl Recorder for CurveKeeper<'_> {
+impl Decorator for CurveKeeper<'_> {
+    fn inner(&self) -> &dyn Recorder {
+        &*self.recorder
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn Recorder {
+        self.recorder
+    }
+
     fn columns(&mut self, names: &[&str]) -> io::Result<()> {
         let kept = names.iter().take(self.width);
         self.curve.columns = kept.map(|name| (*name).to_owned()).collect();
@@ -64,29 +72,5 @@ impl Recorder for CurveKeeper<'_> {
         let kept = values.iter().take(self.width);
         self.curve.values.extend(kept);
         self.recorder.point(values)
-    }
-
-    fn file(
-        &mut self,
-        name: &str,
-        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
-    ) -> io::Result<()> {
-        self.recorder.file(name, write)
-    }
-
-    fn progress(&mut self, fraction: f64, phase: &str) {
-        self.recorder.progress(fraction, phase);
-    }
-
-    fn log(&mut self, message: &str) {
-        self.recorder.log(message);
-    }
-
-    fn checkpoint_due(&self) -> bool {
-        self.recorder.checkpoint_due()
-    }
-
-    fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.recorder.checkpoint(bytes)
     }
 }
