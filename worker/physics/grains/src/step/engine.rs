@@ -395,6 +395,8 @@ impl Engine {
             let radii = state.particles.centres.iter().map(|centre| centre.0[3]);
             (self.search).prepare(facets, radii.fold(0.0, f64::max) + skin);
         }
+        // what only looks made before the first step has not begun
+        let keeps_friction = self.model.keeps_friction && state.step > 0;
         let listing = Listing {
             law: &self.law,
             model: &self.model,
@@ -405,11 +407,11 @@ impl Engine {
             search: &self.search,
             particles: &state.particles,
             memories,
-            friction_factor: state.friction_factor,
+            kept_friction: keeps_friction.then_some(state.friction_factor),
             skin,
         };
         (state.patches, self.contact_lists) = listing.list(&state.clumps, &self.team);
-        if state.friction_factor < 1.0 && !self.model.keeps_friction {
+        if state.friction_factor < 1.0 && !keeps_friction {
             let factor = state.friction_factor;
             (self.contact_lists)
                 .iter_mut()

@@ -101,7 +101,7 @@ pub(crate) struct Listing<'a> {
     /// Walls whose contacts are added up.
     pub(crate) followers: &'a [bool],
     /// What tan φ of new contacts is multiplied with, where others keep theirs.
-    pub(crate) friction_factor: f64,
+    pub(crate) kept_friction: Option<f64>,
     /// Distance of surfaces below which bodies are listed [m].
     pub(crate) skin: f64,
 }
@@ -272,12 +272,12 @@ impl Listing<'_> {
 
     /// With the friction of this contact, where contacts keep theirs.
     fn rubbed(&self, springs: Springs, past: Option<&Past>) -> Springs {
-        if !self.model.keeps_friction {
+        let Some(factor) = self.kept_friction else {
             return springs;
-        }
+        };
         let kept = past.and_then(|past| past.friction);
         Springs {
-            friction: kept.unwrap_or(self.friction_factor * springs.friction),
+            friction: kept.unwrap_or(factor * springs.friction),
             ..springs
         }
     }
