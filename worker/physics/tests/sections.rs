@@ -195,39 +195,6 @@ fn a_cantilever_bends_as_timoshenko_says() {
     );
 }
 
-/// Largest distance of the section from the beam's line, over the largest deflection of the line.
-fn off_the_beam(record: &Record) -> f64 {
-    let rows = record.table("beam_line.csv");
-    let largest = |of: &dyn Fn(&[f64]) -> f64| rows.iter().map(|row| of(row)).fold(0.0, f64::max);
-    largest(&|row| (row[1] - row[2]).abs()) / largest(&|row| row[2].abs())
-}
-
-#[test]
-fn slender_sections_lie_on_the_line_of_the_beam_they_are() {
-    let down = |supports: Value, on: Value| json!({"supports": supports, "load": {"force_n": [0, -1], "on": on}});
-    let clamped = json!({"left": "clamped", "right": "clamped"});
-    let propped = json!({"left": "clamped", "right": ["free", "clamped"]});
-    let cases = [
-        down(json!({"left": "clamped"}), json!({"face": "right"})),
-        down(clamped.clone(), json!({"face": "top"})),
-        down(propped, json!("body")),
-        json!({"three_point": {"span_mm": 40, "force_n": 1}}),
-        json!({"four_point": {"span_mm": 45, "force_n": 1}}),
-    ];
-    for test in cases {
-        let (_, record) = run(&strip([50.0, 2.5], [200, 10], test.clone()));
-        // what clamps and rollers do to a section a twentieth as high as long
-        let off = off_the_beam(&record);
-        assert!(off < 0.01, "{test} {off}");
-    }
-    // neither a short section nor one that moves along itself is a beam
-    for (height, force) in [(20.0, [0, -1]), (2.5, [1, -1])] {
-        let test = json!({"supports": clamped, "load": {"force_n": force, "on": "body"}});
-        let (_, record) = run(&strip([50.0, height], [20, 4], test));
-        assert!(!record.files.contains_key("beam_line.csv"));
-    }
-}
-
 #[test]
 fn every_solver_comes_to_the_same_rest() {
     let spec = macro_case(90.0, 8);

@@ -98,3 +98,93 @@ fn across(model: &Model<'_>) -> Vec<PointForce> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use loadframe_api::{JobSpec, Submission};
+    use loadframe_harness::{RunContext, Uninterrupted};
+
+    use super::super::comparison::Fineness;
+    use super::super::conduct;
+    use super::super::watch::Unwatched;
+    use super::*;
+
+    /// Largest distance of a strip 50 mm long from its beam's line, over the line's largest deflection.
+    fn off_the_beam(height_mm: f64, test: &str) -> Option<f64> {
+        let body = format!(
+            r#"{{"kind": "composite_bending", "spec": {{"version": 1,
+            "section": {{"length_mm": 50, "height_mm": {height_mm}, "thickness_mm": 2, "state": "plane_stress"}},
+            "materials": {{"steel": {{"isotropic": {{"youngs_modulus_mpa": 1000, "poisson_ratio": 0.3}}}}}},
+            "matrix": "steel", "grid": {{"cells": [200, 10]}}, "test": {{{test}}}}}}}"#
+        );
+        let submission = Submission::from_slice(body.as_bytes()).unwrap();
+        let JobSpec::CompositeBending(spec) = submission.spec else {
+            panic!("of another kind");
+        };
+        let finest = Fineness {
+            grid: spec.grid(),
+            contact_cells: 4,
+            shrinks_to_corners: spec.shrinks_to_corners(),
+        };
+        let context = RunContext {
+            threads: 1,
+            interrupt: &Uninterrupted,
+            checkpoint: None,
+        };
+        let model = Model::new(&spec, finest).unwrap();
+        let Ok(tested) = conduct(&model, None, context, &mut Unwatched(context)) else {
+            panic!("has no rest");
+        };
+        let line = of(&model, &tested).unwrap()?;
+        let grid = model.lattice.grid();
+        let (mut off, mut far) = (0.0_f64, 0.0_f64);
+        for (column, by_beam) in line.iter().enumerate() {
+            let own = column_mean_mm(grid, column, tested.displacements_mm())[1];
+            off = off.max((own - by_beam).abs());
+            far = far.max(by_beam.abs());
+        }
+        Some(off / far)
+    }
+
+    fn held(supports: &str, force_n: &str, on: &str) -> String {
+        format!(
+            r#""supports": {{{supports}}}, "load": {{"force_n": {force_n}, "on": {on}}}"#
+        )
+    }
+
+    const BOTH: &str = r#""left": "clamped", "right": "clamped""#;
+    const DOWN: &str = "[0, -1]";
+
+    #[test]
+    fn slender_sections_lie_on_the_line_of_the_beam_they_are() {
+        let propped = r#""left": "clamped", "right": ["free", "clamped"]"#;
+        let guided = r#""left": "rolling", "right": "clamped""#;
+        let patch = r#"{"patch": {"face": "bottom", "from_mm": 0, "to_mm": 5}}"#;
+        for test in [
+            held(r#""left": "clamped""#, DOWN, r#"{"face": "right"}"#),
+            held(BOTH, DOWN, r#"{"face": "top"}"#),
+            held(propped, DOWN, r#""body""#),
+            held(guided, DOWN, patch),
+            // the less the section turns on its supports, the less contacts move inwards: R₂ FL²/(16 EI)
+            r#""three_point": {"span_mm": 40, "force_n": 0.05}"#.to_owned(),
+            r#""four_point": {"span_mm": 45, "force_n": 0.05}"#.to_owned(),
+        ] {
+            // what clamped faces and rollers do to a section a twentieth as high as long
+            let off = off_the_beam(2.5, &test).unwrap();
+            assert!(off < 0.01, "{test} {off}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_beam_has_no_line() {
+        let body = r#""body""#;
+        for (height, test) in [
+            (20.0, held(BOTH, DOWN, body)),
+            (2.5, held(r#""bottom": "clamped""#, DOWN, body)),
+            (2.5, held(BOTH, "[1, -1]", body)),
+            (2.5, r#""tension": {"strain": 1e-4}"#.to_owned()),
+        ] {
+            assert!(off_the_beam(height, &test).is_none(), "{test}");
+        }
+    }
+}

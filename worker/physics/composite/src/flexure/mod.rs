@@ -167,7 +167,8 @@ impl Flexure {
         (beneath, above)
     }
 
-    /// What a beam between the rollers bears under the total force F [N], from left to right.
+    /// What a beam between the rollers bears under the total force F [N], at their own places, from left to
+    /// right.
     #[must_use]
     pub fn forces(&self, section: &Section, force_n: f64) -> Vec<PointForce> {
         let (beneath, above) = self.rollers(section);
