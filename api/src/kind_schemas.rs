@@ -68,6 +68,7 @@ mod tests {
         for kind in JobKind::ALL {
             let checker = kind_checker(*kind);
             assert!(checker.is_usable(), "{kind}");
+            assert!(jsonschema::meta::is_valid(&checker.schema), "{kind}");
             // the longer ending first
             let units = [
                 ("_mm2_per_n", "mm2/N"),

@@ -185,6 +185,14 @@ export const TABLES: FileTable[] = [
     restsAt: "largest",
   },
   {
+    file: "beam_line.csv",
+    title: "Beside Timoshenko's beam",
+    about: "Mean displacement of every cross-section along y, and that of the beam the section is.",
+    over: "x_mm",
+    lines: ["uy_mm", "timoshenko_uy_mm"],
+    restsAt: "largest",
+  },
+  {
     file: "convergence.csv",
     title: "Convergence over cells",
     about: "Each result on the grid asked for, and on those of half and of a quarter of its cells along both sides.",

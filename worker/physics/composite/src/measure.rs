@@ -8,11 +8,20 @@ use crate::supports::Face;
 /// particles.
 #[must_use]
 pub fn face_mean_mm(grid: &Grid, face: Face, u: &[f64]) -> [f64; 2] {
-    let lines = face.lines_mm(grid);
+    mean_along(face.lines_mm(grid), u, |line| face.particle(grid, line))
+}
+
+/// Mean displacement of a column of particles along x and y [mm], as [`face_mean_mm`].
+#[must_use]
+pub fn column_mean_mm(grid: &Grid, column: usize, u: &[f64]) -> [f64; 2] {
+    mean_along(grid.y_mm(), u, |row| grid.particle(column, row))
+}
+
+fn mean_along(lines: &[f64], u: &[f64], particle: impl Fn(usize) -> usize) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for (line, pair) in lines.windows(2).enumerate() {
         let half = 0.5 * (pair[1] - pair[0]);
-        for particle in [face.particle(grid, line), face.particle(grid, line + 1)] {
+        for particle in [particle(line), particle(line + 1)] {
             sums[0] += half * u[2 * particle];
             sums[1] += half * u[2 * particle + 1];
         }

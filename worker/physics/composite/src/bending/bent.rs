@@ -67,6 +67,11 @@ impl Bent {
         }
     }
 
+    /// Force of the rollers that press [N].
+    pub(super) fn force_n(&self) -> f64 {
+        self.force_n
+    }
+
     /// Its results.
     pub(super) fn measured(&self) -> Vec<Measured> {
         let mut all = Vec::new();

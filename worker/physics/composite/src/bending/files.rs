@@ -2,6 +2,7 @@
 use loadframe_harness::vtk::{Array, Lines, Polygons, Series};
 use loadframe_harness::{Recorder, SimulationError, csv};
 
+use super::beam_line;
 use super::comparison::Fineness;
 use super::errors::Finding;
 use super::measured::Measured;
@@ -31,6 +32,7 @@ pub(super) fn write(
     })?;
     write_points(model, tested, recorder)?;
     write_faces(model, tested, recorder)?;
+    beam_line::write(model, tested, recorder)?;
     write_convergence(model, measured, finding, recorder)?;
     if let Some(broken) = &tested.broken {
         write_events(model, broken, recorder)?;

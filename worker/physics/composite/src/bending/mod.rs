@@ -8,6 +8,7 @@
 //! ([`progress`]) and what is read off it ([`measured`]); [`watch`] is who listens. This file holds the course
 //! of it.
 mod arms;
+mod beam_line;
 mod bent;
 mod comparison;
 mod cracks;

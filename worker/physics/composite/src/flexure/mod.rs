@@ -9,6 +9,7 @@
 //! Rollers have no friction. Displacements are small, or follow the rollers as far as they go
 //! ([`Flexure::rolling`]); then the standards' corrections for large deflections are told too.
 mod beam;
+mod deflected;
 #[cfg(test)]
 mod elastica;
 mod loading;
@@ -17,6 +18,7 @@ mod places;
 mod tests;
 
 pub use beam::Beam;
+pub use deflected::{End, PointForce, deflected_line, line_on_supports};
 pub use loading::Loading;
 
 use places::{middle, shear_through};
@@ -163,6 +165,25 @@ impl Flexure {
             })
             .collect();
         (beneath, above)
+    }
+
+    /// What a beam between the rollers bears under the total force F [N], at their own places, from left to
+    /// right.
+    #[must_use]
+    pub fn forces(&self, section: &Section, force_n: f64) -> Vec<PointForce> {
+        let (beneath, above) = self.rollers(section);
+        let each = force_n / above.len() as f64;
+        let resting = |roller: &Roller| PointForce {
+            at_mm: roller.at_mm,
+            force_n: 0.5 * force_n,
+        };
+        let mut forces = vec![resting(&beneath[0])];
+        forces.extend(above.iter().map(|roller| PointForce {
+            at_mm: roller.at_mm,
+            force_n: -each,
+        }));
+        forces.push(resting(&beneath[1]));
+        forces
     }
 
     /// Slope of a beam on its supports under the total force F [N], with bending alone:

@@ -31,6 +31,44 @@ impl From<loadframe_numerics::NoFactor> for NoFactor {
     }
 }
 
+/// A displacement in the middle of a grid touches 18, half of which come before it.
+const ENTRIES: usize = 10;
+
+/// The block between a particle and another one that is eliminated no later.
+struct Beside {
+    particle: usize,
+    /// Where the block begins among the matrix' values.
+    begin: usize,
+    /// Whether its rows are of the particle itself; else they are of the other one.
+    is_own: bool,
+}
+
+/// Blocks between a particle and itself and those around it that have free displacements, in the order of
+/// their elimination.
+fn blocks_beside(matrix: &GridMatrix, particle: usize, place: &[u32], found: &mut Vec<Beside>) {
+    const BLOCK: usize = 4;
+    let first = |particle: usize| place[2 * particle].min(place[2 * particle + 1]);
+    found.clear();
+    for (kind, &(dx, dy)) in STEPS.iter().enumerate() {
+        let begin = |owner: usize| BLOCK * (STEPS.len() * owner + kind);
+        let after = matrix.neighbour(particle, (dx, dy)).map(|other| Beside {
+            particle: other,
+            begin: begin(particle),
+            is_own: true,
+        });
+        let before = matrix.neighbour(particle, (-dx, -dy)).map(|other| Beside {
+            particle: other,
+            begin: begin(other),
+            is_own: false,
+        });
+        found.extend(after);
+        found.extend(before.filter(|_| kind > 0));
+    }
+    let own = first(particle);
+    found.retain(|other| first(other.particle) <= own);
+    found.sort_unstable_by_key(|other| first(other.particle));
+}
+
 /// The pattern of a matrix and its factor, made once, and the factor's values.
 #[derive(Debug)]
 pub(crate) struct Direct {
@@ -53,40 +91,31 @@ impl Direct {
             }
         }
         let mut starts = Vec::with_capacity(free.len() + 1);
-        let mut rows = Vec::new();
-        let mut sources = Vec::new();
-        let mut column = Vec::with_capacity(18);
-        for (at, &displacement) in free.iter().enumerate() {
-            starts.push(rows.len() as u32);
-            column.clear();
-            let (particle, axis) = (displacement as usize / 2, displacement as usize % 2);
-            for (kind, &(dx, dy)) in STEPS.iter().enumerate() {
-                let mut visit = |other: usize, owner: usize, is_own: bool| {
+        let mut rows = Vec::with_capacity(ENTRIES * free.len());
+        let mut sources = Vec::with_capacity(ENTRIES * free.len());
+        let mut beside = Vec::with_capacity(9);
+        // both of a particle's displacements touch the same others
+        for own in free.chunk_by(|a, b| a / 2 == b / 2) {
+            blocks_beside(matrix, own[0] as usize / 2, &place, &mut beside);
+            for &displacement in own {
+                let (at, axis) = (starts.len(), displacement as usize % 2);
+                starts.push(rows.len() as u32);
+                for block in &beside {
                     for other_axis in 0..2 {
-                        let row = place[2 * other + other_axis];
+                        let row = place[2 * block.particle + other_axis];
                         // held ones lie beyond every place
                         if row as usize <= at {
-                            let entry = if is_own {
-                                2 * axis + other_axis
+                            let [first, second] = if block.is_own {
+                                [axis, other_axis]
                             } else {
-                                2 * other_axis + axis
+                                [other_axis, axis]
                             };
-                            column.push((row, (owner * 20 + kind * 4 + entry) as u32));
+                            rows.push(row);
+                            sources.push((block.begin + 2 * first + second) as u32);
                         }
                     }
-                };
-                if let Some(other) = matrix.neighbour(particle, (dx, dy)) {
-                    visit(other, particle, true);
-                }
-                if kind > 0
-                    && let Some(other) = matrix.neighbour(particle, (-dx, -dy))
-                {
-                    visit(other, other, false);
                 }
             }
-            column.sort_unstable();
-            rows.extend(column.iter().map(|entry| entry.0));
-            sources.extend(column.iter().map(|entry| entry.1));
         }
         starts.push(rows.len() as u32);
         Ok(Self {
@@ -97,10 +126,9 @@ impl Direct {
 
     /// Factors a matrix of the analysed pattern.
     pub(crate) fn factor(&mut self, matrix: &GridMatrix) -> Result<(), NoFactor> {
-        self.factor.factor(self.sources.iter().map(|&source| {
-            let source = source as usize;
-            matrix.blocks[source / 20][source % 20 / 4][source % 4]
-        }))?;
+        let values = matrix.blocks.as_flattened().as_flattened();
+        let entries = self.sources.iter().map(|&source| values[source as usize]);
+        self.factor.factor(entries)?;
         self.refuse_tiny_pivots(matrix)
     }
 
