@@ -72,6 +72,9 @@ pub struct Lease {
     pub limits: Option<JobLimits>,
     /// What an earlier attempt left to go on from.
     pub checkpoint: Option<CheckpointInfo>,
+    /// So many first points of the curve the server has already, from before the checkpoint.
+    #[serde(default)]
+    pub curve_points: u64,
 }
 
 /// A stored checkpoint: its bytes are at `GET /v1/worker/leases/{id}/checkpoint`.

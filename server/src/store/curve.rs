@@ -4,6 +4,7 @@ use loadframe_api::worker::{CurveBlock, MOST_CURVE_COLUMNS};
 use uuid::Uuid;
 
 use super::Store;
+use super::checkpoints::CheckpointRow;
 use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
@@ -71,6 +72,39 @@ impl Change {
             .execute(&mut self.connection)
             .await?;
         Ok(true)
+    }
+
+    /// Gives an attempt that goes on from a checkpoint the points of the curve before it, in whole blocks:
+    /// its worker computes none of them again, and sends what follows. Only those of the same build.
+    pub(super) async fn carry_curve_over(
+        &mut self,
+        attempt: i64,
+        from: &CheckpointRow,
+    ) -> Result<()> {
+        sqlx::query(
+            "INSERT INTO curve_blocks (attempt, first, count, data)
+             SELECT ?1, b.first, b.count, b.data
+             FROM checkpoints c JOIN attempts a ON a.seq = c.attempt
+             JOIN attempts mine ON mine.seq = ?1 AND mine.engine = a.engine
+             JOIN curve_blocks b ON b.attempt = a.seq AND b.first + b.count <= c.points
+             WHERE c.seq = ?2",
+        )
+        .bind(attempt)
+        .bind(from.seq)
+        .execute(&mut self.connection)
+        .await?;
+        sqlx::query(
+            "UPDATE attempts SET points = known.points, columns = known.columns
+             FROM (SELECT MAX(b.first + b.count) AS points, a.columns AS columns
+                   FROM curve_blocks b, checkpoints c JOIN attempts a ON a.seq = c.attempt
+                   WHERE b.attempt = ?1 AND c.seq = ?2) known
+             WHERE attempts.seq = ?1 AND known.points IS NOT NULL",
+        )
+        .bind(attempt)
+        .bind(from.seq)
+        .execute(&mut self.connection)
+        .await?;
+        Ok(())
     }
 
     async fn last_block(&mut self, attempt: i64) -> Result<Option<Block>> {
