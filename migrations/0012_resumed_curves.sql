@@ -1,4 +1,3 @@
--- The attempt that made a checkpoint, and how many points of its curve came before it: whoever goes on from
--- the checkpoint gets them from here and does not send them again. Older checkpoints name none.
-ALTER TABLE checkpoints ADD COLUMN attempt INTEGER;
+-- How many points of the curve came before a checkpoint: whoever goes on from it finds them here and does not
+-- send them again. Of older checkpoints nobody knows.
 ALTER TABLE checkpoints ADD COLUMN points INTEGER NOT NULL DEFAULT 0;

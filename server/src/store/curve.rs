@@ -75,35 +75,46 @@ impl Change {
     }
 
     /// Gives an attempt that goes on from a checkpoint the points of the curve before it, in whole blocks:
-    /// its worker computes none of them again, and sends what follows. Only those of the same build.
+    /// its worker sends only what follows. They are those of the longest curve that the same build has
+    /// computed of the job: up to a checkpoint all are the same.
     pub(super) async fn carry_curve_over(
         &mut self,
         attempt: i64,
         from: &CheckpointRow,
     ) -> Result<()> {
-        sqlx::query(
+        let longest: Option<(i64, String)> = sqlx::query_as(
+            "SELECT a.seq, a.columns FROM attempts a JOIN attempts mine ON mine.job = a.job
+             WHERE mine.seq = ? AND a.engine = mine.engine AND a.points > 0
+             ORDER BY a.points DESC, a.seq DESC LIMIT 1",
+        )
+        .bind(attempt)
+        .fetch_optional(&mut self.connection)
+        .await?;
+        let Some((longest, columns)) = longest else {
+            return Ok(());
+        };
+        let carried = sqlx::query(
             "INSERT INTO curve_blocks (attempt, first, count, data)
-             SELECT ?1, b.first, b.count, b.data
-             FROM checkpoints c JOIN attempts a ON a.seq = c.attempt
-             JOIN attempts mine ON mine.seq = ?1 AND mine.engine = a.engine
-             JOIN curve_blocks b ON b.attempt = a.seq AND b.first + b.count <= c.points
-             WHERE c.seq = ?2",
+             SELECT ?1, b.first, b.count, b.data FROM curve_blocks b
+             WHERE b.attempt = ?2
+               AND b.first + b.count <= (SELECT points FROM checkpoints WHERE seq = ?3)",
         )
         .bind(attempt)
+        .bind(longest)
         .bind(from.seq)
         .execute(&mut self.connection)
         .await?;
-        sqlx::query(
-            "UPDATE attempts SET points = known.points, columns = known.columns
-             FROM (SELECT MAX(b.first + b.count) AS points, a.columns AS columns
-                   FROM curve_blocks b, checkpoints c JOIN attempts a ON a.seq = c.attempt
-                   WHERE b.attempt = ?1 AND c.seq = ?2) known
-             WHERE attempts.seq = ?1 AND known.points IS NOT NULL",
-        )
-        .bind(attempt)
-        .bind(from.seq)
-        .execute(&mut self.connection)
-        .await?;
+        if carried.rows_affected() > 0 {
+            sqlx::query(
+                "UPDATE attempts SET columns = ?2,
+                    points = (SELECT MAX(first + count) FROM curve_blocks WHERE attempt = ?1)
+                 WHERE seq = ?1",
+            )
+            .bind(attempt)
+            .bind(columns)
+            .execute(&mut self.connection)
+            .await?;
+        }
         Ok(())
     }
 

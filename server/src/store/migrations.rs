@@ -74,7 +74,7 @@ mod tests {
                 "0db3a0d1a44e743a",
                 "123a8c73e88306c8",
                 "c65afbc9fc6604c3",
-                "dbda5dd43e43c8a5"
+                "3d56df3cc4285dd2"
             ]
         );
     }

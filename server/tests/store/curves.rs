@@ -195,4 +195,10 @@ async fn a_resumed_attempt_has_the_blocks_of_the_curve_before_its_checkpoint() {
     let expected: Vec<Vec<f64>> = (0..2 * BLOCK + 12_000).map(row).collect();
     assert_eq!(curve.attempt, 2);
     assert_eq!(bits(&curve.points), bits(&expected));
+    // a checkpoint of the second attempt, from which a third goes on
+    lab.checkpoint_with(&next, b"further", 9.0).await;
+    let release = lab.release(key(&next), ReleaseReason::Shutdown);
+    release.await.unwrap();
+    // its last block ends where the checkpoint is
+    assert_eq!(lab.lease().await.curve_points, 2 * BLOCK + 12_000);
 }
