@@ -6,6 +6,7 @@
 //! source of types, units and limits), parses it, and asks the kind's own cross-checks. Every
 //! violation is reported at once, by JSON pointer.
 mod accuracy;
+pub mod allocations;
 mod calibration;
 mod changes;
 mod digest;

@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 
+use crate::allocations::AllocationReport;
 use crate::json::{parse, typed};
 use crate::people::{
     Acceptance, HandOver, NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange,
@@ -55,6 +56,7 @@ messages!(
     NewProject,
     ProjectChanges,
     NewShare,
+    AllocationReport,
     ClaimRequest,
     ProgressReport,
     CompleteRequest,

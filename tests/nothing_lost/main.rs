@@ -8,6 +8,7 @@
     clippy::print_stderr,
     reason = "tests stop at what is unexpected and speak to people"
 )]
+mod away_server;
 mod cancelled;
 mod exclusive;
 mod faulty_machines;

@@ -18,8 +18,9 @@ use crate::scratch::Scratch;
 const CLAIM_WAIT_S: f64 = 2.0;
 /// A claim unanswered for so much longer is one to a server that hangs.
 const CLAIM_MARGIN: Duration = Duration::from_secs(10);
-/// Pause after a claim to a server that is away, and after a lease that was lost.
-const AWAY_PAUSE: Duration = Duration::from_millis(500);
+/// First and longest pause after a claim to a server that is away, and after a lease that was lost.
+const FIRST_PAUSE: Duration = Duration::from_millis(500);
+const LONGEST_PAUSE: Duration = Duration::from_secs(5);
 
 /// What a worker is told at its start.
 #[derive(Clone, Debug)]
@@ -38,15 +39,22 @@ pub struct WorkerOptions {
     pub checkpoint_every: Duration,
     /// Ends the worker when no job came for this long.
     pub exit_when_idle: Option<Duration>,
-    /// Ends the worker after this time, its job saved and given back.
+    /// Ends the worker after this time, its job saved and given back. It takes no more jobs when less
+    /// than one checkpoint's time is left.
     pub max_runtime: Option<Duration>,
+    /// A server that is away for longer has its job dropped.
+    pub server_away: Duration,
+    /// Memory that a job may take here [MB], where somebody has set a bound.
+    pub memory_mb: Option<f64>,
 }
 
 /// Why a worker ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WorkerEnd {
-    /// It was told to, or its time was over.
+    /// It was told to.
     Stopped,
+    /// Its time was over, or too little of it left for another job.
+    TimeOver,
     /// No job came.
     Idle,
 }
@@ -71,7 +79,8 @@ pub struct Worker {
     context: AttemptContext,
     claim: ClaimRequest,
     exit_when_idle: Option<Duration>,
-    max_runtime: Option<Duration>,
+    /// When its time is over; `None` when it never is.
+    end: Option<Instant>,
 }
 
 impl Worker {
@@ -80,6 +89,9 @@ impl Worker {
     /// # Errors
     /// [`WorkerError::Scratch`].
     pub fn prepare(options: WorkerOptions) -> Result<Self, WorkerError> {
+        // a time beyond what a clock can hold is none
+        let end = options.max_runtime;
+        let end = end.and_then(|longest| Instant::now().checked_add(longest));
         let scratch = Scratch::open(&options.scratch).map_err(|source| WorkerError::Scratch {
             folder: options.scratch.clone(),
             source,
@@ -92,6 +104,9 @@ impl Worker {
             engine_version: options.engine.build(),
             kinds: JobKind::ALL.to_vec(),
             calibration: calibrate(),
+            memory_mb: options.memory_mb,
+            disk_mb: None,
+            time_left_s: None,
             wait_s: CLAIM_WAIT_S,
         };
         Ok(Self {
@@ -102,11 +117,12 @@ impl Worker {
                 scratch,
                 threads: options.threads,
                 checkpoint_every: options.checkpoint_every,
+                server_away: options.server_away,
                 shutdown: CancellationToken::new(),
             },
             claim,
             exit_when_idle: options.exit_when_idle,
-            max_runtime: options.max_runtime,
+            end,
         })
     }
 
@@ -121,18 +137,23 @@ impl Worker {
     /// [`WorkerError::Server`] when the server refuses claims for good.
     pub async fn work(self) -> Result<WorkerEnd, WorkerError> {
         let shutdown = &self.context.shutdown;
-        if let Some(max_runtime) = self.max_runtime {
-            let shutdown = shutdown.clone();
+        let is_over = CancellationToken::new();
+        if let Some(end) = self.end {
+            let (shutdown, is_over) = (shutdown.clone(), is_over.clone());
             tokio::spawn(async move {
-                tokio::time::sleep(max_runtime).await;
+                tokio::time::sleep_until(end.into()).await;
+                is_over.cancel();
                 shutdown.cancel();
             });
         }
         tracing::info!(name = %self.claim.name, id = %self.claim.worker_id, threads = self.claim.threads,
             server = self.context.server.address(), calibration = ?self.claim.calibration, "ready");
         let mut idle_since = Instant::now();
-        let mut is_away = false;
+        let mut away_pause = None;
         while !shutdown.is_cancelled() {
+            if self.is_too_late() {
+                return Ok(WorkerEnd::TimeOver);
+            }
             match self.claim().await {
                 Ok(Some(lease)) => {
                     tracing::info!(job = %lease.job_id, attempt = lease.attempt, kind = %lease.kind, "claimed");
@@ -141,38 +162,55 @@ impl Worker {
                         Ok(()) => tracing::info!(job = %job_id, "lease ended"),
                         Err(error) => {
                             tracing::warn!(job = %job_id, %error, "everything of this attempt is dropped");
-                            self.pause().await;
+                            self.pause(FIRST_PAUSE).await;
                         }
                     }
                     idle_since = Instant::now();
                 }
                 Ok(None) => {}
                 Err(error) if error.is_transient() => {
-                    if !is_away {
+                    if away_pause.is_none() {
                         tracing::warn!(%error, "waiting for the server");
                     }
-                    is_away = true;
-                    self.pause().await;
+                    let pause = away_pause.map_or(FIRST_PAUSE, |pause: Duration| 2 * pause);
+                    let pause = pause.min(LONGEST_PAUSE);
+                    away_pause = Some(pause);
+                    self.pause(pause).await;
                     if !self.is_idle_too_long(idle_since) {
                         continue;
                     }
                 }
                 Err(error) => return Err(WorkerError::Server(error)),
             }
-            if is_away {
+            if away_pause.take().is_some() {
                 tracing::info!("the server is back");
-                is_away = false;
             }
             if self.is_idle_too_long(idle_since) {
                 return Ok(WorkerEnd::Idle);
             }
         }
-        Ok(WorkerEnd::Stopped)
+        Ok(match is_over.is_cancelled() {
+            true => WorkerEnd::TimeOver,
+            false => WorkerEnd::Stopped,
+        })
     }
 
-    async fn pause(&self) {
+    /// Time until it ends, `None` when it goes on for ever.
+    fn time_left(&self) -> Option<Duration> {
+        self.end
+            .map(|end| end.saturating_duration_since(Instant::now()))
+    }
+
+    /// Whether too little time is left to take another job: what it would come to is less than what is
+    /// computed between two checkpoints.
+    fn is_too_late(&self) -> bool {
+        self.time_left()
+            .is_some_and(|left| left < self.context.checkpoint_every)
+    }
+
+    async fn pause(&self, pause: Duration) {
         tokio::select! {
-            () = tokio::time::sleep(AWAY_PAUSE) => {}
+            () = tokio::time::sleep(pause) => {}
             () = self.context.shutdown.cancelled() => {}
         }
     }
@@ -185,7 +223,11 @@ impl Worker {
     async fn claim(&self) -> Result<Option<Lease>, ServerError> {
         let server = &self.context.server;
         let mut claim = self.claim.clone();
-        if let Some(longest) = self.exit_when_idle {
+        claim.time_left_s = self.time_left().map(|left| left.as_secs_f64());
+        for longest in [self.exit_when_idle, self.time_left()]
+            .into_iter()
+            .flatten()
+        {
             claim.wait_s = claim.wait_s.min(longest.as_secs_f64());
         }
         let request = server

@@ -101,6 +101,8 @@ impl Lab {
             checkpoint_every: Duration::from_millis(200),
             exit_when_idle: None,
             max_runtime: None,
+            server_away: NEVER,
+            memory_mb: None,
         };
         let worker = Worker::prepare(options).expect("a scratch folder");
         let shutdown = worker.shutdown();

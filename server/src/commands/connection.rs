@@ -26,6 +26,26 @@ pub(crate) struct Connection {
 }
 
 impl Connection {
+    /// Options by which a command in another place speaks with the same server, for the same caller. A
+    /// token of the environment goes with the environment.
+    ///
+    /// # Errors
+    /// When there is no working folder to find a file from.
+    pub(crate) fn options_elsewhere(&self) -> Result<Vec<String>, Failure> {
+        let mut options = vec!["--server".to_owned(), self.server.clone()];
+        let files = [
+            ("--token-file", self.token.file()),
+            ("--ca", self.ca.as_deref()),
+        ];
+        for (option, path) in files {
+            if let Some(path) = path {
+                let path = std::path::absolute(path).map_err(|error| Failure::of(&error))?;
+                options.extend([option.to_owned(), path.display().to_string()]);
+            }
+        }
+        Ok(options)
+    }
+
     pub(crate) fn client(&self) -> Result<ServerClient, Failure> {
         let read = |path: &PathBuf| {
             std::fs::read(path).map_err(|error| ServerError::File {

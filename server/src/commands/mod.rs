@@ -3,6 +3,7 @@
 //! `lab`, `serve` and `worker` are the service; `run`, `study`, `validate`, `kinds`, `example` and `schema`
 //! need no server; all others speak REST with one. What a command prints for people can be had as
 //! JSON with `--json`; how it ended is its exit code ([`failure::Code`]).
+mod autoscale;
 mod backup;
 mod connection;
 mod engine;
@@ -64,6 +65,9 @@ enum Command {
     Serve(serve::Arguments),
     /// Run jobs for a server
     Worker(worker::Arguments),
+    /// Start workers on a batch system while jobs wait
+    #[command(subcommand)]
+    Autoscale(autoscale::Autoscale),
     /// Run a job here, without a server
     Run(run::Arguments),
     /// Find out what exactness costs, or what parameters do
@@ -116,7 +120,7 @@ pub(crate) fn main() -> ExitCode {
     // a simulation that does not stop in time is not waited for; its lease or checkpoint covers it
     runtime.shutdown_timeout(LAST_MOMENTS);
     match end {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(failure) => report(&failure),
     }
 }
@@ -126,11 +130,12 @@ fn report(failure: &Failure) -> ExitCode {
     failure.exit_code()
 }
 
-async fn perform(command: Command) -> Result<(), Failure> {
+async fn perform(command: Command) -> Result<ExitCode, Failure> {
     match command {
+        Command::Worker(arguments) => return worker::perform(arguments).await,
         Command::Lab(arguments) => lab::perform(arguments).await,
         Command::Serve(arguments) => serve::perform(arguments).await,
-        Command::Worker(arguments) => worker::perform(arguments).await,
+        Command::Autoscale(autoscale) => autoscale::perform(autoscale).await,
         Command::Run(arguments) => run::perform(arguments).await,
         Command::Study(study) => study::perform(study).await,
         Command::Validate(arguments) => validate::perform(&arguments),
@@ -150,5 +155,6 @@ async fn perform(command: Command) -> Result<(), Failure> {
         Command::Kinds(arguments) => kinds::list(arguments),
         Command::Example(arguments) => kinds::example(&arguments),
         Command::Schema(arguments) => kinds::schema(arguments),
-    }
+    }?;
+    Ok(ExitCode::SUCCESS)
 }

@@ -23,6 +23,11 @@ pub(crate) struct TokenSource {
 }
 
 impl TokenSource {
+    /// The file that holds the token, where it comes from one.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.token_file.as_deref()
+    }
+
     /// The token, if there is one.
     ///
     /// # Errors

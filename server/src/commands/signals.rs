@@ -20,6 +20,18 @@ pub(crate) async fn stop_signal() {
     }
 }
 
+/// Waits for whatever tells a worker to stop: the same, and SIGUSR1, which batch systems are asked to send
+/// before the end (`sbatch --signal=B:USR1@120`).
+pub(crate) async fn worker_stop_signal() {
+    let Ok(mut warning) = signal(SignalKind::user_defined1()) else {
+        return stop_signal().await;
+    };
+    tokio::select! {
+        () = stop_signal() => {}
+        _ = warning.recv() => {}
+    }
+}
+
 /// A switch for simulations in this process that Ctrl-C or SIGTERM turns.
 pub(crate) fn stop_switch() -> Arc<StopSwitch> {
     let switch = Arc::new(StopSwitch::default());

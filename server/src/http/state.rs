@@ -10,6 +10,7 @@ use super::access::Access;
 use super::body_budget::BodyBudget;
 use super::checks::Checks;
 use super::events::announcements::Announcements;
+use super::worker::AllocationReports;
 use crate::ServeConfig;
 use crate::store::Store;
 
@@ -29,6 +30,8 @@ pub struct AppState {
     pub(super) checks: Checks,
     pub(super) archives: Arc<Semaphore>,
     pub(super) announcements: Announcements,
+    /// What batch systems give to workers.
+    pub(super) allocations: AllocationReports,
 }
 
 impl AppState {
@@ -43,6 +46,7 @@ impl AppState {
             checks: Checks::default(),
             archives: Arc::new(Semaphore::new(ARCHIVES_AT_ONCE)),
             announcements: Announcements::default(),
+            allocations: AllocationReports::default(),
         }
     }
 

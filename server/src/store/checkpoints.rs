@@ -289,8 +289,8 @@ impl Change {
         let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
         self.forgive_if_further(job.seq, query.wall_s).await?;
         let seq = sqlx::query(
-            "INSERT INTO checkpoints (job, bytes, sha256, wall_s, cpu_s, engine)
-             VALUES (?, ?, ?, ?, ?, ?)",
+            "INSERT INTO checkpoints (job, bytes, sha256, wall_s, cpu_s, engine, points)
+             VALUES (?, ?, ?, ?, ?, ?, ?)",
         )
         .bind(job.seq)
         .bind(i64::try_from(bytes).unwrap_or(i64::MAX))
@@ -298,6 +298,8 @@ impl Change {
         .bind(query.wall_s)
         .bind(query.cpu_s)
         .bind(&attempt.engine)
+        // a worker sends a checkpoint after all points before it
+        .bind(attempt.points)
         .execute(&mut self.connection)
         .await?
         .last_insert_rowid();

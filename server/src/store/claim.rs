@@ -31,6 +31,8 @@ row! {
         spec_sha256: String,
         /// The job's row.
         job_row: i64,
+        /// Points of the curve that the attempt has from the one before.
+        points: i64,
         estimate: Option<String>,
         overrun_factor: f64,
     }
@@ -68,6 +70,7 @@ impl Store {
                 .map(|limit| limit.as_secs_f64()),
             limits: limits(claimed.estimate.as_deref(), claimed.overrun_factor)?,
             checkpoint,
+            curve_points: claimed.points.unsigned_abs(),
         }))
     }
 }
@@ -89,7 +92,7 @@ impl Change {
         };
         let claimed: ClaimedJob = sqlx::query_as(
             "SELECT a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
-                    j.spec_sha256, j.seq AS job_row, j.estimate, j.overrun_factor
+                    j.spec_sha256, j.seq AS job_row, a.points, j.estimate, j.overrun_factor
              FROM attempts a JOIN jobs j ON j.seq = a.job JOIN specs s ON s.job = a.job
              WHERE a.seq = ?",
         )
@@ -190,7 +193,10 @@ impl Change {
         .await?
         .last_insert_rowid();
         match &newest {
-            Some(newest) => self.carry_over(attempt, newest).await?,
+            Some(newest) => {
+                self.carry_over(attempt, newest).await?;
+                self.carry_curve_over(attempt, newest).await?;
+            }
             None => self.tell_of_other_builds(job, number, engine).await?,
         }
         Ok(attempt)

@@ -4,6 +4,7 @@ use loadframe_api::worker::{CurveBlock, MOST_CURVE_COLUMNS};
 use uuid::Uuid;
 
 use super::Store;
+use super::checkpoints::CheckpointRow;
 use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
@@ -71,6 +72,50 @@ impl Change {
             .execute(&mut self.connection)
             .await?;
         Ok(true)
+    }
+
+    /// Gives an attempt that goes on from a checkpoint the points of the curve before it, in whole blocks:
+    /// its worker sends only what follows. They are those of the longest curve that the same build has
+    /// computed of the job: up to a checkpoint all are the same.
+    pub(super) async fn carry_curve_over(
+        &mut self,
+        attempt: i64,
+        from: &CheckpointRow,
+    ) -> Result<()> {
+        let longest: Option<(i64, String)> = sqlx::query_as(
+            "SELECT a.seq, a.columns FROM attempts a JOIN attempts mine ON mine.job = a.job
+             WHERE mine.seq = ? AND a.engine = mine.engine AND a.points > 0
+             ORDER BY a.points DESC, a.seq DESC LIMIT 1",
+        )
+        .bind(attempt)
+        .fetch_optional(&mut self.connection)
+        .await?;
+        let Some((longest, columns)) = longest else {
+            return Ok(());
+        };
+        let carried = sqlx::query(
+            "INSERT INTO curve_blocks (attempt, first, count, data)
+             SELECT ?1, b.first, b.count, b.data FROM curve_blocks b
+             WHERE b.attempt = ?2
+               AND b.first + b.count <= (SELECT points FROM checkpoints WHERE seq = ?3)",
+        )
+        .bind(attempt)
+        .bind(longest)
+        .bind(from.seq)
+        .execute(&mut self.connection)
+        .await?;
+        if carried.rows_affected() > 0 {
+            sqlx::query(
+                "UPDATE attempts SET columns = ?2,
+                    points = (SELECT MAX(first + count) FROM curve_blocks WHERE attempt = ?1)
+                 WHERE seq = ?1",
+            )
+            .bind(attempt)
+            .bind(columns)
+            .execute(&mut self.connection)
+            .await?;
+        }
+        Ok(())
     }
 
     async fn last_block(&mut self, attempt: i64) -> Result<Option<Block>> {

@@ -53,6 +53,14 @@ pub enum StoreError {
     /// 503: the data folder belongs to a running server.
     #[error("{} is in use by another loadframe server", .0.display())]
     InUse(PathBuf),
+    /// The data folder is on a network file system, on which SQLite does not work.
+    #[error(
+        "{} is on {system}, a network file system, where SQLite's locks and shared memory do not hold and the database would break; give --data a folder on a local disk of the server (backups may go to {system})", folder.display()
+    )]
+    NetworkDisk {
+        folder: PathBuf,
+        system: &'static str,
+    },
     /// The database and the folder of files are not those of one store.
     #[error("{0}")]
     NotTogether(String),

@@ -143,22 +143,6 @@ impl Change {
 }
 
 impl Store {
-    /// Extends the lease and tells what the user wants of the attempt.
-    ///
-    /// # Errors
-    /// [`StoreError::LeaseLost`] when the lease is not held.
-    pub async fn heartbeat(&self, key: LeaseKey) -> Result<Command> {
-        let lease = self.lease_millis();
-        self.write_from_reserve(move |change| {
-            Box::pin(async move {
-                let attempt = change.extend(key, lease).await?;
-                let job = LifecycleRow::of(&mut change.connection, attempt.job).await?;
-                Ok(UserRequest::command(job.asked()?))
-            })
-        })
-        .await
-    }
-
     /// Takes in progress, curve points and log lines; counts as a heartbeat.
     ///
     /// # Errors

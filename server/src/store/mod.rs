@@ -12,7 +12,7 @@
 //! results, one for what takes a moment and must not wait behind them.
 //!
 //! Lists are [`list`], jobs one by one [`jobs`]. The worker's side in the order of a job: [`claim`],
-//! [`lease`] with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`],
+//! [`lease`] (heartbeats in [`pulses`]) with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`],
 //! [`ending`]; if the worker falls silent, [`sweep`]; if its machine is at fault, [`machines`]. Whose
 //! things are, and what was done by whom: [`people`].
 //!
@@ -20,6 +20,7 @@
 //! [`collector`] removes what no row names, [`scrub`] finds what is missing or has changed, and [`backup`]
 //! copies both in the right order. That a full disk or a panic ends nothing: [`reserve`], [`supervision`].
 mod arriving;
+mod backlog;
 mod backup;
 mod blobs;
 mod checkpoints;
@@ -41,7 +42,9 @@ mod machines;
 mod migrations;
 mod open;
 pub mod people;
+mod place;
 mod private;
+mod pulses;
 mod reserve;
 mod row;
 mod scrub;
@@ -66,6 +69,7 @@ use error::Result;
 pub use error::{Loss, StoreError};
 pub use events::StoredEvent;
 use people::{AccessState, Actor};
+use pulses::Pulses;
 use reserve::Reserve;
 pub use scrub::{LostFile, ScrubReport};
 use supervision::Restarts;
@@ -87,6 +91,8 @@ struct Inner {
     /// For what a worker or a health check waits for, and who a caller is: never behind a list.
     lookups: SqlitePool,
     blobs: Blobs,
+    /// Heartbeats that are not written down yet.
+    pulses: Arc<Pulses>,
     last_event: watch::Receiver<u64>,
     queued: watch::Receiver<u64>,
     access: Arc<AccessState>,
@@ -115,6 +121,10 @@ impl Store {
 
     fn lookups(&self) -> &SqlitePool {
         &self.0.lookups
+    }
+
+    fn pulses(&self) -> &Arc<Pulses> {
+        &self.0.pulses
     }
 
     fn blobs(&self) -> &Blobs {

@@ -16,6 +16,7 @@ use super::error::{Result, StoreError};
 use super::identity::{Opening, identify, refuse_new_beside_files};
 use super::migrations::migrations;
 use super::people::AccessState;
+use super::place::refuse_network;
 use super::private::{private_database, private_folder};
 use super::reserve::{Reserve, is_full};
 use super::supervision::Restarts;
@@ -40,6 +41,7 @@ impl Store {
     /// database and the files are not those of one store; file and database errors.
     pub async fn open(options: StoreOptions) -> Result<Self> {
         private_folder(&options.data)?;
+        refuse_network(&options.data)?;
         let lock = lock(&options.data)?;
         let store = Self::connect(options, Some(lock)).await?;
         store.renew_leases().await?;
@@ -53,6 +55,7 @@ impl Store {
     /// File and database errors.
     pub async fn open_beside(options: StoreOptions) -> Result<Self> {
         private_folder(&options.data)?;
+        refuse_network(&options.data)?;
         Self::connect(options, None).await
     }
 
@@ -152,6 +155,7 @@ impl Store {
                 reads,
                 lookups,
                 blobs,
+                pulses: Arc::default(),
                 last_event: last_event_receiver,
                 queued: queued_receiver,
                 access,

@@ -69,7 +69,12 @@ impl LifecycleRow {
     }
 
     pub(super) fn asked(&self) -> Result<Option<UserRequest>> {
-        match self.asked.as_deref() {
+        Self::asked_for(self.asked.as_deref())
+    }
+
+    /// What the word in a job's row asks for.
+    pub(super) fn asked_for(word: Option<&str>) -> Result<Option<UserRequest>> {
+        match word {
             None => Ok(None),
             Some("cancel") => Ok(Some(UserRequest::Cancel)),
             Some("pause") => Ok(Some(UserRequest::Pause)),

@@ -1,4 +1,5 @@
 //! What time does: leases run out, jobs exceed their time, old traces are forgotten.
+use std::sync::Arc;
 use std::time::Duration;
 
 use loadframe_api::Timestamp;
@@ -35,11 +36,13 @@ row! {
 }
 
 impl Store {
-    /// Ends the attempts whose lease has run out or whose time is over; tells how many.
+    /// Writes down the heartbeats that have come, and ends the attempts whose lease has run out or whose
+    /// time is over; tells how many.
     ///
     /// # Errors
     /// The database's, and [`StoreError::Unavailable`].
     pub async fn sweep(&self) -> Result<usize> {
+        self.write_pulses().await?;
         let limit = self.options().job_time_limit.map(millis);
         // its worker knows the limit too, and ends the attempt in order if it can
         let limit = limit.map(|limit| limit.saturating_add(self.lease_millis()));
@@ -56,9 +59,16 @@ impl Store {
         .await?;
         let (mut ended, lease) = (0, self.lease_millis());
         for attempt in overdue {
+            let pulses = Arc::clone(self.pulses());
             let swept = self
                 .write_from_reserve(move |change| {
-                    Box::pin(async move { change.sweep(attempt, lease).await })
+                    Box::pin(async move {
+                        // heard of since the list was made
+                        if attempt.expired && pulses.has(attempt.seq) {
+                            return Err(StoreError::LeaseLost);
+                        }
+                        change.sweep(attempt, lease).await
+                    })
                 })
                 .await;
             match swept {

@@ -220,3 +220,40 @@ async fn a_stream_ends_with_its_token() {
     let ended = tokio::time::timeout(std::time::Duration::from_secs(10), body).await;
     assert!(ended.expect("within a moment").is_ok());
 }
+
+#[tokio::test]
+async fn who_asks_a_batch_system_for_machines_needs_a_workers_token_and_is_seen_by_readers() {
+    let lab = Lab::with(|config| config.require_token = true).await;
+    let (read, worker) = (lab.token(Scope::Read).await, lab.token(Scope::Worker).await);
+    let send = async |method: &str, path: &str, secret: &str, body: &str| {
+        let bearer = format!("Bearer {secret}");
+        let headers = [("authorization", &*bearer), crate::support::JSON];
+        lab.send(request(method, path, &headers, body)).await
+    };
+    let report = r#"{"source": "slurm on login1", "allocations":
+        [{"id": "7_0", "state": "PENDING", "reason": "Priority"}], "trouble": null}"#;
+    let (put, path) = ("PUT", "/v1/worker/allocations");
+    assert_eq!(send(put, path, &read.secret, report).await.status, 403);
+    assert_eq!(send(put, path, &worker.secret, report).await.status, 204);
+    let unnamed = report.replace("slurm on login1", "");
+    let refused = send(put, path, &worker.secret, &unnamed).await;
+    assert_eq!(
+        refused.problem(422, "invalid-request")["violations"][0]["pointer"],
+        "/source"
+    );
+    let backlog = send("GET", "/v1/worker/backlog", &worker.secret, "").await;
+    assert_eq!(
+        backlog.json(),
+        serde_json::json!({"waiting": 0, "classes": []})
+    );
+    let seen = send("GET", "/v1/allocations", &read.secret, "")
+        .await
+        .json();
+    assert_eq!(seen["items"][0]["allocations"][0]["reason"], "Priority");
+    assert_eq!(
+        send("GET", "/v1/allocations", &worker.secret, "")
+            .await
+            .status,
+        403
+    );
+}

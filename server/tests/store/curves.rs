@@ -165,3 +165,40 @@ async fn a_log_keeps_its_last_lines_and_their_numbers() {
     );
     assert!(lab.log(id, 2500).await.unwrap().is_empty());
 }
+
+#[tokio::test]
+async fn a_resumed_attempt_has_the_blocks_of_the_curve_before_its_checkpoint() {
+    let lab = Lab::open(LONG).await;
+    let id = lab.submit().await;
+    let lease = lab.lease().await;
+    assert_eq!(lease.curve_points, 0);
+    // three columns of 8 bytes: a block of 100 kB has 4167 points
+    const BLOCK: u64 = 4167;
+    lab.report(key(&lease), &block(0, 9_000)).await.unwrap();
+    lab.checkpoint_with(&lease, b"state", 5.0).await;
+    // what came after the checkpoint is computed again
+    lab.report(key(&lease), &block(9_000, 9_000)).await.unwrap();
+    let release = lab.release(key(&lease), ReleaseReason::Shutdown);
+    release.await.unwrap();
+
+    let next = lab.lease().await;
+    assert_eq!((next.attempt, next.curve_points), (2, 2 * BLOCK));
+    let gap = lab.report(key(&next), &block(2 * BLOCK + 1, 1)).await;
+    assert!(is_invalid(gap));
+    assert_eq!(lab.curve(id, 0, None).await.unwrap().points.len(), 18_000);
+    let rest = block(2 * BLOCK, 10_000);
+    lab.report(key(&next), &rest).await.unwrap();
+    lab.report(key(&next), &block(2 * BLOCK + 10_000, 2_000))
+        .await
+        .unwrap();
+    let curve = lab.curve(id, 0, None).await.unwrap();
+    let expected: Vec<Vec<f64>> = (0..2 * BLOCK + 12_000).map(row).collect();
+    assert_eq!(curve.attempt, 2);
+    assert_eq!(bits(&curve.points), bits(&expected));
+    // a checkpoint of the second attempt, from which a third goes on
+    lab.checkpoint_with(&next, b"further", 9.0).await;
+    let release = lab.release(key(&next), ReleaseReason::Shutdown);
+    release.await.unwrap();
+    // its last block ends where the checkpoint is
+    assert_eq!(lab.lease().await.curve_points, 2 * BLOCK + 12_000);
+}

@@ -163,3 +163,47 @@ async fn a_job_whose_worker_ignores_the_time_limit_is_timed_out() {
     assert_eq!(job.reason_code, ReasonCode::TimeLimit);
     assert!(is_lost(lab.heartbeat(key(&lease)).await));
 }
+
+#[tokio::test]
+async fn heartbeats_cost_no_write_each_and_yet_keep_the_lease() {
+    use sqlx::{ConnectOptions as _, Row as _};
+    let lab = Lab::open(LONG).await;
+    lab.submit().await;
+    let lease = lab.lease().await;
+    lab.heartbeat(key(&lease)).await.unwrap();
+    let database = lab.folder.path().join("loadframe.db");
+    let options = sqlx::sqlite::SqliteConnectOptions::new().filename(database);
+    let mut beside = options.connect().await.unwrap();
+    // sqlite.org/pragma.html#pragma_data_version: changes with every commit of another connection
+    let mut version = async || -> i64 {
+        let row = sqlx::query("PRAGMA data_version").fetch_one(&mut beside);
+        row.await.unwrap().get(0)
+    };
+    let before = version().await;
+    for _ in 0..100 {
+        lab.heartbeat(key(&lease)).await.unwrap();
+    }
+    assert_eq!(version().await, before);
+    assert_eq!(lab.sweep().await.unwrap(), 0);
+    assert_ne!(version().await, before);
+}
+
+#[tokio::test]
+async fn a_lease_whose_heartbeats_are_not_written_yet_does_not_run_out() {
+    const LEASE: Duration = Duration::from_millis(600);
+    let lab = Lab::open(LEASE).await;
+    lab.submit().await;
+    let lease = lab.lease().await;
+    lab.heartbeat(key(&lease)).await.unwrap();
+    for _ in 0..4 {
+        tokio::time::sleep(LEASE / 2).await;
+        lab.heartbeat(key(&lease)).await.unwrap();
+    }
+    // two leases after the last one that was written at once
+    assert_eq!(lab.sweep().await.unwrap(), 0);
+    lab.heartbeat(key(&lease)).await.unwrap();
+    // silent since
+    tokio::time::sleep(2 * LEASE).await;
+    assert_eq!(lab.sweep().await.unwrap(), 1);
+    assert!(is_lost(lab.heartbeat(key(&lease)).await));
+}

@@ -14,8 +14,10 @@ const PHASE_LENGTH: usize = 500;
 #[derive(Debug, Default)]
 pub(super) struct Batch {
     columns: Vec<String>,
-    /// Index of the first row in the curve.
-    first: u64,
+    /// Points of the curve so far.
+    points: u64,
+    /// So many first points of a curve the server has already.
+    known: u64,
     rows: Vec<Vec<f64>>,
     log: Vec<String>,
     /// Log lines reported before.
@@ -23,15 +25,29 @@ pub(super) struct Batch {
 }
 
 impl Batch {
+    /// For an attempt of whose curve the server has so many points.
+    pub(super) fn after(known: u64) -> Self {
+        Self {
+            known,
+            ..Self::default()
+        }
+    }
+
     /// A curve begins, or begins anew.
     pub(super) fn columns(&mut self, columns: Vec<String>) {
         self.columns = columns;
-        self.first = 0;
+        self.points = 0;
         self.rows.clear();
     }
 
-    pub(super) fn point(&mut self, row: Vec<f64>) {
-        self.rows.push(row);
+    /// Takes in points, one after the other in one list of numbers.
+    pub(super) fn points(&mut self, numbers: &[f64]) {
+        for row in numbers.chunks(self.columns.len().max(1)) {
+            if self.points >= self.known {
+                self.rows.push(row.to_vec());
+            }
+            self.points += 1;
+        }
     }
 
     pub(super) fn log(&mut self, message: String) {
@@ -51,8 +67,7 @@ impl Batch {
     /// Everything gathered, as a report; what comes next starts where this ends.
     pub(super) fn take(&mut self, progress: &Progress) -> ProgressReport {
         let rows = std::mem::take(&mut self.rows);
-        let first = self.first;
-        self.first += rows.len() as u64;
+        let first = self.points - rows.len() as u64;
         let log = std::mem::take(&mut self.log);
         let log_from = self.logged;
         self.logged += log.len() as u64;
@@ -89,33 +104,45 @@ mod tests {
     #[test]
     fn blocks_follow_each_other_without_a_gap() {
         let mut batch = batch(1);
-        (0..3).for_each(|index| batch.point(vec![f64::from(index)]));
+        (0..3).for_each(|index| batch.points(&[f64::from(index)]));
         assert_eq!(first_and_count(&mut batch), Some((0, 3)));
         assert_eq!(first_and_count(&mut batch), None);
-        batch.point(vec![3.0]);
+        batch.points(&[3.0]);
         assert_eq!(first_and_count(&mut batch), Some((3, 1)));
     }
 
     #[test]
     fn a_curve_that_begins_anew_counts_from_zero_and_forgets_unsent_points() {
         let mut batch = batch(1);
-        batch.point(vec![0.0]);
+        batch.points(&[0.0]);
         let _ = batch.take(&Progress::default());
-        batch.point(vec![1.0]);
+        batch.points(&[1.0]);
         batch.columns(vec!["strain".to_owned()]);
-        batch.point(vec![0.0]);
+        batch.points(&[0.0]);
         assert_eq!(first_and_count(&mut batch), Some((0, 1)));
+    }
+
+    #[test]
+    fn points_that_the_server_has_are_not_sent_again() {
+        let mut batch = Batch::after(3);
+        batch.columns(vec!["strain".to_owned()]);
+        batch.points(&[0.0, 1.0]);
+        assert_eq!(first_and_count(&mut batch), None);
+        batch.points(&[2.0, 3.0, 4.0]);
+        assert_eq!(first_and_count(&mut batch), Some((3, 2)));
+        batch.points(&[5.0]);
+        assert_eq!(first_and_count(&mut batch), Some((5, 1)));
     }
 
     #[test]
     fn wide_points_fill_a_batch_sooner() {
         let mut wide = batch(200);
-        (0..99).for_each(|_| wide.point(vec![0.0; 200]));
+        (0..99).for_each(|_| wide.points(&[0.0; 200]));
         assert!(!wide.is_full());
-        wide.point(vec![0.0; 200]);
+        wide.points(&[0.0; 200]);
         assert!(wide.is_full());
         let mut narrow = batch(1);
-        (0..ENTRIES).for_each(|_| narrow.point(vec![0.0]));
+        (0..ENTRIES).for_each(|_| narrow.points(&[0.0]));
         assert!(narrow.is_full());
     }
 

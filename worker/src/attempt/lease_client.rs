@@ -1,8 +1,8 @@
 //! The routes of one lease, each repeated while the lease may still live.
 use std::io::SeekFrom;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use backon::{ExponentialBuilder, Retryable};
@@ -18,18 +18,18 @@ use serde::Serialize;
 use tokio::fs::File;
 use tokio::io::AsyncSeekExt;
 
+use super::contact::Contact;
 use super::stop::AttemptSwitch;
 
-/// A server that is away for longer than so many leases is taken for gone. Longer than one: a
-/// server that starts again gives its workers a fresh lease, and what was computed is worth a wait.
-const PRESUMED_LOST_AFTER_LEASES: f64 = 4.0;
 /// A checkpoint that has not come by so many leases is not waited for.
 const LEASES_FOR_A_CHECKPOINT: f64 = 2.0;
 /// How long the server may take to say how much of a file it has.
 const LONGEST_QUESTION: Duration = Duration::from_secs(10);
 /// First and longest pause between two tries.
 const FIRST_PAUSE: Duration = Duration::from_millis(50);
-const LONGEST_PAUSE: Duration = Duration::from_secs(1);
+const LONGEST_PAUSE: Duration = Duration::from_secs(10);
+/// and the longest as a share of a lease: a server that is back gives that long to be spoken to.
+const PAUSES_A_LEASE: u32 = 4;
 
 /// Speaks for the holder of a lease.
 #[derive(Clone, Debug)]
@@ -37,24 +37,28 @@ pub(super) struct LeaseClient {
     server: ServerClient,
     path: String,
     token: String,
-    /// A server silent for longer is taken for gone.
-    longest_silence: Duration,
     /// How long a checkpoint is waited for.
     checkpoint_patience: Duration,
-    /// When the server last answered anything.
-    last_answer: Arc<Mutex<Instant>>,
+    longest_pause: Duration,
+    contact: Arc<Contact>,
     switch: Arc<AttemptSwitch>,
 }
 
 impl LeaseClient {
-    pub(super) fn new(server: ServerClient, lease: &Lease, switch: Arc<AttemptSwitch>) -> Self {
+    pub(super) fn new(
+        server: ServerClient,
+        lease: &Lease,
+        contact: Arc<Contact>,
+        switch: Arc<AttemptSwitch>,
+    ) -> Self {
+        let lease_time = Duration::from_secs_f64(lease.lease_s);
         Self {
             server,
             path: format!("/v1/worker/leases/{}", lease.id),
             token: lease.token.to_string(),
-            longest_silence: Duration::from_secs_f64(lease.lease_s * PRESUMED_LOST_AFTER_LEASES),
-            checkpoint_patience: Duration::from_secs_f64(lease.lease_s * LEASES_FOR_A_CHECKPOINT),
-            last_answer: Arc::new(Mutex::new(Instant::now())),
+            checkpoint_patience: lease_time.mul_f64(LEASES_FOR_A_CHECKPOINT),
+            longest_pause: LONGEST_PAUSE.min(lease_time / PAUSES_A_LEASE),
+            contact,
             switch,
         }
     }
@@ -167,7 +171,7 @@ impl LeaseClient {
             Ok(Some(Vec::from(bytes)))
         };
         fetch
-            .retry(pauses())
+            .retry(self.pauses())
             .when(|error: &ServerError| {
                 error.is_transient()
                     && !self.is_presumed_lost()
@@ -192,13 +196,14 @@ impl LeaseClient {
         self.end("/release", request).await
     }
 
-    /// Whether the server has not been heard of for so long that the lease must be gone.
+    /// Whether the server has been away for longer than it is waited for.
     pub(super) fn is_presumed_lost(&self) -> bool {
-        let last_answer = *self
-            .last_answer
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        last_answer.elapsed() > self.longest_silence
+        self.contact.is_given_up()
+    }
+
+    /// What is known of the server's being there.
+    pub(super) fn contact(&self) -> Arc<Contact> {
+        Arc::clone(&self.contact)
     }
 
     async fn end(&self, route: &str, body: &impl Serialize) -> Result<(), ServerError> {
@@ -224,12 +229,8 @@ impl LeaseClient {
 
     /// Notes that the server was heard of.
     fn noted(&self, answer: Result<Response, ServerError>) -> Result<Response, ServerError> {
-        if !matches!(answer, Err(ServerError::Unreachable { .. })) {
-            *self
-                .last_answer
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner) = Instant::now();
-        }
+        self.contact
+            .note(!matches!(answer, Err(ServerError::Unreachable { .. })));
         answer
     }
 
@@ -250,7 +251,7 @@ impl LeaseClient {
     where
         F: Future<Output = Result<T, ServerError>>,
     {
-        call.retry(pauses())
+        call.retry(self.pauses())
             .when(|error| error.is_transient() && !self.is_presumed_lost())
             .notify(|error, pause| {
                 tracing::warn!(%error, pause_ms = pause.as_millis() as u64, "trying again");
@@ -271,13 +272,13 @@ impl LeaseClient {
         }
         Ok(())
     }
-}
 
-/// Growing pauses between tries, without an end.
-fn pauses() -> ExponentialBuilder {
-    ExponentialBuilder::default()
-        .with_min_delay(FIRST_PAUSE)
-        .with_max_delay(LONGEST_PAUSE)
-        .with_jitter()
-        .without_max_times()
+    /// Growing pauses between tries, without an end.
+    fn pauses(&self) -> ExponentialBuilder {
+        ExponentialBuilder::default()
+            .with_min_delay(FIRST_PAUSE)
+            .with_max_delay(self.longest_pause)
+            .with_jitter()
+            .without_max_times()
+    }
 }

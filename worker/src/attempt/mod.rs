@@ -7,7 +7,9 @@
 //! results have arrived the lease is ended: complete, fail, release, or fault when this machine
 //! cannot carry the job out and another may. Once the lease is lost,
 //! everything is dropped; the server refuses what may still be under way.
+mod backlog;
 mod batch;
+mod contact;
 mod ending;
 mod heartbeat;
 mod lease_client;
@@ -29,6 +31,7 @@ use tokio_util::sync::CancellationToken;
 use tokio_util::task::AbortOnDropHandle;
 
 use crate::scratch::Scratch;
+use contact::Contact;
 use ending::RunEnd;
 use lease_client::LeaseClient;
 use stop::AttemptSwitch;
@@ -44,6 +47,8 @@ pub(crate) struct AttemptContext {
     pub(crate) scratch: Scratch,
     pub(crate) threads: usize,
     pub(crate) checkpoint_every: Duration,
+    /// A server that is away for longer has its job dropped.
+    pub(crate) server_away: Duration,
     /// Cancelled when this process is to end.
     pub(crate) shutdown: CancellationToken,
 }
@@ -55,7 +60,13 @@ impl AttemptContext {
     /// When the lease was lost; everything of this attempt is dropped.
     pub(crate) async fn carry_out(&self, lease: Lease) -> Result<(), ServerError> {
         let switch = Arc::new(AttemptSwitch::default());
-        let client = LeaseClient::new(self.server.clone(), &lease, Arc::clone(&switch));
+        let contact = Contact::lasting(self.server_away);
+        let client = LeaseClient::new(
+            self.server.clone(),
+            &lease,
+            Arc::clone(&contact),
+            Arc::clone(&switch),
+        );
         let files = Arc::new(AtomicU64::new(0));
         let _heartbeat = AbortOnDropHandle::new(tokio::spawn(heartbeat::keep_alive(
             client.over(self.heartbeat_server.clone()),
@@ -113,7 +124,12 @@ impl AttemptContext {
         for part in [&results, &outgoing] {
             std::fs::create_dir(part).map_err(AttemptError::Scratch)?;
         }
-        let (mut queue, uploader) = uploader::queue(outgoing, Arc::clone(files));
+        let (mut queue, uploader) = uploader::queue(
+            outgoing,
+            Arc::clone(files),
+            client.contact(),
+            lease.curve_points,
+        );
         let uploader = AbortOnDropHandle::new(tokio::spawn({
             let (client, switch) = (client.clone(), Arc::clone(switch));
             async move {
@@ -147,8 +163,10 @@ impl AttemptContext {
                     checkpoint_every,
                     switch: switch.run(),
                 };
+                let end = execute(&spec, saved, plan, &mut queue);
                 // the queue goes with this closure, which lets the uploader finish
-                let _ = ended.send(execute(&spec, saved, plan, &mut queue));
+                queue.finish();
+                let _ = ended.send(end);
             }
         };
         // not one of the runtime's threads: those panic where the system has none to give

@@ -1,7 +1,7 @@
 //! Sends what a run gives to the server, in the order in which it appeared.
 //!
-//! The run puts items into a bounded queue and waits when it is full, so that a slow server
-//! slows the run instead of filling the memory. Order is what makes checkpoints whole: a
+//! The run puts items into a bounded queue and waits when it is full, unless the server is away
+//! ([`super::backlog`]). Order is what makes checkpoints whole: a
 //! checkpoint is sent after every file and point that came before it.
 use std::collections::BTreeMap;
 use std::io;
@@ -16,7 +16,9 @@ use loadframe_run::{Destination, Progress, SavedRun};
 use tokio::sync::{mpsc, watch};
 use tokio::time::{MissedTickBehavior, interval};
 
+use super::backlog::Backlog;
 use super::batch::Batch;
+use super::contact::Contact;
 use super::lease_client::LeaseClient;
 
 /// Time between reports; people see a curve grow at four steps a second as moving.
@@ -26,9 +28,10 @@ const WAITING_ITEMS: usize = 4096;
 
 /// Something a run gave.
 #[derive(Debug)]
-enum Item {
+pub(super) enum Item {
     Columns(Vec<String>),
-    Point(Vec<f64>),
+    /// Points of the curve, one after the other in one list of numbers.
+    Points(Vec<f64>),
     Log(String),
     File(FileEntry, PathBuf),
     Checkpoint(Box<SavedRun>),
@@ -38,6 +41,8 @@ enum Item {
 #[derive(Debug)]
 pub(super) struct UploadQueue {
     items: mpsc::Sender<Item>,
+    backlog: Backlog,
+    contact: Arc<Contact>,
     /// Where files wait, each under its number: a run may write the same name again before the
     /// first version has left.
     outgoing: PathBuf,
@@ -59,13 +64,21 @@ pub(super) struct Uploader {
     reported: Progress,
 }
 
-/// Both ends of a queue whose files wait in the folder `outgoing`; it adds up their `bytes`.
-pub(super) fn queue(outgoing: PathBuf, bytes: Arc<AtomicU64>) -> (UploadQueue, Uploader) {
+/// Both ends of a queue whose files wait in the folder `outgoing`; it adds up their `bytes`. So many first
+/// points of the curve the server has already.
+pub(super) fn queue(
+    outgoing: PathBuf,
+    bytes: Arc<AtomicU64>,
+    contact: Arc<Contact>,
+    known_points: u64,
+) -> (UploadQueue, Uploader) {
     let (items, waiting) = mpsc::channel(WAITING_ITEMS);
     let (progress, seen) = watch::channel(Progress::default());
     let checkpoint_is_under_way = Arc::new(AtomicBool::new(false));
     let queue = UploadQueue {
         items,
+        backlog: Backlog::default(),
+        contact,
         outgoing,
         files: 0,
         sizes: BTreeMap::new(),
@@ -77,7 +90,7 @@ pub(super) fn queue(outgoing: PathBuf, bytes: Arc<AtomicU64>) -> (UploadQueue, U
         items: waiting,
         progress: seen,
         checkpoint_is_under_way,
-        batch: Batch::default(),
+        batch: Batch::after(known_points),
         reported: Progress::default(),
     };
     (queue, uploader)
@@ -102,7 +115,7 @@ impl Uploader {
     async fn send(&mut self, item: Item, lease: &LeaseClient) -> Result<(), ServerError> {
         match item {
             Item::Columns(columns) => self.batch.columns(columns),
-            Item::Point(row) => self.batch.point(row),
+            Item::Points(numbers) => self.batch.points(&numbers),
             Item::Log(message) => self.batch.log(message),
             Item::File(entry, path) => {
                 lease.upload(&entry, &path).await?;
@@ -133,10 +146,14 @@ impl Uploader {
 }
 
 impl UploadQueue {
-    fn put(&self, item: Item) -> io::Result<()> {
-        self.items
-            .blocking_send(item)
-            .map_err(|_| io::Error::other("the server takes no more results of this run"))
+    fn put(&mut self, item: Item) -> io::Result<()> {
+        self.backlog.send(item, &self.items, &self.contact)
+    }
+
+    /// Sends what is still waiting, however long that takes.
+    pub(super) fn finish(&mut self) {
+        // the uploader knows why nobody takes it
+        let _ = self.backlog.finish(&self.items);
     }
 }
 
@@ -147,7 +164,7 @@ impl Destination for UploadQueue {
     }
 
     fn point(&mut self, values: &[f64]) -> io::Result<()> {
-        self.put(Item::Point(values.to_vec()))
+        self.put(Item::Points(values.to_vec()))
     }
 
     fn file(&mut self, entry: &FileEntry, path: &Path) -> io::Result<()> {

@@ -38,6 +38,7 @@ export type Version = Schemas["VersionView"];
 export type Violation = Schemas["Violation"];
 export type Visibility = Schemas["Visibility"];
 export type Warning = Schemas["Warning"];
+export type ReportedAllocations = Schemas["ReportedAllocations"];
 export type Worker = Schemas["WorkerView"];
 
 /** A page of any list. */

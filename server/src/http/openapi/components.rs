@@ -1,4 +1,5 @@
 //! `#/components/schemas`: every type of the wire by name.
+use loadframe_api::allocations::{AllocationReport, Backlog, ReportedAllocations};
 use loadframe_api::people::{
     Acceptance, AuditEntry, CallerView, GroupView, HandOver, InvitationMade, InvitationView,
     NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange, PersonChanges,
@@ -62,7 +63,7 @@ fn bodies() -> Map<String, Value> {
         add!(generator: JobChanges, Envelope, SignIn, PasswordChange, NewInvitation, Acceptance,
             PersonChanges, HandOver, NewToken, NewGroup, NewProject, ProjectChanges, NewShare,
             ClaimRequest, ProgressReport, CompleteRequest, FailRequest, FaultRequest,
-            ReleaseRequest);
+            ReleaseRequest, AllocationReport);
     })
 }
 
@@ -75,7 +76,7 @@ fn answers() -> Map<String, Value> {
             Lease, HeartbeatAnswer, UploadedPart, CallerView, PersonView, Page<PersonView>,
             Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
-            Page<AuditEntry>);
+            Page<AuditEntry>, Backlog, Page<ReportedAllocations>);
     });
     for schema in schemas.values_mut() {
         let required = schema["required"].as_array().cloned().unwrap_or_default();

@@ -2,11 +2,13 @@
 //!
 //! A lease is its id in the path and its token in the `Loadframe-Lease-Token` header. Whatever is
 //! written under one that is no longer held is refused with 409 and changes nothing.
+mod allocations;
 mod claims;
 mod leases;
 mod request;
 mod uploads;
 
+pub(super) use allocations::Reports as AllocationReports;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -22,4 +24,5 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
         .routes(routes!(leases::fault))
         .routes(routes!(leases::release))
         .merge(uploads::router())
+        .merge(allocations::router())
 }

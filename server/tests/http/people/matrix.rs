@@ -51,7 +51,7 @@ const ROUTES: &[(Class, &[&str])] = &[
         "retry_job"]),
     (Class::Make, &["submit_job", "create_project", "create_share"]),
     (Class::ChangeProject, &["change_project"]),
-    (Class::ReadWorkers, &["list_workers"]),
+    (Class::ReadWorkers, &["list_workers", "list_allocations"]),
     (Class::ReadMetrics, &["read_metrics"]),
     (Class::ManageOwn, &["list_sessions", "end_session", "change_password", "list_tokens",
         "create_token", "revoke_token", "list_shares", "revoke_share"]),
@@ -61,7 +61,7 @@ const ROUTES: &[(Class, &[&str])] = &[
         "read_audit", "export_audit"]),
     (Class::Work, &["claim", "heartbeat", "progress", "complete", "fail", "fault", "release", "upload",
         "uploaded_part",
-        "checkpoint", "save_checkpoint"]),
+        "checkpoint", "save_checkpoint", "read_backlog", "report_allocations"]),
 ];
 
 /// Who asks, in the order of the rows below.

@@ -1,0 +1,55 @@
+//! What waits, by what it needs.
+use loadframe_api::allocations::{Backlog, BacklogClass};
+
+use super::Store;
+use super::encoding::json;
+use super::error::Result;
+
+/// Bounds of memory that jobs are sorted by: 500 MB and its doubles, up to a terabyte [MB].
+const SMALLEST_CLASS: f64 = 500.0;
+const CLASSES: i32 = 12;
+/// Jobs that are looked at; so many waiting ones are enough to know what machines to ask for.
+const MOST_JOBS: i64 = 10_000;
+
+impl Store {
+    /// How many jobs wait, and what the first of them need by their estimates. Jobs that need more than
+    /// the largest class, or have no estimate, are in the largest and the smallest one.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn backlog(&self) -> Result<Backlog> {
+        let bounds: Vec<f64> = (0..CLASSES)
+            .map(|doublings| SMALLEST_CLASS * 2.0_f64.powi(doublings))
+            .collect();
+        let mut snapshot = self.reads().begin().await?;
+        let waiting: Option<i64> =
+            sqlx::query_scalar("SELECT SUM(jobs) FROM job_counts WHERE state = 'queued'")
+                .fetch_one(&mut *snapshot)
+                .await?;
+        let classes: Vec<(f64, i64, f64, f64)> = sqlx::query_as(
+            "SELECT CAST(class AS REAL), COUNT(*), MAX(wall), SUM(wall) FROM (
+                SELECT COALESCE((SELECT MIN(value) FROM json_each(?1) WHERE value >= memory),
+                                (SELECT MAX(value) FROM json_each(?1))) AS class, wall
+                FROM (SELECT COALESCE(json_extract(estimate, '$.memory_mb'), 0.0) AS memory,
+                             CAST(COALESCE(json_extract(estimate, '$.wall_s'), 0.0) AS REAL) AS wall
+                      FROM jobs INDEXED BY jobs_waiting_since
+                      WHERE status = 'queued' ORDER BY created_at LIMIT ?2))
+             GROUP BY class ORDER BY class",
+        )
+        .bind(json(&bounds)?)
+        .bind(MOST_JOBS)
+        .fetch_all(&mut *snapshot)
+        .await?;
+        let class =
+            |(memory_mb, jobs, longest_wall_s, total_wall_s): (f64, i64, f64, f64)| BacklogClass {
+                memory_mb,
+                jobs: jobs.unsigned_abs(),
+                longest_wall_s,
+                total_wall_s,
+            };
+        Ok(Backlog {
+            waiting: waiting.unwrap_or_default().unsigned_abs(),
+            classes: classes.into_iter().map(class).collect(),
+        })
+    }
+}
