@@ -30,6 +30,18 @@ pub struct ClaimRequest {
     /// Kinds this worker can run.
     pub kinds: Vec<JobKind>,
     pub calibration: Option<Calibration>,
+    /// Memory that a job may take here [MB]; `None` where the worker does not know, and is given any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    pub memory_mb: Option<f64>,
+    /// Room for the files of a job in the scratch folder [MB]; `None` as above.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    pub disk_mb: Option<f64>,
+    /// Time until the worker has to end [s], as in an allocation of a batch system; `None` has no end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    pub time_left_s: Option<f64>,
     /// Longest wait [s].
     #[schemars(range(min = 0.0, max = 30.0))]
     pub wait_s: f64,

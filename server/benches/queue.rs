@@ -102,6 +102,9 @@ impl Server {
             engine_version: "bench".to_owned(),
             kinds: JobKind::ALL.to_vec(),
             calibration: None,
+            memory_mb: None,
+            disk_mb: None,
+            time_left_s: None,
             wait_s,
         };
         let request = self.request(Method::POST, "/v1/worker/claims").json(&claim);

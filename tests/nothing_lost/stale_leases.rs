@@ -17,6 +17,9 @@ fn claim(server: &Server) -> Option<Lease> {
         engine_version: "0".to_owned(),
         kinds: JobKind::ALL.to_vec(),
         calibration: None,
+        memory_mb: None,
+        disk_mb: None,
+        time_left_s: None,
         wait_s: 0.0,
     };
     let answer = server.client.post("/v1/worker/claims", &request);

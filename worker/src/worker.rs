@@ -92,6 +92,9 @@ impl Worker {
             engine_version: options.engine.build(),
             kinds: JobKind::ALL.to_vec(),
             calibration: calibrate(),
+            memory_mb: None,
+            disk_mb: None,
+            time_left_s: None,
             wait_s: CLAIM_WAIT_S,
         };
         Ok(Self {

@@ -127,6 +127,9 @@ impl Lab {
             engine_version: "0".to_owned(),
             kinds: JobKind::ALL.to_vec(),
             calibration: None,
+            memory_mb: None,
+            disk_mb: None,
+            time_left_s: None,
             wait_s: 0.0,
         };
         let lease = self.store.claim(&claim).await.expect("a claim");

@@ -151,6 +151,9 @@ pub(crate) fn worker(name: &str) -> ClaimRequest {
         calibration: Some(Calibration {
             bond_evaluations_per_s: 2.0e8,
         }),
+        memory_mb: None,
+        disk_mb: None,
+        time_left_s: None,
         wait_s: 0.0,
     }
 }
