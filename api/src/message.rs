@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use crate::json::{parse, typed};
 use crate::people::{
     Acceptance, HandOver, NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange,
-    PersonChanges, ProjectChanges, SignIn,
+    PersonChanges, PersonLimits, ProjectChanges, SignIn,
 };
 use crate::schema::Checker;
 use crate::study::ParameterStudy;
@@ -49,6 +49,7 @@ messages!(
     NewInvitation,
     Acceptance,
     PersonChanges,
+    PersonLimits,
     HandOver,
     NewToken,
     NewGroup,

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use loadframe_api::JobKind;
 use loadframe_api::worker::{ClaimRequest, Lease};
 use loadframe_client::{ServerClient, ServerError};
-use loadframe_run::{Engine, calibrate, host_name};
+use loadframe_run::{Engine, calibrate, free_memory_mb, host_name};
 use reqwest::{Method, StatusCode};
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
@@ -72,6 +72,8 @@ pub struct Worker {
     claim: ClaimRequest,
     exit_when_idle: Option<Duration>,
     max_runtime: Option<Duration>,
+    /// When it was made ready.
+    started: Instant,
 }
 
 impl Worker {
@@ -110,6 +112,7 @@ impl Worker {
             claim,
             exit_when_idle: options.exit_when_idle,
             max_runtime: options.max_runtime,
+            started: Instant::now(),
         })
     }
 
@@ -188,6 +191,12 @@ impl Worker {
     async fn claim(&self) -> Result<Option<Lease>, ServerError> {
         let server = &self.context.server;
         let mut claim = self.claim.clone();
+        claim.memory_mb = free_memory_mb();
+        claim.disk_mb = self.context.scratch.free_mb();
+        claim.time_left_s = self.max_runtime.map(|longest| {
+            let left = longest.saturating_sub(self.started.elapsed());
+            left.as_secs_f64()
+        });
         if let Some(longest) = self.exit_when_idle {
             claim.wait_s = claim.wait_s.min(longest.as_secs_f64());
         }

@@ -12,7 +12,7 @@
 //! results, one for what takes a moment and must not wait behind them.
 //!
 //! Lists are [`list`], jobs one by one [`jobs`]. The worker's side in the order of a job: [`claim`],
-//! [`lease`] with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`],
+//! of what [`choice`] decides, [`lease`] with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`],
 //! [`ending`]; if the worker falls silent, [`sweep`]; if its machine is at fault, [`machines`]. Whose
 //! things are, and what was done by whom: [`people`].
 //!
@@ -23,6 +23,7 @@ mod arriving;
 mod backup;
 mod blobs;
 mod checkpoints;
+mod choice;
 mod claim;
 mod collector;
 mod curve;
@@ -49,6 +50,7 @@ mod submit;
 mod supervision;
 mod sweep;
 mod types;
+mod waiting;
 mod workers;
 mod writer;
 
