@@ -187,7 +187,7 @@ async fn ten_people_submit_claim_and_list_nearly_as_fast_as_one() {
         let people = group(&shared, names).await;
         let ids: Vec<Uuid> = people.iter().map(|(id, _)| *id).collect();
         fill_in_bulk(&shared, count, &ids).await;
-        let mut times = [[const { Vec::new() }; 2]; 3];
+        let mut times: [[Vec<Duration>; 2]; 3] = Default::default();
         for round in 0..ROUNDS {
             let forms = [(&sole, &sole.store), (&shared, &people[round % 10].1)];
             for (form, (lab, store)) in forms.into_iter().enumerate() {
