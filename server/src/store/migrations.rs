@@ -23,6 +23,7 @@ migrations! {
     4 "faults" "0004_faults.sql",
     5 "people" "0005_people.sql",
     6 "long queue" "0006_long_queue.sql",
+    7 "matched work" "0007_matched_work.sql",
 }
 
 pub(super) fn migrations() -> Migrator {
@@ -72,7 +73,8 @@ mod tests {
                 "1279b1c9613624d6",
                 "0db3a0d1a44e743a",
                 "123a8c73e88306c8",
-                "c65afbc9fc6604c3"
+                "c65afbc9fc6604c3",
+                "0a197c6c762f4095"
             ]
         );
     }
