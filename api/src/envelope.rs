@@ -36,6 +36,10 @@ pub struct Envelope {
     #[serde(default)]
     #[schemars(range(min = -1000, max = 1000))]
     pub priority: i32,
+    /// Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 4096))]
+    pub threads: Option<u32>,
     /// How many times its estimated time, memory and files the job may take before it is paused with its
     /// checkpoint (dimensionless).
     #[serde(default = "overrun_factor")]
@@ -57,6 +61,8 @@ pub struct Submission {
     pub notes: String,
     pub tags: Vec<String>,
     pub priority: i32,
+    /// Threads that its worker must have at least.
+    pub threads: Option<u32>,
     /// How many times its estimate the job may take.
     pub overrun_factor: f64,
     pub spec: JobSpec,
@@ -114,6 +120,7 @@ impl Submission {
             notes,
             tags,
             priority,
+            threads,
             overrun_factor,
             ..
         } = envelope;
@@ -122,6 +129,7 @@ impl Submission {
             notes,
             tags,
             priority,
+            threads,
             overrun_factor,
             spec,
         })

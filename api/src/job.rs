@@ -89,7 +89,8 @@ pub struct JobView {
     pub name: String,
     pub notes: String,
     pub tags: Vec<String>,
-    /// Higher runs first; equal ones in order of submission.
+    /// Higher runs first. Of equal ones people take turns, by what they have used lately; each person's run
+    /// in order of submission.
     pub priority: i32,
     pub status: JobStatus,
     pub outcome: Option<JobOutcome>,
@@ -102,7 +103,8 @@ pub struct JobView {
     pub phase: String,
     /// Estimated time to the end [s], while running.
     pub eta_s: Option<f64>,
-    /// Jobs that will run before this one, plus one, while queued.
+    /// Jobs that will run before this one, plus one, while queued: as if people with jobs of its priority took
+    /// turns, who has used least first, and every job fitted every worker.
     pub position: Option<u64>,
     /// Number of the current or last attempt; 0 before the first.
     pub attempt: u32,
@@ -112,6 +114,9 @@ pub struct JobView {
     pub finished_at: Option<Timestamp>,
     pub updated_at: Timestamp,
     pub spec_sha256: String,
+    /// Threads that its worker must have at least, where the submission asked for some.
+    #[serde(default)]
+    pub threads: Option<u32>,
     /// How many times its estimate the job may take.
     #[serde(default)]
     pub overrun_factor: f64,
@@ -232,6 +237,15 @@ pub struct WorkerView {
     pub host: String,
     pub threads: u32,
     pub engine_version: String,
+    /// Memory that a job may take there [MB], where the worker knows.
+    #[serde(default)]
+    pub memory_mb: Option<f64>,
+    /// Room for the files of a job [MB], where the worker knows.
+    #[serde(default)]
+    pub disk_mb: Option<f64>,
+    /// When it has to end, where it has to.
+    #[serde(default)]
+    pub ends_at: Option<Timestamp>,
     /// Whether it was heard of within its lease.
     pub alive: bool,
     pub job_id: Option<Uuid>,

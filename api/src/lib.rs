@@ -39,6 +39,7 @@ pub mod surface;
 pub mod table;
 mod timestamp;
 mod violations;
+mod waiting;
 pub mod worker;
 
 pub use accuracy::{Accuracy, Preset};
@@ -70,3 +71,4 @@ pub use schema::{answer_schemas, body_schemas};
 pub use spec_trait::{Spec, Studied};
 pub use timestamp::Timestamp;
 pub use violations::Violations;
+pub use waiting::{NeedsView, WaitCode, WaitingView};

@@ -8,7 +8,7 @@ use crate::allocations::AllocationReport;
 use crate::json::{parse, typed};
 use crate::people::{
     Acceptance, HandOver, NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange,
-    PersonChanges, ProjectChanges, SignIn,
+    PersonChanges, PersonLimits, ProjectChanges, SignIn,
 };
 use crate::schema::Checker;
 use crate::study::ParameterStudy;
@@ -50,6 +50,7 @@ messages!(
     NewInvitation,
     Acceptance,
     PersonChanges,
+    PersonLimits,
     HandOver,
     NewToken,
     NewGroup,

@@ -29,6 +29,11 @@ impl Scratch {
         Ok(Self { folder, lock })
     }
 
+    /// Room for files in it [MB]; `None` where the system does not say.
+    pub(crate) fn free_mb(&self) -> Option<f64> {
+        loadframe_run::free_disk_mb(self.folder.path())
+    }
+
     /// A fresh folder for one attempt. Where somebody has tidied away the whole, it is made anew.
     pub(crate) fn attempt(&self) -> io::Result<TempDir> {
         match tempfile::tempdir_in(self.folder.path()) {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use loadframe_api::JobKind;
 use loadframe_api::worker::{ClaimRequest, Lease};
 use loadframe_client::{ServerClient, ServerError};
-use loadframe_run::{Engine, calibrate, host_name};
+use loadframe_run::{Engine, calibrate, free_memory_mb, host_name};
 use reqwest::{Method, StatusCode};
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
@@ -223,6 +223,9 @@ impl Worker {
     async fn claim(&self) -> Result<Option<Lease>, ServerError> {
         let server = &self.context.server;
         let mut claim = self.claim.clone();
+        let memory = [claim.memory_mb, free_memory_mb()];
+        claim.memory_mb = memory.into_iter().flatten().reduce(f64::min);
+        claim.disk_mb = self.context.scratch.free_mb();
         claim.time_left_s = self.time_left().map(|left| left.as_secs_f64());
         for longest in [self.exit_when_idle, self.time_left()]
             .into_iter()

@@ -3,7 +3,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-use super::{Named, Role, Scope};
+use super::{Named, PersonLimits, Role, Scope};
 use crate::Timestamp;
 
 /// Kinds of callers.
@@ -42,7 +42,7 @@ pub struct CallerView {
 }
 
 /// A person with an account.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PersonView {
     pub id: Uuid,
     pub name: String,
@@ -50,6 +50,9 @@ pub struct PersonView {
     pub created_at: Timestamp,
     /// Who has left signs in no more; what they did stays on record.
     pub left_at: Option<Timestamp>,
+    /// What the person may use.
+    #[serde(default)]
+    pub limits: PersonLimits,
 }
 
 /// `PATCH /v1/people/{id}`.

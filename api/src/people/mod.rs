@@ -4,6 +4,7 @@
 //! who sees a project. What they allow together is decided by the server alone.
 mod accounts;
 mod audit;
+mod limits;
 mod projects;
 mod tokens;
 
@@ -16,6 +17,7 @@ pub use accounts::{
     PasswordChange, PersonChanges, PersonView, SessionView, SignIn,
 };
 pub use audit::AuditEntry;
+pub use limits::{Allowance, PersonLeft, PersonLimits, PersonUse};
 pub use projects::{
     GroupView, NewGroup, NewProject, NewShare, ProjectChanges, ProjectView, ShareMade, ShareView,
 };

@@ -25,11 +25,16 @@
 //!
 //! The function is pure: it knows neither clock nor database. The store brings the state of a job
 //! and what happened, and writes down what comes out, inside one transaction.
+//!
+//! Who works on what next is decided beside it, as purely: [`needs`] tells which machine a job fits,
+//! [`turns`] whose job is next.
 use loadframe_api::worker::Command;
 use loadframe_api::{AttemptEnd, JobOutcome, ReasonCode};
 
+pub mod needs;
 #[cfg(test)]
 mod tests;
+pub mod turns;
 
 /// A job whose workers fell silent this often is set aside: it may be the job that kills them.
 pub const LOSSES_UNTIL_QUARANTINE: u32 = 3;

@@ -5,7 +5,7 @@ use serde_json::value::RawValue;
 use uuid::Uuid;
 
 use super::checkpoints::CheckpointRow;
-use super::encoding::{json, variant};
+use super::encoding::variant;
 use super::error::{Result, StoreError};
 use super::jobs::limits;
 use super::row::row;
@@ -39,8 +39,7 @@ row! {
 }
 
 impl Store {
-    /// The next job for this worker, if one is waiting now: the highest priority, and among equals
-    /// the one submitted first. A lease that was handed to this worker and never used is handed
+    /// The next job for this worker, if one is waiting now that fits it: see [`super::choice`]. A lease that was handed to this worker and never used is handed
     /// out again: the answer to the first claim must have been lost.
     ///
     /// # Errors
@@ -122,37 +121,6 @@ impl Change {
         Ok(attempt)
     }
 
-    /// The first job of the queue, for a machine that is not set aside: one that it could not carry out
-    /// before comes after all others.
-    async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<LifecycleRow>> {
-        for with_faults in [false, true] {
-            let job = sqlx::query_as(
-                // the first of each kind, however many others wait before it
-                "SELECT j.seq, j.id, j.status, j.outcome, j.asked, j.losses, j.attempt, j.version
-                 FROM json_each(?1) k CROSS JOIN jobs j ON j.seq = (SELECT b.seq
-                    FROM jobs b INDEXED BY jobs_waiting_by_kind
-                    WHERE b.status = 'queued' AND b.kind = k.value
-                       AND (?5 OR NOT EXISTS (SELECT 1 FROM job_faults f
-                            WHERE f.job = b.seq AND f.host = ?2))
-                    ORDER BY b.priority DESC, b.seq LIMIT 1)
-                 WHERE NOT EXISTS (SELECT 1 FROM machines
-                    WHERE host = ?2 AND worker_name = ?3 AND until > ?4)
-                 ORDER BY j.priority DESC, j.seq LIMIT 1",
-            )
-            .bind(json(&worker.kinds)?)
-            .bind(&worker.host)
-            .bind(&worker.name)
-            .bind(self.now.as_millis())
-            .bind(with_faults)
-            .fetch_optional(&mut self.connection)
-            .await?;
-            if job.is_some() {
-                return Ok(job);
-            }
-        }
-        Ok(None)
-    }
-
     /// Starts an attempt at a queued job; the files of its checkpoint, if it has one, are carried
     /// over.
     async fn start_attempt(
@@ -175,8 +143,8 @@ impl Change {
         .await?;
         let attempt = sqlx::query(
             "INSERT INTO attempts (id, token, job, number, worker, worker_name, host, started_at,
-                                   lease_until, resumed_wall_s, engine)
-             VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                                   lease_until, resumed_wall_s, engine, threads)
+             VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         )
         .bind(Uuid::now_v7())
         .bind(Uuid::new_v4())
@@ -189,6 +157,7 @@ impl Change {
         .bind(self.now.as_millis() + lease)
         .bind(newest.as_ref().map_or(0.0, |newest| newest.wall_s))
         .bind(engine)
+        .bind(worker.threads)
         .execute(&mut self.connection)
         .await?
         .last_insert_rowid();

@@ -21,30 +21,50 @@ pub(super) fn hex_names(ids: &[Uuid]) -> Result<String> {
 
 /// The statement that reads jobs, up to where they come from. One statement, so that what it reads
 /// belongs together without a transaction. A place in the queue is one more than the jobs before it: of
-/// higher priorities, of the same in blocks before, in ever smaller blocks before, and within its own.
+/// higher priorities, its owner's of the same (in blocks before, in ever smaller blocks before, and within its
+/// own block), and as many of each other person's, one more of those whose turn is before its owner's.
 macro_rules! select_jobs {
     ($from:literal) => {
         concat!(
             "SELECT j.seq, j.id, j.kind, j.name, j.notes, j.tags, j.priority, j.status, j.outcome,
                 j.reason, j.reason_code, j.progress, j.phase, j.eta_s, j.attempt, j.created_at,
                 j.started_at, j.finished_at, j.updated_at, j.spec_sha256, j.estimate, j.overrun_factor,
-                j.owner, (SELECT name FROM people o WHERE o.id = j.owner) AS owner_name,
+                j.threads, j.owner, (SELECT name FROM people o WHERE o.id = j.owner) AS owner_name,
                 j.project, (SELECT name FROM projects p WHERE p.id = j.project) AS project_name,
                 (SELECT summary FROM results r WHERE r.job = j.seq) AS summary,
                 CASE j.status WHEN 'queued' THEN 1
                     + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
                        WHERE w.bits = 18 AND w.priority > j.priority)
-                    + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
-                       WHERE w.bits = 18 AND w.priority = j.priority AND w.block < j.seq >> 18)
-                    + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
-                       WHERE w.bits = 12 AND w.priority = j.priority
-                         AND w.block >= j.seq >> 18 << 6 AND w.block < j.seq >> 12)
-                    + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
-                       WHERE w.bits = 6 AND w.priority = j.priority
-                         AND w.block >= j.seq >> 12 << 6 AND w.block < j.seq >> 6)
-                    + (SELECT COUNT(*) FROM jobs b INDEXED BY jobs_waiting
-                       WHERE b.status = 'queued' AND b.priority = j.priority
-                         AND b.seq >= j.seq >> 6 << 6 AND b.seq < j.seq)
+                    + (SELECT own.jobs + COALESCE((SELECT SUM(MIN(o.jobs, own.jobs + CASE
+                            WHEN COALESCE(p.use_level, -1e9) <> COALESCE(m.use_level, -1e9)
+                            THEN COALESCE(p.use_level, -1e9) < COALESCE(m.use_level, -1e9)
+                            ELSE (SELECT b.seq FROM jobs b INDEXED BY jobs_waiting
+                                  WHERE b.status = 'queued' AND b.priority = j.priority
+                                    AND b.owner IS NULLIF(o.owner, x'') ORDER BY b.seq LIMIT 1)
+                                < (SELECT b.seq FROM jobs b INDEXED BY jobs_waiting
+                                   WHERE b.status = 'queued' AND b.priority = j.priority
+                                     AND b.owner IS j.owner ORDER BY b.seq LIMIT 1) END))
+                        FROM (SELECT w.owner, SUM(w.jobs) AS jobs FROM waiting_counts w
+                              WHERE w.bits = 18 AND w.priority = j.priority
+                                AND w.owner <> COALESCE(j.owner, x'') GROUP BY w.owner) o
+                            LEFT JOIN people p ON p.id = o.owner
+                            LEFT JOIN people m ON m.id = j.owner), 0)
+                       FROM (SELECT
+                        (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
+                         WHERE w.bits = 18 AND w.priority = j.priority
+                           AND w.owner = COALESCE(j.owner, x'') AND w.block < j.seq >> 18)
+                        + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
+                           WHERE w.bits = 12 AND w.priority = j.priority
+                             AND w.owner = COALESCE(j.owner, x'')
+                             AND w.block >= j.seq >> 18 << 6 AND w.block < j.seq >> 12)
+                        + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
+                           WHERE w.bits = 6 AND w.priority = j.priority
+                             AND w.owner = COALESCE(j.owner, x'')
+                             AND w.block >= j.seq >> 12 << 6 AND w.block < j.seq >> 6)
+                        + (SELECT COUNT(*) FROM jobs b INDEXED BY jobs_waiting
+                           WHERE b.status = 'queued' AND b.priority = j.priority
+                             AND b.owner IS j.owner
+                             AND b.seq >= j.seq >> 6 << 6 AND b.seq < j.seq) AS jobs LIMIT 1) own)
                 END AS position,
                 (SELECT json_group_array(json_object('number', number, 'worker', worker_name,
                     'host', host, 'started_at', started_at, 'ended_at', ended_at,
@@ -85,6 +105,7 @@ row! {
         spec_sha256: String,
         estimate: Option<String>,
         overrun_factor: f64,
+        threads: Option<u32>,
         owner: Option<Uuid>,
         owner_name: Option<String>,
         project: Option<Uuid>,
@@ -137,6 +158,7 @@ impl JobRow {
             finished_at: self.finished_at.map(Timestamp),
             updated_at: Timestamp(self.updated_at),
             spec_sha256: self.spec_sha256,
+            threads: self.threads,
             overrun_factor: self.overrun_factor,
             limits: limits(self.estimate.as_deref(), self.overrun_factor)?,
             spec: None,

@@ -23,6 +23,7 @@ migrations! {
     4 "faults" "0004_faults.sql",
     5 "people" "0005_people.sql",
     6 "long queue" "0006_long_queue.sql",
+    7 "matched work" "0007_matched_work.sql",
     12 "resumed curves" "0012_resumed_curves.sql",
 }
 
@@ -74,6 +75,7 @@ mod tests {
                 "0db3a0d1a44e743a",
                 "123a8c73e88306c8",
                 "c65afbc9fc6604c3",
+                "0a197c6c762f4095",
                 "3d56df3cc4285dd2"
             ]
         );

@@ -12,7 +12,8 @@
 //! results, one for what takes a moment and must not wait behind them.
 //!
 //! Lists are [`list`], jobs one by one [`jobs`]. The worker's side in the order of a job: [`claim`],
-//! [`lease`] (heartbeats in [`pulses`]) with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`],
+//! of what [`choice`] decides, [`lease`] (heartbeats in [`pulses`]) with [`curve`] and [`log`], [`files`] and
+//! [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`],
 //! [`ending`]; if the worker falls silent, [`sweep`]; if its machine is at fault, [`machines`]. Whose
 //! things are, and what was done by whom: [`people`].
 //!
@@ -24,6 +25,7 @@ mod backlog;
 mod backup;
 mod blobs;
 mod checkpoints;
+mod choice;
 mod claim;
 mod collector;
 mod curve;
@@ -53,6 +55,7 @@ mod submit;
 mod supervision;
 mod sweep;
 mod types;
+mod waiting;
 mod workers;
 mod writer;
 

@@ -166,6 +166,7 @@ impl Change {
         if ended.rows_affected() != 1 {
             return Err(StoreError::LeaseLost);
         }
+        self.charge(ending.attempt).await?;
         let completed = end == AttemptEnd::Completed;
         if matches!(end, AttemptEnd::Failed | AttemptEnd::TimedOut) {
             self.mark_partial(ending.attempt).await?;

@@ -1,5 +1,5 @@
 //! What users do to jobs: submit, edit, ask, delete.
-use loadframe_api::{JobView, ReasonCode, Submission};
+use loadframe_api::{Estimate, JobView, ReasonCode, Submission};
 use uuid::Uuid;
 
 use super::encoding::{json, wire_name};
@@ -7,6 +7,7 @@ use super::error::{Result, StoreError};
 use super::state::{LifecycleRow, sentence};
 use super::writer::{Change, EventType};
 use super::{CheckedSubmission, Enqueued, IdempotencyKey, JobEdit, Store, UserAction};
+use crate::queue::needs::Needs;
 use crate::queue::{Input, Refusal, State};
 
 /// What was submitted under a key.
@@ -20,7 +21,9 @@ struct NewJob {
     notes: String,
     tags: String,
     priority: i32,
-    estimate: String,
+    threads: Option<u32>,
+    estimate: Estimate,
+    needs: Needs,
     overrun_factor: f64,
     spec: String,
     spec_sha256: String,
@@ -60,7 +63,9 @@ impl Store {
             notes: submission.notes,
             tags: json(&submission.tags)?,
             priority: submission.priority,
-            estimate: json(&checked.estimate)?,
+            threads: submission.threads,
+            estimate: checked.estimate,
+            needs: checked.needs,
             overrun_factor: submission.overrun_factor,
             spec_sha256: checked.spec_sha256,
             spec: checked.spec,
@@ -175,13 +180,16 @@ impl Change {
                 None => self.remember(key, job.id).await?,
             }
         }
+        self.check_limits(job.priority, &job.estimate).await?;
+        let needs = self.needs_row(&job.needs).await?;
         let seq = sqlx::query(
             // a job of before there were people is the first administrator's, also at the last moment
             "INSERT INTO jobs (id, kind, name, notes, tags, priority, spec_sha256, reason_code,
-                               reason, created_at, updated_at, estimate, overrun_factor, owner, project)
+                               reason, created_at, updated_at, estimate, overrun_factor, owner,
+                               project, needs, threads)
              VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?10, ?11, ?12,
                 COALESCE(?13, (SELECT id FROM people WHERE role = 'administrator'
-                               ORDER BY created_at LIMIT 1)), ?14)",
+                               ORDER BY created_at LIMIT 1)), ?14, ?15, ?16)",
         )
         .bind(job.id)
         .bind(job.kind)
@@ -193,10 +201,12 @@ impl Change {
         .bind(wire_name(&ReasonCode::Submitted)?)
         .bind(sentence(ReasonCode::Submitted))
         .bind(self.now.as_millis())
-        .bind(&job.estimate)
+        .bind(json(&job.estimate)?)
         .bind(job.overrun_factor)
         .bind(self.actor.as_ref().and_then(|actor| actor.person))
         .bind(job.project)
+        .bind(needs)
+        .bind(job.threads)
         .execute(&mut self.connection)
         .await?
         .last_insert_rowid();
@@ -223,6 +233,7 @@ impl Change {
         {
             return Err(StoreError::Edited);
         }
+        self.check_hurry(edit.priority, job).await?;
         sqlx::query(
             "UPDATE jobs SET name = COALESCE(?, name), notes = COALESCE(?, notes),
                 tags = COALESCE(?, tags), priority = COALESCE(?, priority),
@@ -252,6 +263,23 @@ impl Change {
             .execute(&mut self.connection)
             .await?;
         Ok(())
+    }
+
+    /// The row of these needs.
+    async fn needs_row(&mut self, needs: &Needs) -> Result<i64> {
+        // the change that does nothing lets RETURNING see the row that is there
+        let id = sqlx::query_scalar(
+            "INSERT INTO needs (memory_mb, disk_mb, core_s, threads, release) VALUES (?, ?, ?, ?, ?)
+             ON CONFLICT DO UPDATE SET release = excluded.release RETURNING id",
+        )
+        .bind(needs.memory_mb)
+        .bind(needs.disk_mb)
+        .bind(needs.core_s)
+        .bind(needs.threads)
+        .bind(needs.release)
+        .fetch_one(&mut self.connection)
+        .await?;
+        Ok(id)
     }
 
     async fn remember(&mut self, key: &IdempotencyKey, job: Uuid) -> Result<()> {

@@ -8,7 +8,9 @@ use loadframe_api::{
 };
 use uuid::Uuid;
 
+use crate::VERSION;
 use crate::access::Sight;
+use crate::queue::needs::Needs;
 
 /// Where the store lives and what it promises.
 #[derive(Clone, Debug)]
@@ -55,6 +57,8 @@ pub struct CheckedSubmission {
     /// The normalised spec as JSON, and its SHA-256.
     pub spec: String,
     pub spec_sha256: String,
+    /// What a worker must have for it.
+    pub needs: Needs,
     /// The project it goes to, where there are people.
     pub project: Option<Uuid>,
 }
@@ -63,11 +67,15 @@ impl CheckedSubmission {
     /// Estimates and writes down what was submitted, at the speed that was `measured`.
     pub fn new(submission: Submission, measured: Option<Calibration>) -> Self {
         let spec = submission.spec.to_json();
+        let speed = measured.unwrap_or_default();
+        let estimate = Estimate {
+            calibrated: measured.is_some(),
+            ..submission.spec.estimate(&speed)
+        };
+        let (kind, threads) = (submission.spec.kind(), submission.threads);
         Self {
-            estimate: Estimate {
-                calibrated: measured.is_some(),
-                ..submission.spec.estimate(&measured.unwrap_or_default())
-            },
+            needs: Needs::of(kind, &estimate, speed, threads, VERSION),
+            estimate,
             spec_sha256: sha256_hex(spec.as_bytes()),
             spec,
             submission,

@@ -1,15 +1,17 @@
 //! Worker processes: who is there, how fast they are, and the queue in numbers.
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 use loadframe_api::worker::ClaimRequest;
 use loadframe_api::{Calibration, SetAside, Timestamp, WorkerView};
 use uuid::Uuid;
 
-use super::encoding::variant;
+use super::encoding::{json, variant};
 use super::error::Result;
 use super::row::row;
 use super::writer::Change;
-use super::{Counts, Store};
+use super::{Counts, Store, millis};
+use crate::queue::needs::release;
 
 /// A waiting worker is written down again when it was last seen this long ago [ms].
 const SEEN_EVERY: i64 = 2_000;
@@ -27,6 +29,9 @@ row! {
         host: String,
         threads: u32,
         engine_version: String,
+        memory_mb: Option<f64>,
+        disk_mb: Option<f64>,
+        ends_at: Option<i64>,
         last_seen_at: i64,
         job: Option<Uuid>,
         /// The rest is null unless its machine is set aside.
@@ -57,11 +62,15 @@ impl Change {
         let speed = worker.calibration.map(|speed| speed.bond_evaluations_per_s);
         // what no machine can be is not believed
         let speed = speed.filter(|speed| SPEEDS.contains(speed));
+        let left = worker.time_left_s.map(Duration::try_from_secs_f64);
+        let left = left.and_then(std::result::Result::ok).map(millis);
+        let ends_at = left.map(|left| self.now.as_millis().saturating_add(left));
         sqlx::query(
             "INSERT INTO workers (id, name, host, threads, engine_version, bond_evaluations_per_s,
-                                  last_seen_at)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)
-             ON CONFLICT (id) DO UPDATE SET bond_evaluations_per_s = ?6, last_seen_at = ?7
+                                  last_seen_at, kinds, memory_mb, disk_mb, ends_at, release)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?9, ?10, ?11, ?12, ?13)
+             ON CONFLICT (id) DO UPDATE SET bond_evaluations_per_s = ?6, last_seen_at = ?7,
+                memory_mb = ?10, disk_mb = ?11, ends_at = ?12
              WHERE last_seen_at < ?8",
         )
         .bind(worker.worker_id)
@@ -72,6 +81,11 @@ impl Change {
         .bind(speed)
         .bind(self.now.as_millis())
         .bind(self.now.as_millis() - SEEN_EVERY)
+        .bind(json(&worker.kinds)?)
+        .bind(worker.memory_mb)
+        .bind(worker.disk_mb)
+        .bind(ends_at)
+        .bind(release(&worker.engine_version))
         .execute(&mut self.connection)
         .await?;
         Ok(())
@@ -91,7 +105,7 @@ impl Change {
 
 impl Store {
     /// A live worker was seen since this moment.
-    fn alive_since(&self) -> i64 {
+    pub(super) fn alive_since(&self) -> i64 {
         Timestamp::now().as_millis() - self.lease_millis() - GRACE
     }
 
@@ -101,7 +115,8 @@ impl Store {
     /// The database's.
     pub async fn workers(&self) -> Result<Vec<WorkerView>> {
         let rows: Vec<WorkerRow> = sqlx::query_as(
-            "SELECT w.id, w.name, w.host, w.threads, w.engine_version, w.last_seen_at,
+            "SELECT w.id, w.name, w.host, w.threads, w.engine_version, w.memory_mb, w.disk_mb, w.ends_at,
+                    w.last_seen_at,
                     (SELECT j.id FROM attempts a JOIN jobs j ON j.seq = a.job
                      WHERE a.worker = w.id AND a.ended_at IS NULL) AS job,
                     m.until, m.faults, m.code, m.reason
@@ -121,6 +136,9 @@ impl Store {
                 host: row.host,
                 threads: row.threads,
                 engine_version: row.engine_version,
+                memory_mb: row.memory_mb,
+                disk_mb: row.disk_mb,
+                ends_at: row.ends_at.map(Timestamp),
                 alive: row.last_seen_at >= since,
                 job_id: row.job,
                 last_seen_at: Timestamp(row.last_seen_at),

@@ -3,11 +3,13 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use loadframe_api::people::{Acceptance, NewInvitation, Role};
 use loadframe_api::worker::{CheckpointQuery, ClaimRequest, CompleteRequest, Lease};
 use loadframe_api::{
     Calibration, Cost, FileEntry, JobKind, JobView, Outcome, OutcomeStatus, Provenance, Quantity,
     Submission, sha256_hex,
 };
+use loadframe_server::store::people::Actor;
 use loadframe_server::store::{LeaseKey, Store, StoreError, StoreOptions};
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -103,6 +105,38 @@ impl Lab {
     pub(crate) async fn blobs(&self) -> usize {
         stored(self.folder.path()).len()
     }
+}
+
+/// Makes it a group's lab of an administrator and members: each person, and a handle on the store.
+pub(crate) async fn group<const N: usize>(lab: &Lab, names: [&str; N]) -> [(Uuid, Store); N] {
+    const PASSWORD: &str = "a password for tests";
+    let mut people = Vec::new();
+    for name in names {
+        let id = if people.is_empty() {
+            let first = lab.create_first_administrator(name, PASSWORD).await;
+            first.unwrap().id
+        } else {
+            let new = NewInvitation {
+                role: Role::Member,
+                groups: Vec::new(),
+                days: 1,
+            };
+            let made = lab.invite(new).await.unwrap();
+            let accept = Acceptance {
+                secret: made.path.split_once('#').unwrap().1.to_owned(),
+                name: name.to_owned(),
+                password: PASSWORD.to_owned(),
+            };
+            let shell = lab.acting(Actor::shell());
+            shell.accept_invitation(accept).await.unwrap().id
+        };
+        let actor = Actor {
+            person: Some(id),
+            ..Actor::shell()
+        };
+        people.push((id, lab.acting(actor)));
+    }
+    people.try_into().expect("one for each name")
 }
 
 /// All stored files of the store in `data`.

@@ -144,19 +144,19 @@ async fn a_worker_goes_on_only_from_what_its_own_build_has_made() {
         lease.expect("a job")
     };
     let release = loadframe_api::worker::ReleaseReason::Shutdown;
-    let lease = claim(of_build("0.1.0+aaaa")).await;
+    let lease = claim(of_build("0.2.0+aaaa")).await;
     lab.checkpoint_with(&lease, b"of a", 1.0).await;
     lab.release(key(&lease), release).await.unwrap();
-    let lease = claim(of_build("0.1.0+bbbb")).await;
+    let lease = claim(of_build("0.2.0+bbbb")).await;
     assert!(lease.checkpoint.is_none());
     assert!(is_missing(lab.checkpoint(key(&lease), None).await));
     let log = lab.log(id, 0).await.unwrap();
     assert!(
-        log[0].message.contains("0.1.0+aaaa") && log[0].message.contains("0.1.0+bbbb"),
+        log[0].message.contains("0.2.0+aaaa") && log[0].message.contains("0.2.0+bbbb"),
         "{log:?}"
     );
     lab.release(key(&lease), release).await.unwrap();
-    let lease = claim(of_build("0.1.0+aaaa")).await;
+    let lease = claim(of_build("0.2.0+aaaa")).await;
     assert!(lease.checkpoint.is_some(), "its own is still there");
     let engines: Vec<String> = lab
         .view(id)
@@ -165,5 +165,5 @@ async fn a_worker_goes_on_only_from_what_its_own_build_has_made() {
         .into_iter()
         .map(|attempt| attempt.engine)
         .collect();
-    assert_eq!(engines, ["0.1.0+aaaa", "0.1.0+bbbb", "0.1.0+aaaa"]);
+    assert_eq!(engines, ["0.2.0+aaaa", "0.2.0+bbbb", "0.2.0+aaaa"]);
 }

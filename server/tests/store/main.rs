@@ -11,6 +11,7 @@ mod full_disk;
 mod lab;
 mod long_queue;
 mod losses;
+mod matched;
 mod recovery;
 mod requests;
 mod safety;

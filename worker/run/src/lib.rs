@@ -32,7 +32,8 @@ pub use engine::Engine;
 pub use eta::TimeToGo;
 pub use execute::{Ended, Plan, RunError, execute};
 pub use machine::{
-    available_threads, free_memory_mb, host_name, resident_memory_mb, thread_processor_time_s,
+    available_threads, free_disk_mb, free_memory_mb, host_name, resident_memory_mb,
+    thread_processor_time_s,
 };
 pub use recording::{Destination, Progress};
 pub use result_files::sha256_of_file;

@@ -28,6 +28,13 @@ pub fn free_memory_mb() -> Option<f64> {
     (free > 0).then_some(free as f64 / 1e6)
 }
 
+/// Room for files that users can still write in the file system of `folder` [MB]; `None` where the system
+/// does not say.
+pub fn free_disk_mb(folder: &std::path::Path) -> Option<f64> {
+    let about = nix::sys::statvfs::statvfs(folder).ok()?;
+    Some(about.blocks_available() as f64 * about.fragment_size() as f64 / 1e6)
+}
+
 /// Processor time of this process so far [s], all threads together.
 pub(crate) fn processor_time_s() -> f64 {
     use nix::sys::resource::{UsageWho, getrusage};

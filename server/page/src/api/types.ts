@@ -3,6 +3,7 @@ import type { components } from "./wire";
 
 type Schemas = components["schemas"];
 
+export type Allowance = Schemas["Allowance"];
 export type Attempt = Schemas["AttemptView"];
 export type AuditEntry = Schemas["AuditEntry"];
 export type Caller = Schemas["CallerView"];
@@ -23,6 +24,7 @@ export type Kind = Schemas["KindView"];
 export type LogLine = Schemas["LogLine"];
 export type Outcome = Schemas["Outcome"];
 export type Person = Schemas["PersonView"];
+export type PersonLimits = Schemas["PersonLimits"];
 export type PointsReady = Schemas["PointsReady"];
 export type Problem = Schemas["Problem"];
 export type Project = Schemas["ProjectView"];
@@ -37,6 +39,7 @@ export type TokenMade = Schemas["TokenMade"];
 export type Version = Schemas["VersionView"];
 export type Violation = Schemas["Violation"];
 export type Visibility = Schemas["Visibility"];
+export type WaitingView = Schemas["WaitingView"];
 export type Warning = Schemas["Warning"];
 export type ReportedAllocations = Schemas["ReportedAllocations"];
 export type Worker = Schemas["WorkerView"];

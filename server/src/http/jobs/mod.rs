@@ -6,7 +6,7 @@ mod submit;
 use axum::Json;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::Response;
-use loadframe_api::JobView;
+use loadframe_api::{JobView, WaitingView};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -22,6 +22,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
         .routes(routes!(submit::create, list::list))
         .routes(routes!(read, edit::edit, delete))
+        .routes(routes!(waiting))
         .routes(routes!(cancel))
         .routes(routes!(pause))
         .routes(routes!(resume))
@@ -45,6 +46,19 @@ async fn read(job: JobPermit<Read>, headers: HeaderMap) -> Result<Response> {
         return Ok(tag.not_modified());
     }
     Ok(tag.json(&job.store.job(job.id).await?))
+}
+
+/// Why does a job wait?
+///
+/// What a queued job needs of a worker, how many of those that are there have it, and a sentence on why it
+/// does not run yet.
+#[utoipa::path(get, operation_id = "read_waiting", path = "/v1/jobs/{id}/waiting", tag = "Jobs",
+    params(("id" = uuid::Uuid, Path, description = "Id of the job")),
+    responses((status = 200, description = "Why it waits", body = ref("#/components/schemas/WaitingView")),
+              (status = 404, description = "There is no such job"),
+              (status = 409, description = "It is not queued")))]
+async fn waiting(job: JobPermit<Read>) -> Result<Json<WaitingView>> {
+    Ok(Json(job.store.waiting(job.id).await?))
 }
 
 /// Delete a job

@@ -3,6 +3,7 @@ use axum::Json;
 use axum::extract::{Query, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use loadframe_api::people::Allowance;
 use loadframe_api::{
     Calibration, Earlier, Estimate, JobLimits, Submission, SubmissionError, Warning, sha256_hex,
 };
@@ -47,6 +48,8 @@ pub(in crate::http) struct DryRun {
     estimate: Estimate,
     /// What the job may take before it is paused: its estimate, `overrun_factor` times.
     limits: JobLimits,
+    /// What you may use, and what of it is left before this job; `null` where the server has no accounts.
+    allowance: Option<Allowance>,
     warnings: Vec<Warning>,
 }
 
@@ -99,8 +102,19 @@ pub(super) async fn create(
         let detail = "its estimate exceeds what this server gives a single job";
         return Err(ApiError::new(INVALID_JOB, detail).violations(violations));
     }
+    let allowance = match permit.call.caller.person() {
+        Some(person) => Some(state.store.allowance(person.id).await?),
+        None => None,
+    };
+    let priority = checked.submission.priority;
+    let violations = allowance.map(|of| of.violations(priority, &checked.estimate));
+    let violations = violations.unwrap_or_default();
+    if let Some(first) = violations.first() {
+        let detail = first.detail.clone();
+        return Err(ApiError::new(INVALID_JOB, detail).violations(violations));
+    }
     if dry_run {
-        return Ok(Json(dry_run_of(checked, measured)?).into_response());
+        return Ok(Json(dry_run_of(checked, measured, allowance)?).into_response());
     }
     let kind = checked.submission.spec.kind();
     let enqueued = permit.store.enqueue_checked(checked, key).await?;
@@ -209,7 +223,11 @@ async fn check(
     state.checks.run(client, check).await
 }
 
-fn dry_run_of(checked: CheckedSubmission, measured: Option<Calibration>) -> Result<DryRun> {
+fn dry_run_of(
+    checked: CheckedSubmission,
+    measured: Option<Calibration>,
+    allowance: Option<Allowance>,
+) -> Result<DryRun> {
     let mut warnings = Vec::new();
     if measured.is_none() {
         warnings.push(Warning {
@@ -224,6 +242,7 @@ fn dry_run_of(checked: CheckedSubmission, measured: Option<Calibration>) -> Resu
         spec_sha256: checked.spec_sha256,
         limits: JobLimits::beyond(&checked.estimate, checked.submission.overrun_factor),
         estimate: checked.estimate,
+        allowance,
         warnings,
     })
 }

@@ -1,10 +1,10 @@
 //! `#/components/schemas`: every type of the wire by name.
 use loadframe_api::allocations::{AllocationReport, Backlog, ReportedAllocations};
 use loadframe_api::people::{
-    Acceptance, AuditEntry, CallerView, GroupView, HandOver, InvitationMade, InvitationView,
-    NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange, PersonChanges,
-    PersonView, ProjectChanges, ProjectView, SessionView, ShareMade, ShareView, SignIn, TokenMade,
-    TokenView,
+    Acceptance, Allowance, AuditEntry, CallerView, GroupView, HandOver, InvitationMade,
+    InvitationView, NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange,
+    PersonChanges, PersonLimits, PersonView, ProjectChanges, ProjectView, SessionView, ShareMade,
+    ShareView, SignIn, TokenMade, TokenView,
 };
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,
@@ -12,7 +12,7 @@ use loadframe_api::worker::{
 };
 use loadframe_api::{
     CurveView, Envelope, Event, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
-    Problem, Timestamp, WorkerView, answer_schemas, body_schemas, kind_schema,
+    Problem, Timestamp, WaitingView, WorkerView, answer_schemas, body_schemas, kind_schema,
 };
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};
@@ -61,7 +61,7 @@ pub(super) fn schemas() -> Map<String, Value> {
 fn bodies() -> Map<String, Value> {
     body_schemas(|generator: &mut SchemaGenerator| {
         add!(generator: JobChanges, Envelope, SignIn, PasswordChange, NewInvitation, Acceptance,
-            PersonChanges, HandOver, NewToken, NewGroup, NewProject, ProjectChanges, NewShare,
+            PersonChanges, PersonLimits, HandOver, NewToken, NewGroup, NewProject, ProjectChanges, NewShare,
             ClaimRequest, ProgressReport, CompleteRequest, FailRequest, FaultRequest,
             ReleaseRequest, AllocationReport);
     })
@@ -76,7 +76,7 @@ fn answers() -> Map<String, Value> {
             Lease, HeartbeatAnswer, UploadedPart, CallerView, PersonView, Page<PersonView>,
             Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
-            Page<AuditEntry>, Backlog, Page<ReportedAllocations>);
+            Page<AuditEntry>, Backlog, Page<ReportedAllocations>, WaitingView, Allowance);
     });
     for schema in schemas.values_mut() {
         let required = schema["required"].as_array().cloned().unwrap_or_default();

@@ -6,6 +6,7 @@ mod accounts;
 mod audit;
 mod groups;
 mod invitations;
+mod limits;
 mod projects;
 mod sessions;
 mod shares;
@@ -26,6 +27,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
         .routes(routes!(me))
         .merge(accounts::router())
+        .merge(limits::router())
         .merge(sessions::router())
         .merge(invitations::router())
         .merge(tokens::router())

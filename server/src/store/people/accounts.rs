@@ -1,6 +1,6 @@
 //! People: the first administrator, roles, leaving, handing over.
 use loadframe_api::Timestamp;
-use loadframe_api::people::{PersonChanges, PersonView, Role, Visibility};
+use loadframe_api::people::{PersonChanges, PersonLimits, PersonView, Role, Visibility};
 use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
@@ -19,12 +19,26 @@ row! {
         role: String,
         created_at: i64,
         left_at: Option<i64>,
+        most_running: Option<u32>,
+        most_queued_core_h: Option<f64>,
+        most_disk_gb: Option<f64>,
+        may_hurry: bool,
     }
+}
+
+macro_rules! select_people {
+    ($which:literal) => {
+        concat!(
+            "SELECT id, name, role, created_at, left_at, most_running, most_queued_core_h,
+                most_disk_gb, may_hurry OR role = 'administrator' AS may_hurry FROM people ",
+            $which
+        )
+    };
 }
 
 impl PersonRow {
     pub(super) async fn of(connection: &mut SqliteConnection, id: Uuid) -> Result<Self> {
-        sqlx::query_as("SELECT id, name, role, created_at, left_at FROM people WHERE id = ?")
+        sqlx::query_as(select_people!("WHERE id = ?"))
             .bind(id)
             .fetch_optional(connection)
             .await?
@@ -33,6 +47,12 @@ impl PersonRow {
 
     pub(super) fn view(self) -> Result<PersonView> {
         Ok(PersonView {
+            limits: PersonLimits {
+                running: self.most_running,
+                queued_core_h: self.most_queued_core_h,
+                disk_gb: self.most_disk_gb,
+                may_hurry: self.may_hurry,
+            },
             id: self.id,
             name: self.name,
             role: variant(&self.role)?,
@@ -88,11 +108,9 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn people(&self) -> Result<Vec<PersonView>> {
-        let rows: Vec<PersonRow> = sqlx::query_as(
-            "SELECT id, name, role, created_at, left_at FROM people ORDER BY folded",
-        )
-        .fetch_all(self.reads())
-        .await?;
+        let rows: Vec<PersonRow> = sqlx::query_as(select_people!("ORDER BY folded"))
+            .fetch_all(self.reads())
+            .await?;
         rows.into_iter().map(PersonRow::view).collect()
     }
 

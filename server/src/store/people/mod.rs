@@ -8,6 +8,7 @@ mod audit;
 mod callers;
 mod groups;
 mod invitations;
+mod limits;
 mod listing;
 mod projects;
 mod secret;

@@ -1,6 +1,7 @@
 //! People and sharing, over the router.
 mod accounts;
 mod group;
+mod limits;
 mod matrix;
 mod sharing;
 mod streams;

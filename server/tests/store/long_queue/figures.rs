@@ -7,7 +7,7 @@ use uuid::Uuid;
 
 use super::all;
 use super::filling::fill_in_bulk;
-use crate::lab::{LONG, Lab, key, worker};
+use crate::lab::{LONG, Lab, group, key, submission, worker};
 
 /// Prints the median, the 95th percentile and the longest of many tries.
 #[allow(clippy::print_stderr, reason = "the figures are what it is for")]
@@ -44,7 +44,7 @@ async fn a_million_jobs_are_listed_searched_and_claimed_as_fast_as_a_thousand() 
     for count in [1_000, 100_000, 1_000_000] {
         let lab = Lab::open(LONG).await;
         let start = Instant::now();
-        fill_in_bulk(&lab, count).await;
+        fill_in_bulk(&lab, count, &[]).await;
         eprintln!("{count} jobs, filled in {:.1?}", start.elapsed());
         let q = |text: &str| JobFilter {
             q: Some(text.to_owned()),
@@ -168,4 +168,52 @@ async fn a_million_jobs_are_listed_searched_and_claimed_as_fast_as_a_thousand() 
     }
     assert!(slow.is_empty(), "{slow:#?}");
     assert!(claims[2] < LONGEST.max(3 * claims[0]), "{claims:?}");
+}
+
+/// Medians of submitting, claiming and listing with a thousand jobs and a million, by one person's server and by
+/// that of ten people, in turns.
+///
+/// `cargo test -p loadframe-server --test store ten_people -- --ignored --nocapture`
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "takes minutes; prints figures"]
+#[allow(clippy::print_stderr, reason = "the figures are what it is for")]
+async fn ten_people_submit_claim_and_list_nearly_as_fast_as_one() {
+    const ROUNDS: usize = 200;
+    for count in [1_000, 1_000_000] {
+        let sole = Lab::open(LONG).await;
+        fill_in_bulk(&sole, count, &[]).await;
+        let shared = Lab::open(LONG).await;
+        let names = ["A", "B", "C", "D", "E", "F", "G", "H", "I", "J"];
+        let people = group(&shared, names).await;
+        let ids: Vec<Uuid> = people.iter().map(|(id, _)| *id).collect();
+        fill_in_bulk(&shared, count, &ids).await;
+        let mut times: [[Vec<Duration>; 2]; 3] = Default::default();
+        for round in 0..ROUNDS {
+            let forms = [(&sole, &sole.store), (&shared, &people[round % 10].1)];
+            for (form, (lab, store)) in forms.into_iter().enumerate() {
+                let job = submission("new", 0);
+                let start = Instant::now();
+                store.enqueue(&job, None).await.unwrap();
+                times[0][form].push(start.elapsed());
+                let worker = worker(&round.to_string());
+                let start = Instant::now();
+                lab.claim(&worker).await.unwrap().expect("a job");
+                times[1][form].push(start.elapsed());
+                let start = Instant::now();
+                drop(store.jobs(&all(), None, 200).await.unwrap());
+                times[2][form].push(start.elapsed());
+            }
+        }
+        for (what, mut forms) in ["submit", "claim", "list of 200"].into_iter().zip(times) {
+            forms.iter_mut().for_each(|times| times.sort());
+            let at = |form: usize, part: usize| forms[form][ROUNDS * part / 100];
+            eprintln!(
+                "  {count} jobs, {what:<12} one: median {:.2?} p95 {:.2?}; ten: median {:.2?} p95 {:.2?}",
+                at(0, 50),
+                at(0, 95),
+                at(1, 50),
+                at(1, 95)
+            );
+        }
+    }
 }

@@ -3,6 +3,7 @@ use std::time::Duration;
 
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{AssertSqlSafe, ConnectOptions, query, query_as};
+use uuid::Uuid;
 
 use crate::lab::Lab;
 
@@ -51,8 +52,9 @@ pub(super) async fn fill(lab: &Lab, count: i64) -> SqliteConnection {
     database
 }
 
-/// The same for very many, without triggers and with what these keep made at once.
-pub(super) async fn fill_in_bulk(lab: &Lab, count: i64) {
+/// The same for very many, without triggers and with what these keep made at once. Where there are people,
+/// the first has every second job and the others have the rest.
+pub(super) async fn fill_in_bulk(lab: &Lab, count: i64, people: &[Uuid]) {
     let mut database = beside(lab).await;
     let triggers: Vec<(String, String)> = query_as(
         "SELECT name, sql FROM sqlite_master WHERE type = 'trigger' AND tbl_name = 'jobs'",
@@ -65,11 +67,26 @@ pub(super) async fn fill_in_bulk(lab: &Lab, count: i64) {
         query(drop).execute(&mut database).await.unwrap();
     }
     drop(fill(lab, count).await);
+    if !people.is_empty() {
+        let names: Vec<String> = people.iter().map(|id| id.simple().to_string()).collect();
+        query(
+            "UPDATE jobs SET owner = (SELECT unhex(value) FROM json_each(?1)
+                LIMIT 1 OFFSET CASE seq % 2 WHEN 0 THEN 0 ELSE seq / 2 % ?2 END)",
+        )
+        .bind(serde_json::to_string(&names).unwrap())
+        .bind(i64::try_from(people.len()).unwrap())
+        .execute(&mut database)
+        .await
+        .unwrap();
+    }
     for statement in [
-        "INSERT INTO waiting_counts (bits, priority, block, jobs)
-         SELECT bits, priority, seq >> bits, COUNT(*)
+        "INSERT INTO waiting_counts (bits, priority, owner, block, jobs)
+         SELECT bits, priority, COALESCE(owner, x''), seq >> bits, COUNT(*)
          FROM jobs, (SELECT 6 AS bits UNION SELECT 12 UNION SELECT 18)
-         WHERE status = 'queued' GROUP BY 1, 2, 3",
+         WHERE status = 'queued' GROUP BY 1, 2, 3, 4",
+        "INSERT INTO waiting_lines (priority, owner, kind, needs, jobs, core_ms)
+         SELECT priority, COALESCE(owner, x''), kind, needs, COUNT(*), 0
+         FROM jobs WHERE status = 'queued' GROUP BY 1, 2, 3, 4",
         "INSERT INTO job_counts SELECT COALESCE(outcome, status), COUNT(*) FROM jobs GROUP BY 1",
         "INSERT INTO job_tags (tag, job) SELECT value, seq FROM jobs, json_each(jobs.tags)",
         "INSERT INTO job_texts (job_texts) VALUES ('rebuild')",

@@ -26,10 +26,33 @@ async fn is_consistent(database: &mut SqliteConnection) {
     for (what, kept, counted) in [
         (
             "places",
-            "SELECT bits || ' ' || priority || ' ' || block, jobs FROM waiting_counts ORDER BY 1",
-            "SELECT bits || ' ' || priority || ' ' || (seq >> bits), COUNT(*)
+            "SELECT bits || ' ' || priority || ' ' || hex(owner) || ' ' || block, jobs
+             FROM waiting_counts ORDER BY 1",
+            "SELECT bits || ' ' || priority || ' ' || hex(COALESCE(owner, x'')) || ' ' || (seq >> bits),
+                COUNT(*)
              FROM jobs, (SELECT 6 AS bits UNION SELECT 12 UNION SELECT 18) WHERE status = 'queued'
              GROUP BY 1 ORDER BY 1",
+        ),
+        (
+            "lines",
+            "SELECT priority || ' ' || hex(owner) || ' ' || kind || ' ' || needs, jobs
+             FROM waiting_lines ORDER BY 1",
+            "SELECT priority || ' ' || hex(COALESCE(owner, x'')) || ' ' || kind || ' ' || needs, COUNT(*)
+             FROM jobs WHERE status = 'queued' GROUP BY 1 ORDER BY 1",
+        ),
+        (
+            "core hours",
+            "SELECT hex(owner), SUM(core_ms) FROM waiting_lines GROUP BY 1 ORDER BY 1",
+            "SELECT hex(COALESCE(owner, x'')), SUM(CAST(1000 * MIN(COALESCE(
+                json_extract(estimate, '$.wall_s'), 0), 1e9) AS INTEGER))
+             FROM jobs WHERE status = 'queued' GROUP BY 1 ORDER BY 1",
+        ),
+        (
+            "files",
+            "SELECT seq || '', file_bytes FROM jobs WHERE file_bytes <> 0 ORDER BY 1",
+            "SELECT job || '', SUM(bytes) FROM (
+                SELECT a.job, f.bytes FROM attempts a JOIN attempt_files f ON f.attempt = a.seq
+                UNION ALL SELECT job, bytes FROM checkpoints) GROUP BY 1 HAVING SUM(bytes) <> 0 ORDER BY 1",
         ),
         (
             "counts",

@@ -1,0 +1,146 @@
+//! How much each person may use.
+use loadframe_api::people::{Allowance, PersonLimits, PersonUse};
+use loadframe_api::{Estimate, Timestamp};
+use sqlx::sqlite::SqliteConnection;
+use uuid::Uuid;
+
+use super::super::Store;
+use super::super::error::{Result, StoreError};
+use super::super::writer::Change;
+use super::accounts::PersonRow;
+use crate::queue::turns::used;
+
+impl Store {
+    /// What a person may use, uses, and may still.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`].
+    pub async fn allowance(&self, person: Uuid) -> Result<Allowance> {
+        let mut connection = self.lookups().acquire().await?;
+        allowance(&mut connection, person, Timestamp::now().as_millis()).await
+    }
+
+    /// Sets what a person may use; what is left out has no limit.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`]; [`StoreError::Refused`] for a limit below what is used.
+    pub async fn set_limits(&self, person: Uuid, limits: PersonLimits) -> Result<Allowance> {
+        let set = self.write(move |change| {
+            Box::pin(async move {
+                let now = change.now.as_millis();
+                let before = allowance(&mut change.connection, person, now).await?;
+                let violations = limits.violations(&before.used);
+                if !violations.is_empty() {
+                    return Err(StoreError::Refused(violations));
+                }
+                sqlx::query(
+                    "UPDATE people SET most_running = ?, most_queued_core_h = ?, most_disk_gb = ?,
+                        may_hurry = ? WHERE id = ?",
+                )
+                .bind(limits.running)
+                .bind(limits.queued_core_h)
+                .bind(limits.disk_gb)
+                .bind(limits.may_hurry)
+                .bind(person)
+                .execute(&mut change.connection)
+                .await?;
+                let name = PersonRow::of(&mut change.connection, person)
+                    .await?
+                    .view()?
+                    .name;
+                let detail = format!("{name}: {}", told(&limits));
+                change
+                    .audit("person.limited", Some(person), &detail)
+                    .await?;
+                // jobs that waited for the limit alone may run now
+                change.queued();
+                allowance(&mut change.connection, person, now).await
+            })
+        });
+        set.await
+    }
+}
+
+/// Limits in a line of the audit log.
+fn told(limits: &PersonLimits) -> String {
+    let number = |limit: Option<f64>, unit: &str| match limit {
+        Some(limit) => format!("{limit}{unit}"),
+        None => "no limit".to_owned(),
+    };
+    format!(
+        "running {}, queued {}, files {}, priority above 0 {}",
+        number(limits.running.map(f64::from), ""),
+        number(limits.queued_core_h, " core h"),
+        number(limits.disk_gb, " GB"),
+        if limits.may_hurry { "yes" } else { "no" }
+    )
+}
+
+async fn allowance(connection: &mut SqliteConnection, person: Uuid, now: i64) -> Result<Allowance> {
+    let limits = PersonRow::of(connection, person).await?.view()?.limits;
+    let (level, bytes, queued_ms, running): (Option<f64>, i64, i64, u32) = sqlx::query_as(
+        "SELECT p.use_level, p.file_bytes,
+            (SELECT COALESCE(SUM(core_ms), 0) FROM waiting_lines WHERE owner = p.id),
+            (SELECT COUNT(*) FROM attempts a JOIN jobs j ON j.seq = a.job
+             WHERE a.ended_at IS NULL AND j.owner = p.id)
+         FROM people p WHERE p.id = ?",
+    )
+    .bind(person)
+    .fetch_one(connection)
+    .await?;
+    let use_now = PersonUse {
+        running,
+        queued_core_h: queued_ms as f64 / 3.6e6,
+        disk_gb: bytes as f64 / 1e9,
+        recent_core_h: used(level, now) / 3600.0,
+    };
+    Ok(Allowance::of(limits, use_now))
+}
+
+impl Change {
+    /// Refuses a job that its person may not submit.
+    pub(in crate::store) async fn check_limits(
+        &mut self,
+        priority: i32,
+        estimate: &Estimate,
+    ) -> Result<()> {
+        let Some(person) = self.actor.as_ref().and_then(|actor| actor.person) else {
+            return Ok(());
+        };
+        let now = self.now.as_millis();
+        let allowance = allowance(&mut self.connection, person, now).await?;
+        let violations = allowance.violations(priority, estimate);
+        if violations.is_empty() {
+            return Ok(());
+        }
+        Err(StoreError::Refused(violations))
+    }
+
+    /// Refuses to raise the priority of a job where the person may not.
+    pub(in crate::store) async fn check_hurry(
+        &mut self,
+        priority: Option<i32>,
+        job: i64,
+    ) -> Result<()> {
+        let person = self.actor.as_ref().and_then(|actor| actor.person);
+        let (Some(person), Some(priority)) = (person, priority) else {
+            return Ok(());
+        };
+        let before: i32 = sqlx::query_scalar("SELECT priority FROM jobs WHERE seq = ?")
+            .bind(job)
+            .fetch_one(&mut self.connection)
+            .await?;
+        if priority <= before {
+            return Ok(());
+        }
+        let limits = PersonRow::of(&mut self.connection, person)
+            .await?
+            .view()?
+            .limits;
+        let allowance = Allowance::of(limits, PersonUse::default());
+        match allowance.hurry(priority) {
+            Some(violation) => Err(StoreError::Refused(vec![violation])),
+            None => Ok(()),
+        }
+    }
+}
