@@ -10,6 +10,7 @@ pub mod connections;
 pub mod http;
 pub mod queue;
 mod serve;
+pub mod single_sign_on;
 pub mod store;
 
 pub use config::ServeConfig;

@@ -5,6 +5,7 @@
 mod accounts;
 mod audit;
 mod projects;
+mod sign_in;
 mod tokens;
 
 use schemars::JsonSchema;
@@ -19,6 +20,7 @@ pub use audit::AuditEntry;
 pub use projects::{
     GroupView, NewGroup, NewProject, NewShare, ProjectChanges, ProjectView, ShareMade, ShareView,
 };
+pub use sign_in::{SignInBegun, SignInWays};
 pub use tokens::{NewToken, TokenMade, TokenView};
 
 /// What a person may do.

@@ -2,7 +2,8 @@
 use loadframe_api::people::{
     Acceptance, AuditEntry, CallerView, GroupView, HandOver, InvitationMade, InvitationView,
     NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange, PersonChanges,
-    PersonView, ProjectChanges, ProjectView, SessionView, ShareMade, ShareView, SignIn, TokenMade,
+    PersonView, ProjectChanges, ProjectView, SessionView, ShareMade, ShareView, SignIn, SignInBegun,
+    SignInWays, TokenMade,
     TokenView,
 };
 use loadframe_api::worker::{
@@ -75,7 +76,7 @@ fn answers() -> Map<String, Value> {
             Lease, HeartbeatAnswer, UploadedPart, CallerView, PersonView, Page<PersonView>,
             Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
-            Page<AuditEntry>);
+            Page<AuditEntry>, SignInWays, SignInBegun);
     });
     for schema in schemas.values_mut() {
         let required = schema["required"].as_array().cloned().unwrap_or_default();

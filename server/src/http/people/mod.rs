@@ -9,6 +9,7 @@ mod invitations;
 mod projects;
 mod sessions;
 mod shares;
+mod sign_in;
 mod tokens;
 
 use axum::Json;
@@ -27,6 +28,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
         .routes(routes!(me))
         .merge(accounts::router())
         .merge(sessions::router())
+        .merge(sign_in::router())
         .merge(invitations::router())
         .merge(tokens::router())
         .merge(groups::router())
@@ -46,7 +48,7 @@ async fn me(State(state): State<AppState>, permit: Permit<Introduce>) -> Result<
         kind: CallerKind::Sole,
         accounts: state.store.has_people(),
         scope: match caller.credential {
-            Credential::Session(_) => None,
+            Credential::Session(_) | Credential::Proxy(_) => None,
             _ => Some(caller.scope),
         },
         person: None,

@@ -186,13 +186,14 @@ impl Store {
         .await
     }
 
-    /// Id and kept password of the person who signs in under `name`; nothing for who has left.
+    /// Id and kept password of the person who signs in under `name`; nothing for who has left, and no
+    /// password for who only comes by single sign-on.
     ///
     /// # Errors
     /// The database's.
-    pub async fn password_of(&self, name: &str) -> Result<Option<(Uuid, String)>> {
+    pub async fn password_of(&self, name: &str) -> Result<Option<(Uuid, Option<String>)>> {
         let found =
-            sqlx::query_as("SELECT id, password FROM people WHERE folded = ? AND left_at IS NULL")
+            sqlx::query_as("SELECT id, NULLIF(password, '') FROM people WHERE folded = ? AND left_at IS NULL")
                 .bind(folded(name.trim()))
                 .fetch_optional(self.lookups())
                 .await?;

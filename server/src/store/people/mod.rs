@@ -7,6 +7,7 @@ mod accounts;
 mod audit;
 mod callers;
 mod groups;
+mod identities;
 mod invitations;
 mod listing;
 mod projects;
@@ -22,6 +23,7 @@ use super::error::{Result, StoreError};
 use super::{Inner, Store};
 pub use audit::AuditFilter;
 pub use callers::AccessState;
+pub use identities::{Admission, Arrival, Identity};
 pub use sessions::NewSession;
 
 /// Longest name of a person, group, project or token [characters].

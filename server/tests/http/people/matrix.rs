@@ -40,7 +40,8 @@ enum Class {
 #[rustfmt::skip]
 const ROUTES: &[(Class, &[&str])] = &[
     (Class::Public, &["check_alive", "check_ready", "read_version", "read_openapi"]),
-    (Class::BeforeSignIn, &["sign_in", "accept_invitation"]),
+    (Class::BeforeSignIn, &["sign_in", "accept_invitation", "read_sign_in",
+        "begin_sign_in", "end_sign_in"]),
     (Class::Introduce, &["read_me"]),
     (Class::ReadLab, &["list_jobs", "follow_jobs", "list_kinds", "read_kind", "read_kind_schema",
         "list_examples", "list_projects"]),

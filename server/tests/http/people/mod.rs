@@ -1,6 +1,8 @@
 //! People and sharing, over the router.
 mod accounts;
 mod group;
+mod issuer;
 mod matrix;
 mod sharing;
+mod single_sign_on;
 mod streams;
