@@ -21,9 +21,9 @@ const HOST: (&str, &str) = ("host", "localhost:8400");
 static CAME: AtomicU32 = AtomicU32::new(0);
 
 /// A group's server beside an issuer.
-struct House {
-    group: Group,
-    issuer: Issuer,
+pub(super) struct House {
+    pub(super) group: Group,
+    pub(super) issuer: Issuer,
     _secret: TempDir,
 }
 
@@ -34,7 +34,7 @@ fn lab_with(settings: Value) -> impl Future<Output = Lab> {
 }
 
 impl House {
-    async fn open(admit: Value) -> Self {
+    pub(super) async fn open(admit: Value) -> Self {
         let issuer = Issuer::open().await;
         let folder = TempDir::new().expect("a folder");
         let file = folder.path().join("secret");
@@ -52,7 +52,7 @@ impl House {
     }
 
     /// Begins as the page does: where the browser goes, and its cookie.
-    async fn begin(&self, by: Option<&Somebody>) -> (String, String) {
+    pub(super) async fn begin(&self, by: Option<&Somebody>) -> (String, String) {
         let mut headers = vec![("origin", ORIGIN), HOST];
         headers.extend(by.map(|of| (of.known_by.0, &*of.known_by.1)));
         let answer = request("POST", "/v1/sign-in/provider", &headers, "");
@@ -66,7 +66,7 @@ impl House {
     }
 
     /// Comes back with a query and a cookie.
-    async fn come_back(&self, query: &BTreeMap<String, String>, cookie: &str) -> Answer {
+    pub(super) async fn come_back(&self, query: &BTreeMap<String, String>, cookie: &str) -> Answer {
         let query: String = url::form_urlencoded::Serializer::new(String::new()).extend_pairs(query).finish();
         let path = format!("/v1/sign-in/provider?{query}");
         let headers = [("cookie", cookie), HOST, ("sec-fetch-site", "cross-site")];
