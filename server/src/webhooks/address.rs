@@ -51,7 +51,9 @@ pub enum AddressError {
     Form,
     #[error("the host {0:?} cannot be found")]
     Unknown(String),
-    #[error("the host {host:?} leads to {address}, which is a private address; the server takes it with --webhook-network")]
+    #[error(
+        "the host {host:?} leads to {address}, which is a private address; the server takes it with --webhook-network"
+    )]
     Private { host: String, address: IpAddr },
 }
 
@@ -103,7 +105,11 @@ impl Addresses {
 
     fn takes(&self, address: IpAddr) -> bool {
         let address = address.to_canonical();
-        is_open(address) || self.allowed.iter().any(|network| network.contains(&address))
+        is_open(address)
+            || self
+                .allowed
+                .iter()
+                .any(|network| network.contains(&address))
     }
 }
 
@@ -129,24 +135,64 @@ mod tests {
     #[tokio::test]
     async fn only_the_open_internet_and_what_is_allowed_is_told() {
         let addresses = Addresses::new(vec!["10.7.0.0/16".parse().expect("a network")]);
-        for open in ["http://8.8.8.8/", "https://[2606:4700::1111]/x?y", "http://10.7.1.2:8080/", "http://[::ffff:10.7.1.2]/"] {
+        for open in [
+            "http://8.8.8.8/",
+            "https://[2606:4700::1111]/x?y",
+            "http://10.7.1.2:8080/",
+            "http://[::ffff:10.7.1.2]/",
+        ] {
             assert!(addresses.look_up(open).await.is_ok(), "{open}");
         }
         for private in [
-            "http://127.0.0.1/", "http://127.1/", "http://2130706433/", "http://0x7f.0.0.1/", "http://0/",
-            "http://10.8.0.1/", "http://172.16.0.1/", "http://172.31.255.255/", "http://192.168.1.1/",
-            "http://169.254.169.254/latest/meta-data", "http://100.64.0.1/", "http://[::1]/", "http://[::]/",
-            "http://[::ffff:127.0.0.1]/", "http://[fe80::1]/", "http://[fd00::1]/", "http://[64:ff9b::7f00:1]/",
-            "http://[2002:7f00:1::]/", "http://224.0.0.1/", "http://255.255.255.255/", "http://localhost/",
-            "http://192.0.2.1/", "http://[2001:db8::1]/",
+            "http://127.0.0.1/",
+            "http://127.1/",
+            "http://2130706433/",
+            "http://0x7f.0.0.1/",
+            "http://0/",
+            "http://10.8.0.1/",
+            "http://172.16.0.1/",
+            "http://172.31.255.255/",
+            "http://192.168.1.1/",
+            "http://169.254.169.254/latest/meta-data",
+            "http://100.64.0.1/",
+            "http://[::1]/",
+            "http://[::]/",
+            "http://[::ffff:127.0.0.1]/",
+            "http://[fe80::1]/",
+            "http://[fd00::1]/",
+            "http://[64:ff9b::7f00:1]/",
+            "http://[2002:7f00:1::]/",
+            "http://224.0.0.1/",
+            "http://255.255.255.255/",
+            "http://localhost/",
+            "http://192.0.2.1/",
+            "http://[2001:db8::1]/",
         ] {
             let refused = addresses.look_up(private).await;
-            assert!(matches!(refused, Err(AddressError::Private { .. })), "{private} {refused:?}");
+            assert!(
+                matches!(refused, Err(AddressError::Private { .. })),
+                "{private} {refused:?}"
+            );
         }
-        for wrong in ["", "ftp://8.8.8.8/", "file:///etc/passwd", "http://", "http://a@8.8.8.8/", "http://:b@8.8.8.8/", "gopher://8.8.8.8"] {
-            assert_eq!(addresses.look_up(wrong).await, Err(AddressError::Form), "{wrong}");
+        for wrong in [
+            "",
+            "ftp://8.8.8.8/",
+            "file:///etc/passwd",
+            "http://",
+            "http://a@8.8.8.8/",
+            "http://:b@8.8.8.8/",
+            "gopher://8.8.8.8",
+        ] {
+            assert_eq!(
+                addresses.look_up(wrong).await,
+                Err(AddressError::Form),
+                "{wrong}"
+            );
         }
         let unknown = addresses.look_up("http://no.such.host.invalid/").await;
-        assert!(matches!(unknown, Err(AddressError::Unknown(_))), "{unknown:?}");
+        assert!(
+            matches!(unknown, Err(AddressError::Unknown(_))),
+            "{unknown:?}"
+        );
     }
 }

@@ -50,10 +50,13 @@ pub async fn tell(
             tracing::warn!(webhook = %due.id, %error, "a webhook was not told");
         }
         let is_taken = error.is_none();
-        store.note_telling(&due, error.map(|of| of.to_string()), now).await?;
+        store
+            .note_telling(&due, error.map(|of| of.to_string()), now)
+            .await?;
         Ok(is_taken)
     });
-    let taken: Vec<Result<bool, crate::store::StoreError>> = sent.buffer_unordered(AT_ONCE).collect().await;
+    let taken: Vec<Result<bool, crate::store::StoreError>> =
+        sent.buffer_unordered(AT_ONCE).collect().await;
     let taken: Vec<bool> = taken.into_iter().collect::<Result<_, _>>()?;
     Ok(taken.into_iter().filter(|is_taken| *is_taken).count())
 }
@@ -73,7 +76,9 @@ async fn send(addresses: &Addresses, due: &Due, now: Timestamp) -> Result<(), Se
     let to = addresses.look_up(&due.url).await?;
     let body = message::body(due, now);
     let unreachable = |error: reqwest::Error| {
-        let causes = std::iter::successors(Some(&error as &dyn std::error::Error), |error| error.source());
+        let causes = std::iter::successors(Some(&error as &dyn std::error::Error), |error| {
+            error.source()
+        });
         let causes: Vec<String> = causes.map(ToString::to_string).collect();
         SendError::Unreachable(causes.join(": "))
     };

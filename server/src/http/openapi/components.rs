@@ -1,10 +1,10 @@
 //! `#/components/schemas`: every type of the wire by name.
 use loadframe_api::people::{
-    Acceptance, AuditEntry, CallerView, DiskUse, GroupView, HandOver, InvitationMade, InvitationView,
-    NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange, PersonChanges,
-    PersonView, ProjectChanges, ProjectView, RetentionRule, RetentionView, SessionView, ShareMade, ShareView, SignIn, SignInBegun,
-    SignInWays, TokenMade,
-    TokenView, NewWebhook, WebhookMade, WebhookView,
+    Acceptance, AuditEntry, CallerView, DiskUse, GroupView, HandOver, InvitationMade,
+    InvitationView, NewGroup, NewInvitation, NewProject, NewShare, NewToken, NewWebhook,
+    PasswordChange, PersonChanges, PersonView, ProjectChanges, ProjectView, RetentionRule,
+    RetentionView, SessionView, ShareMade, ShareView, SignIn, SignInBegun, SignInWays, TokenMade,
+    TokenView, WebhookMade, WebhookView,
 };
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,

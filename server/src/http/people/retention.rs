@@ -63,7 +63,10 @@ async fn read(
     Path(id): Path<Uuid>,
     Query(asked): Query<Asked>,
 ) -> Result<Json<RetentionView>> {
-    permit.call.ask_of_project(&state.store, Action::Change, id).await?;
+    permit
+        .call
+        .ask_of_project(&state.store, Action::Change, id)
+        .await?;
     let view = permit.store.retention(id, asked.rule(), Timestamp::now());
     Ok(Json(view.await?))
 }
@@ -88,7 +91,10 @@ async fn set(
     body: JsonBody,
 ) -> Result<Json<RetentionView>> {
     // who does not see the project learns nothing of what its rule may be
-    permit.call.ask_of_project(&state.store, Action::Change, id).await?;
+    permit
+        .call
+        .ask_of_project(&state.store, Action::Change, id)
+        .await?;
     let rule: RetentionRule = message(&state, body).await?;
     permit.store.set_retention(id, rule).await?;
     let view = permit.store.retention(id, None, Timestamp::now());
@@ -107,7 +113,10 @@ async fn undo(
     permit: Permit<Change>,
     Path(id): Path<Uuid>,
 ) -> Result<StatusCode> {
-    permit.call.ask_of_project(&state.store, Action::Change, id).await?;
+    permit
+        .call
+        .ask_of_project(&state.store, Action::Change, id)
+        .await?;
     permit.store.undo_retention(id).await?;
     Ok(StatusCode::NO_CONTENT)
 }
@@ -127,8 +136,14 @@ async fn storage(permit: Permit<ManageOwn>) -> Result<Json<Page<DiskUse>>> {
     };
     let is_shown = |of: &DiskUse| {
         person.role == Role::Administrator
-            || of.person.as_ref().is_some_and(|owner| owner.id == person.id)
-            || of.project.as_ref().is_some_and(|project| is_held(project.id))
+            || of
+                .person
+                .as_ref()
+                .is_some_and(|owner| owner.id == person.id)
+            || of
+                .project
+                .as_ref()
+                .is_some_and(|project| is_held(project.id))
     };
     let all = permit.store.disk_use().await?.into_iter();
     Ok(Json(Page::whole(all.filter(is_shown).collect())))

@@ -48,7 +48,9 @@ async fn create(
     let new: NewWebhook = message(&state, body).await?;
     let person = permit.call.person()?.id;
     if let Some(project) = new.project {
-        let asked = permit.call.ask_of_project(&state.store, Action::Change, project);
+        let asked = permit
+            .call
+            .ask_of_project(&state.store, Action::Change, project);
         asked.await?;
     }
     state.addresses.look_up(&new.url).await.map_err(|error| {

@@ -192,11 +192,12 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn password_of(&self, name: &str) -> Result<Option<(Uuid, Option<String>)>> {
-        let found =
-            sqlx::query_as("SELECT id, NULLIF(password, '') FROM people WHERE folded = ? AND left_at IS NULL")
-                .bind(folded(name.trim()))
-                .fetch_optional(self.lookups())
-                .await?;
+        let found = sqlx::query_as(
+            "SELECT id, NULLIF(password, '') FROM people WHERE folded = ? AND left_at IS NULL",
+        )
+        .bind(folded(name.trim()))
+        .fetch_optional(self.lookups())
+        .await?;
         Ok(found)
     }
 }

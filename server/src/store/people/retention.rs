@@ -42,7 +42,13 @@ fn check(rule: &RetentionRule) -> Result<()> {
         Some(days) => format!("at least {days}, the days of snapshots"),
         None => "left out, as long as snapshots are kept for ever".to_owned(),
     };
-    Err(refused("/curves_days", "before_snapshots", detail, curves, &allowed))
+    Err(refused(
+        "/curves_days",
+        "before_snapshots",
+        detail,
+        curves,
+        &allowed,
+    ))
 }
 
 async fn rule_of(
@@ -55,10 +61,16 @@ async fn rule_of(
     .bind(project)
     .fetch_optional(connection)
     .await?;
-    Ok(found.map_or((RetentionRule::default(), None), |(snapshots_days, curves_days, at)| {
-        let rule = RetentionRule { snapshots_days, curves_days };
-        (rule, Some(Timestamp(at)))
-    }))
+    Ok(found.map_or(
+        (RetentionRule::default(), None),
+        |(snapshots_days, curves_days, at)| {
+            let rule = RetentionRule {
+                snapshots_days,
+                curves_days,
+            };
+            (rule, Some(Timestamp(at)))
+        },
+    ))
 }
 
 fn counted((jobs, files, bytes): (i64, i64, i64)) -> FilesOfJobs {
@@ -142,7 +154,9 @@ impl Store {
                     .execute(&mut change.connection)
                     .await?;
                 }
-                let days = |days: Option<u32>| days.map_or("for ever".to_owned(), |days| format!("{days} days"));
+                let days = |days: Option<u32>| {
+                    days.map_or("for ever".to_owned(), |days| format!("{days} days"))
+                };
                 let detail = format!(
                     "snapshots {}, curves {}",
                     days(rule.snapshots_days),
@@ -214,14 +228,19 @@ impl Store {
         .await?;
         let (mut removed, mut gone) = (0, 0);
         for (project, snapshots_days, curves_days) in rules {
-            let rule = RetentionRule { snapshots_days, curves_days };
+            let rule = RetentionRule {
+                snapshots_days,
+                curves_days,
+            };
             for (cleared, kind, days) in STEPS {
                 let Some(days) = days(&rule) else { continue };
                 let before = now.as_millis() - i64::from(days) * DAY;
                 loop {
                     let (jobs, files) = server
                         .write_from_reserve(move |change| {
-                            Box::pin(async move { change.clear(project, cleared, kind, before, now).await })
+                            Box::pin(async move {
+                                change.clear(project, cleared, kind, before, now).await
+                            })
                         })
                         .await?;
                     removed += files;
@@ -248,7 +267,9 @@ impl Store {
             tokio::time::sleep(EVERY).await;
             match self.retain(Timestamp::now()).await {
                 Ok((0, 0)) => {}
-                Ok((removed, gone)) => tracing::info!(removed, gone, "files removed by rules of projects"),
+                Ok((removed, gone)) => {
+                    tracing::info!(removed, gone, "files removed by rules of projects")
+                }
                 Err(error) => tracing::error!(%error, "the rules of projects could not be applied"),
             }
         }
@@ -291,7 +312,8 @@ impl Change {
         }
         if files > 0 {
             let detail = format!("{kind} of {} jobs: {files} files", jobs.len());
-            self.audit("retention.removed", Some(project), &detail).await?;
+            self.audit("retention.removed", Some(project), &detail)
+                .await?;
         }
         Ok((jobs.len(), files))
     }

@@ -45,7 +45,9 @@ impl Store {
 
 impl UseRow {
     fn view(self) -> Result<DiskUse> {
-        let named = |id: Option<Uuid>, name: Option<String>| id.zip(name).map(|(id, name)| Named { id, name });
+        let named = |id: Option<Uuid>, name: Option<String>| {
+            id.zip(name).map(|(id, name)| Named { id, name })
+        };
         Ok(DiskUse {
             person: named(self.person, self.person_name),
             project: named(self.project, self.project_name),

@@ -112,7 +112,13 @@ impl Store {
                 .await?;
                 if count >= MOST {
                     let detail = format!("you have {count} webhooks already");
-                    return Err(refused("/url", "too_many", detail, count, "at most 50 of a person"));
+                    return Err(refused(
+                        "/url",
+                        "too_many",
+                        detail,
+                        count,
+                        "at most 50 of a person",
+                    ));
                 }
                 sqlx::query(
                     "INSERT INTO webhooks (id, person, project, url, events, created_at)
@@ -217,7 +223,12 @@ impl Store {
             .await?;
             let event = |(number, event, at, body): (i64, String, i64, String)| {
                 let about = with_ids(parsed(&body, "event")?);
-                Ok(DueEvent { number, event, at: Timestamp(at), about })
+                Ok(DueEvent {
+                    number,
+                    event,
+                    at: Timestamp(at),
+                    about,
+                })
             };
             due.push(Due {
                 secret: secret_of(&key, id),
@@ -234,7 +245,12 @@ impl Store {
     ///
     /// # Errors
     /// The database's.
-    pub async fn note_telling(&self, due: &Due, error: Option<String>, now: Timestamp) -> Result<()> {
+    pub async fn note_telling(
+        &self,
+        due: &Due,
+        error: Option<String>,
+        now: Timestamp,
+    ) -> Result<()> {
         let (id, failures) = (due.id, due.failures);
         let last = due.events.last().map_or(0, |event| event.number);
         self.write_from_reserve(move |change| {
@@ -295,7 +311,9 @@ impl Store {
                         failed(std::io::Error::other("it does not hold a key of 32 bytes"))
                     });
                 }
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(failed(error)),
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(failed(error));
+                }
                 Err(_) => {}
             }
             let mut key = [0; 32];
@@ -321,7 +339,10 @@ fn with_ids(mut about: Value) -> Value {
         return about;
     };
     for name in ["job", "project", "link"] {
-        let id = fields.get(name).and_then(Value::as_str).map(Uuid::try_parse);
+        let id = fields
+            .get(name)
+            .and_then(Value::as_str)
+            .map(Uuid::try_parse);
         match id {
             Some(Ok(id)) => {
                 fields.insert(name.to_owned(), Value::String(id.to_string()));
@@ -344,5 +365,8 @@ fn secret_of(key: &[u8; 32], id: Uuid) -> String {
         mac.finalize().into_bytes()
     });
     // a key of this length is always taken
-    mac.map_or_else(|_| String::new(), |bytes| format!("{PREFIX}{}", URL_SAFE_NO_PAD.encode(bytes)))
+    mac.map_or_else(
+        |_| String::new(),
+        |bytes| format!("{PREFIX}{}", URL_SAFE_NO_PAD.encode(bytes)),
+    )
 }

@@ -396,5 +396,8 @@ async fn a_name_that_nobody_has_takes_as_long_as_a_wrong_password() {
     median("Nobody").await;
     let (known, unknown) = (median("Anna").await, median("Somebody else").await);
     let ratio = known / unknown;
-    assert!((1.0 / ALIKE..ALIKE).contains(&ratio), "{known} s and {unknown} s");
+    assert!(
+        (1.0 / ALIKE..ALIKE).contains(&ratio),
+        "{known} s and {unknown} s"
+    );
 }
