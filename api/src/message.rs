@@ -7,8 +7,8 @@ use serde::de::DeserializeOwned;
 use crate::allocations::AllocationReport;
 use crate::json::{parse, typed};
 use crate::people::{
-    Acceptance, HandOver, NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange,
-    PersonChanges, PersonLimits, ProjectChanges, SignIn,
+    Acceptance, HandOver, NewGroup, NewInvitation, NewProject, NewShare, NewToken, NewWebhook,
+    PasswordChange, PersonChanges, PersonLimits, ProjectChanges, RetentionRule, SignIn,
 };
 use crate::schema::Checker;
 use crate::study::ParameterStudy;
@@ -58,6 +58,8 @@ messages!(
     ProjectChanges,
     NewShare,
     AllocationReport,
+    RetentionRule,
+    NewWebhook,
     ClaimRequest,
     ProgressReport,
     CompleteRequest,

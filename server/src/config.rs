@@ -1,10 +1,13 @@
 //! What a server is told when it starts.
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
+use ipnet::IpNet;
 use loadframe_api::Limits;
 
 use crate::connections::{ConnectionLimits, TlsFiles};
+use crate::single_sign_on::SingleSignOn;
 use crate::store::StoreOptions;
 
 /// Everything `loadframe serve` and `loadframe lab` can choose.
@@ -25,6 +28,10 @@ pub struct ServeConfig {
     pub worker_token: Option<String>,
     /// Take passwords in the clear over a network.
     pub plain_sign_in: bool,
+    /// Who vouches for people.
+    pub single_sign_on: Option<Arc<SingleSignOn>>,
+    /// Networks of private addresses that webhooks may lead to.
+    pub webhook_networks: Vec<IpNet>,
     /// Names besides `localhost`, `127.0.0.1` and `[::1]` under which an open server answers.
     pub allowed_hosts: Vec<String>,
     /// How many connections there may be, and how long clients may take.
@@ -55,6 +62,8 @@ impl ServeConfig {
             token: None,
             worker_token: None,
             plain_sign_in: false,
+            single_sign_on: None,
+            webhook_networks: Vec::new(),
             allowed_hosts: Vec::new(),
             connections: ConnectionLimits::default(),
             tls: None,

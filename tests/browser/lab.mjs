@@ -9,7 +9,7 @@ const BINARY = process.env.LOADFRAME_BIN ?? "../../target/release/loadframe";
 /** Longest start; only a lab that hangs reaches it. */
 const PATIENCE_MS = 60_000;
 
-async function freePort() {
+export async function freePort() {
   const server = createServer().listen(0, "127.0.0.1");
   await new Promise((resolve) => server.once("listening", resolve));
   const { port } = server.address();
@@ -17,12 +17,12 @@ async function freePort() {
   return port;
 }
 
-/** Starts a lab and waits until it is ready. */
-export async function startLab() {
+/** Starts a lab and waits until it is ready; with `arguments` that may need its folder. */
+export async function startLab({ port = null, arguments: more = () => [] } = {}) {
   const folder = mkdtempSync(join(tmpdir(), "loadframe-browser-"));
-  const address = `127.0.0.1:${await freePort()}`;
+  const address = `127.0.0.1:${port ?? (await freePort())}`;
   const log = openSync(join(folder, "log"), "a");
-  const lab = spawn(BINARY, ["lab", "--listen", address, "--data", join(folder, "data")], {
+  const lab = spawn(BINARY, ["lab", "--listen", address, "--data", join(folder, "data"), ...more(folder)], {
     stdio: ["ignore", log, log],
   });
   const url = `http://${address}`;

@@ -122,6 +122,10 @@ pub struct NewInvitation {
     #[serde(default = "a_week")]
     #[schemars(range(min = 1, max = 90))]
     pub days: u32,
+    /// Whose it is: who comes by single sign-on with this address accepts it so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String", length(min = 3, max = 254))]
+    pub email: Option<String>,
 }
 
 fn a_week() -> u32 {
@@ -138,6 +142,8 @@ pub struct InvitationView {
     pub expires_at: Timestamp,
     pub accepted_at: Option<Timestamp>,
     pub revoked_at: Option<Timestamp>,
+    /// Whose it is, where it is for one address.
+    pub email: Option<String>,
 }
 
 /// An invitation just made; the only time its secret is seen.

@@ -5,8 +5,11 @@
 mod accounts;
 mod audit;
 mod limits;
+mod order;
 mod projects;
+mod sign_in;
 mod tokens;
+mod webhooks;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,10 +21,13 @@ pub use accounts::{
 };
 pub use audit::AuditEntry;
 pub use limits::{Allowance, PersonLeft, PersonLimits, PersonUse};
+pub use order::{DiskUse, FileKind, FilesOfJobs, RetentionRule, RetentionView};
 pub use projects::{
     GroupView, NewGroup, NewProject, NewShare, ProjectChanges, ProjectView, ShareMade, ShareView,
 };
+pub use sign_in::{SignInBegun, SignInWays};
 pub use tokens::{NewToken, TokenMade, TokenView};
+pub use webhooks::{NewWebhook, WebhookEvent, WebhookMade, WebhookView};
 
 /// What a person may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]

@@ -9,6 +9,7 @@ export type Route =
   | { view: "people" }
   | { view: "invitation" }
   | { view: "shared" }
+  | { view: "refused"; query: URLSearchParams }
   | { view: "unknown" };
 
 export const router = $state({ route: read() });
@@ -22,6 +23,7 @@ function read(): Route {
   if (first === "submit" && id === undefined) return { view: "submit", query };
   if (id === undefined && (first === "account" || first === "people")) return { view: first };
   if (id === undefined && (first === "invitation" || first === "shared")) return { view: first };
+  if (id === undefined && first === "sign-in") return { view: "refused", query };
   return { view: "unknown" };
 }
 

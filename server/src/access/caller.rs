@@ -51,13 +51,15 @@ pub enum Credential {
     Session(Uuid),
     Token(Uuid),
     Link(Uuid),
+    /// By the word of a proxy before the server, of this person.
+    Proxy(Uuid),
 }
 
 impl Credential {
     /// Its id, if it has one.
     pub fn id(self) -> Option<Uuid> {
         match self {
-            Self::Local => None,
+            Self::Local | Self::Proxy(_) => None,
             Self::Session(id) | Self::Token(id) | Self::Link(id) => Some(id),
         }
     }
@@ -112,7 +114,10 @@ impl Caller {
 
     /// Whether the caller sits in a browser of a person.
     pub(super) fn is_session(&self) -> bool {
-        matches!(self.credential, Credential::Session(_))
+        matches!(
+            self.credential,
+            Credential::Session(_) | Credential::Proxy(_)
+        )
     }
 
     pub(super) fn has_role(&self, role: Role) -> bool {

@@ -1,10 +1,13 @@
 //! `loadframe serve`
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
+use ipnet::IpNet;
 use loadframe_server::connections::{ConnectionLimits, TlsFiles};
+use loadframe_server::single_sign_on::SingleSignOn;
 use loadframe_server::store::StoreOptions;
 use loadframe_server::{ServeConfig, ServeError, serve};
 
@@ -30,6 +33,12 @@ pub(crate) struct ServerOptions {
     /// Take passwords in the clear over a network, where there is no https
     #[arg(long)]
     plain_sign_in: bool,
+    /// File that says who signs people in instead of passwords (see the guide, "Share in a group")
+    #[arg(long, value_name = "FILE")]
+    single_sign_on: Option<PathBuf>,
+    /// A network of private addresses that webhooks may lead to, such as 10.0.0.0/24
+    #[arg(long = "webhook-network", value_name = "NETWORK")]
+    webhook_networks: Vec<IpNet>,
     /// A further name under which a server without tokens answers
     #[arg(long = "allow-host", value_name = "NAME")]
     allowed_hosts: Vec<String>,
@@ -93,6 +102,10 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 
 impl ServerOptions {
     pub(crate) fn config(&self) -> Result<ServeConfig, Failure> {
+        let single_sign_on = self.single_sign_on.as_deref().map(SingleSignOn::read);
+        let single_sign_on = single_sign_on
+            .transpose()
+            .map_err(|error| Failure::new(Code::Usage, chain(&error)))?;
         Ok(ServeConfig {
             listen: self.listen.clone(),
             store: StoreOptions {
@@ -110,6 +123,8 @@ impl ServerOptions {
             token: self.token.read()?,
             worker_token: None,
             plain_sign_in: self.plain_sign_in,
+            single_sign_on: single_sign_on.map(Arc::new),
+            webhook_networks: self.webhook_networks.clone(),
             allowed_hosts: self.allowed_hosts.clone(),
             connections: ConnectionLimits::with_places(self.connections.into()),
             tls: None,

@@ -17,10 +17,13 @@ use tokio::sync::Semaphore;
 use uuid::Uuid;
 
 use super::origin::Names;
+use super::permit::Trace;
 use super::problem::Result;
 use super::state::AppState;
 use crate::ServeConfig;
 use crate::access::{Caller, Credential, Guesses};
+use crate::single_sign_on::{SingleSignOn, Vouched};
+use crate::store::people::Arrival;
 
 /// What a link's secret begins with.
 const LINK: &str = "lfs_";
@@ -49,6 +52,7 @@ pub(crate) struct Access {
     pub(super) wrong_tokens: Guesses<IpAddr>,
     pub(super) wrong_passwords: Guesses<Option<IpAddr>>,
     pub(super) wrong_for_account: Guesses<String>,
+    pub(super) single_sign_on: Option<Arc<SingleSignOn>>,
     pub(super) hashing: Arc<Semaphore>,
     visits: Mutex<HashMap<(Uuid, Option<IpAddr>), Instant>>,
 }
@@ -66,6 +70,7 @@ impl Access {
             wrong_tokens: Guesses::default(),
             wrong_passwords: Guesses::default(),
             wrong_for_account: Guesses::default(),
+            single_sign_on: config.single_sign_on.clone(),
             hashing: Arc::new(Semaphore::new(HASHES_AT_ONCE)),
             visits: Mutex::default(),
         }
@@ -79,6 +84,18 @@ impl Access {
     /// Whether requests need a token that the server was not started with.
     pub(crate) fn needs_tokens(&self) -> bool {
         !self.is_open && self.own.is_none()
+    }
+
+    /// The address that a request came from, over a connection with `peer`.
+    pub(super) fn client_address(
+        &self,
+        peer: Option<IpAddr>,
+        headers: &HeaderMap,
+    ) -> Option<IpAddr> {
+        match &self.single_sign_on {
+            Some(sign_on) => sign_on.client_address(peer, headers),
+            None => peer,
+        }
     }
 
     /// Whether a visit of a link by this address is a new one.
@@ -105,11 +122,15 @@ pub(super) enum Given {
     Nothing,
     Bearer,
     Cookie,
+    /// The word of a proxy, for this name.
+    Proxy(String),
 }
 
-/// Who sends a request with these headers, and how it tried to be known.
+/// Who sends a request with these headers, over a connection with `peer`, and how it tried to be known.
 pub(super) async fn identify(
     state: &AppState,
+    peer: Option<IpAddr>,
+    trace: &Trace,
     headers: &HeaderMap,
 ) -> Result<(Option<Caller>, Given)> {
     let (access, store) = (&state.access, &state.store);
@@ -134,6 +155,11 @@ pub(super) async fn identify(
         };
         return Ok((caller, Given::Bearer));
     }
+    let sign_on = access.single_sign_on.as_ref().filter(|_| has_people);
+    if let Some(vouched) = sign_on.and_then(|of| of.vouched_by_proxy(peer, headers)) {
+        let caller = caller_of_proxy(state, trace, &vouched).await?;
+        return Ok((caller, Given::Proxy(vouched.subject)));
+    }
     for (name, is_secure) in [(SECURE_COOKIE, true), (PLAIN_COOKIE, false)] {
         if let Some(secret) = cookie(headers, name) {
             let sha256 = sha256_hex(secret.as_bytes());
@@ -142,6 +168,30 @@ pub(super) async fn identify(
         }
     }
     Ok((None, Given::Nothing))
+}
+
+/// The person for whom the proxy vouches; who comes for the first time gets an account, if anybody may.
+async fn caller_of_proxy(
+    state: &AppState,
+    trace: &Trace,
+    vouched: &Vouched,
+) -> Result<Option<Caller>> {
+    let (issuer, subject) = (&vouched.issuer, &vouched.subject);
+    let known = state.store.caller_by_identity(issuer, subject).await?;
+    let Some(sign_on) = state
+        .access
+        .single_sign_on
+        .as_deref()
+        .filter(|_| known.is_none())
+    else {
+        return Ok(known);
+    };
+    let store = state.store.acting(trace.actor(None));
+    let admission = sign_on.admission(vouched);
+    match store.arrive(vouched.identity(), None, admission).await? {
+        Arrival::Known(..) => Ok(store.caller_by_identity(issuer, subject).await?),
+        Arrival::NotAdmitted | Arrival::Taken => Ok(None),
+    }
 }
 
 /// Whether two hashes are the same, in a time that does not tell where they differ.
@@ -167,7 +217,7 @@ pub(super) fn bearer(headers: &HeaderMap) -> Option<&str> {
     (scheme.eq_ignore_ascii_case("bearer") && !secret.is_empty()).then_some(secret)
 }
 
-fn cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
+pub(super) fn cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
     let values = headers.get_all(header::COOKIE).iter();
     let pairs = values
         .filter_map(|value| value.to_str().ok())
@@ -178,12 +228,7 @@ fn cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
 
 impl Access {
     /// Counts the visit of a link.
-    pub(super) async fn note_visit(
-        &self,
-        state: &AppState,
-        caller: &Caller,
-        trace: &super::permit::Trace,
-    ) {
+    pub(super) async fn note_visit(&self, state: &AppState, caller: &Caller, trace: &Trace) {
         let Credential::Link(id) = caller.credential else {
             return;
         };

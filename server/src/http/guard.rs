@@ -13,7 +13,7 @@ use uuid::Uuid;
 use super::access::{Given, identify, is_guarded};
 use super::origin::is_safe;
 use super::permit::{Call, Trace};
-use super::problem::{ApiError, Result, SIGN_IN_NEEDED, TOKEN_NEEDED, TOO_MANY_GUESSES};
+use super::problem::{ApiError, FORBIDDEN, Result, SIGN_IN_NEEDED, TOKEN_NEEDED, TOO_MANY_GUESSES};
 use super::state::AppState;
 
 /// How long every further guess takes.
@@ -23,6 +23,10 @@ const PAUSE: Duration = Duration::from_secs(1);
 const BEFORE_SIGN_IN: &[(Method, &str)] = &[
     (Method::POST, "/v1/sessions"),
     (Method::POST, "/v1/invitations/accept"),
+    (Method::GET, "/v1/sign-in"),
+    (Method::HEAD, "/v1/sign-in"),
+    (Method::POST, "/v1/sign-in/provider"),
+    (Method::GET, "/v1/sign-in/provider"),
 ];
 
 /// Lets a request pass or refuses it.
@@ -32,9 +36,10 @@ pub(super) async fn guard(
     next: Next,
 ) -> Result<Response> {
     let peer = request.extensions().get::<ConnectInfo<SocketAddr>>();
+    let peer = peer.map(|ConnectInfo(address)| address.ip());
     let trace = Trace {
         request: Uuid::now_v7(),
-        address: peer.map(|ConnectInfo(address)| address.ip()),
+        address: state.access.client_address(peer, request.headers()),
     };
     let names = &state.access.names;
     if state.access.is_open() {
@@ -42,8 +47,9 @@ pub(super) async fn guard(
         names.check_origin(request.method(), request.uri(), request.headers())?;
     }
     if is_guarded(request.uri().path()) {
-        let (caller, given) = identify(&state, request.headers()).await?;
-        if given == Given::Cookie && !is_safe(request.method()) {
+        let (caller, given) = identify(&state, peer, &trace, request.headers()).await?;
+        let comes_by_itself = matches!(given, Given::Cookie | Given::Proxy(_));
+        if comes_by_itself && !is_safe(request.method()) {
             names.demand_origin(request.method(), request.uri(), request.headers())?;
         }
         let path = request.uri().path();
@@ -85,6 +91,12 @@ async fn refuse(state: &AppState, given: &Given, trace: &Trace) -> ApiError {
     };
     match given {
         Given::Nothing => return refusal(how),
+        Given::Proxy(name) => {
+            let detail = format!(
+                "{name:?} has no account here and is not invited; ask an administrator of this server"
+            );
+            return ApiError::new(FORBIDDEN, detail);
+        }
         Given::Cookie => return refusal("the session has ended; sign in again"),
         Given::Bearer => {}
     }

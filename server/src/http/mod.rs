@@ -51,6 +51,11 @@ pub(crate) use metrics::keep_folded as keep_metrics_folded;
 pub use openapi::document;
 pub use state::AppState;
 
+/// What the log calls a request: never by its query, in which a provider of single sign-on sends a code.
+fn span(request: &axum::extract::Request) -> tracing::Span {
+    tracing::debug_span!("request", method = %request.method(), path = request.uri().path())
+}
+
 /// Every documented route.
 fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
@@ -83,6 +88,10 @@ pub fn router(state: AppState) -> Router {
         .layer(from_fn(metrics::count))
         .layer(from_fn(page::protect))
         // who makes a 5xx says so in the log himself, with its cause
-        .layer(TraceLayer::new_for_http().on_failure(()))
+        .layer(
+            TraceLayer::new_for_http()
+                .make_span_with(span)
+                .on_failure(()),
+        )
         .with_state(state)
 }

@@ -24,6 +24,8 @@ migrations! {
     5 "people" "0005_people.sql",
     6 "long queue" "0006_long_queue.sql",
     7 "matched work" "0007_matched_work.sql",
+    8 "single sign-on" "0008_single_sign_on.sql",
+    9 "order" "0009_order.sql",
     12 "resumed curves" "0012_resumed_curves.sql",
 }
 
@@ -76,6 +78,8 @@ mod tests {
                 "123a8c73e88306c8",
                 "c65afbc9fc6604c3",
                 "0a197c6c762f4095",
+                "b11dab88d99dde32",
+                "75d99417d89a76b5",
                 "3d56df3cc4285dd2"
             ]
         );

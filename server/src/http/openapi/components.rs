@@ -1,10 +1,11 @@
 //! `#/components/schemas`: every type of the wire by name.
 use loadframe_api::allocations::{AllocationReport, Backlog, ReportedAllocations};
 use loadframe_api::people::{
-    Acceptance, Allowance, AuditEntry, CallerView, GroupView, HandOver, InvitationMade,
-    InvitationView, NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange,
-    PersonChanges, PersonLimits, PersonView, ProjectChanges, ProjectView, SessionView, ShareMade,
-    ShareView, SignIn, TokenMade, TokenView,
+    Acceptance, Allowance, AuditEntry, CallerView, DiskUse, GroupView, HandOver, InvitationMade,
+    InvitationView, NewGroup, NewInvitation, NewProject, NewShare, NewToken, NewWebhook,
+    PasswordChange, PersonChanges, PersonLimits, PersonView, ProjectChanges, ProjectView,
+    RetentionRule, RetentionView, SessionView, ShareMade, ShareView, SignIn, SignInBegun,
+    SignInWays, TokenMade, TokenView, WebhookMade, WebhookView,
 };
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,
@@ -61,7 +62,8 @@ pub(super) fn schemas() -> Map<String, Value> {
 fn bodies() -> Map<String, Value> {
     body_schemas(|generator: &mut SchemaGenerator| {
         add!(generator: JobChanges, Envelope, SignIn, PasswordChange, NewInvitation, Acceptance,
-            PersonChanges, PersonLimits, HandOver, NewToken, NewGroup, NewProject, ProjectChanges, NewShare,
+            HandOver, NewGroup, NewProject, NewShare, NewToken, NewWebhook, PersonChanges,
+            PersonLimits, ProjectChanges, RetentionRule,
             ClaimRequest, ProgressReport, CompleteRequest, FailRequest, FaultRequest,
             ReleaseRequest, AllocationReport);
     })
@@ -76,7 +78,8 @@ fn answers() -> Map<String, Value> {
             Lease, HeartbeatAnswer, UploadedPart, CallerView, PersonView, Page<PersonView>,
             Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
-            Page<AuditEntry>, Backlog, Page<ReportedAllocations>, WaitingView, Allowance);
+            Page<AuditEntry>, Backlog, Page<ReportedAllocations>, WaitingView, Allowance,
+            SignInWays, SignInBegun, RetentionView, Page<DiskUse>, WebhookMade, Page<WebhookView>);
     });
     for schema in schemas.values_mut() {
         let required = schema["required"].as_array().cloned().unwrap_or_default();

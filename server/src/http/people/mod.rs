@@ -8,9 +8,12 @@ mod groups;
 mod invitations;
 mod limits;
 mod projects;
+mod retention;
 mod sessions;
 mod shares;
+mod sign_in;
 mod tokens;
+mod webhooks;
 
 use axum::Json;
 use axum::extract::State;
@@ -29,10 +32,13 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
         .merge(accounts::router())
         .merge(limits::router())
         .merge(sessions::router())
+        .merge(sign_in::router())
         .merge(invitations::router())
         .merge(tokens::router())
         .merge(groups::router())
         .merge(projects::router())
+        .merge(retention::router())
+        .merge(webhooks::router())
         .merge(shares::router())
         .merge(audit::router())
 }
@@ -48,7 +54,7 @@ async fn me(State(state): State<AppState>, permit: Permit<Introduce>) -> Result<
         kind: CallerKind::Sole,
         accounts: state.store.has_people(),
         scope: match caller.credential {
-            Credential::Session(_) => None,
+            Credential::Session(_) | Credential::Proxy(_) => None,
             _ => Some(caller.scope),
         },
         person: None,

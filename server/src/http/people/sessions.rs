@@ -50,11 +50,7 @@ async fn sign_in(
     headers: HeaderMap,
     body: JsonBody,
 ) -> Result<Response> {
-    if !state.store.has_people() {
-        let detail =
-            "this server is one person's: `loadframe people create-admin` makes it a group's";
-        return Err(ApiError::new(CONFLICT, detail));
-    }
+    demand_accounts(&state)?;
     state.access.names.demand_origin(&method, &uri, &headers)?;
     let is_secure = is_secure(&state, &headers)?;
     let SignIn { name, password } = message(&state, body).await?;
@@ -65,7 +61,7 @@ async fn sign_in(
     (actor.who, actor.person) = (name.trim().to_owned(), Some(person));
     let store = state.store.acting(actor);
     let session = store.open_session(person, is_secure, client).await?;
-    let cookie = cookie(&session.secret, session.lifetime_s, is_secure);
+    let cookie = session_cookie(&session.secret, session.lifetime_s, is_secure);
     answer_with([cookie])
 }
 
@@ -89,6 +85,10 @@ async fn list(permit: Permit<ManageOwn>) -> Result<Json<Page<SessionView>>> {
 async fn sign_out(permit: Permit<ManageOwn>, Path(id): Path<String>) -> Result<Response> {
     let current = match permit.call.caller.credential {
         Credential::Session(id) => id,
+        Credential::Proxy(_) => {
+            let detail = "the proxy before this server signs you in; sign out there";
+            return Err(ApiError::new(FORBIDDEN, detail));
+        }
         _ => return Err(ApiError::new(FORBIDDEN, "you are not signed in")),
     };
     let id = match id.as_str() {
@@ -102,7 +102,16 @@ async fn sign_out(permit: Permit<ManageOwn>, Path(id): Path<String>) -> Result<R
     if id != current {
         return answer_with([]);
     }
-    answer_with([cookie("", 0, true), cookie("", 0, false)])
+    answer_with([session_cookie("", 0, true), session_cookie("", 0, false)])
+}
+
+/// Refuses to sign anybody in where there is nobody.
+pub(super) fn demand_accounts(state: &AppState) -> Result<()> {
+    if state.store.has_people() {
+        return Ok(());
+    }
+    let detail = "this server is one person's: `loadframe people create-admin` makes it a group's";
+    Err(ApiError::new(CONFLICT, detail))
 }
 
 /// Whether the page came over TLS; refuses passwords in the clear over a network.
@@ -139,7 +148,7 @@ pub(super) async fn check_password(
         .count(account.clone(), now)
         .map_err(slow)?;
     let known = state.store.password_of(&account).await?;
-    let kept = known.as_ref().map(|(_, kept)| kept.clone());
+    let kept = known.as_ref().and_then(|(_, kept)| kept.clone());
     let turn = Arc::clone(&access.hashing).acquire_owned().await;
     let turn = turn.map_err(|error| ApiError::internal(&error))?;
     let compare = move || {
@@ -163,7 +172,7 @@ pub(super) async fn check_password(
 }
 
 /// A session's cookie, for this very host, unseen by scripts, never sent by another site.
-fn cookie(secret: &str, lifetime_s: i64, is_secure: bool) -> String {
+pub(super) fn session_cookie(secret: &str, lifetime_s: i64, is_secure: bool) -> String {
     let (name, secure) = match is_secure {
         true => (SECURE_COOKIE, " Secure;"),
         false => (PLAIN_COOKIE, ""),

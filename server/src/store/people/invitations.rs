@@ -10,6 +10,7 @@ use super::super::encoding::{json, parsed, variant, wire_name};
 use super::super::error::{Result, StoreError};
 use super::super::row::row;
 use super::accounts::{PersonRow, hashed};
+use super::identities::clean_email;
 use super::secret::Secret;
 use super::{clean_name, refused};
 
@@ -24,6 +25,7 @@ row! {
         expires_at: i64,
         accepted_at: Option<i64>,
         revoked_at: Option<i64>,
+        email: Option<String>,
     }
 }
 
@@ -31,8 +33,21 @@ impl Store {
     /// Invites somebody.
     ///
     /// # Errors
-    /// [`StoreError::Refused`] for a group that is not there.
+    /// [`StoreError::Refused`] for a group that is not there, or an address that is none.
     pub async fn invite(&self, new: NewInvitation) -> Result<InvitationMade> {
+        let email = match new.email.as_deref() {
+            None => None,
+            Some(given) => Some(clean_email(given).ok_or_else(|| {
+                let detail = "this is not an e-mail address";
+                refused(
+                    "/email",
+                    "email",
+                    detail,
+                    given,
+                    "an address such as anna@example.org",
+                )
+            })?),
+        };
         let secret = Secret::new("lfi_");
         let (id, sha256) = (Uuid::now_v7(), secret.sha256);
         let expires_at = self
@@ -44,8 +59,8 @@ impl Store {
                     let now = change.now.as_millis();
                     let expires_at = now + i64::from(new.days) * DAY;
                     sqlx::query(
-                        "INSERT INTO invitations (id, secret_sha256, role, groups, created_at, expires_at)
-                         VALUES (?, ?, ?, ?, ?, ?)",
+                        "INSERT INTO invitations (id, secret_sha256, role, groups, created_at, expires_at, email)
+                         VALUES (?, ?, ?, ?, ?, ?, ?)",
                     )
                     .bind(id)
                     .bind(sha256)
@@ -53,6 +68,7 @@ impl Store {
                     .bind(json(&new.groups)?)
                     .bind(now)
                     .bind(expires_at)
+                    .bind(email)
                     .execute(&mut change.connection)
                     .await?;
                     let role = wire_name(&new.role)?;
@@ -74,7 +90,7 @@ impl Store {
     /// The database's.
     pub async fn invitations(&self) -> Result<Vec<InvitationView>> {
         let rows: Vec<InvitationRow> = sqlx::query_as(
-            "SELECT id, role, groups, created_at, expires_at, accepted_at, revoked_at
+            "SELECT id, role, groups, created_at, expires_at, accepted_at, revoked_at, email
              FROM invitations ORDER BY created_at DESC, id LIMIT 1000",
         )
         .fetch_all(self.reads())
@@ -88,6 +104,7 @@ impl Store {
                 expires_at: Timestamp(row.expires_at),
                 accepted_at: row.accepted_at.map(Timestamp),
                 revoked_at: row.revoked_at.map(Timestamp),
+                email: row.email,
             })
         };
         rows.into_iter().map(view).collect()
@@ -147,11 +164,7 @@ impl Store {
                 for group in groups {
                     change.add_member(group, id).await?;
                 }
-                if let Some(actor) = &mut change.actor {
-                    let mut known = (**actor).clone();
-                    (known.who, known.person) = (name.clone(), Some(id));
-                    *actor = std::sync::Arc::new(known);
-                }
+                change.act_as(&name, id);
                 let detail = format!("{name}: {role}");
                 change
                     .audit("invitation.accepted", Some(invitation), &detail)

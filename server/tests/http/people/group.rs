@@ -177,6 +177,7 @@ async fn invited(lab: &Lab, name: &str, role: Role, groups: &[Uuid]) -> Somebody
         role,
         groups: groups.to_vec(),
         days: 1,
+        email: None,
     };
     let made = lab.store.invite(new).await.expect("an invitation");
     let (_, secret) = made.path.split_once('#').expect("a secret");

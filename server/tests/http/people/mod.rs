@@ -1,7 +1,12 @@
 //! People and sharing, over the router.
 mod accounts;
 mod group;
+mod issuer;
 mod limits;
 mod matrix;
+mod order;
+mod secrets;
 mod sharing;
+mod single_sign_on;
 mod streams;
+mod webhooks;
