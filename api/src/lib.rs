@@ -8,6 +8,7 @@
 mod accuracy;
 mod calibration;
 mod changes;
+pub mod comparison;
 mod digest;
 mod disjoint_sets;
 mod earlier;
@@ -54,7 +55,7 @@ pub use job::{
     AttemptEnd, AttemptView, CurveView, JobLinks, JobOutcome, JobStatus, JobView, LogLine, Page,
     ReasonCode, SetAside, WorkerView,
 };
-pub use kind_schemas::kind_schema;
+pub use kind_schemas::{kind_schema, unit_of_field};
 pub use kinds::{Example, JobKind, JobSpec};
 pub use limits::{Excess, JobLimits, Limits, OVERRUN_FACTOR};
 pub use message::Message;

@@ -4,12 +4,14 @@ use std::sync::OnceLock;
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 
+use crate::comparison::{ComparisonChanges, NewComparison};
 use crate::json::{parse, typed};
 use crate::people::{
     Acceptance, HandOver, NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange,
     PersonChanges, ProjectChanges, SignIn,
 };
 use crate::schema::Checker;
+use crate::spec::calibrate::MeasuredCurve;
 use crate::study::ParameterStudy;
 use crate::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, ProgressReport, ReleaseRequest,
@@ -55,6 +57,9 @@ messages!(
     NewProject,
     ProjectChanges,
     NewShare,
+    NewComparison,
+    ComparisonChanges,
+    MeasuredCurve,
     ClaimRequest,
     ProgressReport,
     CompleteRequest,

@@ -23,6 +23,7 @@ migrations! {
     4 "faults" "0004_faults.sql",
     5 "people" "0005_people.sql",
     6 "long queue" "0006_long_queue.sql",
+    10 "comparisons" "0010_comparisons.sql",
 }
 
 pub(super) fn migrations() -> Migrator {

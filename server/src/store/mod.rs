@@ -11,7 +11,7 @@
 //! commit → answer. Reads go to pools of connections that cannot write, beside it: one for lists and
 //! results, one for what takes a moment and must not wait behind them.
 //!
-//! Lists are [`list`], jobs one by one [`jobs`]. The worker's side in the order of a job: [`claim`],
+//! Lists are [`list`], jobs one by one [`jobs`], many side by side [`compared`]. The worker's side in the order of a job: [`claim`],
 //! [`lease`] with [`curve`] and [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`],
 //! [`ending`]; if the worker falls silent, [`sweep`]; if its machine is at fault, [`machines`]. Whose
 //! things are, and what was done by whom: [`people`].
@@ -25,6 +25,7 @@ mod blobs;
 mod checkpoints;
 mod claim;
 mod collector;
+mod compared;
 mod curve;
 mod encoding;
 mod ending;
@@ -62,6 +63,7 @@ use tokio::sync::watch;
 pub use backup::{BackupReport, backup, restore};
 use blobs::Blobs;
 pub use blobs::Loss;
+pub use compared::{Compared, CurvePart};
 use error::Result;
 pub use error::StoreError;
 pub use events::StoredEvent;

@@ -3,6 +3,7 @@
 mod access;
 mod archive;
 mod connections;
+mod compare;
 mod curve;
 mod errors;
 mod events;

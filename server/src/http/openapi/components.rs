@@ -1,10 +1,14 @@
 //! `#/components/schemas`: every type of the wire by name.
+use loadframe_api::comparison::{
+    ComparisonChanges, ComparisonView, Curves, Differences, MeasuredReading, NewComparison,
+};
 use loadframe_api::people::{
     Acceptance, AuditEntry, CallerView, GroupView, HandOver, InvitationMade, InvitationView,
     NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange, PersonChanges,
     PersonView, ProjectChanges, ProjectView, SessionView, ShareMade, ShareView, SignIn, TokenMade,
     TokenView,
 };
+use loadframe_api::spec::calibrate::MeasuredCurve;
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,
     ProgressReport, ReleaseRequest, UploadedPart,
@@ -61,7 +65,7 @@ fn bodies() -> Map<String, Value> {
     body_schemas(|generator: &mut SchemaGenerator| {
         add!(generator: JobChanges, Envelope, SignIn, PasswordChange, NewInvitation, Acceptance,
             PersonChanges, HandOver, NewToken, NewGroup, NewProject, ProjectChanges, NewShare,
-            ClaimRequest, ProgressReport, CompleteRequest, FailRequest, FaultRequest,
+            NewComparison, ComparisonChanges, MeasuredCurve, ClaimRequest, ProgressReport, CompleteRequest, FailRequest, FaultRequest,
             ReleaseRequest);
     })
 }
@@ -75,7 +79,8 @@ fn answers() -> Map<String, Value> {
             Lease, HeartbeatAnswer, UploadedPart, CallerView, PersonView, Page<PersonView>,
             Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
-            Page<AuditEntry>);
+            Page<AuditEntry>, Differences, Curves, MeasuredReading, ComparisonView,
+            Page<ComparisonView>);
     });
     for schema in schemas.values_mut() {
         let required = schema["required"].as_array().cloned().unwrap_or_default();
