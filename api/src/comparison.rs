@@ -69,10 +69,18 @@ pub struct Dimensions {
 
 /// Where specs state the sizes of their specimens, and in which results they are told instead, with the
 /// factor to the unit asked for.
-type Places = (&'static [&'static str], &'static str, &'static [(&'static str, f64)]);
+type Places = (
+    &'static [&'static str],
+    &'static str,
+    &'static [(&'static str, f64)],
+);
 
 const WIDTH: Places = (
-    &["/specimen/sheet/width_mm", "/specimen/explicit/width_mm", "/fabric/network/width_mm"],
+    &[
+        "/specimen/sheet/width_mm",
+        "/specimen/explicit/width_mm",
+        "/fabric/network/width_mm",
+    ],
     "specimen_width",
     &[("mm", 1.0)],
 );
@@ -86,7 +94,11 @@ const GRAMMAGE: Places = (
     &[("g/m2", 1.0)],
 );
 const THICKNESS: Places = (
-    &["/fabric/lattice/thickness_mm", "/fabric/network/thickness_mm", "/section/thickness_mm"],
+    &[
+        "/fabric/lattice/thickness_mm",
+        "/fabric/network/thickness_mm",
+        "/section/thickness_mm",
+    ],
     "thickness",
     &[("mm", 1.0), ("µm", 1e-3)],
 );
@@ -101,8 +113,13 @@ impl Dimensions {
                 let (_, factor) = units.iter().find(|(unit, _)| *unit == result.unit)?;
                 Some(result.value? * factor)
             });
-            let stated = || pointers.iter().find_map(|place| spec.pointer(place)?.as_f64());
-            told.or_else(stated).filter(|size| size.is_finite() && *size > 0.0)
+            let stated = || {
+                pointers
+                    .iter()
+                    .find_map(|place| spec.pointer(place)?.as_f64())
+            };
+            told.or_else(stated)
+                .filter(|size| size.is_finite() && *size > 0.0)
         };
         Self {
             width_mm: find(WIDTH),
@@ -232,7 +249,8 @@ mod tests {
 
     #[test]
     fn sizes_come_from_results_first_and_from_the_spec_else() {
-        let spec = json!({ "specimen": { "sheet": { "width_mm": 5.0, "grammage_g_per_m2": 60.0 } } });
+        let spec =
+            json!({ "specimen": { "sheet": { "width_mm": 5.0, "grammage_g_per_m2": 60.0 } } });
         let results = json!({
             "grammage": { "value": 58.5, "unit": "g/m2" }, "thickness": { "value": 90.0, "unit": "µm" },
             "specimen_width": { "value": null, "unit": "mm" },

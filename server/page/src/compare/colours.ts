@@ -1,6 +1,6 @@
 // Which colour a line has: by what differs between the jobs.
 import type { Differences } from "../api/types";
-import { formatNumber, NARROW } from "../format/numbers";
+import { formatChosen, NARROW } from "../format/numbers";
 import { humanise, showUnit } from "../format/words";
 import { seriesColour } from "../plot/style";
 
@@ -58,7 +58,7 @@ export function pointerLabel(pointer: string): string {
 /** A value as a person reads it. */
 export function tell(value: unknown): string {
   if (value === null || value === undefined) return "–";
-  if (typeof value === "number") return formatNumber(value);
+  if (typeof value === "number") return formatChosen(value);
   return typeof value === "string" ? value : JSON.stringify(value);
 }
 

@@ -78,7 +78,7 @@ export function valueAt({ x, y }: Pick<Line, "x" | "y">, place: number): number 
     else high = middle;
   }
   const [x0 = NaN, x1 = NaN, y0 = NaN, y1 = NaN] = [x[low], x[high], y[low], y[high]];
-  return x1 > x0 ? y0 + ((y1 - y0) * (place - x0)) / (x1 - x0) : (place === x1 ? y1 : y0);
+  return x1 > x0 ? y0 + ((y1 - y0) * (place - x0)) / (x1 - x0) : place === x1 ? y1 : y0;
 }
 
 /** Points of a mean curve. */
@@ -96,7 +96,11 @@ export function meanOf(lines: Line[], id: string, name: string): Line | null {
   if (!(to > from)) return null;
   const x = Float64Array.from({ length: MEAN_POINTS }, (_, step) => from + ((to - from) * step) / (MEAN_POINTS - 1));
   x[MEAN_POINTS - 1] = to;
-  const [y, low, high] = [0, 1, 2].map(() => new Float64Array(MEAN_POINTS)) as [Float64Array, Float64Array, Float64Array];
+  const [y, low, high] = [0, 1, 2].map(() => new Float64Array(MEAN_POINTS)) as [
+    Float64Array,
+    Float64Array,
+    Float64Array,
+  ];
   x.forEach((place, index) => {
     const values = used.map((line) => valueAt(line, place));
     const mean = values.reduce((sum, value) => sum + value, 0) / values.length;

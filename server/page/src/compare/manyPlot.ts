@@ -35,8 +35,9 @@ export interface Found {
   index: number;
 }
 
-/** The picture is drawn anew when the range has rested for so long [ms]. */
+/** The picture is drawn anew when the range has rested for so long [ms], or for some drawings of it. */
 const REST = 90;
+const DRAWINGS = 4;
 const FONT = "12px system-ui, sans-serif";
 /** The cursor finds points no further away than this [px]. */
 const REACH = 40;
@@ -143,10 +144,13 @@ export class ManyPlot {
     if (!this.#picture) return;
     this.#isMoving = true;
     clearTimeout(this.#rest);
-    this.#rest = setTimeout(() => {
-      this.#isMoving = false;
-      this.redraw();
-    }, REST);
+    this.#rest = setTimeout(
+      () => {
+        this.#isMoving = false;
+        this.redraw();
+      },
+      Math.max(REST, DRAWINGS * this.took),
+    );
   }
 
   #turn(event: WheelEvent): void {
@@ -172,7 +176,9 @@ export class ManyPlot {
     const begin = performance.now();
     const canvas = this.#picture?.canvas ?? document.createElement("canvas");
     [canvas.width, canvas.height] = [bbox.width, bbox.height];
-    const paper = canvas.getContext("2d");
+    // In memory rather than on the graphics card: many thin lines are drawn faster there, and it is known
+    // how long they took.
+    const paper = canvas.getContext("2d", { willReadFrequently: true });
     if (!paper) return;
     const ratio = devicePixelRatio;
     drawLines(paper, this.#input.lines(), this.#input.marked(), this.range, this.#input.palette, ratio);
@@ -236,7 +242,8 @@ function drawLines(
       paper.lineTo(((xs[index] ?? NaN) - x0) * sx, height - ((ys[index] ?? NaN) - y0) * sy);
     }
   };
-  const order = marked === null ? lines : [...lines.filter(({ id }) => id !== marked), ...lines.filter(({ id }) => id === marked)];
+  const order =
+    marked === null ? lines : [...lines.filter(({ id }) => id !== marked), ...lines.filter(({ id }) => id === marked)];
   for (const line of order) {
     const isMarked = line.id === marked;
     paper.strokeStyle = colourOf(line.colour);

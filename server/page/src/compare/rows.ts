@@ -52,7 +52,8 @@ function resultColumn({ results }: Differences, key: string): TableColumn {
 function differenceColumn(key: string, label: string, values: unknown[], at: number): TableColumn {
   const base = values[at];
   const cells = values.map((value) => {
-    const part = typeof value === "number" && typeof base === "number" && base !== 0 ? (value - base) / Math.abs(base) : null;
+    const part =
+      typeof value === "number" && typeof base === "number" && base !== 0 ? (value - base) / Math.abs(base) : null;
     return { order: part, text: part === null ? "–" : percent(part), exact: part === null ? "" : String(part) };
   });
   return { key: `difference ${key}`, label: `Δ ${label}`, unit: "%", isNumber: true, cells };
@@ -64,7 +65,11 @@ function areaColumn(jobs: ComparedJob[], lines: Line[], base: Line, unit: string
     const line = byId.get(id);
     const area = line ? areaBetween(line, base) : NaN;
     const isKnown = Number.isFinite(area);
-    return { order: isKnown ? area : null, text: isKnown ? formatNumber(area) : "–", exact: isKnown ? String(area) : "" };
+    return {
+      order: isKnown ? area : null,
+      text: isKnown ? formatNumber(area) : "–",
+      exact: isKnown ? String(area) : "",
+    };
   });
   return { key: "area", label: "Area between the curves", unit, isNumber: true, cells };
 }

@@ -65,7 +65,11 @@ async fn create(
         let pointer = format!("/jobs/{place}");
         if !is_seen(id) {
             let violation = Violation::new(pointer, "unknown", "there is no such job");
-            violations.push(violation.value(id.to_string()).allowed("the id of a job that you see"));
+            violations.push(
+                violation
+                    .value(id.to_string())
+                    .allowed("the id of a job that you see"),
+            );
         } else if new.jobs[..place].contains(id) {
             let violation = Violation::new(pointer, "twice", "the job stands in the list already");
             violations.push(violation.value(id.to_string()).allowed("every job once"));

@@ -224,7 +224,10 @@ async fn as_csv(
     let kind = HeaderValue::from_static("text/csv; charset=utf-8");
     let named = HeaderValue::from_static("attachment; filename=\"curves.csv\"");
     Ok((
-        [(header::CONTENT_TYPE, kind), (header::CONTENT_DISPOSITION, named)],
+        [
+            (header::CONTENT_TYPE, kind),
+            (header::CONTENT_DISPOSITION, named),
+        ],
         body,
     )
         .into_response())

@@ -148,11 +148,13 @@ fn results(jobs: &[Compared]) -> Vec<ComparedResult> {
             values.or_insert_with(|| vec![None; jobs.len()])[place] = quantity.value;
         }
     }
-    let results = found.into_iter().map(|((name, unit), values)| ComparedResult {
-        name: name.to_owned(),
-        unit: unit.to_owned(),
-        values,
-    });
+    let results = found
+        .into_iter()
+        .map(|((name, unit), values)| ComparedResult {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            values,
+        });
     results.collect()
 }
 

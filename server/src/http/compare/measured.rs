@@ -48,11 +48,19 @@ fn reading(curve: &MeasuredCurve) -> Result<MeasuredReading, Violation> {
     };
     let Some(text) = &curve.csv else {
         let detail = "there is no text to read";
-        return Err(missing("/csv", detail, "the text of the file, or the file in base64"));
+        return Err(missing(
+            "/csv",
+            detail,
+            "the text of the file, or the file in base64",
+        ));
     };
     let Some(columns) = &curve.columns else {
         let detail = "it is not said which columns of the jobs were measured";
-        return Err(missing("/columns", detail, "names of two columns of curves"));
+        return Err(missing(
+            "/columns",
+            detail,
+            "names of two columns of curves",
+        ));
     };
     let read = curve.read_columns(text, columns.clone(), None)?;
     let (x, y) = read.points.into_iter().map(|[x, y]| (x, y)).unzip();

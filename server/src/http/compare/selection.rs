@@ -102,9 +102,14 @@ impl Selection {
             return Err(ApiError::busy("too many jobs are being compared", 5));
         };
         let filter = self.filter();
-        let ways = [self.jobs.is_some(), self.comparison.is_some(), filter.is_some()];
+        let ways = [
+            self.jobs.is_some(),
+            self.comparison.is_some(),
+            filter.is_some(),
+        ];
         if ways.iter().filter(|is_given| **is_given).count() != 1 {
-            let detail = "jobs are chosen in one of three ways: by id, by comparison, or by what they have";
+            let detail =
+                "jobs are chosen in one of three ways: by id, by comparison, or by what they have";
             let violation = Violation::new("", "one_choice", detail)
                 .allowed("jobs; comparison; or any of tag, project, q, kind, status, outcome");
             let refusal = ApiError::new(INVALID, "see what is wrong with it");
@@ -115,7 +120,10 @@ impl Selection {
         let (mut ids, mut more) = match (self.jobs, self.comparison) {
             (Some(Listed(ids)), _) => (ids, false),
             (_, Some(id)) => {
-                permit.call.ask_of_comparison(store, Action::Read, id).await?;
+                permit
+                    .call
+                    .ask_of_comparison(store, Action::Read, id)
+                    .await?;
                 (store.comparison_jobs(id).await?, false)
             }
             _ => (Vec::new(), false),
@@ -124,7 +132,9 @@ impl Selection {
             if permit.call.caller.identity != Identity::Sole {
                 filter.sight = Some(match filter.project {
                     Some(_) => sight.clone(),
-                    None => sight.clone().without_archived(&store.project_facts().await?),
+                    None => sight
+                        .clone()
+                        .without_archived(&store.project_facts().await?),
                 });
             }
             let page = store.jobs(&filter, None, MOST_COMPARED as u32).await?;

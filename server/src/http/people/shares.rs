@@ -46,7 +46,9 @@ async fn list(
 ) -> Result<Json<Page<ShareView>>> {
     let sight = permit.call.sight(&permit.store).await?;
     let person = permit.call.person()?.id;
-    let items = permit.store.shares(person, &sight, query.job, query.comparison);
+    let items = permit
+        .store
+        .shares(person, &sight, query.job, query.comparison);
     let items = items.await?;
     Ok(Json(Page::whole(items)))
 }

@@ -134,11 +134,12 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn comparison_jobs(&self, id: Uuid) -> Result<Vec<Uuid>> {
-        let jobs =
-            sqlx::query_scalar("SELECT job FROM comparison_jobs WHERE comparison = ? ORDER BY place")
-                .bind(id)
-                .fetch_all(self.reads())
-                .await?;
+        let jobs = sqlx::query_scalar(
+            "SELECT job FROM comparison_jobs WHERE comparison = ? ORDER BY place",
+        )
+        .bind(id)
+        .fetch_all(self.reads())
+        .await?;
         Ok(jobs)
     }
 
@@ -185,7 +186,9 @@ impl Store {
                 .execute(&mut change.connection)
                 .await?;
                 let row = ComparisonRow::of(&mut change.connection, id).await?;
-                change.audit("comparison.changed", Some(id), &row.name).await?;
+                change
+                    .audit("comparison.changed", Some(id), &row.name)
+                    .await?;
                 Ok(row.view())
             })
         })

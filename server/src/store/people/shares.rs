@@ -160,9 +160,7 @@ impl Store {
                 let missing = || StoreError::NotFound(format!("share link {id}"));
                 let (shown,) = revoked.ok_or_else(missing)?;
                 let detail = format!("link {id}");
-                change
-                    .audit("share.revoked", shown, &detail)
-                    .await
+                change.audit("share.revoked", shown, &detail).await
             })
         })
         .await
