@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::kinds::{JobKind, JobSpec, SpecVisitor};
 use crate::problem::Violation;
 use crate::results::results_of;
-use crate::schema::Checker;
+use crate::schema::{Checker, unit_at};
 use crate::spec_trait::Spec;
 use crate::violations::Violations;
 
@@ -14,6 +14,12 @@ use crate::violations::Violations;
 /// results that its jobs may have, with their units, in `x-results`.
 pub fn kind_schema(kind: JobKind) -> &'static Value {
     &kind_checker(kind).schema
+}
+
+/// Unit of the field of a kind's spec that the JSON pointer names; none where it has none or there is no
+/// such field.
+pub fn unit_of_field(kind: JobKind, pointer: &str) -> Option<&'static str> {
+    unit_at(kind_schema(kind), pointer)
 }
 
 impl JobSpec {
@@ -84,6 +90,15 @@ mod tests {
                 }
             });
         }
+    }
+
+    #[test]
+    fn a_field_of_a_spec_has_its_unit() {
+        let unit = |pointer| unit_of_field(JobKind::NonwovenTensile, pointer);
+        assert_eq!(unit("/bond/modulus_n"), Some("N"));
+        assert_eq!(unit("/fabric/lattice/spacing_mm/2"), Some("mm"));
+        assert_eq!(unit("/seed"), None);
+        assert_eq!(unit("/no/such/field_mm"), None);
     }
 
     fn each_field(node: &Value, see: &mut impl FnMut(&str, &Value)) {

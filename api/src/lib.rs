@@ -9,6 +9,7 @@ mod accuracy;
 pub mod allocations;
 mod calibration;
 mod changes;
+pub mod comparison;
 mod digest;
 mod disjoint_sets;
 mod earlier;
@@ -56,7 +57,7 @@ pub use job::{
     AttemptEnd, AttemptView, CurveView, JobLinks, JobOutcome, JobStatus, JobView, LogLine, Page,
     ReasonCode, SetAside, WorkerView,
 };
-pub use kind_schemas::kind_schema;
+pub use kind_schemas::{kind_schema, unit_of_field};
 pub use kinds::{Example, JobKind, JobSpec};
 pub use limits::{Excess, JobLimits, Limits, OVERRUN_FACTOR};
 pub use message::Message;

@@ -5,12 +5,14 @@ use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 
 use crate::allocations::AllocationReport;
+use crate::comparison::{ComparisonChanges, NewComparison};
 use crate::json::{parse, typed};
 use crate::people::{
     Acceptance, HandOver, NewGroup, NewInvitation, NewProject, NewShare, NewToken, NewWebhook,
     PasswordChange, PersonChanges, PersonLimits, ProjectChanges, RetentionRule, SignIn,
 };
 use crate::schema::Checker;
+use crate::spec::calibrate::MeasuredCurve;
 use crate::study::ParameterStudy;
 use crate::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, ProgressReport, ReleaseRequest,
@@ -60,6 +62,9 @@ messages!(
     AllocationReport,
     RetentionRule,
     NewWebhook,
+    NewComparison,
+    ComparisonChanges,
+    MeasuredCurve,
     ClaimRequest,
     ProgressReport,
     CompleteRequest,

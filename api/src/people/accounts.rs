@@ -36,6 +36,9 @@ pub struct CallerView {
     /// The project that a share link shows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub project: Option<Named>,
+    /// The comparison that a share link shows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Uuid>,
     /// Whether a share link shows files too.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub files: Option<bool>,

@@ -72,7 +72,7 @@ pub struct ProjectChanges {
     pub archived: Option<bool>,
 }
 
-/// `POST /v1/shares`: a link for one job or one project.
+/// `POST /v1/shares`: a link for one job, one project or one comparison.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewShare {
@@ -84,6 +84,10 @@ pub struct NewShare {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Uuid")]
     pub project: Option<Uuid>,
+    /// The comparison it shows, with its jobs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Uuid")]
+    pub comparison: Option<Uuid>,
     /// Whether files, snapshots and log are shown too.
     #[serde(default)]
     pub files: bool,
@@ -103,6 +107,7 @@ pub struct ShareView {
     pub id: Uuid,
     pub job: Option<Uuid>,
     pub project: Option<Uuid>,
+    pub comparison: Option<Uuid>,
     pub files: bool,
     /// Who made it.
     pub person: Named,

@@ -2,6 +2,7 @@
 import type { IncomingMessage, ServerResponse } from "node:http";
 import type { Plugin } from "vite";
 import type { Job } from "../src/api/types";
+import { curves, differences } from "./compareSamples";
 import {
   BALLAST_COLUMNS,
   ballastPoint,
@@ -115,6 +116,9 @@ export function mock(): Plugin {
           },
         ],
       };
+    if (first === "differences") return differences(url.searchParams);
+    if (first === "curves") return curves(url.searchParams);
+    if (first === "me") return { kind: "sole", accounts: false, scope: "everything" };
     if (first !== "jobs") return undefined;
     if (!id && method === "POST") return create(url, body);
     if (!id) return list(url);

@@ -18,6 +18,7 @@ const views = [
   ...(done ? [["done", `/jobs/${done}`]] : []),
   ...(ballast ? [["ballast", `/jobs/${ballast}`]] : []),
   ...(running ? [["running", `/jobs/${running}`]] : []),
+  ["compare", "/compare?tag=series&by=%2Fspec%2Fbond%2Fmodulus_n"],
   ["submit", "/submit"],
 ];
 const screens = [

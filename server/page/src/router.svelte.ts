@@ -5,6 +5,7 @@ export type Route =
   | { view: "jobs"; query: URLSearchParams }
   | { view: "job"; id: string }
   | { view: "submit"; query: URLSearchParams }
+  | { view: "compare"; id: string | null; query: URLSearchParams }
   | { view: "account" }
   | { view: "people" }
   | { view: "invitation" }
@@ -20,6 +21,7 @@ function read(): Route {
   const [first, id, ...more] = pathname.split("/").filter(Boolean);
   if (first === undefined || (first === "jobs" && id === undefined)) return { view: "jobs", query };
   if (first === "jobs" && id !== undefined && more.length === 0) return { view: "job", id };
+  if (first === "compare" && more.length === 0) return { view: "compare", id: id ?? null, query };
   if (first === "submit" && id === undefined) return { view: "submit", query };
   if (id === undefined && (first === "account" || first === "people")) return { view: first };
   if (id === undefined && (first === "invitation" || first === "shared")) return { view: first };

@@ -40,6 +40,9 @@ pub struct Person {
 pub struct Link {
     pub job: Option<Uuid>,
     pub project: Option<Uuid>,
+    pub comparison: Option<Uuid>,
+    /// The jobs of the comparison.
+    pub compared: Vec<Uuid>,
     pub shows_files: bool,
 }
 

@@ -24,6 +24,14 @@ pub struct JobFacts {
     pub project: Option<ProjectFacts>,
 }
 
+/// Whose a comparison is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ComparisonFacts {
+    pub id: Uuid,
+    pub owner: Option<Uuid>,
+    pub project: Option<ProjectFacts>,
+}
+
 impl ProjectFacts {
     /// Whether the caller sees the project and its jobs.
     pub(super) fn is_seen_by(&self, caller: &Caller) -> bool {
@@ -63,7 +71,7 @@ impl ProjectFacts {
 impl JobFacts {
     pub(super) fn is_seen_by(&self, caller: &Caller) -> bool {
         if let Identity::Link(link) = &caller.identity
-            && link.job == Some(self.id)
+            && (link.job == Some(self.id) || link.compared.contains(&self.id))
         {
             return true;
         }
@@ -86,5 +94,28 @@ impl JobFacts {
         caller
             .person()
             .is_some_and(|person| self.owner == Some(person.id))
+    }
+}
+
+impl ComparisonFacts {
+    pub(super) fn is_seen_by(&self, caller: &Caller) -> bool {
+        let project = self.project.as_ref();
+        match &caller.identity {
+            Identity::Sole => true,
+            Identity::Worker => false,
+            Identity::Link(link) => link.comparison == Some(self.id),
+            Identity::Person(person) => {
+                person.role == Role::Administrator
+                    || self.owner == Some(person.id)
+                    || project.is_some_and(|project| project.is_seen_by(caller))
+            }
+        }
+    }
+
+    pub(super) fn is_held_by(&self, caller: &Caller) -> bool {
+        let is_owner = |person: &super::Person| self.owner == Some(person.id);
+        let project = self.project.as_ref();
+        caller.person().is_some_and(is_owner)
+            || project.is_some_and(|project| project.is_held_by(caller))
     }
 }

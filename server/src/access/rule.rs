@@ -1,7 +1,7 @@
 //! The one rule.
 use loadframe_api::people::{Role, Scope};
 
-use super::{Caller, Identity, JobFacts, ProjectFacts};
+use super::{Caller, ComparisonFacts, Identity, JobFacts, ProjectFacts};
 
 /// What is to be done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +39,7 @@ pub enum Object<'a> {
     Lab,
     Job(&'a JobFacts),
     Project(&'a ProjectFacts),
+    Comparison(&'a ComparisonFacts),
 }
 
 /// Whether it may be done.
@@ -60,6 +61,7 @@ pub fn may(caller: &Caller, action: Action, object: Object) -> Verdict {
         Object::Lab => return Verdict::Yes,
         Object::Job(job) => (job.is_seen_by(caller), job.is_held_by(caller)),
         Object::Project(project) => (project.is_seen_by(caller), project.is_held_by(caller)),
+        Object::Comparison(of) => (of.is_seen_by(caller), of.is_held_by(caller)),
     };
     let is_held = is_held
         || matches!(caller.identity, Identity::Sole)

@@ -39,6 +39,8 @@ fn link(job: Option<Uuid>, project: Option<Uuid>, shows_files: bool) -> Caller {
         identity: Identity::Link(Link {
             job,
             project,
+            comparison: None,
+            compared: Vec::new(),
             shows_files,
         }),
         scope: Scope::Read,

@@ -11,8 +11,10 @@ pub struct Sight {
     pub everything: bool,
     /// All jobs of this person.
     pub owner: Option<Uuid>,
-    /// This job.
-    pub job: Option<Uuid>,
+    /// These jobs.
+    pub jobs: Vec<Uuid>,
+    /// This comparison.
+    pub comparison: Option<Uuid>,
     /// All jobs in these projects.
     pub projects: Vec<Uuid>,
     /// But no job in these.
@@ -49,8 +51,12 @@ impl Sight {
         Self {
             everything,
             owner: caller.person().map(|person| person.id),
-            job: match &caller.identity {
-                Identity::Link(link) => link.job,
+            jobs: match &caller.identity {
+                Identity::Link(link) => link.compared.iter().copied().chain(link.job).collect(),
+                _ => Vec::new(),
+            },
+            comparison: match &caller.identity {
+                Identity::Link(link) => link.comparison,
                 _ => None,
             },
             projects: match everything {
@@ -96,7 +102,10 @@ impl Sight {
         let is_among =
             |projects: &[Uuid]| project.is_some_and(|project| projects.contains(&project));
         let is_of = |person: Option<Uuid>| person.is_some() && person == owner;
-        (self.everything || is_of(self.owner) || self.job == Some(job) || is_among(&self.projects))
+        (self.everything
+            || is_of(self.owner)
+            || self.jobs.contains(&job)
+            || is_among(&self.projects))
             && !is_among(&self.not_in)
             && !is_of(self.not_of)
     }

@@ -183,7 +183,7 @@ fn rows(curve: &CurveView) -> String {
 }
 
 /// The shortest digits that read back as the same number, as in the files of a job.
-fn push_number(text: &mut String, value: f64) {
+pub(super) fn push_number(text: &mut String, value: f64) {
     use std::fmt::Write;
     let magnitude = value.abs();
     let written = if magnitude != 0.0 && !(1e-5..1e15).contains(&magnitude) {

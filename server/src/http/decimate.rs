@@ -5,38 +5,36 @@
 //! points need not be known: once the buckets are too many, neighbours are joined and the buckets
 //! to come are twice as long, so that memory stays that of the answer.
 
-type Point = Vec<f64>;
-
-/// A thinning under way.
+/// A thinning under way, of points that are lists of numbers.
 #[derive(Debug)]
-pub(super) struct Decimation {
+pub(super) struct Decimation<P> {
     most: usize,
     /// Points that every bucket but the last holds.
     length: usize,
-    buckets: Vec<Bucket>,
+    buckets: Vec<Bucket<P>>,
     /// For every column, the points of its smallest and largest value.
-    extremes: Vec<(Indexed, Indexed)>,
-    first: Option<Indexed>,
-    last: Option<Indexed>,
+    extremes: Vec<(Indexed<P>, Indexed<P>)>,
+    first: Option<Indexed<P>>,
+    last: Option<Indexed<P>>,
     count: usize,
 }
 
 /// A point and its place in the curve.
-type Indexed = (usize, Point);
+type Indexed<P> = (usize, P);
 
 #[derive(Debug)]
-struct Bucket {
-    low: Indexed,
-    high: Indexed,
+struct Bucket<P> {
+    low: Indexed<P>,
+    high: Indexed<P>,
     filled: usize,
 }
 
-impl Bucket {
-    fn take(&mut self, low: &Indexed, high: &Indexed, filled: usize) {
-        if height(&low.1) < height(&self.low.1) {
+impl<P: AsRef<[f64]> + Clone> Bucket<P> {
+    fn take(&mut self, low: &Indexed<P>, high: &Indexed<P>, filled: usize) {
+        if height(low.1.as_ref()) < height(self.low.1.as_ref()) {
             self.low.clone_from(low);
         }
-        if height(&high.1) > height(&self.high.1) {
+        if height(high.1.as_ref()) > height(self.high.1.as_ref()) {
             self.high.clone_from(high);
         }
         self.filled += filled;
@@ -47,7 +45,7 @@ fn height(point: &[f64]) -> f64 {
     point.get(1).copied().unwrap_or(0.0)
 }
 
-impl Decimation {
+impl<P: AsRef<[f64]> + Clone> Decimation<P> {
     /// Thins out to at most `most` points (at least 4).
     pub(super) fn new(most: usize) -> Self {
         Self {
@@ -62,16 +60,16 @@ impl Decimation {
     }
 
     /// Takes the next point.
-    pub(super) fn add(&mut self, point: Point) {
+    pub(super) fn add(&mut self, point: P) {
         let point = (self.count, point);
         self.count += 1;
         if self.first.is_none() {
             self.first = Some(point.clone());
             let both = || (point.clone(), point.clone());
-            self.extremes = point.1.iter().map(|_| both()).collect();
+            self.extremes = point.1.as_ref().iter().map(|_| both()).collect();
         }
         for (column, (low, high)) in self.extremes.iter_mut().enumerate() {
-            let value = |point: &Indexed| point.1.get(column).copied().unwrap_or(0.0);
+            let value = |point: &Indexed<P>| point.1.as_ref().get(column).copied().unwrap_or(0.0);
             if value(&point) < value(low) {
                 low.clone_from(&point);
             }
@@ -98,9 +96,9 @@ impl Decimation {
     }
 
     /// The points kept, in order.
-    pub(super) fn finish(mut self) -> Vec<Point> {
+    pub(super) fn finish(mut self) -> Vec<P> {
         // the ends and the extremes, the second column's before the others', may take half the room
-        let mut kept: Vec<Indexed> = Vec::new();
+        let mut kept: Vec<Indexed<P>> = Vec::new();
         let room = (self.most / 2).max(2);
         let looked_at = 1.min(self.extremes.len());
         self.extremes.rotate_left(looked_at);
@@ -128,8 +126,8 @@ impl Decimation {
 }
 
 /// Joins neighbouring buckets.
-fn join(buckets: &mut Vec<Bucket>) {
-    let mut joined: Vec<Bucket> = Vec::with_capacity(buckets.len() / 2 + 1);
+fn join<P: AsRef<[f64]> + Clone>(buckets: &mut Vec<Bucket<P>>) {
+    let mut joined: Vec<Bucket<P>> = Vec::with_capacity(buckets.len() / 2 + 1);
     for (index, bucket) in buckets.drain(..).enumerate() {
         match joined.last_mut() {
             Some(neighbour) if index % 2 == 1 => {
@@ -141,7 +139,7 @@ fn join(buckets: &mut Vec<Bucket>) {
     *buckets = joined;
 }
 
-fn sort(points: &mut Vec<Indexed>) {
+fn sort<P>(points: &mut Vec<Indexed<P>>) {
     points.sort_by_key(|(index, _)| *index);
     points.dedup_by_key(|(index, _)| *index);
 }
@@ -150,7 +148,7 @@ fn sort(points: &mut Vec<Indexed>) {
 mod tests {
     use super::*;
 
-    fn thinned(count: usize, most: usize, height: impl Fn(usize) -> f64) -> Vec<Point> {
+    fn thinned(count: usize, most: usize, height: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
         let mut decimation = Decimation::new(most);
         for index in 0..count {
             decimation.add(vec![

@@ -1,6 +1,6 @@
 //! REST, server-sent events and the lab page.
 //!
-//! One file for each resource: [`jobs`], [`events`], [`curve`], [`files`] and [`archive`],
+//! One file for each resource: [`jobs`], [`events`], [`curve`], [`compare`], [`files`] and [`archive`],
 //! [`kinds`], [`workers`], [`people`], the [`worker`] side, [`health`] and [`metrics`]. Every handler carries its
 //! part of the OpenAPI document, which [`openapi`] completes and [`docs`] shows to people. The [`guide`]
 //! tells what the tests are; both are [`sheet`]s of [`text`].
@@ -15,6 +15,7 @@ mod body;
 mod body_budget;
 mod bounded;
 mod checks;
+mod compare;
 mod conditional;
 mod curve;
 mod decimate;
@@ -62,6 +63,7 @@ fn routes() -> OpenApiRouter<AppState> {
         .merge(jobs::router())
         .merge(events::router())
         .merge(curve::router())
+        .merge(compare::router())
         .merge(files::router())
         .merge(archive::router())
         .merge(kinds::router())

@@ -55,6 +55,7 @@ impl Call {
             Verdict::Hidden => Err(match object {
                 Object::Job(job) => missing("job", job.id),
                 Object::Project(project) => missing("project", project.id),
+                Object::Comparison(comparison) => missing("comparison", comparison.id),
                 Object::Lab => ApiError::not_found("thing of this kind"),
             }),
         }
@@ -94,6 +95,19 @@ impl Call {
         self.ask(action, Object::Lab)?;
         let facts: JobFacts = store.job_facts(id).await?;
         self.ask(action, Object::Job(&facts))
+    }
+
+    /// Whether the caller may do this to the comparison; one that is not there is answered as a hidden one.
+    pub(super) async fn ask_of_comparison(
+        &self,
+        store: &Store,
+        action: Action,
+        id: Uuid,
+    ) -> Result<()> {
+        self.ask(action, Object::Lab)?;
+        let projects = store.project_facts().await?;
+        let facts = store.comparison_facts(id, projects).await?;
+        self.ask(action, Object::Comparison(&facts))
     }
 
     /// The project, where the caller may do this to it.

@@ -102,6 +102,11 @@ impl ApiError {
         self.problem.status
     }
 
+    /// Whether it says that something is not there.
+    pub(super) fn is_missing(&self) -> bool {
+        self.status() == NOT_FOUND.status
+    }
+
     /// With a header.
     pub fn with(mut self, name: HeaderName, value: HeaderValue) -> Self {
         self.headers.push((name, value));

@@ -18,6 +18,9 @@ use crate::webhooks::Addresses;
 /// Archives written at once, each until it has a piece to send: compressing takes a core each.
 const ARCHIVES_AT_ONCE: usize = 4;
 
+/// Comparisons read at once, each of which may take some tens of MB.
+const COMPARISONS_AT_ONCE: usize = 4;
+
 /// What all handlers share; a clone is another handle on the same.
 #[derive(Clone, Debug)]
 pub struct AppState {
@@ -32,6 +35,7 @@ pub struct AppState {
     pub(super) bodies: BodyBudget,
     pub(super) checks: Checks,
     pub(super) archives: Arc<Semaphore>,
+    pub(super) comparisons: Arc<Semaphore>,
     pub(super) announcements: Announcements,
     /// What batch systems give to workers.
     pub(super) allocations: AllocationReports,
@@ -49,6 +53,7 @@ impl AppState {
             bodies: BodyBudget::default(),
             checks: Checks::default(),
             archives: Arc::new(Semaphore::new(ARCHIVES_AT_ONCE)),
+            comparisons: Arc::new(Semaphore::new(COMPARISONS_AT_ONCE)),
             announcements: Announcements::default(),
             allocations: AllocationReports::default(),
         }

@@ -20,10 +20,26 @@ const COMPRESSION: i32 = 1;
 
 row! {
     #[derive(Debug)]
-    struct Block {
-        first: i64,
-        count: i64,
+    pub(super) struct Block {
+        pub(super) first: i64,
+        pub(super) count: i64,
         data: Vec<u8>,
+    }
+}
+
+impl Block {
+    /// Appends two of the block's columns.
+    pub(super) fn columns(
+        &self,
+        columns: usize,
+        chosen: [usize; 2],
+        points: &mut Vec<[f64; 2]>,
+    ) -> Result<()> {
+        let (bytes, count) = unpacked(self, columns)?;
+        let (values, _) = bytes.as_chunks::<8>();
+        let value = |column: usize, row: usize| f64::from_le_bytes(values[column * count + row]);
+        points.extend((0..count).map(|row| chosen.map(|column| value(column, row))));
+        Ok(())
     }
 }
 
@@ -258,13 +274,19 @@ fn encode(rows: &[Vec<f64>], columns: usize) -> Result<Vec<u8>> {
     zstd::bulk::compress(&bytes, COMPRESSION).map_err(StoreError::corrupt("curve"))
 }
 
-fn decode(block: &Block, columns: usize) -> Result<Vec<Vec<f64>>> {
+/// The numbers of a block, column after column, and how many each has.
+fn unpacked(block: &Block, columns: usize) -> Result<(Vec<u8>, usize)> {
     let count = usize::try_from(block.count).map_err(StoreError::corrupt("curve"))?;
     let size = count * columns * 8;
     let bytes = zstd::bulk::decompress(&block.data, size).map_err(StoreError::corrupt("curve"))?;
     if bytes.len() != size {
         return Err(StoreError::corrupt("curve")("a block of another size"));
     }
+    Ok((bytes, count))
+}
+
+fn decode(block: &Block, columns: usize) -> Result<Vec<Vec<f64>>> {
+    let (bytes, count) = unpacked(block, columns)?;
     let (values, _) = bytes.as_chunks::<8>();
     let row = |row: usize| {
         let value = |column: usize| f64::from_le_bytes(values[column * count + row]);

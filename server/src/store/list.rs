@@ -39,6 +39,8 @@ struct Words {
     /// Projects whose jobs are seen, and those whose are not, as JSON.
     seen_projects: String,
     unseen_projects: String,
+    /// Jobs that are seen one by one, as JSON.
+    seen_jobs: String,
     project: Option<Uuid>,
 }
 
@@ -150,6 +152,7 @@ impl Words {
             before: filter.created_before.map(Moment::of),
             seen_projects: projects(|sight| &sight.projects)?,
             unseen_projects: projects(|sight| &sight.not_in)?,
+            seen_jobs: projects(|sight| &sight.jobs)?,
             sight: filter.sight.clone(),
             project: filter.project,
         })
@@ -263,7 +266,10 @@ impl Words {
         if let Some(sight) = &self.sight {
             if !sight.everything {
                 query.push(" AND (j.owner = ").push_bind(sight.owner);
-                query.push(" OR j.id = ").push_bind(sight.job);
+                if !sight.jobs.is_empty() {
+                    query.push(" OR j.id IN (SELECT unhex(value) FROM json_each(");
+                    query.push_bind(self.seen_jobs.clone()).push("))");
+                }
                 query.push(" OR j.project IN (SELECT unhex(value) FROM json_each(");
                 query.push_bind(self.seen_projects.clone()).push(")))");
             }

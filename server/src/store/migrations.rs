@@ -26,6 +26,7 @@ migrations! {
     7 "matched work" "0007_matched_work.sql",
     8 "single sign-on" "0008_single_sign_on.sql",
     9 "order" "0009_order.sql",
+    10 "comparisons" "0010_comparisons.sql",
     12 "resumed curves" "0012_resumed_curves.sql",
 }
 

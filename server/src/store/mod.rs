@@ -11,9 +11,9 @@
 //! commit → answer. Reads go to pools of connections that cannot write, beside it: one for lists and
 //! results, one for what takes a moment and must not wait behind them.
 //!
-//! Lists are [`list`], jobs one by one [`jobs`]. The worker's side in the order of a job: [`claim`],
-//! of what [`choice`] decides, [`lease`] (heartbeats in [`pulses`]) with [`curve`] and [`log`], [`files`] and
-//! [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`],
+//! Lists are [`list`], jobs one by one [`jobs`], many side by side [`compared`]. The worker's side in the
+//! order of a job: [`claim`], of what [`choice`] decides, [`lease`] (heartbeats in [`pulses`]) with [`curve`] and
+//! [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`],
 //! [`ending`]; if the worker falls silent, [`sweep`]; if its machine is at fault, [`machines`]. Whose
 //! things are, and what was done by whom: [`people`].
 //!
@@ -28,6 +28,7 @@ mod checkpoints;
 mod choice;
 mod claim;
 mod collector;
+mod compared;
 mod curve;
 mod disk;
 mod encoding;
@@ -68,6 +69,7 @@ use tokio::sync::watch;
 
 pub use backup::{BackupReport, backup, restore};
 use blobs::Blobs;
+pub use compared::{Compared, CurvePart};
 use error::Result;
 pub use error::{Loss, StoreError};
 pub use events::StoredEvent;

@@ -110,7 +110,7 @@ pub struct JobFilter {
 
 impl JobFilter {
     /// Whether only the caller's sight narrows.
-    pub(super) fn narrows_nothing_else(&self) -> bool {
+    pub(crate) fn narrows_nothing_else(&self) -> bool {
         let Self {
             status,
             outcome,

@@ -2,6 +2,7 @@
 //! connections are what is tested.
 mod access;
 mod archive;
+mod compare;
 mod connections;
 mod curve;
 mod errors;

@@ -161,7 +161,19 @@ impl MeasuredCurve {
     /// # Errors
     /// What cannot be understood, with pointers into the curve.
     pub(super) fn read(&self, text: &str, job: &JobSpec) -> Result<Reading, Violation> {
-        let wanted = self.wanted(job)?;
+        self.read_columns(text, self.wanted(job)?, job.largest_strain())
+    }
+
+    /// Reads the text as these two columns of jobs' curves, of which the first gets to `reach`.
+    ///
+    /// # Errors
+    /// What cannot be understood, with pointers into the curve.
+    pub fn read_columns(
+        &self,
+        text: &str,
+        wanted: [String; 2],
+        reach: Option<f64>,
+    ) -> Result<Reading, Violation> {
         let none = CurveReading::default();
         let reading = self.reading.as_ref().unwrap_or(&none);
         let columns = [&reading.abscissa, &reading.ordinate].map(|column| ColumnHint {
@@ -174,7 +186,7 @@ impl MeasuredCurve {
             gauge_length_mm: reading.gauge_length_mm,
             preload: reading.preload,
             slack: reading.slack_between,
-            reach: job.largest_strain(),
+            reach,
         };
         let wanted = wanted.map(|name| Wanted { name });
         table::read(text, &wanted, &hints).map_err(violation)

@@ -148,15 +148,15 @@ async fn seen(
     Ok((Some(sight), format!("{jobs}-{access}-{}", who.simple())))
 }
 
-fn status_schema() -> Ref {
+pub(in crate::http) fn status_schema() -> Ref {
     Ref::from_schema_name("JobStatus")
 }
 
-fn outcome_schema() -> Ref {
+pub(in crate::http) fn outcome_schema() -> Ref {
     Ref::from_schema_name("JobOutcome")
 }
 
-fn kind_schema() -> Ref {
+pub(in crate::http) fn kind_schema() -> Ref {
     Ref::from_schema_name("JobKind")
 }
 

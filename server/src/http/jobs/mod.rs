@@ -16,6 +16,7 @@ use super::permit::{Change, JobPermit, Read};
 use super::problem::Result;
 use crate::store::UserAction;
 
+pub(super) use list::{kind_schema, outcome_schema, status_schema};
 pub(super) use submit::DryRun;
 
 pub(super) fn router() -> OpenApiRouter<AppState> {

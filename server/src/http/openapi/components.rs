@@ -1,5 +1,8 @@
 //! `#/components/schemas`: every type of the wire by name.
 use loadframe_api::allocations::{AllocationReport, Backlog, ReportedAllocations};
+use loadframe_api::comparison::{
+    ComparisonChanges, ComparisonView, Curves, Differences, MeasuredReading, NewComparison,
+};
 use loadframe_api::people::{
     Acceptance, Allowance, AuditEntry, CallerView, DiskUse, GroupView, HandOver, InvitationMade,
     InvitationView, NewGroup, NewInvitation, NewProject, NewShare, NewToken, NewWebhook,
@@ -7,6 +10,7 @@ use loadframe_api::people::{
     RetentionRule, RetentionView, SessionView, ShareMade, ShareView, SignIn, SignInBegun,
     SignInWays, TokenMade, TokenView, WebhookMade, WebhookView,
 };
+use loadframe_api::spec::calibrate::MeasuredCurve;
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,
     ProgressReport, ReleaseRequest, UploadedPart,
@@ -63,9 +67,9 @@ fn bodies() -> Map<String, Value> {
     body_schemas(|generator: &mut SchemaGenerator| {
         add!(generator: JobChanges, Envelope, SignIn, PasswordChange, NewInvitation, Acceptance,
             HandOver, NewGroup, NewProject, NewShare, NewToken, NewWebhook, PersonChanges,
-            PersonLimits, ProjectChanges, RetentionRule,
-            ClaimRequest, ProgressReport, CompleteRequest, FailRequest, FaultRequest,
-            ReleaseRequest, AllocationReport);
+            PersonLimits, ProjectChanges, RetentionRule, NewComparison, ComparisonChanges,
+            MeasuredCurve, ClaimRequest, ProgressReport, CompleteRequest, FailRequest,
+            FaultRequest, ReleaseRequest, AllocationReport);
     })
 }
 
@@ -79,7 +83,8 @@ fn answers() -> Map<String, Value> {
             Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
             Page<AuditEntry>, Backlog, Page<ReportedAllocations>, WaitingView, Allowance,
-            SignInWays, SignInBegun, RetentionView, Page<DiskUse>, WebhookMade, Page<WebhookView>);
+            SignInWays, SignInBegun, RetentionView, Page<DiskUse>, WebhookMade, Page<WebhookView>,
+            Differences, Curves, MeasuredReading, ComparisonView, Page<ComparisonView>);
     });
     for schema in schemas.values_mut() {
         let required = schema["required"].as_array().cloned().unwrap_or_default();

@@ -66,6 +66,7 @@ fn build() -> serde_json::Result<Value> {
         { "name": "Events", "description": "What happens, as it happens" },
         { "name": "Kinds", "description": "What can be tested" },
         { "name": "Workers", "description": "The machines that compute" },
+        { "name": "Comparing", "description": "Curves, specs and results of many jobs side by side, and comparisons kept under a name" },
         { "name": "People", "description": "Accounts, tokens, groups, projects, share links, the audit log" },
         { "name": "Worker", "description": "A worker's own side: it claims a job under a lease and writes under it until it ends" },
         { "name": "Service", "description": "Health, metrics, this document" },

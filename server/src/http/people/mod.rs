@@ -61,6 +61,7 @@ async fn me(State(state): State<AppState>, permit: Permit<Introduce>) -> Result<
         groups: Vec::new(),
         job: None,
         project: None,
+        comparison: None,
         files: None,
     };
     match &caller.identity {
@@ -82,6 +83,7 @@ async fn me(State(state): State<AppState>, permit: Permit<Introduce>) -> Result<
         Identity::Link(link) => {
             view.kind = CallerKind::Share;
             view.job = link.job;
+            view.comparison = link.comparison;
             view.files = Some(link.shows_files);
             let projects = state.store.projects().await?.into_iter();
             let mut shown = projects.filter(|project| Some(project.id) == link.project);

@@ -1,4 +1,4 @@
-//! `/v1/shares`: links that show one job or one project to whoever has them.
+//! `/v1/shares`: links that show one job, one project or one comparison to whoever has them.
 use axum::Json;
 use axum::extract::{Path, Query, State};
 use axum::http::StatusCode;
@@ -13,7 +13,7 @@ use uuid::Uuid;
 use super::super::AppState;
 use super::super::body::{JsonBody, message};
 use super::super::permit::{Change, ManageOwn, Permit};
-use super::super::problem::{ApiError, INVALID, Result};
+use super::super::problem::{ApiError, FORBIDDEN, INVALID, Result};
 use crate::access::Action;
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
@@ -29,6 +29,9 @@ struct ShareQuery {
     /// Only links to this job.
     #[param(value_type = Uuid, required = false)]
     job: Option<Uuid>,
+    /// Only links to this comparison.
+    #[param(value_type = Uuid, required = false)]
+    comparison: Option<Uuid>,
 }
 
 /// List share links
@@ -43,17 +46,21 @@ async fn list(
 ) -> Result<Json<Page<ShareView>>> {
     let sight = permit.call.sight(&permit.store).await?;
     let person = permit.call.person()?.id;
-    let items = permit.store.shares(person, &sight, query.job).await?;
+    let items = permit
+        .store
+        .shares(person, &sight, query.job, query.comparison);
+    let items = items.await?;
     Ok(Json(Page::whole(items)))
 }
 
 /// Make a share link
 ///
-/// Whoever has it reads that job, or the jobs of that project, and nothing else, without an account.
+/// Whoever has it reads that job, the jobs of that project or those of that comparison, and nothing else, without an
+/// account. Only what you may change can be shared: of a comparison, every job.
 #[utoipa::path(post, operation_id = "create_share", path = "/v1/shares", tag = "People",
     request_body(content = ref("#/components/schemas/NewShare"), description = "What it shows, and for how long"),
     responses((status = 201, description = "The link", body = ref("#/components/schemas/ShareMade")),
-              (status = 404, description = "There is no such job or project"),
+              (status = 404, description = "There is no such job, project or comparison"),
               (status = 408, description = "The body did not arrive in time"),
               (status = 413, description = "The body is too large"),
               (status = 415, description = "The body is not declared as JSON"),
@@ -65,28 +72,55 @@ async fn create(
 ) -> Result<(StatusCode, Json<ShareMade>)> {
     let new: NewShare = message(&state, body).await?;
     let person = permit.call.person()?.id;
-    match (new.job, new.project) {
-        (Some(job), None) => {
+    match (new.job, new.project, new.comparison) {
+        (Some(job), None, None) => {
             permit
                 .call
                 .ask_of_job(&state.store, Action::Change, job)
                 .await?;
         }
-        (None, Some(project)) => {
+        (None, Some(project), None) => {
             permit
                 .call
                 .ask_of_project(&state.store, Action::Change, project)
                 .await?;
         }
+        (None, None, Some(comparison)) => ask_of_all(&state, &permit, comparison).await?,
         _ => {
-            let violation = Violation::new("", "one_object", "a link shows one job or one project")
-                .allowed("one of: job, project");
+            let detail = "a link shows one job, one project or one comparison";
+            let violation = Violation::new("", "one_object", detail)
+                .allowed("one of: job, project, comparison");
             let refusal = ApiError::new(INVALID, "see what is wrong with it");
             return Err(refusal.violations(vec![violation]));
         }
     }
     let made = permit.store.create_share(person, new).await?;
     Ok((StatusCode::CREATED, Json(made)))
+}
+
+/// Whether the person may share the comparison: it is theirs to change, and so is every job in it.
+async fn ask_of_all(state: &AppState, permit: &Permit<Change>, comparison: Uuid) -> Result<()> {
+    let (call, store) = (&permit.call, &state.store);
+    call.ask_of_comparison(store, Action::Change, comparison)
+        .await?;
+    let mut foreign = 0_usize;
+    let jobs = store.comparison_jobs(comparison).await?;
+    for job in &jobs {
+        match call.ask_of_job(store, Action::Change, *job).await {
+            // one that is deleted shows nothing to anybody
+            Err(refusal) if refusal.is_missing() => {}
+            Err(_) => foreign += 1,
+            Ok(()) => {}
+        }
+    }
+    if foreign == 0 {
+        return Ok(());
+    }
+    let count = jobs.len();
+    let detail = format!(
+        "{foreign} of the {count} jobs of this comparison are shared with you to read; who may change them can share it"
+    );
+    Err(ApiError::new(FORBIDDEN, detail))
 }
 
 /// Take a share link back

@@ -89,6 +89,7 @@ impl Store {
                     let id = change.add_person(&name, Role::Administrator, &kept).await?;
                     sqlx::query(
                         "UPDATE jobs SET owner = ?1, project = (SELECT id FROM projects WHERE person = ?1);
+                         UPDATE comparisons SET owner = ?1;
                          UPDATE tokens SET person = ?1 WHERE person IS NULL AND scope <> 'worker'",
                     )
                     .bind(id)
@@ -164,6 +165,11 @@ impl Store {
                     .await?
                     .rows_affected();
                 sqlx::query("UPDATE projects SET person = ? WHERE person = ?")
+                    .bind(to)
+                    .bind(from)
+                    .execute(&mut change.connection)
+                    .await?;
+                sqlx::query("UPDATE comparisons SET owner = ? WHERE owner = ?")
                     .bind(to)
                     .bind(from)
                     .execute(&mut change.connection)

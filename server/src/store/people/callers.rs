@@ -84,6 +84,18 @@ row! {
 }
 
 row! {
+    struct LinkRow {
+        id: Uuid,
+        job: Option<Uuid>,
+        project: Option<Uuid>,
+        comparison: Option<Uuid>,
+        shows_files: bool,
+        expires_at: i64,
+        compared: String,
+    }
+}
+
+row! {
     struct FactsRow {
         owner: Option<Uuid>,
         project: Option<Uuid>,
@@ -282,29 +294,34 @@ impl Store {
     }
 
     async fn link_caller(&self, sha256: Option<&str>, id: Option<Uuid>) -> Result<Option<Caller>> {
-        type Row = (Uuid, Option<Uuid>, Option<Uuid>, bool, i64);
-        let row: Option<Row> = sqlx::query_as(
-            "SELECT s.id, s.job, s.project, s.shows_files, s.expires_at FROM shares s
+        let row: Option<LinkRow> = sqlx::query_as(
+            "SELECT s.id, s.job, s.project, s.comparison, s.shows_files, s.expires_at,
+                    (SELECT json_group_array(hex(job)) FROM comparison_jobs n
+                     WHERE n.comparison = s.comparison) AS compared
+             FROM shares s
              WHERE (s.secret_sha256 = ?1 OR s.id = ?2) AND s.revoked_at IS NULL AND s.expires_at > ?3
-               AND (s.job IS NULL OR EXISTS (SELECT 1 FROM jobs j WHERE j.id = s.job))",
+               AND (s.job IS NULL OR EXISTS (SELECT 1 FROM jobs j WHERE j.id = s.job))
+               AND (s.comparison IS NULL OR EXISTS
+                    (SELECT 1 FROM comparisons c WHERE c.id = s.comparison))",
         )
         .bind(sha256)
         .bind(id)
         .bind(Timestamp::now().as_millis())
         .fetch_optional(self.lookups())
         .await?;
-        Ok(
-            row.map(|(id, job, project, shows_files, expires_at)| Caller {
-                identity: Identity::Link(Link {
-                    job,
-                    project,
-                    shows_files,
-                }),
-                scope: Scope::Read,
-                credential: Credential::Link(id),
-                expires_at: Some(Timestamp(expires_at)),
+        let Some(row) = row else { return Ok(None) };
+        Ok(Some(Caller {
+            identity: Identity::Link(Link {
+                job: row.job,
+                project: row.project,
+                comparison: row.comparison,
+                compared: ids(&row.compared)?,
+                shows_files: row.shows_files,
             }),
-        )
+            scope: Scope::Read,
+            credential: Credential::Link(row.id),
+            expires_at: Some(Timestamp(row.expires_at)),
+        }))
     }
 
     /// Writes down that a credential was used, without making its request wait for the disk.

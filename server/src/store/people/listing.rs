@@ -18,13 +18,17 @@ impl Store {
         before: i64,
         count: u32,
     ) -> Result<Vec<i64>> {
-        // a link to one job
-        if let Some(job) = sight.job {
-            let seq = sqlx::query_scalar("SELECT seq FROM jobs WHERE id = ? AND seq < ?")
-                .bind(job)
-                .bind(before)
-                .fetch_all(self.reads())
-                .await?;
+        // a link to one job, or to those of a comparison
+        if !sight.jobs.is_empty() {
+            let seq = sqlx::query_scalar(
+                "SELECT seq FROM jobs WHERE id IN (SELECT unhex(value) FROM json_each(?)) AND seq < ?
+                 ORDER BY seq DESC LIMIT ?",
+            )
+            .bind(hex_names(&sight.jobs)?)
+            .bind(before)
+            .bind(count)
+            .fetch_all(self.reads())
+            .await?;
             return Ok(seq);
         }
         let seen_projects = sight.projects.iter().copied();

@@ -6,6 +6,7 @@
 mod accounts;
 mod audit;
 mod callers;
+mod comparisons;
 mod groups;
 mod identities;
 mod invitations;

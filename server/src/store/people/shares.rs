@@ -1,4 +1,4 @@
-//! Links that show one job or one project to whoever has them.
+//! Links that show one job, one project or one comparison to whoever has them.
 use loadframe_api::Timestamp;
 use loadframe_api::people::{Named, NewShare, ShareMade, ShareView};
 use uuid::Uuid;
@@ -18,6 +18,7 @@ row! {
         id: Uuid,
         job: Option<Uuid>,
         project: Option<Uuid>,
+        comparison: Option<Uuid>,
         shows_files: bool,
         person: Uuid,
         person_name: String,
@@ -38,6 +39,7 @@ impl ShareRow {
             id: self.id,
             job: self.job,
             project: self.project,
+            comparison: self.comparison,
             files: self.shows_files,
             person: Named {
                 id: self.person,
@@ -66,25 +68,30 @@ impl Store {
                     let now = change.now.as_millis();
                     let expires_at = now + i64::from(new.days) * DAY;
                     sqlx::query(
-                        "INSERT INTO shares (id, secret_sha256, job, project, shows_files, person,
-                                             created_at, expires_at)
-                         VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+                        "INSERT INTO shares (id, secret_sha256, job, project, comparison, shows_files,
+                                             person, created_at, expires_at)
+                         VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
                     )
                     .bind(id)
                     .bind(sha256)
                     .bind(new.job)
                     .bind(new.project)
+                    .bind(new.comparison)
                     .bind(new.files)
                     .bind(person)
                     .bind(now)
                     .bind(expires_at)
                     .execute(&mut change.connection)
                     .await?;
-                    let what = if new.job.is_some() { "job" } else { "project" };
+                    let what = match (new.job, new.project) {
+                        (Some(_), _) => "job",
+                        (_, Some(_)) => "project",
+                        _ => "comparison",
+                    };
                     let files = if new.files { "with" } else { "without" };
                     let detail = format!("link {id} to a {what}, {files} files");
                     change
-                        .audit("share.made", new.job.or(new.project), &detail)
+                        .audit("share.made", new.job.or(new.project).or(new.comparison), &detail)
                         .await?;
                     Ok(expires_at)
                 })
@@ -107,15 +114,18 @@ impl Store {
         person: Uuid,
         sight: &Sight,
         job: Option<Uuid>,
+        comparison: Option<Uuid>,
     ) -> Result<Vec<ShareView>> {
         let rows: Vec<ShareRow> = sqlx::query_as(
-            "SELECT s.id, s.job, s.project, s.shows_files, s.person, p.name AS person_name,
+            "SELECT s.id, s.job, s.project, s.comparison, s.shows_files, s.person, p.name AS person_name,
                     s.created_at, s.expires_at, s.revoked_at, s.uses, s.last_used_at, j.owner,
                     j.project AS job_project
              FROM shares s JOIN people p ON p.id = s.person LEFT JOIN jobs j ON j.id = s.job
-             WHERE (?1 IS NULL OR s.job = ?1) ORDER BY s.created_at DESC, s.id LIMIT 1000",
+             WHERE (?1 IS NULL OR s.job = ?1) AND (?2 IS NULL OR s.comparison = ?2)
+             ORDER BY s.created_at DESC, s.id LIMIT 1000",
         )
         .bind(job)
+        .bind(comparison)
         .fetch_all(self.reads())
         .await?;
         let is_theirs = |row: &ShareRow| {
@@ -135,11 +145,11 @@ impl Store {
     pub async fn revoke_share(&self, person: Uuid, is_administrator: bool, id: Uuid) -> Result<()> {
         self.write(move |change| {
             Box::pin(async move {
-                let revoked: Option<(Option<Uuid>, Option<Uuid>)> = sqlx::query_as(
+                let revoked: Option<(Option<Uuid>,)> = sqlx::query_as(
                     "UPDATE shares SET revoked_at = COALESCE(revoked_at, ?1)
                      WHERE id = ?2 AND (?3 OR person = ?4
                         OR EXISTS (SELECT 1 FROM jobs j WHERE j.id = shares.job AND j.owner = ?4))
-                     RETURNING job, project",
+                     RETURNING COALESCE(job, project, comparison)",
                 )
                 .bind(change.now.as_millis())
                 .bind(id)
@@ -148,11 +158,9 @@ impl Store {
                 .fetch_optional(&mut change.connection)
                 .await?;
                 let missing = || StoreError::NotFound(format!("share link {id}"));
-                let (job, project) = revoked.ok_or_else(missing)?;
+                let (shown,) = revoked.ok_or_else(missing)?;
                 let detail = format!("link {id}");
-                change
-                    .audit("share.revoked", job.or(project), &detail)
-                    .await
+                change.audit("share.revoked", shown, &detail).await
             })
         })
         .await
@@ -165,19 +173,19 @@ impl Store {
     pub async fn count_visit(&self, id: Uuid) -> Result<()> {
         self.write(move |change| {
             Box::pin(async move {
-                let shown: Option<(Option<Uuid>, Option<Uuid>)> = sqlx::query_as(
+                let shown: Option<(Option<Uuid>,)> = sqlx::query_as(
                     "UPDATE shares SET uses = uses + 1, last_used_at = ? WHERE id = ?
-                     RETURNING job, project",
+                     RETURNING COALESCE(job, project, comparison)",
                 )
                 .bind(change.now.as_millis())
                 .bind(id)
                 .fetch_optional(&mut change.connection)
                 .await?;
-                let Some((job, project)) = shown else {
+                let Some((shown,)) = shown else {
                     return Ok(());
                 };
                 let detail = format!("link {id}");
-                change.audit("share.read", job.or(project), &detail).await
+                change.audit("share.read", shown, &detail).await
             })
         })
         .await

@@ -133,6 +133,7 @@ pub(crate) fn to_job(job: Uuid, files: bool) -> NewShare {
     NewShare {
         job: Some(job),
         project: None,
+        comparison: None,
         files,
         days: 1,
     }

@@ -28,6 +28,8 @@ enum Class {
     /// Makes something of one's own.
     Make,
     ChangeProject,
+    ReadComparison,
+    ChangeComparison,
     ReadWorkers,
     ReadMetrics,
     ManageOwn,
@@ -44,15 +46,18 @@ const ROUTES: &[(Class, &[&str])] = &[
         "begin_sign_in", "end_sign_in"]),
     (Class::Introduce, &["read_me"]),
     (Class::ReadLab, &["list_jobs", "follow_jobs", "list_kinds", "read_kind", "read_kind_schema",
-        "list_examples", "list_projects", "read_my_limits"]),
+        "list_examples", "list_projects", "read_my_limits", "read_differences", "read_curves",
+        "read_curves_csv", "read_measured_curve", "list_comparisons"]),
     (Class::ReadJob, &["read_job", "read_curve", "read_curve_json", "read_curve_csv", "read_outcome",
         "follow_job", "read_waiting"]),
     (Class::ReadFiles, &["list_files", "download_file", "download_archive", "read_log"]),
     (Class::ChangeJob, &["change_job", "delete_job", "cancel_job", "pause_job", "resume_job",
         "retry_job"]),
-    (Class::Make, &["submit_job", "create_project", "create_share"]),
+    (Class::Make, &["submit_job", "create_project", "create_share", "create_comparison"]),
     (Class::ChangeProject, &["change_project", "read_retention", "set_retention",
         "undo_retention"]),
+    (Class::ReadComparison, &["read_comparison"]),
+    (Class::ChangeComparison, &["change_comparison", "delete_comparison"]),
     (Class::ReadWorkers, &["list_workers", "list_allocations"]),
     (Class::ReadMetrics, &["read_metrics"]),
     (Class::ManageOwn, &["list_sessions", "end_session", "change_password", "list_tokens",
@@ -100,8 +105,13 @@ fn expected(class: Class) -> Option<[&'static str; 12]> {
             "!!!!", "----", "+++0", "0+-0", "00-0", "+++0", "----", "+++0", "----", "----", "----",
             "!!!!",
         ],
-        // the projects of these jobs
-        Class::ChangeProject => [
+        // comparisons in the projects of these jobs; the links lead to a job
+        Class::ReadComparison => [
+            "!!!!", "0++0", "+++0", "0++0", "00+0", "+++0", "+++0", "+++0", "----", "0000", "0000",
+            "!!!!",
+        ],
+        // the projects of these jobs, and the comparisons in them
+        Class::ChangeProject | Class::ChangeComparison => [
             "!!!!", "----", "+++0", "0+-0", "00-0", "+++0", "----", "+++0", "----", "----", "----",
             "!!!!",
         ],
@@ -174,6 +184,9 @@ async fn every_route_has_a_row_and_every_row_a_route() {
     }
 }
 
+/// Ids of a job, of its project, and of a comparison in that project.
+type Object = [Uuid; 3];
+
 struct World {
     group: Group,
     callers: Vec<Option<Somebody>>,
@@ -211,7 +224,7 @@ impl World {
     }
 
     /// Fresh jobs, and links to the private one.
-    async fn objects(&mut self) -> [(Uuid, Uuid); 4] {
+    async fn objects(&mut self) -> [Object; 4] {
         let group = &self.group;
         let anna = &group.anna;
         let private = group.project(anna, Visibility::Private, None).await.id;
@@ -220,12 +233,15 @@ impl World {
             .await
             .id;
         let everyones = group.project(anna, Visibility::Everyone, None).await.id;
-        let mut objects = [(Uuid::from_u128(404), Uuid::from_u128(404)); 4];
+        let mut objects = [[Uuid::from_u128(404); 3]; 4];
         for (place, project) in [private, groups, everyones].into_iter().enumerate() {
-            objects[place] = (group.submit(anna, project).await, project);
+            let job = group.submit(anna, project).await;
+            let body = json!({ "name": "a", "jobs": [job], "project": project }).to_string();
+            let made = group.send(anna, "POST", "/v1/comparisons", &body).await;
+            objects[place] = [job, project, super::group::id_of(&made.json())];
         }
-        let link = group.link(anna, to_job(objects[0].0, false)).await.0;
-        let with_files = group.link(anna, to_job(objects[0].0, true)).await.0;
+        let link = group.link(anna, to_job(objects[0][0], false)).await.0;
+        let with_files = group.link(anna, to_job(objects[0][0], true)).await.0;
         self.callers[9] = Some(link);
         self.callers[10] = Some(with_files);
         objects
@@ -293,7 +309,10 @@ async fn everybody_gets_of_every_object_what_is_written() {
         let Some(rows) = expected(class) else {
             continue;
         };
-        let changes = matches!(class, Class::ChangeJob | Class::ChangeProject);
+        let changes = matches!(
+            class,
+            Class::ChangeJob | Class::ChangeProject | Class::ChangeComparison
+        );
         for (caller, row) in rows.into_iter().enumerate() {
             // what was changed by the one before is no longer what it was
             if changes && caller > 0 && rows[caller - 1].contains('+') {
@@ -301,9 +320,10 @@ async fn everybody_gets_of_every_object_what_is_written() {
             }
             let mut got = String::new();
             let mut missing = BTreeMap::new();
-            for (job, project) in objects {
+            for [job, project, comparison] in objects {
                 let (what, id) = match class {
                     Class::ChangeProject => ("project", project),
+                    Class::ReadComparison | Class::ChangeComparison => ("comparison", comparison),
                     _ => ("job", job),
                 };
                 let answer = world.ask(&operation, caller, id).await;

@@ -1,6 +1,6 @@
 //! People and sharing, over the router.
 mod accounts;
-mod group;
+pub(crate) mod group;
 mod issuer;
 mod limits;
 mod matrix;
