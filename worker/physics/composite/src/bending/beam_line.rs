@@ -61,7 +61,10 @@ fn of(model: &Model<'_>, tested: &Tested) -> Result<Option<Vec<f64>>, CompositeE
     let (Some(left), Some(right)) = (left, right) else {
         return Ok(None);
     };
-    let is_along = test.load.as_ref().is_some_and(|load| load.force_n[0] != 0.0);
+    let is_along = test
+        .load
+        .as_ref()
+        .is_some_and(|load| load.force_n[0] != 0.0);
     if is_along || !is_free(&supports.top) || !is_free(&supports.bottom) {
         return Ok(None);
     }
@@ -147,9 +150,7 @@ mod tests {
     }
 
     fn held(supports: &str, force_n: &str, on: &str) -> String {
-        format!(
-            r#""supports": {{{supports}}}, "load": {{"force_n": {force_n}, "on": {on}}}"#
-        )
+        format!(r#""supports": {{{supports}}}, "load": {{"force_n": {force_n}, "on": {on}}}"#)
     }
 
     const BOTH: &str = r#""left": "clamped", "right": "clamped""#;
