@@ -5,6 +5,7 @@ mod issuer;
 mod limits;
 mod matrix;
 mod order;
+mod proxy;
 mod secrets;
 mod sharing;
 mod single_sign_on;
