@@ -6,8 +6,8 @@ use serde::de::DeserializeOwned;
 
 use crate::json::{parse, typed};
 use crate::people::{
-    Acceptance, HandOver, NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange,
-    PersonChanges, ProjectChanges, SignIn,
+    Acceptance, HandOver, NewGroup, NewInvitation, NewProject, NewShare, NewToken, NewWebhook,
+    PasswordChange, PersonChanges, ProjectChanges, RetentionRule, SignIn,
 };
 use crate::schema::Checker;
 use crate::study::ParameterStudy;
@@ -55,6 +55,8 @@ messages!(
     NewProject,
     ProjectChanges,
     NewShare,
+    RetentionRule,
+    NewWebhook,
     ClaimRequest,
     ProgressReport,
     CompleteRequest,

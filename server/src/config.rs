@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use ipnet::IpNet;
 use loadframe_api::Limits;
 
 use crate::connections::{ConnectionLimits, TlsFiles};
@@ -29,6 +30,8 @@ pub struct ServeConfig {
     pub plain_sign_in: bool,
     /// Who vouches for people.
     pub single_sign_on: Option<Arc<SingleSignOn>>,
+    /// Networks of private addresses that webhooks may lead to.
+    pub webhook_networks: Vec<IpNet>,
     /// Names besides `localhost`, `127.0.0.1` and `[::1]` under which an open server answers.
     pub allowed_hosts: Vec<String>,
     /// How many connections there may be, and how long clients may take.
@@ -60,6 +63,7 @@ impl ServeConfig {
             worker_token: None,
             plain_sign_in: false,
             single_sign_on: None,
+            webhook_networks: Vec::new(),
             allowed_hosts: Vec::new(),
             connections: ConnectionLimits::default(),
             tls: None,

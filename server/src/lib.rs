@@ -12,6 +12,7 @@ pub mod queue;
 mod serve;
 pub mod single_sign_on;
 pub mod store;
+pub mod webhooks;
 
 pub use config::ServeConfig;
 pub use serve::{ServeError, serve};

@@ -10,6 +10,7 @@ use crate::config::{SHUTDOWN_GRACE, ServeConfig};
 use crate::connections::{Listening, Tls, TlsError};
 use crate::http::{self, AppState};
 use crate::store::{Store, StoreError};
+use crate::webhooks;
 
 /// Wait before a task that ended is started again.
 const BEFORE_RESTART: Duration = Duration::from_secs(1);
@@ -69,11 +70,18 @@ pub async fn serve(
         );
     }
     let stopping = state.stopping.clone();
-    let (scrubbed, filled) = (store.clone(), store.clone());
+    let (scrubbed, filled, ordered) = (store.clone(), store.clone(), store.clone());
     let sweeping = keep_up("sweeping", move || store.clone().keep_sweeping());
     let scrubbing = keep_up("scrubbing", move || scrubbed.clone().keep_scrubbing());
     let looking = keep_up("looking for room", move || {
         filled.clone().keep_looking_for_room()
+    });
+    let retaining = keep_up("applying rules of projects", move || {
+        ordered.clone().keep_retaining()
+    });
+    let (told, addresses) = (state.store.clone(), state.addresses.clone());
+    let telling = keep_up("telling webhooks", move || {
+        webhooks::keep_telling(told.clone(), addresses.clone())
     });
     let announcer = state.clone();
     let announcing = keep_up("announcing", move || announcer.announce());
@@ -84,7 +92,9 @@ pub async fn serve(
             "without --tls-certificate everybody between here and the clients can read tokens and results"
         );
     }
-    let mut tasks = vec![sweeping, scrubbing, looking, announcing, folding];
+    let mut tasks = vec![
+        sweeping, scrubbing, looking, retaining, telling, announcing, folding,
+    ];
     if let Some(tls) = tls.clone() {
         tasks.push(keep_up("renewing the certificate", move || {
             tls.clone().keep_renewed()

@@ -4,9 +4,11 @@
 //! who sees a project. What they allow together is decided by the server alone.
 mod accounts;
 mod audit;
+mod order;
 mod projects;
 mod sign_in;
 mod tokens;
+mod webhooks;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -17,11 +19,13 @@ pub use accounts::{
     PasswordChange, PersonChanges, PersonView, SessionView, SignIn,
 };
 pub use audit::AuditEntry;
+pub use order::{DiskUse, FileKind, FilesOfJobs, RetentionRule, RetentionView};
 pub use projects::{
     GroupView, NewGroup, NewProject, NewShare, ProjectChanges, ProjectView, ShareMade, ShareView,
 };
 pub use sign_in::{SignInBegun, SignInWays};
 pub use tokens::{NewToken, TokenMade, TokenView};
+pub use webhooks::{NewWebhook, WebhookEvent, WebhookMade, WebhookView};
 
 /// What a person may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
+use ipnet::IpNet;
 use loadframe_server::connections::{ConnectionLimits, TlsFiles};
 use loadframe_server::single_sign_on::SingleSignOn;
 use loadframe_server::store::StoreOptions;
@@ -35,6 +36,9 @@ pub(crate) struct ServerOptions {
     /// File that says who signs people in instead of passwords (see the guide, "Share in a group")
     #[arg(long, value_name = "FILE")]
     single_sign_on: Option<PathBuf>,
+    /// A network of private addresses that webhooks may lead to, such as 10.0.0.0/24
+    #[arg(long = "webhook-network", value_name = "NETWORK")]
+    webhook_networks: Vec<IpNet>,
     /// A further name under which a server without tokens answers
     #[arg(long = "allow-host", value_name = "NAME")]
     allowed_hosts: Vec<String>,
@@ -120,6 +124,7 @@ impl ServerOptions {
             worker_token: None,
             plain_sign_in: self.plain_sign_in,
             single_sign_on: single_sign_on.map(Arc::new),
+            webhook_networks: self.webhook_networks.clone(),
             allowed_hosts: self.allowed_hosts.clone(),
             connections: ConnectionLimits::with_places(self.connections.into()),
             tls: None,

@@ -178,7 +178,12 @@ async fn caller_of_proxy(
 ) -> Result<Option<Caller>> {
     let (issuer, subject) = (&vouched.issuer, &vouched.subject);
     let known = state.store.caller_by_identity(issuer, subject).await?;
-    let Some(sign_on) = state.access.single_sign_on.as_deref().filter(|_| known.is_none()) else {
+    let Some(sign_on) = state
+        .access
+        .single_sign_on
+        .as_deref()
+        .filter(|_| known.is_none())
+    else {
         return Ok(known);
     };
     let store = state.store.acting(trace.actor(None));
@@ -223,12 +228,7 @@ pub(super) fn cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> 
 
 impl Access {
     /// Counts the visit of a link.
-    pub(super) async fn note_visit(
-        &self,
-        state: &AppState,
-        caller: &Caller,
-        trace: &Trace,
-    ) {
+    pub(super) async fn note_visit(&self, state: &AppState, caller: &Caller, trace: &Trace) {
         let Credential::Link(id) = caller.credential else {
             return;
         };

@@ -88,6 +88,10 @@ pub fn router(state: AppState) -> Router {
         .layer(from_fn(metrics::count))
         .layer(from_fn(page::protect))
         // who makes a 5xx says so in the log himself, with its cause
-        .layer(TraceLayer::new_for_http().make_span_with(span).on_failure(()))
+        .layer(
+            TraceLayer::new_for_http()
+                .make_span_with(span)
+                .on_failure(()),
+        )
         .with_state(state)
 }

@@ -12,6 +12,7 @@ use super::checks::Checks;
 use super::events::Announcements;
 use crate::ServeConfig;
 use crate::store::Store;
+use crate::webhooks::Addresses;
 
 /// Archives written at once, each until it has a piece to send: compressing takes a core each.
 const ARCHIVES_AT_ONCE: usize = 4;
@@ -25,6 +26,8 @@ pub struct AppState {
     /// Cancelled when the server stops: whatever waits must end its wait.
     pub stopping: CancellationToken,
     pub(crate) access: Arc<Access>,
+    /// Where webhooks may lead.
+    pub(crate) addresses: Addresses,
     pub(super) bodies: BodyBudget,
     pub(super) checks: Checks,
     pub(super) archives: Arc<Semaphore>,
@@ -39,6 +42,7 @@ impl AppState {
             limits: config.limits,
             stopping: CancellationToken::new(),
             access: Arc::new(Access::new(config, address)),
+            addresses: Addresses::new(config.webhook_networks.clone()),
             bodies: BodyBudget::default(),
             checks: Checks::default(),
             archives: Arc::new(Semaphore::new(ARCHIVES_AT_ONCE)),

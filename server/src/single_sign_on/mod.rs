@@ -74,7 +74,11 @@ impl SingleSignOn {
 
     /// Whom a request's headers vouch for; nobody where they do not come from the proxy.
     pub fn vouched_by_proxy(&self, peer: Option<IpAddr>, headers: &HeaderMap) -> Option<Vouched> {
-        let proxy = self.settings.proxy.as_ref().filter(|_| self.is_proxy(peer))?;
+        let proxy = self
+            .settings
+            .proxy
+            .as_ref()
+            .filter(|_| self.is_proxy(peer))?;
         let text = |name: &str| {
             let mut values = headers.get_all(name).iter();
             let value = values.next()?.to_str().ok()?.trim();
@@ -82,7 +86,11 @@ impl SingleSignOn {
             (!value.is_empty() && values.next().is_none()).then(|| value.to_owned())
         };
         let subject = text(&proxy.user_header)?;
-        let groups = proxy.groups_header.as_deref().and_then(text).unwrap_or_default();
+        let groups = proxy
+            .groups_header
+            .as_deref()
+            .and_then(text)
+            .unwrap_or_default();
         Some(Vouched {
             issuer: PROXY.to_owned(),
             names: vec![subject.clone()],
@@ -121,12 +129,16 @@ mod tests {
             "proxy": { "addresses": ["10.0.0.0/24"], "email_header": "x-email", "groups_header": "x-groups" },
             "admit": [{ "everybody": true, "role": "member" }],
         });
-        SingleSignOn::new(serde_json::from_value(settings).expect("settings")).expect("good settings")
+        SingleSignOn::new(serde_json::from_value(settings).expect("settings"))
+            .expect("good settings")
     }
 
     fn headers(given: &[(&'static str, &str)]) -> HeaderMap {
         let pair = |(name, value): &(&'static str, &str)| {
-            (axum::http::HeaderName::from_static(name), value.parse().expect("a header"))
+            (
+                axum::http::HeaderName::from_static(name),
+                value.parse().expect("a header"),
+            )
         };
         let mut headers = HeaderMap::new();
         given.iter().map(pair).for_each(|(name, value)| {
@@ -138,8 +150,13 @@ mod tests {
     #[test]
     fn a_header_says_something_only_if_the_proxy_sent_it() {
         let sign_on = behind_a_proxy();
-        let given = headers(&[("x-forwarded-user", "anna"), ("x-email", "a@b.c"), ("x-groups", "x, y")]);
-        let by = |peer: &str| sign_on.vouched_by_proxy(Some(peer.parse().expect("an address")), &given);
+        let given = headers(&[
+            ("x-forwarded-user", "anna"),
+            ("x-email", "a@b.c"),
+            ("x-groups", "x, y"),
+        ]);
+        let by =
+            |peer: &str| sign_on.vouched_by_proxy(Some(peer.parse().expect("an address")), &given);
         let anna = by("10.0.0.9").expect("anna");
         assert_eq!((anna.subject.as_str(), anna.groups.len()), ("anna", 2));
         assert_eq!(by("::ffff:10.0.0.9"), Some(anna));
@@ -149,7 +166,10 @@ mod tests {
         let twice = headers(&[("x-forwarded-user", "anna"), ("x-forwarded-user", "ada")]);
         let peer = Some([10, 0, 0, 9].into());
         assert_eq!(sign_on.vouched_by_proxy(peer, &twice), None);
-        assert_eq!(sign_on.vouched_by_proxy(peer, &headers(&[("x-forwarded-user", " ")])), None);
+        assert_eq!(
+            sign_on.vouched_by_proxy(peer, &headers(&[("x-forwarded-user", " ")])),
+            None
+        );
     }
 
     #[test]
@@ -157,9 +177,14 @@ mod tests {
         let sign_on = behind_a_proxy();
         let of = |peer: [u8; 4], line: &str| {
             let given = headers(&[("x-forwarded-for", line)]);
-            sign_on.client_address(Some(peer.into()), &given).map(|of| of.to_string())
+            sign_on
+                .client_address(Some(peer.into()), &given)
+                .map(|of| of.to_string())
         };
-        assert_eq!(of([10, 0, 0, 9], "6.6.6.6, 192.0.2.7").as_deref(), Some("192.0.2.7"));
+        assert_eq!(
+            of([10, 0, 0, 9], "6.6.6.6, 192.0.2.7").as_deref(),
+            Some("192.0.2.7")
+        );
         assert_eq!(of([10, 0, 0, 9], "nonsense").as_deref(), Some("10.0.0.9"));
         assert_eq!(of([192, 0, 2, 1], "6.6.6.6").as_deref(), Some("192.0.2.1"));
     }

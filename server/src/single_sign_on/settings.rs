@@ -154,21 +154,34 @@ impl Settings {
     /// [`SettingsError::Field`].
     pub fn check(&self) -> Result<(), SettingsError> {
         if self.provider.is_none() && self.proxy.is_none() {
-            return Err(wrong("provider", "", "a provider, a proxy or both are needed"));
+            return Err(wrong(
+                "provider",
+                "",
+                "a provider, a proxy or both are needed",
+            ));
         }
         if let Some(provider) = &self.provider {
             provider.check()?;
         }
         if let Some(proxy) = &self.proxy {
             proxy.networks()?;
-            let headers = [Some(&proxy.user_header), proxy.email_header.as_ref(), proxy.groups_header.as_ref()];
+            let headers = [
+                Some(&proxy.user_header),
+                proxy.email_header.as_ref(),
+                proxy.groups_header.as_ref(),
+            ];
             for header in headers.into_iter().flatten() {
-                axum::http::HeaderName::try_from(header.as_str())
-                    .map_err(|_| wrong("proxy.user_header", header, "the name of a header of HTTP"))?;
+                axum::http::HeaderName::try_from(header.as_str()).map_err(|_| {
+                    wrong("proxy.user_header", header, "the name of a header of HTTP")
+                })?;
             }
         }
         for (index, rule) in self.admit.iter().enumerate() {
-            let given = [rule.email_domain.is_some(), rule.group.is_some(), rule.everybody];
+            let given = [
+                rule.email_domain.is_some(),
+                rule.group.is_some(),
+                rule.everybody,
+            ];
             if given.into_iter().filter(|is_given| *is_given).count() != 1 {
                 let allowed = "a rule has one of email_domain, group and everybody";
                 return Err(wrong(format!("admit[{index}]"), "", allowed));
@@ -176,7 +189,11 @@ impl Settings {
             let domain = rule.email_domain.as_deref();
             if let Some(domain) = domain.filter(|of| of.contains('@') || !of.contains('.')) {
                 let allowed = "the part of an address behind @, such as example.org";
-                return Err(wrong(format!("admit[{index}].email_domain"), domain, allowed));
+                return Err(wrong(
+                    format!("admit[{index}].email_domain"),
+                    domain,
+                    allowed,
+                ));
             }
         }
         Ok(())
@@ -194,26 +211,44 @@ impl Settings {
 
 impl Rule {
     fn fits(&self, vouched: &Vouched) -> bool {
-        let domain = vouched.email.as_deref().and_then(|email| email.rsplit_once('@'));
-        let is_of = |allowed: &String| domain.is_some_and(|(_, of)| of.eq_ignore_ascii_case(allowed));
+        let domain = vouched
+            .email
+            .as_deref()
+            .and_then(|email| email.rsplit_once('@'));
+        let is_of =
+            |allowed: &String| domain.is_some_and(|(_, of)| of.eq_ignore_ascii_case(allowed));
         self.everybody
             || self.email_domain.as_ref().is_some_and(is_of)
-            || self.group.as_ref().is_some_and(|group| vouched.groups.contains(group))
+            || self
+                .group
+                .as_ref()
+                .is_some_and(|group| vouched.groups.contains(group))
     }
 }
 
 impl ProviderSettings {
     fn check(&self) -> Result<(), SettingsError> {
         let allowed = "an address of https, or of http on this machine";
-        let issuer = Url::parse(&self.issuer).map_err(|_| wrong("provider.issuer", &self.issuer, allowed))?;
-        for (field, address) in [("provider.issuer", &issuer), ("provider.address", &self.address)] {
-            let is_here = matches!(address.host_str(), Some("localhost" | "127.0.0.1" | "[::1]"));
+        let issuer = Url::parse(&self.issuer)
+            .map_err(|_| wrong("provider.issuer", &self.issuer, allowed))?;
+        for (field, address) in [
+            ("provider.issuer", &issuer),
+            ("provider.address", &self.address),
+        ] {
+            let is_here = matches!(
+                address.host_str(),
+                Some("localhost" | "127.0.0.1" | "[::1]")
+            );
             if address.scheme() != "https" && !(address.scheme() == "http" && is_here) {
                 return Err(wrong(field, address, allowed));
             }
         }
         if self.address.path() != "/" {
-            return Err(wrong("provider.address", &self.address, "an address without a path"));
+            return Err(wrong(
+                "provider.address",
+                &self.address,
+                "an address without a path",
+            ));
         }
         Ok(())
     }
@@ -252,7 +287,8 @@ mod tests {
     use super::*;
 
     fn read(settings: &Value) -> Result<Settings, String> {
-        let settings: Settings = serde_json::from_value(settings.clone()).map_err(|error| error.to_string())?;
+        let settings: Settings =
+            serde_json::from_value(settings.clone()).map_err(|error| error.to_string())?;
         settings.check().map_err(|error| error.to_string())?;
         Ok(settings)
     }
@@ -271,12 +307,28 @@ mod tests {
     fn what_cannot_be_is_named() {
         read(&good()).expect("good settings");
         for (pointer, value, said) in [
-            ("/provider/issuer", json!("http://login.example.org"), "provider.issuer is"),
-            ("/provider/address", json!("https://lab.example.org/a"), "without a path"),
-            ("/proxy/addresses", json!(["10.0.0.0/33"]), "proxy.addresses is \"10.0.0.0/33\""),
+            (
+                "/provider/issuer",
+                json!("http://login.example.org"),
+                "provider.issuer is",
+            ),
+            (
+                "/provider/address",
+                json!("https://lab.example.org/a"),
+                "without a path",
+            ),
+            (
+                "/proxy/addresses",
+                json!(["10.0.0.0/33"]),
+                "proxy.addresses is \"10.0.0.0/33\"",
+            ),
             ("/proxy/addresses", json!([]), "at least one address"),
             ("/admit/0/everybody", json!(true), "admit[0]"),
-            ("/admit/1/email_domain", json!("@example.org"), "admit[1].email_domain"),
+            (
+                "/admit/1/email_domain",
+                json!("@example.org"),
+                "admit[1].email_domain",
+            ),
             ("/admit/1/role", json!("king"), "unknown variant `king`"),
         ] {
             let mut settings = good();
@@ -287,7 +339,11 @@ mod tests {
             let refused = read(&settings).expect_err(pointer);
             assert!(refused.contains(said), "{refused}");
         }
-        assert!(read(&json!({})).expect_err("nothing").contains("a provider, a proxy"));
+        assert!(
+            read(&json!({}))
+                .expect_err("nothing")
+                .contains("a provider, a proxy")
+        );
     }
 
     #[test]
@@ -302,10 +358,17 @@ mod tests {
             settings.admission(&vouched)
         };
         let anna = admission(Some("anna@Example.org"), &[]).expect("a member");
-        assert_eq!((anna.role, anna.groups), (Role::Member, vec!["Paper".to_owned()]));
+        assert_eq!(
+            (anna.role, anna.groups),
+            (Role::Member, vec!["Paper".to_owned()])
+        );
         let head = admission(Some("anna@example.org"), &["heads"]).expect("an administrator");
         assert_eq!(head.role, Role::Administrator);
-        for email in ["anna@evil.example", "anna@notexample.org", "anna@example.org.evil.example"] {
+        for email in [
+            "anna@evil.example",
+            "anna@notexample.org",
+            "anna@example.org.evil.example",
+        ] {
             assert_eq!(admission(Some(email), &["head"]), None, "{email}");
         }
         assert_eq!(admission(None, &[]), None);

@@ -18,7 +18,12 @@ pub struct Vouched {
 
 impl Vouched {
     /// By the claims of a token, and of what its issuer adds on being asked.
-    pub(super) fn by_claims(issuer: &str, subject: &str, claims: &[Value], groups_claim: &str) -> Self {
+    pub(super) fn by_claims(
+        issuer: &str,
+        subject: &str,
+        claims: &[Value],
+        groups_claim: &str,
+    ) -> Self {
         let text = |name: &str| {
             let found = claims.iter().find_map(|of| of.get(name)?.as_str());
             found.filter(|text| !text.is_empty()).map(str::to_owned)
@@ -28,12 +33,17 @@ impl Vouched {
             let is_verified = of.get("email_verified") == Some(&Value::Bool(true));
             of.get("email")?.as_str().filter(|_| is_verified)
         });
-        let groups = claims.iter().find_map(|of| of.get(groups_claim)?.as_array());
+        let groups = claims
+            .iter()
+            .find_map(|of| of.get(groups_claim)?.as_array());
         let groups = groups.into_iter().flatten().filter_map(Value::as_str);
         Self {
             issuer: issuer.to_owned(),
             subject: subject.to_owned(),
-            names: ["name", "preferred_username", "email"].iter().filter_map(|name| text(name)).collect(),
+            names: ["name", "preferred_username", "email"]
+                .iter()
+                .filter_map(|name| text(name))
+                .collect(),
             email: email.map(str::to_owned),
             groups: groups.map(str::to_owned).collect(),
         }
@@ -59,7 +69,9 @@ mod tests {
     #[test]
     fn an_address_that_is_not_verified_is_a_name_at_most() {
         let of = |claims: Value| Vouched::by_claims("https://i", "1", &[claims], "groups");
-        let anna = of(json!({ "name": "Anna", "email": "anna@example.org", "email_verified": true, "groups": ["a", 3] }));
+        let anna = of(
+            json!({ "name": "Anna", "email": "anna@example.org", "email_verified": true, "groups": ["a", 3] }),
+        );
         assert_eq!(anna.names, ["Anna", "anna@example.org"]);
         assert_eq!(anna.email.as_deref(), Some("anna@example.org"));
         assert_eq!(anna.groups, ["a"]);

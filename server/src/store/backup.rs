@@ -16,6 +16,7 @@ use tempfile::NamedTempFile;
 use super::blobs::{Loss, blocking, hash_of, sync_folder};
 use super::error::{Result, StoreError};
 use super::identity::{Mark, has_files};
+use super::people::WEBHOOK_KEY;
 use super::scrub::{Content, LostFile};
 
 const DATABASE: &str = "loadframe.db";
@@ -53,6 +54,7 @@ pub async fn backup(data: &Path, to: &Path) -> Result<BackupReport> {
         // perhaps their jobs were deleted after the database was taken
         missing.clone_from(&report.lost);
     }
+    copy_key(data, to)?;
     finish(to).await?;
     Ok(report)
 }
@@ -69,6 +71,7 @@ pub async fn restore(from: &Path, data: &Path, even_if_incomplete: bool) -> Resu
     take(&database, &data.join(PARTIAL)).await?;
     let report = copy_files(&data.join(PARTIAL), from, data).await?;
     if report.lost.is_empty() || even_if_incomplete {
+        copy_key(from, data)?;
         finish(data).await?;
     }
     Ok(report)
@@ -170,6 +173,15 @@ async fn copy(content: &Content, from: &Path, to: &Path) -> Result<Option<Loss>>
         Ok(None)
     })
     .await
+}
+
+/// Copies the key that secrets of webhooks follow from, where there is one.
+fn copy_key(from: &Path, to: &Path) -> Result<()> {
+    let [source, place] = [from, to].map(|data| data.join(WEBHOOK_KEY));
+    match std::fs::copy(&source, &place) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        copied => copied.map(|_| ()).map_err(StoreError::file(&source)),
+    }
 }
 
 /// Marks the files as the database's, and puts the database in its place.

@@ -98,7 +98,7 @@ impl Store {
              JOIN attempts a ON a.job = j.seq
                 AND a.number = COALESCE(r.attempt, CASE WHEN j.outcome IN ('failed', 'timed_out') THEN j.attempt END)
              JOIN attempt_files f ON f.attempt = a.seq
-             WHERE j.seq = ? ORDER BY f.name",
+             WHERE j.seq = ? AND f.removed_at IS NULL ORDER BY f.name",
         )
         .bind(job.seq)
         .fetch_all(&mut *snapshot)
@@ -130,7 +130,7 @@ impl Store {
              JOIN attempts a ON a.job = j.seq
                 AND a.number = COALESCE(r.attempt, CASE WHEN j.outcome IN ('failed', 'timed_out') THEN j.attempt END)
              JOIN attempt_files f ON f.attempt = a.seq
-             WHERE j.id = ? AND f.name = ?",
+             WHERE j.id = ? AND f.name = ? AND f.removed_at IS NULL",
         )
         .bind(id)
         .bind(name)

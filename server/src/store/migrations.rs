@@ -24,6 +24,7 @@ migrations! {
     5 "people" "0005_people.sql",
     6 "long queue" "0006_long_queue.sql",
     8 "single sign-on" "0008_single_sign_on.sql",
+    9 "order" "0009_order.sql",
 }
 
 pub(super) fn migrations() -> Migrator {
@@ -73,7 +74,9 @@ mod tests {
                 "1279b1c9613624d6",
                 "0db3a0d1a44e743a",
                 "123a8c73e88306c8",
-                "c65afbc9fc6604c3"
+                "c65afbc9fc6604c3",
+                "b11dab88d99dde32",
+                "75d99417d89a76b5"
             ]
         );
     }

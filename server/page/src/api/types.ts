@@ -7,6 +7,7 @@ export type Attempt = Schemas["AttemptView"];
 export type AuditEntry = Schemas["AuditEntry"];
 export type Caller = Schemas["CallerView"];
 export type Curve = Schemas["CurveView"];
+export type DiskUse = Schemas["DiskUse"];
 export type DryRun = Schemas["DryRun"];
 export type ErrorPart = Schemas["ErrorPart"];
 export type Example = Schemas["ExampleView"];
@@ -28,6 +29,7 @@ export type Problem = Schemas["Problem"];
 export type Project = Schemas["ProjectView"];
 export type QualityCheck = Schemas["QualityCheck"];
 export type Quantity = Schemas["Quantity"];
+export type Retention = Schemas["RetentionView"];
 export type Role = Schemas["Role"];
 export type Session = Schemas["SessionView"];
 export type Share = Schemas["ShareView"];
@@ -40,6 +42,9 @@ export type Version = Schemas["VersionView"];
 export type Violation = Schemas["Violation"];
 export type Visibility = Schemas["Visibility"];
 export type Warning = Schemas["Warning"];
+export type Webhook = Schemas["WebhookView"];
+export type WebhookEvent = Schemas["WebhookEvent"];
+export type WebhookMade = Schemas["WebhookMade"];
 export type Worker = Schemas["WorkerView"];
 
 /** A page of any list. */

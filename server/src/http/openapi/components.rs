@@ -1,10 +1,10 @@
 //! `#/components/schemas`: every type of the wire by name.
 use loadframe_api::people::{
-    Acceptance, AuditEntry, CallerView, GroupView, HandOver, InvitationMade, InvitationView,
-    NewGroup, NewInvitation, NewProject, NewShare, NewToken, PasswordChange, PersonChanges,
-    PersonView, ProjectChanges, ProjectView, SessionView, ShareMade, ShareView, SignIn, SignInBegun,
-    SignInWays, TokenMade,
-    TokenView,
+    Acceptance, AuditEntry, CallerView, DiskUse, GroupView, HandOver, InvitationMade,
+    InvitationView, NewGroup, NewInvitation, NewProject, NewShare, NewToken, NewWebhook,
+    PasswordChange, PersonChanges, PersonView, ProjectChanges, ProjectView, RetentionRule,
+    RetentionView, SessionView, ShareMade, ShareView, SignIn, SignInBegun, SignInWays, TokenMade,
+    TokenView, WebhookMade, WebhookView,
 };
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,
@@ -61,7 +61,7 @@ pub(super) fn schemas() -> Map<String, Value> {
 fn bodies() -> Map<String, Value> {
     body_schemas(|generator: &mut SchemaGenerator| {
         add!(generator: JobChanges, Envelope, SignIn, PasswordChange, NewInvitation, Acceptance,
-            PersonChanges, HandOver, NewToken, NewGroup, NewProject, ProjectChanges, NewShare,
+            PersonChanges, HandOver, NewToken, NewGroup, NewProject, ProjectChanges, NewShare, RetentionRule, NewWebhook,
             ClaimRequest, ProgressReport, CompleteRequest, FailRequest, FaultRequest,
             ReleaseRequest);
     })
@@ -76,7 +76,8 @@ fn answers() -> Map<String, Value> {
             Lease, HeartbeatAnswer, UploadedPart, CallerView, PersonView, Page<PersonView>,
             Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
-            Page<AuditEntry>, SignInWays, SignInBegun);
+            Page<AuditEntry>, SignInWays, SignInBegun, RetentionView, Page<DiskUse>,
+            WebhookMade, Page<WebhookView>);
     });
     for schema in schemas.values_mut() {
         let required = schema["required"].as_array().cloned().unwrap_or_default();

@@ -7,10 +7,12 @@ mod audit;
 mod groups;
 mod invitations;
 mod projects;
+mod retention;
 mod sessions;
 mod shares;
 mod sign_in;
 mod tokens;
+mod webhooks;
 
 use axum::Json;
 use axum::extract::State;
@@ -33,6 +35,8 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
         .merge(tokens::router())
         .merge(groups::router())
         .merge(projects::router())
+        .merge(retention::router())
+        .merge(webhooks::router())
         .merge(shares::router())
         .merge(audit::router())
 }

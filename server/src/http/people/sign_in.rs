@@ -75,7 +75,10 @@ async fn begin(
     let person = signed_in.and_then(|call| call.caller.person().map(|person| person.id));
     let (address, started) = provider.begin(person).await.map_err(|error| {
         tracing::error!(error = %chain(&error), "single sign-on cannot begin");
-        let detail = format!("{} does not answer; the server's log says more", provider.name());
+        let detail = format!(
+            "{} does not answer; the server's log says more",
+            provider.name()
+        );
         ApiError::later(BUSY, detail, 10)
     })?;
     let sealed = sign_on.seal().close(&started).unwrap_or_default();
@@ -128,7 +131,9 @@ async fn end(
             let mut actor = trace.actor(None);
             (actor.who, actor.person) = (name, Some(person));
             let store = state.store.acting(actor);
-            let session = store.open_session(person, provider.is_secure(), client).await?;
+            let session = store
+                .open_session(person, provider.is_secure(), client)
+                .await?;
             (place.to_owned(), Some(session))
         }
         Err(reason) => {
@@ -159,7 +164,8 @@ async fn arrive(
     returned: Returned,
 ) -> Result<std::result::Result<(Uuid, String, &'static str), &'static str>> {
     let name = if provider.is_secure() { SECURE } else { PLAIN };
-    let kept = cookie_of(headers, name).and_then(|text| sign_on.seal().open(text, Timestamp::now()));
+    let kept =
+        cookie_of(headers, name).and_then(|text| sign_on.seal().open(text, Timestamp::now()));
     let Some(started) = kept else {
         return Ok(Err("ended"));
     };
@@ -167,7 +173,10 @@ async fn arrive(
     if returned.state.map(|Text(state)| state).as_ref() != Some(&started.state) {
         return Ok(Err("ended"));
     }
-    if returned.iss.is_some_and(|Text(issuer)| !provider.is_issuer(&issuer)) {
+    if returned
+        .iss
+        .is_some_and(|Text(issuer)| !provider.is_issuer(&issuer))
+    {
         return Ok(Err("provider"));
     }
     let Some(Text(code)) = returned.code else {
@@ -182,8 +191,14 @@ async fn arrive(
     };
     let admission = sign_on.admission(&vouched);
     let store = state.store.acting(trace.actor(None));
-    let arrival = store.arrive(vouched.identity(), started.person, admission).await?;
-    let place = if started.person.is_some() { "/account" } else { "/" };
+    let arrival = store
+        .arrive(vouched.identity(), started.person, admission)
+        .await?;
+    let place = if started.person.is_some() {
+        "/account"
+    } else {
+        "/"
+    };
     Ok(match arrival {
         Arrival::Known(person, name) => Ok((person, name, place)),
         Arrival::NotAdmitted => Err("not_admitted"),
@@ -199,8 +214,13 @@ fn provider(state: &AppState) -> Result<(&SingleSignOn, &Provider)> {
 
 /// The cookie of a sign-in under way: the provider's page leads back here, so it may come from there.
 fn cookie(value: &str, lifetime_s: i64, is_secure: bool) -> Result<HeaderValue> {
-    let (name, secure) = if is_secure { (SECURE, " Secure;") } else { (PLAIN, "") };
-    let text = format!("{name}={value}; Path=/; HttpOnly;{secure} SameSite=Lax; Max-Age={lifetime_s}");
+    let (name, secure) = if is_secure {
+        (SECURE, " Secure;")
+    } else {
+        (PLAIN, "")
+    };
+    let text =
+        format!("{name}={value}; Path=/; HttpOnly;{secure} SameSite=Lax; Max-Age={lifetime_s}");
     HeaderValue::try_from(text).map_err(|error| ApiError::internal(&error))
 }
 

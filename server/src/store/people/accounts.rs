@@ -192,11 +192,12 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn password_of(&self, name: &str) -> Result<Option<(Uuid, Option<String>)>> {
-        let found =
-            sqlx::query_as("SELECT id, NULLIF(password, '') FROM people WHERE folded = ? AND left_at IS NULL")
-                .bind(folded(name.trim()))
-                .fetch_optional(self.lookups())
-                .await?;
+        let found = sqlx::query_as(
+            "SELECT id, NULLIF(password, '') FROM people WHERE folded = ? AND left_at IS NULL",
+        )
+        .bind(folded(name.trim()))
+        .fetch_optional(self.lookups())
+        .await?;
         Ok(found)
     }
 }
@@ -263,12 +264,13 @@ impl Change {
         Err(StoreError::Conflict(sentence.to_owned()))
     }
 
-    /// Ends the sessions, tokens and links of who leaves.
+    /// Ends the sessions, tokens, links and webhooks of who leaves.
     async fn end_access_of(&mut self, person: Uuid) -> Result<()> {
         for statement in [
             "DELETE FROM sessions WHERE person = ?1 AND ?2 = ?2",
             "UPDATE tokens SET revoked_at = ?2 WHERE person = ?1 AND revoked_at IS NULL",
             "UPDATE shares SET revoked_at = ?2 WHERE person = ?1 AND revoked_at IS NULL",
+            "UPDATE webhooks SET removed_at = ?2 WHERE person = ?1 AND removed_at IS NULL",
         ] {
             sqlx::query(statement)
                 .bind(person)

@@ -69,9 +69,11 @@ impl Store {
                 let offered = change.invitation_to(identity.email.as_deref()).await?;
                 let (role, groups, detail) = match (offered, admission) {
                     (Some((role, groups)), _) => (role, groups, "by an invitation"),
-                    (None, Some(rule)) => {
-                        (rule.role, change.groups_named(&rule.groups).await?, "by a rule")
-                    }
+                    (None, Some(rule)) => (
+                        rule.role,
+                        change.groups_named(&rule.groups).await?,
+                        "by a rule",
+                    ),
                     (None, None) => return Ok(Arrival::NotAdmitted),
                 };
                 let (id, name) = change.add_person_of(&identity, role).await?;
@@ -178,7 +180,10 @@ impl Change {
                 .await?;
             match found {
                 Some(id) => groups.push(id),
-                None => tracing::warn!(group = name, "single sign-on puts people into a group that is not there"),
+                None => tracing::warn!(
+                    group = name,
+                    "single sign-on puts people into a group that is not there"
+                ),
             }
         }
         Ok(groups)
@@ -192,7 +197,8 @@ impl Change {
             .filter_map(|name| clean_name("/name", name).ok());
         let names: Vec<String> = fit.collect();
         let first = names.first().map_or("Somebody", String::as_str).to_owned();
-        let numbered = (2..NAMES_TRIED).filter_map(|n| clean_name("/name", &format!("{first} {n}")).ok());
+        let numbered =
+            (2..NAMES_TRIED).filter_map(|n| clean_name("/name", &format!("{first} {n}")).ok());
         for name in names.iter().cloned().chain(numbered) {
             match self.add_person(&name, role, "").await {
                 Ok(id) => {

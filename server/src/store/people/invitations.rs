@@ -39,7 +39,13 @@ impl Store {
             None => None,
             Some(given) => Some(clean_email(given).ok_or_else(|| {
                 let detail = "this is not an e-mail address";
-                refused("/email", "email", detail, given, "an address such as anna@example.org")
+                refused(
+                    "/email",
+                    "email",
+                    detail,
+                    given,
+                    "an address such as anna@example.org",
+                )
             })?),
         };
         let secret = Secret::new("lfi_");

@@ -11,10 +11,13 @@ mod identities;
 mod invitations;
 mod listing;
 mod projects;
+mod retention;
 mod secret;
 mod sessions;
 mod shares;
+mod storage;
 mod tokens;
+mod webhooks;
 
 use loadframe_api::Violation;
 use uuid::Uuid;
@@ -24,7 +27,10 @@ use super::{Inner, Store};
 pub use audit::AuditFilter;
 pub use callers::AccessState;
 pub use identities::{Admission, Arrival, Identity};
+pub use retention::{ANNOUNCED, UNDOABLE};
 pub use sessions::NewSession;
+pub(super) use webhooks::WEBHOOK_KEY;
+pub use webhooks::{Due, DueEvent};
 
 /// Longest name of a person, group, project or token [characters].
 const LONGEST_NAME: usize = 60;
@@ -43,8 +49,13 @@ pub struct Actor {
 impl Actor {
     /// A command on the server's own machine.
     pub fn shell() -> Self {
+        Self::named("shell")
+    }
+
+    /// Nobody in particular, under a word of its own.
+    pub(super) fn named(who: &str) -> Self {
         Self {
-            who: "shell".to_owned(),
+            who: who.to_owned(),
             person: None,
             credential: None,
             request: None,

@@ -370,3 +370,34 @@ async fn tokens_are_made_and_ended_by_their_owner() {
     let everything = make(&group.ada, json!({ "name": "x", "scope": "everything" })).await;
     everything.problem(422, "invalid-request");
 }
+
+#[tokio::test]
+async fn a_name_that_nobody_has_takes_as_long_as_a_wrong_password() {
+    /// Medians of these are compared.
+    const GUESSES: u8 = 3;
+    /// Without the comparison against nobody's password it would be a hundredth.
+    const ALIKE: f64 = 3.0;
+    let group = Group::open().await;
+    let median = async |name: &str| {
+        let mut times = Vec::new();
+        for number in 0..GUESSES {
+            let body = json!({ "name": name, "password": format!("not the password {number}") });
+            let headers = [("origin", ORIGIN), ("host", "localhost:8400"), JSON];
+            let request = request("POST", "/v1/sessions", &headers, &body.to_string());
+            let begin = std::time::Instant::now();
+            let answer = group.lab.send(request).await;
+            times.push(begin.elapsed().as_secs_f64());
+            answer.problem(403, "wrong-password");
+        }
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    };
+    // the first one makes nobody's password
+    median("Nobody").await;
+    let (known, unknown) = (median("Anna").await, median("Somebody else").await);
+    let ratio = known / unknown;
+    assert!(
+        (1.0 / ALIKE..ALIKE).contains(&ratio),
+        "{known} s and {unknown} s"
+    );
+}

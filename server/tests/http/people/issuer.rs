@@ -101,7 +101,9 @@ impl Issuer {
     pub(crate) fn agree(&self, address: &str) -> BTreeMap<String, String> {
         let (to, query) = address.split_once('?').expect("a query");
         assert_eq!(to, format!("{}/authorize", self.address));
-        let asked: BTreeMap<String, String> = url::form_urlencoded::parse(query.as_bytes()).into_owned().collect();
+        let asked: BTreeMap<String, String> = url::form_urlencoded::parse(query.as_bytes())
+            .into_owned()
+            .collect();
         assert_eq!(asked["response_type"], "code");
         assert_eq!(asked["client_id"], CLIENT);
         assert_eq!(asked["code_challenge_method"], "S256");
@@ -111,7 +113,10 @@ impl Issuer {
         let code = format!("marked-code-{}", word.codes);
         word.code = Some((code.clone(), asked["code_challenge"].clone()));
         word.nonce = asked["nonce"].clone();
-        BTreeMap::from([("code".to_owned(), code), ("state".to_owned(), asked["state"].clone())])
+        BTreeMap::from([
+            ("code".to_owned(), code),
+            ("state".to_owned(), asked["state"].clone()),
+        ])
     }
 }
 
@@ -129,11 +134,16 @@ async fn keys(State(issuer): State<Issuer>) -> Json<Value> {
     let mut word = issuer.word();
     word.asked_for_keys += 1;
     let x = URL_SAFE_NO_PAD.encode(word.key.der_bytes());
-    Json(json!({ "keys": [{ "kty": "OKP", "crv": "Ed25519", "use": "sig", "alg": "EdDSA", "x": x,
-        "kid": word.key_id.to_string() }] }))
+    Json(
+        json!({ "keys": [{ "kty": "OKP", "crv": "Ed25519", "use": "sig", "alg": "EdDSA", "x": x,
+        "kid": word.key_id.to_string() }] }),
+    )
 }
 
-async fn token(State(issuer): State<Issuer>, Form(given): Form<BTreeMap<String, String>>) -> Response {
+async fn token(
+    State(issuer): State<Issuer>,
+    Form(given): Form<BTreeMap<String, String>>,
+) -> Response {
     let mut word = issuer.word();
     let is_right = word.code.take().is_some_and(|(code, challenge)| {
         // RFC 7636: the challenge is the hash of the verifier
@@ -144,7 +154,11 @@ async fn token(State(issuer): State<Issuer>, Form(given): Form<BTreeMap<String, 
         given["code"] == code && URL_SAFE_NO_PAD.encode(hash) == challenge
     });
     if !is_right {
-        return (StatusCode::BAD_REQUEST, Json(json!({ "error": "invalid_grant" }))).into_response();
+        return (
+            StatusCode::BAD_REQUEST,
+            Json(json!({ "error": "invalid_grant" })),
+        )
+            .into_response();
     }
     let now = Timestamp::now().as_millis() / 1000;
     let mut claims = json!({ "iss": issuer.address, "sub": "1", "aud": CLIENT, "iat": now, "exp": now + 60,
@@ -152,10 +166,15 @@ async fn token(State(issuer): State<Issuer>, Form(given): Form<BTreeMap<String, 
     for (name, value) in word.claims.as_object().expect("claims") {
         claims[name] = value.clone();
     }
-    claims.as_object_mut().expect("claims").retain(|_, value| !value.is_null());
+    claims
+        .as_object_mut()
+        .expect("claims")
+        .retain(|_, value| !value.is_null());
     let id_token = word.sign(&claims);
-    Json(json!({ "access_token": "marked-access-token", "token_type": "Bearer", "expires_in": 60,
-        "id_token": id_token }))
+    Json(
+        json!({ "access_token": "marked-access-token", "token_type": "Bearer", "expires_in": 60,
+        "id_token": id_token }),
+    )
     .into_response()
 }
 

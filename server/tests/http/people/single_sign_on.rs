@@ -21,9 +21,9 @@ const HOST: (&str, &str) = ("host", "localhost:8400");
 static CAME: AtomicU32 = AtomicU32::new(0);
 
 /// A group's server beside an issuer.
-struct House {
-    group: Group,
-    issuer: Issuer,
+pub(super) struct House {
+    pub(super) group: Group,
+    pub(super) issuer: Issuer,
     _secret: TempDir,
 }
 
@@ -34,7 +34,7 @@ fn lab_with(settings: Value) -> impl Future<Output = Lab> {
 }
 
 impl House {
-    async fn open(admit: Value) -> Self {
+    pub(super) async fn open(admit: Value) -> Self {
         let issuer = Issuer::open().await;
         let folder = TempDir::new().expect("a folder");
         let file = folder.path().join("secret");
@@ -52,22 +52,30 @@ impl House {
     }
 
     /// Begins as the page does: where the browser goes, and its cookie.
-    async fn begin(&self, by: Option<&Somebody>) -> (String, String) {
+    pub(super) async fn begin(&self, by: Option<&Somebody>) -> (String, String) {
         let mut headers = vec![("origin", ORIGIN), HOST];
         headers.extend(by.map(|of| (of.known_by.0, &*of.known_by.1)));
         let answer = request("POST", "/v1/sign-in/provider", &headers, "");
         let answer = self.group.lab.send(answer).await;
         assert_eq!(answer.status, 200, "{answer:?}");
         let cookie = answer.header("set-cookie").to_owned();
-        assert!(cookie.ends_with("; Path=/; HttpOnly; SameSite=Lax; Max-Age=600"), "{cookie}");
+        assert!(
+            cookie.ends_with("; Path=/; HttpOnly; SameSite=Lax; Max-Age=600"),
+            "{cookie}"
+        );
         let cookie = cookie.split(';').next().unwrap_or("").to_owned();
-        let address = answer.json()["address"].as_str().expect("an address").to_owned();
+        let address = answer.json()["address"]
+            .as_str()
+            .expect("an address")
+            .to_owned();
         (address, cookie)
     }
 
     /// Comes back with a query and a cookie.
-    async fn come_back(&self, query: &BTreeMap<String, String>, cookie: &str) -> Answer {
-        let query: String = url::form_urlencoded::Serializer::new(String::new()).extend_pairs(query).finish();
+    pub(super) async fn come_back(&self, query: &BTreeMap<String, String>, cookie: &str) -> Answer {
+        let query: String = url::form_urlencoded::Serializer::new(String::new())
+            .extend_pairs(query)
+            .finish();
         let path = format!("/v1/sign-in/provider?{query}");
         let headers = [("cookie", cookie), HOST, ("sec-fetch-site", "cross-site")];
         let mut request = request("GET", &path, &headers, "");
@@ -92,7 +100,12 @@ impl House {
         let answer = self.sign_on(None).await;
         match session_of(&answer) {
             Some(cookie) => {
-                let me = self.group.lab.get_with("/v1/me", &[("cookie", &cookie)]).await.json();
+                let me = self
+                    .group
+                    .lab
+                    .get_with("/v1/me", &[("cookie", &cookie)])
+                    .await
+                    .json();
                 Ok(me["person"]["name"].as_str().expect("a name").to_owned())
             }
             None => Err(answer.header("location").to_owned()),
@@ -100,8 +113,18 @@ impl House {
     }
 
     async fn invite(&self, email: &str, role: Role) {
-        let new = NewInvitation { role, groups: vec![self.group.paper], days: 1, email: Some(email.to_owned()) };
-        self.group.lab.store.invite(new).await.expect("an invitation");
+        let new = NewInvitation {
+            role,
+            groups: vec![self.group.paper],
+            days: 1,
+            email: Some(email.to_owned()),
+        };
+        self.group
+            .lab
+            .store
+            .invite(new)
+            .await
+            .expect("an invitation");
     }
 }
 
@@ -125,10 +148,17 @@ async fn who_may_come_in_is_invited_or_fits_a_rule() {
     ]);
     let house = House::open(admit).await;
     let lab = &house.group.lab;
-    assert_eq!(lab.get("/v1/sign-in").await.json(), json!({ "accounts": true, "provider": "University" }));
+    assert_eq!(
+        lab.get("/v1/sign-in").await.json(),
+        json!({ "accounts": true, "provider": "University" })
+    );
     let role = async |name: &str| {
         let people = house.group.get(&house.group.ada, "/v1/people").await.json();
-        let mut people = people["items"].as_array().expect("people").clone().into_iter();
+        let mut people = people["items"]
+            .as_array()
+            .expect("people")
+            .clone()
+            .into_iter();
         people.find(|of| of["name"] == name).expect("a person")["role"].clone()
     };
     // by the domain of a verified address, into a group that is there
@@ -144,7 +174,10 @@ async fn who_may_come_in_is_invited_or_fits_a_rule() {
     // an invitation is one person's, and goes before the rules
     house.invite(" Berta@Example.org ", Role::Member).await;
     let berta = json!({ "sub": "2", "name": "Anna Weber", "email": "berta@example.org", "email_verified": true });
-    assert_eq!(house.name_of(berta.clone()).await.as_deref(), Ok("berta@example.org"));
+    assert_eq!(
+        house.name_of(berta.clone()).await.as_deref(),
+        Ok("berta@example.org")
+    );
     assert_eq!(role("berta@example.org").await, "member");
     // a group that the issuer tells of on being asked
     house.issuer.word().more = json!({ "groups": ["heads"] });
@@ -159,16 +192,33 @@ async fn who_may_come_in_is_invited_or_fits_a_rule() {
         ("6", json!("eve@example.org"), json!(null)),
         ("7", json!(null), json!(null)),
     ] {
-        let claims = json!({ "sub": subject, "name": "Eve", "email": email, "email_verified": is_verified });
+        let claims =
+            json!({ "sub": subject, "name": "Eve", "email": email, "email_verified": is_verified });
         let refused = house.name_of(claims).await;
-        assert_eq!(refused, Err("/sign-in?refused=not_admitted".to_owned()), "{subject}");
+        assert_eq!(
+            refused,
+            Err("/sign-in?refused=not_admitted".to_owned()),
+            "{subject}"
+        );
     }
     // who has left stays away, though the provider knows them
     let people = lab.store.people().await.expect("people");
-    let left = people.iter().find(|of| of.name == "berta@example.org").expect("Berta");
-    let changes = PersonChanges { left: Some(true), ..PersonChanges::default() };
-    lab.store.change_person(left.id, changes).await.expect("changed");
-    assert_eq!(house.name_of(berta).await, Err("/sign-in?refused=not_admitted".to_owned()));
+    let left = people
+        .iter()
+        .find(|of| of.name == "berta@example.org")
+        .expect("Berta");
+    let changes = PersonChanges {
+        left: Some(true),
+        ..PersonChanges::default()
+    };
+    lab.store
+        .change_person(left.id, changes)
+        .await
+        .expect("changed");
+    assert_eq!(
+        house.name_of(berta).await,
+        Err("/sign-in?refused=not_admitted".to_owned())
+    );
     // and nobody has a password that they did not choose
     for password in ["", " ", PASSWORD] {
         let answer = sign_in(lab, ORIGIN, "Anna Weber", password).await;
@@ -240,13 +290,30 @@ async fn an_answer_belongs_to_one_browser_and_one_question() {
     };
     assert_eq!(place(&query, "").await, "/sign-in?refused=ended");
     assert_eq!(place(&query, &others).await, "/sign-in?refused=ended");
-    assert_eq!(place(&query, &format!("{cookie}x")).await, "/sign-in?refused=ended");
-    assert_eq!(place(&with("state", "x"), &cookie).await, "/sign-in?refused=ended");
-    assert_eq!(place(&without("state"), &cookie).await, "/sign-in?refused=ended");
-    assert_eq!(place(&without("code"), &cookie).await, "/sign-in?refused=denied");
-    assert_eq!(place(&with("iss", "https://evil.example"), &cookie).await, "/sign-in?refused=provider");
+    assert_eq!(
+        place(&query, &format!("{cookie}x")).await,
+        "/sign-in?refused=ended"
+    );
+    assert_eq!(
+        place(&with("state", "x"), &cookie).await,
+        "/sign-in?refused=ended"
+    );
+    assert_eq!(
+        place(&without("state"), &cookie).await,
+        "/sign-in?refused=ended"
+    );
+    assert_eq!(
+        place(&without("code"), &cookie).await,
+        "/sign-in?refused=denied"
+    );
+    assert_eq!(
+        place(&with("iss", "https://evil.example"), &cookie).await,
+        "/sign-in?refused=provider"
+    );
     // the right one, once
-    let right = house.come_back(&with("iss", &house.issuer.address), &cookie).await;
+    let right = house
+        .come_back(&with("iss", &house.issuer.address), &cookie)
+        .await;
     assert_eq!(right.header("location"), "/");
     assert!(session_of(&right).is_some());
     assert_eq!(place(&query, &cookie).await, "/sign-in?refused=provider");
@@ -256,7 +323,10 @@ async fn an_answer_belongs_to_one_browser_and_one_question() {
 async fn who_is_signed_in_gives_an_identity_to_their_account() {
     let house = House::open(json!([])).await;
     let group = &house.group;
-    assert_eq!(house.name_of(anna()).await, Err("/sign-in?refused=not_admitted".to_owned()));
+    assert_eq!(
+        house.name_of(anna()).await,
+        Err("/sign-in?refused=not_admitted".to_owned())
+    );
     let linked = house.sign_on(Some(&group.bert)).await;
     assert_eq!(linked.header("location"), "/account");
     assert_eq!(house.name_of(anna()).await.as_deref(), Ok("Bert"));
@@ -273,10 +343,16 @@ async fn single_sign_on_begins_on_the_servers_own_page_only() {
     let lab = &house.group.lab;
     let path = "/v1/sign-in/provider";
     let foreign = [("origin", "https://evil.example"), HOST];
-    lab.send(request("POST", path, &foreign, "")).await.problem(403, "foreign-origin");
-    lab.send(request("POST", path, &[HOST], "")).await.problem(403, "foreign-origin");
+    lab.send(request("POST", path, &foreign, ""))
+        .await
+        .problem(403, "foreign-origin");
+    lab.send(request("POST", path, &[HOST], ""))
+        .await
+        .problem(403, "foreign-origin");
     let sole = Lab::open().await;
-    sole.send(request("POST", path, &[("origin", ORIGIN), HOST], "")).await.problem(409, "conflict");
+    sole.send(request("POST", path, &[("origin", ORIGIN), HOST], ""))
+        .await
+        .problem(409, "conflict");
     let group = Group::open().await;
     let answer = request("POST", path, &[("origin", ORIGIN), HOST], "");
     group.lab.send(answer).await.problem(404, "not-found");
@@ -292,7 +368,11 @@ async fn guessing_answers_is_slowed_down() {
     }
     let slow = house.group.lab.get_with(path, &headers).await;
     slow.problem(429, "too-many-guesses");
-    assert!(slow.header("retry-after").parse::<u32>().is_ok_and(|wait| wait <= 61));
+    assert!(
+        slow.header("retry-after")
+            .parse::<u32>()
+            .is_ok_and(|wait| wait <= 61)
+    );
 }
 
 #[tokio::test]
@@ -302,42 +382,98 @@ async fn a_proxy_signs_people_in_and_nobody_else_by_its_header() {
         "admit": [{ "email_domain": "example.org", "role": "member" }],
     });
     let group = Group::of(lab_with(settings).await).await;
-    let ask = async |peer: [u8; 4], method: &str, path: &str, headers: &[(&str, &str)], body: &str| {
-        let mut request = request(method, path, headers, body);
-        request.extensions_mut().insert(ConnectInfo(SocketAddr::from((peer, 40_000))));
-        group.lab.send(request).await
-    };
-    let dora = [("x-forwarded-user", "dora"), ("x-forwarded-email", "dora@example.org")];
+    let ask =
+        async |peer: [u8; 4], method: &str, path: &str, headers: &[(&str, &str)], body: &str| {
+            let mut request = request(method, path, headers, body);
+            request
+                .extensions_mut()
+                .insert(ConnectInfo(SocketAddr::from((peer, 40_000))));
+            group.lab.send(request).await
+        };
+    let dora = [
+        ("x-forwarded-user", "dora"),
+        ("x-forwarded-email", "dora@example.org"),
+    ];
     let proxy = [10, 1, 2, 3];
     // from elsewhere the header says nothing
     for peer in [[10, 2, 0, 1], [127, 0, 0, 1]] {
-        ask(peer, "GET", "/v1/me", &dora, "").await.problem(401, "sign-in-needed");
+        ask(peer, "GET", "/v1/me", &dora, "")
+            .await
+            .problem(401, "sign-in-needed");
     }
     let me = ask(proxy, "GET", "/v1/me", &dora, "").await.json();
-    assert_eq!((&me["person"]["name"], &me["scope"]), (&json!("dora"), &Value::Null));
-    let eve = [("x-forwarded-user", "eve"), ("x-forwarded-email", "eve@evil.example")];
-    ask(proxy, "GET", "/v1/me", &eve, "").await.problem(403, "not-allowed");
+    assert_eq!(
+        (&me["person"]["name"], &me["scope"]),
+        (&json!("dora"), &Value::Null)
+    );
+    let eve = [
+        ("x-forwarded-user", "eve"),
+        ("x-forwarded-email", "eve@evil.example"),
+    ];
+    ask(proxy, "GET", "/v1/me", &eve, "")
+        .await
+        .problem(403, "not-allowed");
     // the header comes along by itself, as a cookie does
     let body = json!({ "name": "a project", "visibility": "private" }).to_string();
     let mut headers = dora.to_vec();
     headers.push(JSON);
-    ask(proxy, "POST", "/v1/projects", &headers, &body).await.problem(403, "foreign-origin");
+    ask(proxy, "POST", "/v1/projects", &headers, &body)
+        .await
+        .problem(403, "foreign-origin");
     headers.extend([("origin", ORIGIN), HOST]);
-    assert_eq!(ask(proxy, "POST", "/v1/projects", &headers, &body).await.status, 201);
-    ask(proxy, "DELETE", "/v1/sessions/current", &headers, "").await.problem(403, "not-allowed");
+    assert_eq!(
+        ask(proxy, "POST", "/v1/projects", &headers, &body)
+            .await
+            .status,
+        201
+    );
+    ask(proxy, "DELETE", "/v1/sessions/current", &headers, "")
+        .await
+        .problem(403, "not-allowed");
     // with the next request after they have left
     let people = group.lab.store.people().await.expect("people");
     let dora_here = people.iter().find(|of| of.name == "dora").expect("Dora").id;
-    let changes = PersonChanges { left: Some(true), ..PersonChanges::default() };
-    group.lab.store.change_person(dora_here, changes).await.expect("changed");
-    ask(proxy, "GET", "/v1/me", &dora, "").await.problem(403, "not-allowed");
+    let changes = PersonChanges {
+        left: Some(true),
+        ..PersonChanges::default()
+    };
+    group
+        .lab
+        .store
+        .change_person(dora_here, changes)
+        .await
+        .expect("changed");
+    ask(proxy, "GET", "/v1/me", &dora, "")
+        .await
+        .problem(403, "not-allowed");
     // the audit log and the limits of guesses know who sent it to the proxy
-    let mut wrong = vec![("x-forwarded-for", "192.0.2.9"), ("origin", ORIGIN), HOST, JSON];
+    let mut wrong = vec![
+        ("x-forwarded-for", "192.0.2.9"),
+        ("origin", ORIGIN),
+        HOST,
+        JSON,
+    ];
     let body = json!({ "name": "Anna", "password": "wrong" }).to_string();
     for number in 0..12 {
-        let answer = ask(proxy, "POST", "/v1/sessions", &wrong, &body.replace("Anna", &format!("{number}"))).await;
-        assert_eq!(answer.status, if number < 10 { 403 } else { 429 }, "{number}");
+        let answer = ask(
+            proxy,
+            "POST",
+            "/v1/sessions",
+            &wrong,
+            &body.replace("Anna", &format!("{number}")),
+        )
+        .await;
+        assert_eq!(
+            answer.status,
+            if number < 10 { 403 } else { 429 },
+            "{number}"
+        );
     }
     wrong[0].1 = "192.0.2.10";
-    assert_eq!(ask(proxy, "POST", "/v1/sessions", &wrong, &body).await.status, 403);
+    assert_eq!(
+        ask(proxy, "POST", "/v1/sessions", &wrong, &body)
+            .await
+            .status,
+        403
+    );
 }

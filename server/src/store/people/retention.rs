@@ -1,0 +1,344 @@
+//! What of a project's old jobs is removed: snapshots before curves, never the outcome.
+//!
+//! A rule is announced before it is in force. What it removes is hidden at once and gone for good only
+//! later; until then all of it can be brought back.
+use loadframe_api::Timestamp;
+use loadframe_api::people::{FilesOfJobs, RetentionRule, RetentionView};
+use sqlx::sqlite::SqliteConnection;
+use uuid::Uuid;
+
+use super::super::Store;
+use super::super::error::Result;
+use super::super::writer::Change;
+use super::invitations::DAY;
+use super::{Actor, refused};
+
+/// A rule removes nothing for so long after it was set [ms].
+pub const ANNOUNCED: i64 = 7 * DAY;
+/// What was removed can be brought back for so long [ms].
+pub const UNDOABLE: i64 = 14 * DAY;
+/// Jobs cleared, and files forgotten, in one change: others wait for it.
+const AT_ONCE: u32 = 200;
+/// How often rules are applied.
+const EVERY: std::time::Duration = std::time::Duration::from_secs(3600);
+
+/// How far a job is cleared, the kinds of files that go with it, and their days in a rule.
+type Step = (u32, &'static str, fn(&RetentionRule) -> Option<u32>);
+const STEPS: [Step; 2] = [
+    (1, "snapshots", |rule| rule.snapshots_days),
+    (2, "curves", |rule| rule.curves_days),
+];
+
+fn check(rule: &RetentionRule) -> Result<()> {
+    let Some(curves) = rule.curves_days else {
+        return Ok(());
+    };
+    let snapshots = rule.snapshots_days.unwrap_or(u32::MAX);
+    if snapshots <= curves {
+        return Ok(());
+    }
+    let detail = "snapshots are removed before curves";
+    let allowed = match rule.snapshots_days {
+        Some(days) => format!("at least {days}, the days of snapshots"),
+        None => "left out, as long as snapshots are kept for ever".to_owned(),
+    };
+    Err(refused(
+        "/curves_days",
+        "before_snapshots",
+        detail,
+        curves,
+        &allowed,
+    ))
+}
+
+async fn rule_of(
+    connection: &mut SqliteConnection,
+    project: Uuid,
+) -> Result<(RetentionRule, Option<Timestamp>)> {
+    let found: Option<(Option<u32>, Option<u32>, i64)> = sqlx::query_as(
+        "SELECT snapshots_days, curves_days, in_force_at FROM retention WHERE project = ?",
+    )
+    .bind(project)
+    .fetch_optional(connection)
+    .await?;
+    Ok(found.map_or(
+        (RetentionRule::default(), None),
+        |(snapshots_days, curves_days, at)| {
+            let rule = RetentionRule {
+                snapshots_days,
+                curves_days,
+            };
+            (rule, Some(Timestamp(at)))
+        },
+    ))
+}
+
+fn counted((jobs, files, bytes): (i64, i64, i64)) -> FilesOfJobs {
+    FilesOfJobs {
+        jobs: jobs.unsigned_abs(),
+        files: files.unsigned_abs(),
+        bytes: bytes.unsigned_abs(),
+    }
+}
+
+impl Store {
+    /// The rule of a project, what it or `asked` would remove now, and what can be brought back.
+    ///
+    /// # Errors
+    /// [`super::super::StoreError::Refused`] for a rule that cannot be.
+    pub async fn retention(
+        &self,
+        project: Uuid,
+        asked: Option<RetentionRule>,
+        now: Timestamp,
+    ) -> Result<RetentionView> {
+        let mut snapshot = self.reads().begin().await?;
+        let (rule, in_force_at) = rule_of(&mut snapshot, project).await?;
+        let asked = asked.unwrap_or(rule);
+        check(&asked)?;
+        let before = |days: Option<u32>| days.map(|days| now.as_millis() - i64::from(days) * DAY);
+        let would_remove = sqlx::query_as(
+            "SELECT COUNT(DISTINCT j.seq), COUNT(*), COALESCE(SUM(f.bytes), 0)
+             FROM jobs j JOIN attempts a ON a.job = j.seq JOIN attempt_files f ON f.attempt = a.seq
+             WHERE j.project = ?1 AND f.removed_at IS NULL
+               AND ((f.kind = 'snapshots' AND j.cleared < 1 AND j.finished_at < ?2)
+                 OR (f.kind = 'curves' AND j.cleared < 2 AND j.finished_at < ?3))",
+        )
+        .bind(project)
+        .bind(before(asked.snapshots_days))
+        .bind(before(asked.curves_days))
+        .fetch_one(&mut *snapshot)
+        .await?;
+        let (jobs, files, bytes, since): (i64, i64, i64, Option<i64>) = sqlx::query_as(
+            "SELECT COUNT(DISTINCT j.seq), COUNT(*), COALESCE(SUM(f.bytes), 0), MIN(f.removed_at)
+             FROM attempt_files f JOIN attempts a ON a.seq = f.attempt JOIN jobs j ON j.seq = a.job
+             WHERE f.removed_at IS NOT NULL AND j.project = ?",
+        )
+        .bind(project)
+        .fetch_one(&mut *snapshot)
+        .await?;
+        Ok(RetentionView {
+            rule,
+            in_force_at,
+            would_remove: counted(would_remove),
+            removed: counted((jobs, files, bytes)),
+            gone_at: since.map(|since| Timestamp(since + UNDOABLE)),
+        })
+    }
+
+    /// Sets the rule of a project, in force after it was announced for a while; an empty one keeps all.
+    ///
+    /// # Errors
+    /// [`super::super::StoreError::Refused`] for a rule that cannot be.
+    pub async fn set_retention(&self, project: Uuid, rule: RetentionRule) -> Result<()> {
+        check(&rule)?;
+        self.write(move |change| {
+            Box::pin(async move {
+                if rule == RetentionRule::default() {
+                    sqlx::query("DELETE FROM retention WHERE project = ?")
+                        .bind(project)
+                        .execute(&mut change.connection)
+                        .await?;
+                } else {
+                    let now = change.now.as_millis();
+                    sqlx::query(
+                        "INSERT OR REPLACE INTO retention
+                            (project, snapshots_days, curves_days, set_at, in_force_at)
+                         VALUES (?, ?, ?, ?, ?)",
+                    )
+                    .bind(project)
+                    .bind(rule.snapshots_days)
+                    .bind(rule.curves_days)
+                    .bind(now)
+                    .bind(now + ANNOUNCED)
+                    .execute(&mut change.connection)
+                    .await?;
+                }
+                let days = |days: Option<u32>| {
+                    days.map_or("for ever".to_owned(), |days| format!("{days} days"))
+                };
+                let detail = format!(
+                    "snapshots {}, curves {}",
+                    days(rule.snapshots_days),
+                    days(rule.curves_days)
+                );
+                change.audit("retention.set", Some(project), &detail).await
+            })
+        })
+        .await
+    }
+
+    /// Brings back what was removed from a project and is not gone for good, and ends its rule, which
+    /// would remove it again. Tells how many files.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn undo_retention(&self, project: Uuid) -> Result<u64> {
+        self.write(move |change| {
+            Box::pin(async move {
+                let files = sqlx::query(
+                    "UPDATE attempt_files SET removed_at = NULL WHERE removed_at IS NOT NULL
+                        AND attempt IN (SELECT a.seq FROM attempts a JOIN jobs j ON j.seq = a.job
+                                        WHERE j.project = ?)",
+                )
+                .bind(project)
+                .execute(&mut change.connection)
+                .await?
+                .rows_affected();
+                for statement in [
+                    "UPDATE jobs SET cleared = 0 WHERE project = ? AND cleared > 0 AND finished_at IS NOT NULL",
+                    "DELETE FROM retention WHERE project = ?",
+                ] {
+                    sqlx::query(statement)
+                        .bind(project)
+                        .execute(&mut change.connection)
+                        .await?;
+                }
+                let detail = format!("{files} files brought back");
+                change.audit("retention.undone", Some(project), &detail).await?;
+                Ok(files)
+            })
+        })
+        .await
+    }
+
+    /// Applies the rules in force as of `now`, and forgets what was removed long ago. Tells how many files
+    /// were removed and how many are gone for good.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn retain(&self, now: Timestamp) -> Result<(u64, u64)> {
+        let rules: Vec<(Uuid, Option<u32>, Option<u32>)> = sqlx::query_as(
+            "SELECT project, snapshots_days, curves_days FROM retention WHERE in_force_at <= ?",
+        )
+        .bind(now.as_millis())
+        .fetch_all(self.reads())
+        .await?;
+        let server = self.acting(Actor::named("server"));
+        // of webhooks whose person may not be told any more
+        self.write_from_reserve(move |change| {
+            Box::pin(async move {
+                sqlx::query("DELETE FROM outbox WHERE at < ?")
+                    .bind(now.as_millis() - 2 * DAY)
+                    .execute(&mut change.connection)
+                    .await?;
+                Ok(())
+            })
+        })
+        .await?;
+        let (mut removed, mut gone) = (0, 0);
+        for (project, snapshots_days, curves_days) in rules {
+            let rule = RetentionRule {
+                snapshots_days,
+                curves_days,
+            };
+            for (cleared, kind, days) in STEPS {
+                let Some(days) = days(&rule) else { continue };
+                let before = now.as_millis() - i64::from(days) * DAY;
+                loop {
+                    let (jobs, files) = server
+                        .write_from_reserve(move |change| {
+                            Box::pin(async move {
+                                change.clear(project, cleared, kind, before, now).await
+                            })
+                        })
+                        .await?;
+                    removed += files;
+                    if jobs < AT_ONCE as usize {
+                        break;
+                    }
+                }
+            }
+        }
+        loop {
+            let forgotten = self
+                .write_from_reserve(move |change| Box::pin(async move { change.forget(now).await }))
+                .await?;
+            gone += forgotten as u64;
+            if forgotten < AT_ONCE as usize {
+                return Ok((removed, gone));
+            }
+        }
+    }
+
+    /// Applies the rules every hour, until dropped.
+    pub async fn keep_retaining(self) {
+        loop {
+            tokio::time::sleep(EVERY).await;
+            match self.retain(Timestamp::now()).await {
+                Ok((0, 0)) => {}
+                Ok((removed, gone)) => {
+                    tracing::info!(removed, gone, "files removed by rules of projects")
+                }
+                Err(error) => tracing::error!(%error, "the rules of projects could not be applied"),
+            }
+        }
+    }
+}
+
+impl Change {
+    /// Removes files of this kind of the next jobs that ended before; tells how many jobs and files.
+    async fn clear(
+        &mut self,
+        project: Uuid,
+        cleared: u32,
+        kind: &'static str,
+        before: i64,
+        now: Timestamp,
+    ) -> Result<(usize, u64)> {
+        let jobs: Vec<i64> = sqlx::query_scalar(
+            "UPDATE jobs SET cleared = ?2 WHERE seq IN (
+                SELECT seq FROM jobs WHERE project = ?1 AND cleared < ?2 AND finished_at < ?3 LIMIT ?4)
+             RETURNING seq",
+        )
+        .bind(project)
+        .bind(cleared)
+        .bind(before)
+        .bind(AT_ONCE)
+        .fetch_all(&mut self.connection)
+        .await?;
+        let mut files = 0;
+        for job in &jobs {
+            let removed = sqlx::query(
+                "UPDATE attempt_files SET removed_at = ?3 WHERE removed_at IS NULL AND kind = ?2
+                    AND attempt IN (SELECT seq FROM attempts WHERE job = ?1)",
+            )
+            .bind(job)
+            .bind(kind)
+            .bind(now.as_millis())
+            .execute(&mut self.connection)
+            .await?;
+            files += removed.rows_affected();
+        }
+        if files > 0 {
+            let detail = format!("{kind} of {} jobs: {files} files", jobs.len());
+            self.audit("retention.removed", Some(project), &detail)
+                .await?;
+        }
+        Ok((jobs.len(), files))
+    }
+
+    /// Forgets the next files that were removed long ago, with the points of curves; tells how many.
+    async fn forget(&mut self, now: Timestamp) -> Result<usize> {
+        let gone: Vec<(i64, String, String)> = sqlx::query_as(
+            "DELETE FROM attempt_files WHERE (attempt, name) IN (
+                SELECT attempt, name FROM attempt_files WHERE removed_at < ? LIMIT ?)
+             RETURNING attempt, name, sha256",
+        )
+        .bind(now.as_millis() - UNDOABLE)
+        .bind(AT_ONCE)
+        .fetch_all(&mut self.connection)
+        .await?;
+        for (attempt, name, _) in &gone {
+            if name.ends_with("curve.csv") {
+                sqlx::query("DELETE FROM curve_blocks WHERE attempt = ?")
+                    .bind(attempt)
+                    .execute(&mut self.connection)
+                    .await?;
+            }
+        }
+        let count = gone.len();
+        self.garbage(gone.into_iter().map(|(_, _, sha256)| sha256));
+        Ok(count)
+    }
+}

@@ -1,0 +1,372 @@
+//! Webhooks, and the outbox of what they are to be told. The outbox is written by triggers of the
+//! database, in the transaction of the change that it tells of.
+use std::io::Write;
+
+use hmac::{Hmac, KeyInit, Mac};
+use loadframe_api::Timestamp;
+use loadframe_api::people::{Named, NewWebhook, WebhookEvent, WebhookMade, WebhookView};
+use rand::Rng;
+use serde_json::Value;
+use sha2::Sha256;
+use uuid::Uuid;
+
+use super::super::Store;
+use super::super::encoding::{json, parsed};
+use super::super::error::{Result, StoreError};
+use super::super::row::row;
+use super::refused;
+
+/// Events that come in this time after the first go in one message [ms].
+const QUIET: i64 = 10_000;
+/// Events of a message.
+const LONGEST: u32 = 500;
+/// Messages prepared at once.
+const AT_ONCE: u32 = 100;
+/// The wait after the first failure, twice as long after each further one [ms],
+const FIRST_WAIT: i64 = 10_000;
+/// up to this [ms].
+const LONGEST_WAIT: i64 = 3_600_000;
+/// What could not be told for so long is given up [ms].
+const GIVEN_UP: i64 = 24 * 3_600_000;
+/// Webhooks of a person.
+const MOST: i64 = 50;
+/// File with the key that secrets of webhooks follow from, in the data folder.
+pub(in super::super) const WEBHOOK_KEY: &str = "webhook-key";
+/// What a secret begins with, so that people and secret scanners know it.
+const PREFIX: &str = "lfw_";
+
+/// A message that is due.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Due {
+    pub id: Uuid,
+    pub url: String,
+    pub secret: String,
+    /// In the order in which they happened.
+    pub events: Vec<DueEvent>,
+    failures: i64,
+}
+
+/// Something to be told.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DueEvent {
+    /// Higher for what happened later; the same when it is told again.
+    pub number: i64,
+    pub event: String,
+    pub at: Timestamp,
+    pub about: Value,
+}
+
+row! {
+    struct WebhookRow {
+        id: Uuid,
+        url: String,
+        events: String,
+        project: Option<Uuid>,
+        project_name: Option<String>,
+        created_at: i64,
+        told_at: Option<i64>,
+        failures: i64,
+        last_error: Option<String>,
+        waiting: i64,
+    }
+}
+
+impl WebhookRow {
+    fn view(self) -> Result<WebhookView> {
+        let project = self.project.zip(self.project_name);
+        Ok(WebhookView {
+            id: self.id,
+            url: self.url,
+            events: parsed(&self.events, "events")?,
+            project: project.map(|(id, name)| Named { id, name }),
+            created_at: Timestamp(self.created_at),
+            told_at: self.told_at.map(Timestamp),
+            failures: u32::try_from(self.failures).unwrap_or(u32::MAX),
+            last_error: self.last_error,
+            waiting: self.waiting.unsigned_abs(),
+        })
+    }
+}
+
+impl Store {
+    /// Makes a webhook of `person`, whose address was looked at.
+    ///
+    /// # Errors
+    /// [`StoreError::Refused`] beyond the most that a person may have; the file system's.
+    pub async fn create_webhook(&self, person: Uuid, new: NewWebhook) -> Result<WebhookMade> {
+        let id = Uuid::now_v7();
+        let secret = secret_of(&self.webhook_key()?, id);
+        let mut events: Vec<WebhookEvent> = Vec::new();
+        for event in new.events {
+            if !events.contains(&event) {
+                events.push(event);
+            }
+        }
+        self.write(move |change| {
+            Box::pin(async move {
+                let count: i64 = sqlx::query_scalar(
+                    "SELECT COUNT(*) FROM webhooks WHERE person = ? AND removed_at IS NULL",
+                )
+                .bind(person)
+                .fetch_one(&mut change.connection)
+                .await?;
+                if count >= MOST {
+                    let detail = format!("you have {count} webhooks already");
+                    return Err(refused(
+                        "/url",
+                        "too_many",
+                        detail,
+                        count,
+                        "at most 50 of a person",
+                    ));
+                }
+                sqlx::query(
+                    "INSERT INTO webhooks (id, person, project, url, events, created_at)
+                     VALUES (?, ?, ?, ?, ?, ?)",
+                )
+                .bind(id)
+                .bind(person)
+                .bind(new.project)
+                .bind(&new.url)
+                .bind(json(&events)?)
+                .bind(change.now.as_millis())
+                .execute(&mut change.connection)
+                .await?;
+                // the path of an address may be a secret of its own
+                let host = new.url.split('/').nth(2).unwrap_or("").to_owned();
+                change.audit("webhook.made", Some(id), &host).await
+            })
+        })
+        .await?;
+        Ok(WebhookMade { id, secret })
+    }
+
+    /// Webhooks of a person, the newest first.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn webhooks(&self, person: Uuid) -> Result<Vec<WebhookView>> {
+        let rows: Vec<WebhookRow> = sqlx::query_as(
+            "SELECT w.id, w.url, w.events, w.project, p.name AS project_name, w.created_at, w.told_at,
+                    w.failures, w.last_error,
+                    (SELECT COUNT(*) FROM outbox o WHERE o.webhook = w.id) AS waiting
+             FROM webhooks w LEFT JOIN projects p ON p.id = w.project
+             WHERE w.person = ? AND w.removed_at IS NULL ORDER BY w.created_at DESC, w.id",
+        )
+        .bind(person)
+        .fetch_all(self.reads())
+        .await?;
+        rows.into_iter().map(WebhookRow::view).collect()
+    }
+
+    /// Ends a webhook of this person; what it was not told yet is told no more.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`].
+    pub async fn remove_webhook(&self, person: Uuid, id: Uuid) -> Result<()> {
+        self.write(move |change| {
+            Box::pin(async move {
+                let removed = sqlx::query(
+                    "UPDATE webhooks SET removed_at = ? WHERE id = ? AND person = ? AND removed_at IS NULL",
+                )
+                .bind(change.now.as_millis())
+                .bind(id)
+                .bind(person)
+                .execute(&mut change.connection)
+                .await?;
+                if removed.rows_affected() == 0 {
+                    return Err(StoreError::NotFound(format!("webhook {id}")));
+                }
+                sqlx::query("DELETE FROM outbox WHERE webhook = ?")
+                    .bind(id)
+                    .execute(&mut change.connection)
+                    .await?;
+                change.audit("webhook.removed", Some(id), "").await
+            })
+        })
+        .await
+    }
+
+    /// Messages that are due: of webhooks that are not waiting after a failure and whose person still holds
+    /// what they are about, once all that happens at the same time is there.
+    ///
+    /// # Errors
+    /// The database's, the file system's.
+    pub async fn due_messages(&self, now: Timestamp) -> Result<Vec<Due>> {
+        let webhooks: Vec<(Uuid, String, i64)> = sqlx::query_as(
+            "SELECT w.id, w.url, w.failures FROM webhooks w JOIN people p ON p.id = w.person
+             WHERE w.removed_at IS NULL AND p.left_at IS NULL AND w.next_at <= ?1
+               AND (w.project IS NULL OR p.role = 'administrator' OR EXISTS (
+                    SELECT 1 FROM projects r WHERE r.id = w.project AND (r.person = w.person
+                        OR (p.role = 'member' AND EXISTS (SELECT 1 FROM members m
+                            WHERE m.team = r.team AND m.person = w.person)))))
+               AND (SELECT MIN(o.number) FROM outbox o WHERE o.webhook = w.id AND o.at <= ?2) IS NOT NULL
+             ORDER BY w.next_at, w.id LIMIT ?3",
+        )
+        .bind(now.as_millis())
+        .bind(now.as_millis() - QUIET)
+        .bind(AT_ONCE)
+        .fetch_all(self.reads())
+        .await?;
+        if webhooks.is_empty() {
+            return Ok(Vec::new());
+        }
+        let key = self.webhook_key()?;
+        let mut due = Vec::with_capacity(webhooks.len());
+        for (id, url, failures) in webhooks {
+            let rows: Vec<(i64, String, i64, String)> = sqlx::query_as(
+                "SELECT number, event, at, body FROM outbox WHERE webhook = ? ORDER BY number LIMIT ?",
+            )
+            .bind(id)
+            .bind(LONGEST)
+            .fetch_all(self.reads())
+            .await?;
+            let event = |(number, event, at, body): (i64, String, i64, String)| {
+                let about = with_ids(parsed(&body, "event")?);
+                Ok(DueEvent {
+                    number,
+                    event,
+                    at: Timestamp(at),
+                    about,
+                })
+            };
+            due.push(Due {
+                secret: secret_of(&key, id),
+                events: rows.into_iter().map(event).collect::<Result<_>>()?,
+                id,
+                url,
+                failures,
+            });
+        }
+        Ok(due)
+    }
+
+    /// Writes down that a message was taken, or what was wrong: then it is tried again later, for a day.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn note_telling(
+        &self,
+        due: &Due,
+        error: Option<String>,
+        now: Timestamp,
+    ) -> Result<()> {
+        let (id, failures) = (due.id, due.failures);
+        let last = due.events.last().map_or(0, |event| event.number);
+        self.write_from_reserve(move |change| {
+            Box::pin(async move {
+                let (statement, until) = match &error {
+                    None => ("DELETE FROM outbox WHERE webhook = ? AND number <= ?", last),
+                    Some(_) => (
+                        "DELETE FROM outbox WHERE webhook = ? AND at < ?",
+                        now.as_millis() - GIVEN_UP,
+                    ),
+                };
+                let removed = sqlx::query(statement)
+                    .bind(id)
+                    .bind(until)
+                    .execute(&mut change.connection)
+                    .await?
+                    .rows_affected();
+                let Some(error) = error else {
+                    sqlx::query(
+                        "UPDATE webhooks SET failures = 0, next_at = 0, told_at = ?, last_error = NULL
+                         WHERE id = ?",
+                    )
+                    .bind(now.as_millis())
+                    .bind(id)
+                    .execute(&mut change.connection)
+                    .await?;
+                    return Ok(());
+                };
+                let given_up = match removed {
+                    0 => String::new(),
+                    events => format!("; {events} events of more than a day ago are given up"),
+                };
+                let doublings = u32::try_from(failures.clamp(0, 20)).unwrap_or(20);
+                let wait = (FIRST_WAIT << doublings).min(LONGEST_WAIT);
+                sqlx::query(
+                    "UPDATE webhooks SET failures = failures + 1, next_at = ?, last_error = ? WHERE id = ?",
+                )
+                .bind(now.as_millis() + wait)
+                .bind(error + &given_up)
+                .bind(id)
+                .execute(&mut change.connection)
+                .await?;
+                Ok(())
+            })
+        })
+        .await
+    }
+
+    /// The key that secrets of webhooks follow from: in a file of its own, so that a copy of the database
+    /// signs nothing.
+    fn webhook_key(&self) -> Result<[u8; 32]> {
+        let path = self.options().data.join(WEBHOOK_KEY);
+        let failed = |error: std::io::Error| StoreError::file(&path)(error);
+        for _ in 0..2 {
+            match std::fs::read(&path) {
+                Ok(bytes) => {
+                    return bytes.try_into().map_err(|_| {
+                        failed(std::io::Error::other("it does not hold a key of 32 bytes"))
+                    });
+                }
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(failed(error));
+                }
+                Err(_) => {}
+            }
+            let mut key = [0; 32];
+            rand::rng().fill_bytes(&mut key);
+            // whole or not at all, and for this user alone
+            let mut file = tempfile::NamedTempFile::new_in(&self.options().data).map_err(failed)?;
+            file.write_all(&key).map_err(failed)?;
+            file.as_file().sync_all().map_err(failed)?;
+            match file.persist_noclobber(&path) {
+                Ok(_) => return Ok(key),
+                // another process was first
+                Err(error) if error.error.kind() == std::io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(failed(error.error)),
+            }
+        }
+        Err(failed(std::io::Error::other("it comes and goes")))
+    }
+}
+
+/// Ids as everywhere else: the database writes their bytes as digits alone, and nothing for none.
+fn with_ids(mut about: Value) -> Value {
+    let Some(fields) = about.as_object_mut() else {
+        return about;
+    };
+    for name in ["job", "project", "link"] {
+        let id = fields
+            .get(name)
+            .and_then(Value::as_str)
+            .map(Uuid::try_parse);
+        match id {
+            Some(Ok(id)) => {
+                fields.insert(name.to_owned(), Value::String(id.to_string()));
+            }
+            Some(Err(_)) => {
+                fields.shift_remove(name);
+            }
+            None => {}
+        }
+    }
+    about
+}
+
+/// HMAC-SHA256 of the webhook's id under the key.
+fn secret_of(key: &[u8; 32], id: Uuid) -> String {
+    use base64::Engine;
+    use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+    let mac = Hmac::<Sha256>::new_from_slice(key).map(|mut mac| {
+        mac.update(id.as_bytes());
+        mac.finalize().into_bytes()
+    });
+    // a key of this length is always taken
+    mac.map_or_else(
+        |_| String::new(),
+        |bytes| format!("{PREFIX}{}", URL_SAFE_NO_PAD.encode(bytes)),
+    )
+}

@@ -1,0 +1,341 @@
+//! Webhooks, told over real sockets.
+use std::sync::{Arc, Mutex};
+
+use axum::Router;
+use axum::http::{HeaderMap, StatusCode};
+use axum::routing::post;
+use hmac::{Hmac, KeyInit, Mac};
+use ipnet::IpNet;
+use loadframe_api::Timestamp;
+use loadframe_api::people::{PersonChanges, Visibility};
+use loadframe_server::store::UserAction;
+use loadframe_server::webhooks::{Addresses, SIGNATURE, tell};
+use serde_json::{Value, json};
+use sha2::Sha256;
+use tokio::net::TcpListener;
+use uuid::Uuid;
+
+use super::group::{Group, Somebody, to_job};
+use crate::support::Lab;
+
+const MINUTE: i64 = 60_000;
+
+/// What was taken, and how the next one is answered.
+#[derive(Clone, Default)]
+struct Receiver {
+    taken: Arc<Mutex<Vec<(String, String)>>>,
+    answer: Arc<Mutex<Option<StatusCode>>>,
+}
+
+impl Receiver {
+    async fn open() -> (Self, String) {
+        let receiver = Self::default();
+        let listener = TcpListener::bind("127.0.0.1:0").await.expect("an address");
+        let address = listener.local_addr().expect("an address");
+        let own = receiver.clone();
+        let take = async move |headers: HeaderMap, body: String| {
+            let signature = headers[SIGNATURE].to_str().expect("text").to_owned();
+            own.taken.lock().expect("taken").push((signature, body));
+            let status = own
+                .answer
+                .lock()
+                .expect("an answer")
+                .unwrap_or(StatusCode::NO_CONTENT);
+            (status, [("location", "/elsewhere")])
+        };
+        let router = Router::new().route("/hook", post(take));
+        tokio::spawn(async move { axum::serve(listener, router).await });
+        (receiver, format!("http://{address}/hook"))
+    }
+
+    fn answers(&self, status: Option<StatusCode>) {
+        *self.answer.lock().expect("an answer") = status;
+    }
+
+    /// Bodies that came since the last time, their signatures checked.
+    fn take(&self, secret: &str) -> Vec<Value> {
+        let taken = std::mem::take(&mut *self.taken.lock().expect("taken"));
+        let check = |(signature, body): (String, String)| {
+            let (moment, digits) = signature.split_once(",v1=").expect("two parts");
+            let seconds = moment.strip_prefix("t=").expect("a moment");
+            let mut mac = Hmac::<Sha256>::new_from_slice(secret.as_bytes()).expect("a key");
+            mac.update(format!("{seconds}.{body}").as_bytes());
+            let right: String = mac
+                .finalize()
+                .into_bytes()
+                .iter()
+                .map(|byte| format!("{byte:02x}"))
+                .collect();
+            assert_eq!(digits, right);
+            serde_json::from_str(&body).expect("JSON")
+        };
+        taken.into_iter().map(check).collect()
+    }
+}
+
+fn here() -> Vec<IpNet> {
+    vec!["127.0.0.0/8".parse().expect("a network")]
+}
+
+async fn group() -> Group {
+    Group::of(Lab::with(|config| config.webhook_networks = here()).await).await
+}
+
+/// Makes a webhook; its secret.
+async fn made(
+    group: &Group,
+    by: &Somebody,
+    url: &str,
+    events: Value,
+    project: Option<Uuid>,
+) -> (Uuid, String) {
+    let mut body = json!({ "url": url, "events": events });
+    if let Some(project) = project {
+        body["project"] = json!(project);
+    }
+    let answer = group
+        .send(by, "POST", "/v1/webhooks", &body.to_string())
+        .await;
+    assert_eq!(answer.status, 201, "{answer:?}");
+    let made = answer.json();
+    (
+        super::group::id_of(&made),
+        made["secret"].as_str().expect("a secret").to_owned(),
+    )
+}
+
+/// Tells everything that is due so many minutes from now.
+async fn told(group: &Group, minutes: i64) -> usize {
+    let now = Timestamp(Timestamp::now().as_millis() + minutes * MINUTE);
+    tell(&group.lab.store, &Addresses::new(here()), now)
+        .await
+        .expect("the store answers")
+}
+
+async fn end(group: &Group, by: &Somebody, project: Uuid) -> Uuid {
+    let id = group.submit(by, project).await;
+    group
+        .lab
+        .store
+        .request(id, UserAction::Cancel)
+        .await
+        .expect("cancelled");
+    id
+}
+
+#[tokio::test]
+async fn what_happens_is_told_signed_and_together() {
+    let group = group().await;
+    let (anna, bert) = (&group.anna, &group.bert);
+    let (receiver, url) = Receiver::open().await;
+    let (_, secret) = made(
+        &group,
+        anna,
+        &url,
+        json!(["ended", "shared", "ended"]),
+        None,
+    )
+    .await;
+    assert!(secret.starts_with("lfw_"));
+    let project = group.project(anna, Visibility::Private, None).await.id;
+    let berts = group.project(bert, Visibility::Private, None).await.id;
+    let first = end(&group, anna, project).await;
+    let second = end(&group, anna, project).await;
+    end(&group, bert, berts).await;
+    group.link(anna, to_job(first, true)).await;
+    // what ends in the next seconds comes along
+    assert_eq!(told(&group, 0).await, 0);
+    assert_eq!(told(&group, 1).await, 1);
+    let messages = receiver.take(&secret);
+    assert_eq!(messages.len(), 1);
+    let events = messages[0]["events"].as_array().expect("events").clone();
+    let about: Vec<_> = events
+        .iter()
+        .map(|of| (of["event"].clone(), of["about"]["job"].clone()))
+        .collect();
+    assert_eq!(
+        about,
+        [
+            (json!("ended"), json!(first)),
+            (json!("ended"), json!(second)),
+            (json!("shared"), json!(first))
+        ]
+    );
+    assert_eq!(events[0]["about"]["outcome"], "cancelled");
+    assert_eq!(events[2]["about"]["files"], 1);
+    // and only once where it was taken
+    assert_eq!(told(&group, 2).await, 0);
+    let listed = group.get(anna, "/v1/webhooks").await.json();
+    assert!(
+        listed["items"][0]["told_at"].is_string() && listed["items"][0]["waiting"] == 0,
+        "{listed}"
+    );
+    assert!(!listed.to_string().contains(&secret));
+}
+
+#[tokio::test]
+async fn what_was_not_taken_is_told_again_ever_later() {
+    let group = group().await;
+    let anna = &group.anna;
+    let (receiver, url) = Receiver::open().await;
+    let (id, secret) = made(&group, anna, &url, json!(["ended"]), None).await;
+    let project = group.project(anna, Visibility::Private, None).await.id;
+    end(&group, anna, project).await;
+    let listed = async || group.get(anna, "/v1/webhooks").await.json()["items"][0].clone();
+    for (status, said) in [(500, "500"), (302, "302")] {
+        receiver.answers(StatusCode::from_u16(status).ok());
+        assert_eq!(told(&group, if status == 500 { 1 } else { 2 }).await, 0);
+        assert!(
+            listed().await["last_error"]
+                .as_str()
+                .expect("an error")
+                .contains(said)
+        );
+    }
+    let view = listed().await;
+    assert_eq!(
+        (&view["failures"], &view["waiting"]),
+        (&json!(2), &json!(1))
+    );
+    let numbers: Vec<Value> = receiver
+        .take(&secret)
+        .iter()
+        .map(|of| of["events"][0]["number"].clone())
+        .collect();
+    assert_eq!(
+        (numbers.len(), &numbers[0]),
+        (2, &numbers[1]),
+        "the same number, and no redirect followed"
+    );
+    receiver.answers(None);
+    // not before its wait is over
+    assert_eq!(told(&group, 2).await, 0);
+    assert!(receiver.take(&secret).is_empty());
+    assert_eq!(told(&group, 3).await, 1);
+    assert_eq!(receiver.take(&secret).len(), 1);
+    assert_eq!(listed().await["failures"], 0);
+    // after a day it is given up, and said
+    receiver.answers(Some(StatusCode::GONE));
+    end(&group, anna, project).await;
+    told(&group, 25 * 60).await;
+    let view = listed().await;
+    assert_eq!(view["waiting"], 0);
+    assert!(
+        view["last_error"]
+            .as_str()
+            .expect("an error")
+            .contains("1 events of more than a day ago"),
+        "{view}"
+    );
+    let path = format!("/v1/webhooks/{id}");
+    group
+        .send(&group.bert, "DELETE", &path, "")
+        .await
+        .problem(404, "not-found");
+    assert_eq!(group.send(anna, "DELETE", &path, "").await.status, 204);
+    group
+        .send(anna, "DELETE", &path, "")
+        .await
+        .problem(404, "not-found");
+}
+
+#[tokio::test]
+async fn nobody_is_told_of_what_they_do_not_hold() {
+    let group = group().await;
+    let (receiver, url) = Receiver::open().await;
+    let groups = group
+        .project(&group.anna, Visibility::Group, Some(group.paper))
+        .await
+        .id;
+    let (_, secret) = made(&group, &group.bert, &url, json!(["ended"]), Some(groups)).await;
+    let body = json!({ "url": url, "events": ["ended"], "project": groups }).to_string();
+    group
+        .send(&group.carl, "POST", "/v1/webhooks", &body)
+        .await
+        .problem(404, "not-found");
+    group
+        .send(&group.gina, "POST", "/v1/webhooks", &body)
+        .await
+        .problem(403, "not-allowed");
+    end(&group, &group.anna, groups).await;
+    assert_eq!(told(&group, 1).await, 1);
+    assert_eq!(receiver.take(&secret).len(), 1);
+    // from the day he is out of the group
+    group
+        .lab
+        .store
+        .set_member(group.paper, group.bert.id, false)
+        .await
+        .expect("out");
+    end(&group, &group.anna, groups).await;
+    assert_eq!(told(&group, 1).await, 0);
+    group
+        .lab
+        .store
+        .set_member(group.paper, group.bert.id, true)
+        .await
+        .expect("in");
+    assert_eq!(told(&group, 1).await, 1);
+    let changes = PersonChanges {
+        left: Some(true),
+        ..PersonChanges::default()
+    };
+    group
+        .lab
+        .store
+        .change_person(group.bert.id, changes)
+        .await
+        .expect("left");
+    end(&group, &group.anna, groups).await;
+    assert_eq!(told(&group, 1).await, 0);
+}
+
+#[tokio::test]
+async fn a_private_address_is_refused_in_a_sentence() {
+    let group = Group::open().await;
+    for (url, said) in [
+        ("http://127.0.0.1:9/", "is a private address"),
+        ("http://localhost/", "is a private address"),
+        ("http://[::ffff:10.0.0.1]/", "is a private address"),
+        ("ftp://example.org/", "no address of http or https"),
+        (
+            "http://user:pass@example.org/",
+            "without a name and password",
+        ),
+        ("http://no.such.host.invalid/", "cannot be found"),
+    ] {
+        let body = json!({ "url": url, "events": ["ended"] }).to_string();
+        let problem = group
+            .send(&group.anna, "POST", "/v1/webhooks", &body)
+            .await
+            .problem(422, "invalid-request");
+        assert_eq!(problem["violations"][0]["pointer"], "/url");
+        let detail = problem["violations"][0]["detail"]
+            .as_str()
+            .expect("a detail");
+        assert!(detail.contains(said), "{url}: {detail}");
+    }
+    // one that was fine when it was made is looked at again each time
+    let (receiver, url) = Receiver::open().await;
+    let house = self::group().await;
+    made(&house, &house.anna, &url, json!(["ended"]), None).await;
+    let project = house
+        .project(&house.anna, Visibility::Private, None)
+        .await
+        .id;
+    end(&house, &house.anna, project).await;
+    let now = Timestamp(Timestamp::now().as_millis() + MINUTE);
+    assert_eq!(
+        tell(&house.lab.store, &Addresses::default(), now)
+            .await
+            .expect("told"),
+        0
+    );
+    assert!(receiver.taken.lock().expect("taken").is_empty());
+    let listed = house.get(&house.anna, "/v1/webhooks").await.json();
+    let error = listed["items"][0]["last_error"]
+        .as_str()
+        .expect("an error")
+        .to_owned();
+    assert!(error.contains("private address"), "{error}");
+}
