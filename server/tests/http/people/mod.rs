@@ -4,6 +4,7 @@ mod group;
 mod issuer;
 mod matrix;
 mod order;
+mod proxy;
 mod secrets;
 mod sharing;
 mod single_sign_on;
