@@ -4,7 +4,6 @@
 //! moment unread, which costs a connection and no memory, and is then sent away with 503. How slowly
 //! it may come is the connection's to say ([`crate::connections`]).
 use std::error::Error;
-use std::io;
 
 use axum::body::{Body, Bytes};
 use axum::extract::{FromRequest, Request};

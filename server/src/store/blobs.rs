@@ -9,14 +9,13 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
 use sqlx::SqlitePool;
 use tempfile::TempPath;
 use tokio::io::{AsyncRead, AsyncWriteExt};
 use tokio::sync::{OwnedRwLockReadGuard, RwLock, mpsc, oneshot};
 use uuid::Uuid;
 
-use super::arriving::{Incoming, SMALLEST_PART};
+use super::arriving::{Arriving, Incoming, SMALLEST_PART};
 use super::collector::{Collector, Faults, Garbage};
 use super::disk::{blocking, hash_of, hexadecimal, sync_folder};
 use super::error::{Loss, Result, StoreError};
