@@ -73,7 +73,8 @@ mod tests {
                 "1279b1c9613624d6",
                 "0db3a0d1a44e743a",
                 "123a8c73e88306c8",
-                "c65afbc9fc6604c3"
+                "c65afbc9fc6604c3",
+                "40a96c2fef5d5db7"
             ]
         );
     }
