@@ -75,7 +75,7 @@ async fn limits_are_set_by_administrators_shown_before_submitting_and_held() {
         json!({ "files": 1 }),
     ] {
         let answer = group.send(ada, "PUT", &path, &bad.to_string()).await;
-        answer.problem(422, "invalid-job");
+        answer.problem(422, "invalid-request");
     }
     // who is no person has no limits
     let log = group.get(ada, "/v1/audit").await.text();
