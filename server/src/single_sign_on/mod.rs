@@ -106,8 +106,8 @@ impl SingleSignOn {
             return peer;
         }
         // the last one is the proxy's own word, those before may be the sender's
-        let lines = headers.get_all("x-forwarded-for").iter();
-        let last = lines.last().and_then(|value| value.to_str().ok());
+        let mut lines = headers.get_all("x-forwarded-for").iter();
+        let last = lines.next_back().and_then(|value| value.to_str().ok());
         let last = last.and_then(|text| text.rsplit(',').next()?.trim().parse().ok());
         last.or(peer)
     }

@@ -145,7 +145,8 @@ impl Change {
 
     /// How everybody stands; nobody where there are no people.
     pub(super) async fn standings(&mut self) -> Result<Vec<Standing>> {
-        let rows: Vec<(Uuid, Option<f64>, Option<u32>, u32, f64)> = sqlx::query_as(
+        type Row = (Uuid, Option<f64>, Option<u32>, u32, f64);
+        let rows: Vec<Row> = sqlx::query_as(
             "SELECT p.id, p.use_level, p.most_running, COALESCE(r.jobs, 0), COALESCE(r.core_s, 0.0)
              FROM people p LEFT JOIN
                 (SELECT j.owner, COUNT(*) AS jobs,

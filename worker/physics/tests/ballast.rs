@@ -143,7 +143,7 @@ fn a_history_of_blocks_is_driven_by_a_machine_and_by_forces() {
     let machine = |row: &usize| cycle[*row] < 3.0 && cycle[*row + 1] < 3.0;
     for row in (0..force.len() - 1).filter(machine) {
         let speed = (way[row + 1] - way[row]) / (time[row + 1] - time[row]);
-        let is_turn = unloading[row] != unloading[row + 1];
+        let is_turn = unloading[row].to_bits() != unloading[row + 1].to_bits();
         let expected = if unloading[row + 1] > 0.0 {
             -20.0
         } else {

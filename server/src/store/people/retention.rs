@@ -268,7 +268,7 @@ impl Store {
             match self.retain(Timestamp::now()).await {
                 Ok((0, 0)) => {}
                 Ok((removed, gone)) => {
-                    tracing::info!(removed, gone, "files removed by rules of projects")
+                    tracing::info!(removed, gone, "files removed by rules of projects");
                 }
                 Err(error) => tracing::error!(%error, "the rules of projects could not be applied"),
             }
