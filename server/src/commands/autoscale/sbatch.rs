@@ -14,8 +14,10 @@ const BYTES_A_MB: f64 = 1e6;
 const EXIT_WHEN_IDLE: &str = "60";
 /// A worker told to stop has so long [s], within the 30 s of Slurm's KillWait.
 const GRACE: &str = "25";
-/// The warning before the end, should the worker not know its time [s].
+/// The warning before the end, should the worker not know its time. Slurm may send it a minute earlier still
+/// (sbatch(1), `--signal`), so a short allocation goes without.
 const SIGNAL: &str = "B:USR1@60";
+const SHORTEST_WITH_SIGNAL: Duration = Duration::from_secs(600);
 
 /// What is the same in all arrays that are submitted.
 #[derive(Clone, Debug)]
@@ -56,10 +58,12 @@ impl Submission {
             format!("--time={minutes}"),
             // a node that goes down gives its jobs back at the server; the allocation may begin again
             "--requeue".to_owned(),
-            format!("--signal={SIGNAL}"),
             format!("--output={}", self.output),
             "--open-mode=append".to_owned(),
         ]);
+        if request.time >= SHORTEST_WITH_SIGNAL {
+            options.push(format!("--signal={SIGNAL}"));
+        }
         options.extend(self.further.iter().cloned());
         options
     }
@@ -212,10 +216,15 @@ mod tests {
         };
         // 1000 × 10^6 / 2^20 = 953.7; 3601 s are 61 begun minutes
         let line = "sbatch --parsable --job-name=loadframe --array=0-2 --partition=long --ntasks=1 \
-            --cpus-per-task=2 --mem=954M --time=61 --requeue --signal=B:USR1@60 \
-            '--output=a b-%A.log' --open-mode=append --qos=low <<'END'\n#!/bin/sh\n\
+            --cpus-per-task=2 --mem=954M --time=61 --requeue \
+            '--output=a b-%A.log' --open-mode=append --signal=B:USR1@60 --qos=low <<'END'\n#!/bin/sh\n\
             exec /opt/loadframe worker --exit-when-idle 60 --grace 25 --server https://lab\nEND";
         assert_eq!(submission().shown(&request), line);
+        let short = Request {
+            time: Duration::from_secs(120),
+            ..request
+        };
+        assert!(!submission().shown(&short).contains("--signal"));
     }
 
     #[test]
