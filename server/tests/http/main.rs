@@ -2,8 +2,8 @@
 //! connections are what is tested.
 mod access;
 mod archive;
-mod connections;
 mod compare;
+mod connections;
 mod curve;
 mod errors;
 mod events;
