@@ -1,5 +1,6 @@
 //! People and sharing, over the router.
 mod accounts;
+mod comparing;
 pub(crate) mod group;
 mod issuer;
 mod limits;
