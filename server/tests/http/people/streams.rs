@@ -107,7 +107,7 @@ async fn a_stream_follows_what_its_follower_may_see() {
     let hears = heard(stream, &name);
     let change = async {
         loop {
-            let body = json!({ "priority": 1 }).to_string();
+            let body = json!({ "priority": -1 }).to_string();
             group
                 .send(&group.anna, "PATCH", &format!("/v1/jobs/{job}"), &body)
                 .await;
