@@ -49,11 +49,18 @@ export async function visit(address, act, { viewport = DESKTOP, expected = null,
   context.setDefaultTimeout(PATIENCE_MS);
   const page = await context.newPage();
   const complaints = [];
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
+  // What the pages of `elsewhere` load and complain of is theirs.
+  const isTheirs = (url) => elsewhere !== null && !url.startsWith(lab.url);
+  page.on("console", (message) => {
+    if (isTheirs(message.location().url)) return;
+    if (["error", "warning"].includes(message.type())) complaints.push(message.text());
+  });
   page.on("pageerror", (error) => complaints.push(String(error)));
   page.on("request", (request) => {
+    if (isTheirs(request.frame().url())) return;
     const { origin, protocol } = new URL(request.url());
-    if (protocol.startsWith("http") && ![lab.url, elsewhere].includes(origin)) complaints.push(`the page asks ${origin}`);
+    if (protocol.startsWith("http") && ![lab.url, elsewhere].includes(origin))
+      complaints.push(`the page asks ${origin}`);
   });
   try {
     await page.goto(address);

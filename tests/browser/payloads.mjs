@@ -3,7 +3,16 @@
 
 /** Called by whatever runs. */
 const CALL = "hit()";
-const HANDLERS = ["onerror", "onload", "onfocus", "onmouseover", "onanimationstart", "ontoggle", "onbegin", "onpointerover"];
+const HANDLERS = [
+  "onerror",
+  "onload",
+  "onfocus",
+  "onmouseover",
+  "onanimationstart",
+  "ontoggle",
+  "onbegin",
+  "onpointerover",
+];
 const ELEMENTS = [
   (handler) => `<img src=x ${handler}=${CALL}>`,
   (handler) => `<svg ${handler}=${CALL}>`,
@@ -83,7 +92,7 @@ const OTHERS = [
   `![x](x"onerror="${CALL})`,
 ];
 
-export const PAYLOADS = [...HANDLERS.flatMap((handler) => ELEMENTS.map((element) => element(handler))), ...OTHERS].slice(
-  0,
-  200,
-);
+export const PAYLOADS = [
+  ...HANDLERS.flatMap((handler) => ELEMENTS.map((element) => element(handler))),
+  ...OTHERS,
+].slice(0, 200);

@@ -8,7 +8,8 @@ const REASONS: Record<string, string> = {
   taken: "That account of the provider belongs to somebody else here.",
   denied: "The provider did not sign you in.",
   ended: "That sign-in was begun in another browser or too long ago. Begin again.",
-  provider: "The provider could not be asked, or its answer was not to be believed. An administrator finds more in the log.",
+  provider:
+    "The provider could not be asked, or its answer was not to be believed. An administrator finds more in the log.",
 };
 
 export function reasonOf(word: string): string {
