@@ -1,4 +1,5 @@
 //! Many jobs side by side: curves, what differs, measured curves, comparisons that are kept.
+#![allow(clippy::float_cmp, reason = "these numbers are exact")]
 use loadframe_api::worker::Lease;
 use serde_json::{Value, json};
 use uuid::Uuid;

@@ -118,6 +118,7 @@ pub(crate) async fn group<const N: usize>(lab: &Lab, names: [&str; N]) -> [(Uuid
         } else {
             let new = NewInvitation {
                 role: Role::Member,
+                email: None,
                 groups: Vec::new(),
                 days: 1,
             };

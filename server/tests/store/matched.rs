@@ -1,4 +1,5 @@
 //! Which worker gets which job: what fits, whose turn it is, and what a person may use.
+#![allow(clippy::float_cmp, reason = "these numbers are exact")]
 use std::time::Duration;
 
 use loadframe_api::people::PersonLimits;

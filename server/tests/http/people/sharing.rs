@@ -360,6 +360,7 @@ async fn a_link_to_a_project_shows_its_jobs() {
     let shown = NewShare {
         job: None,
         project: Some(project),
+        comparison: None,
         files: false,
         days: 1,
     };
