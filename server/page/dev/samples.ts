@@ -96,6 +96,7 @@ export function makeJob(number: number, changes: Partial<Job>): Job {
     notes: "",
     tags: ["thesis"],
     priority: 0,
+    threads: null,
     status: "finished",
     outcome: "succeeded",
     reason: "The force fell below 10 % of its maximum.",

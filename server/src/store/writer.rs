@@ -38,14 +38,10 @@ type Command = Box<
         + Send,
 >;
 
-/// A command that has run, and how to answer.
-enum CommandEnd {
-    /// Its changes are to stay; it is answered once they are safe.
-    Done(Deliver),
-    /// Its changes are undone before it is answered with the error.
-    Failed(StoreError, Box<dyn FnOnce(StoreError) + Send>),
-    /// Nobody waits for it any more.
-    Dropped,
+/// A command that has run: whether its changes are to stay, and how to answer once they are safe.
+struct CommandEnd {
+    stays: bool,
+    deliver: Deliver,
 }
 
 /// The change that commands work on: the connection, and what is to follow the commit.
@@ -176,14 +172,15 @@ impl Writer {
         let command: Command = Box::new(move |change| {
             Box::pin(async move {
                 if answer.is_closed() {
-                    return CommandEnd::Dropped;
+                    return CommandEnd {
+                        stays: false,
+                        deliver: Box::new(|| {}),
+                    };
                 }
-                match command(change).await {
-                    Ok(done) => CommandEnd::Done(Box::new(move || drop(answer.send(Ok(done))))),
-                    Err(error) => CommandEnd::Failed(
-                        error,
-                        Box::new(move |error| drop(answer.send(Err(error)))),
-                    ),
+                let result = command(change).await;
+                CommandEnd {
+                    stays: result.is_ok(),
+                    deliver: Box::new(move || drop(answer.send(result))),
                 }
             })
         });
@@ -270,15 +267,9 @@ async fn commit(
     for command in batch {
         statement(change, "SAVEPOINT command").await?;
         change.now = Timestamp::now();
-        let end = command(change).await;
-        let stays = matches!(end, CommandEnd::Done(_));
-        if !stays && let Err(broken) = statement(change, "ROLLBACK TO command").await {
-            // the database has rolled the whole transaction back by itself, as it may when its disk is
-            // full: what the command ran into tells why, the missing savepoint does not
-            return Err(match end {
-                CommandEnd::Failed(error @ StoreError::Database(_), _) => error,
-                _ => broken,
-            });
+        let CommandEnd { stays, deliver } = command(change).await;
+        if !stays {
+            statement(change, "ROLLBACK TO command").await?;
         }
         statement(change, "RELEASE command").await?;
         let made = std::mem::take(&mut change.effects);
@@ -287,11 +278,7 @@ async fn commit(
             effects.queued |= made.queued;
             effects.garbage.extend(made.garbage);
         }
-        match end {
-            CommandEnd::Done(deliver) => answers.push(deliver),
-            CommandEnd::Failed(error, deliver) => answers.push(Box::new(move || deliver(error))),
-            CommandEnd::Dropped => {}
-        }
+        answers.push(deliver);
     }
     statement(change, "COMMIT").await?;
     Ok((effects, answers))
