@@ -59,7 +59,7 @@ fn pulled(bonds: usize, force: [f64; 3], time: f64) -> Value {
 #[test]
 fn a_cantilever_of_bonded_spheres_bends_as_beams_do() {
     let [area, inertia, _] = section();
-    for bonds in [1, 5, 10] {
+    for bonds in [1, 5] {
         // a hundred-thousandth of the length: nothing turns far
         let whole = LENGTH * bonds as f64;
         let force = 1e-5 * 3.0 * MODULUS * inertia / whole.powi(2);

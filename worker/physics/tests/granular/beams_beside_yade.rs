@@ -9,6 +9,8 @@ use super::{body, run};
 /// Yade's slip is over r_a + r_b, ours over the distance of the centres, which differ by the strain of the
 /// bonds, 1e-6 at most.
 const STRAIN: f64 = 2e-6;
+/// What rounding leaves in Yade of a velocity that is nothing [m/s], and of places and spins.
+const ROUND_OFF: f64 = 1e-11;
 
 #[test]
 fn chains_that_bend_and_twist_follow_yade() {
@@ -50,7 +52,7 @@ fn chains_that_bend_and_twist_follow_yade() {
                 let found = body(&record, 1000, number)[part];
                 for (found, expected) in found.iter().zip(expected) {
                     assert!(
-                        (found - expected).abs() <= STRAIN * most,
+                        (found - expected).abs() <= STRAIN * most + ROUND_OFF,
                         "{name} {part}: {found:e} {expected:e}"
                     );
                 }
