@@ -76,6 +76,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/allocations": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List the allocations
+         * @description What batch systems give to workers, by those who asked for it lately.
+         */
+        get: operations["list_allocations"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/audit": {
         parameters: {
             query?: never;
@@ -108,6 +128,142 @@ export interface paths {
          * @description All lines, the newest first. A cell that a spreadsheet would take for a formula begins with `'`.
          */
         get: operations["export_audit"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/comparisons": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List comparisons
+         * @description Those that you see, the newest first, without their jobs.
+         */
+        get: operations["list_comparisons"];
+        put?: never;
+        /**
+         * Keep a comparison
+         * @description Of jobs that you see, under a name; it gets a permanent address, and links can show it. Its jobs never
+         *     change: another choice is another comparison.
+         */
+        post: operations["create_comparison"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/comparisons/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Read a comparison
+         * @description With the ids of its jobs, as far as you see them.
+         */
+        get: operations["read_comparison"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete a comparison
+         * @description Its links show nothing any more; its jobs stay.
+         */
+        delete: operations["delete_comparison"];
+        options?: never;
+        head?: never;
+        /**
+         * Change a comparison
+         * @description Its name, or how the page shows it; never its jobs.
+         */
+        patch: operations["change_comparison"];
+        trace?: never;
+    };
+    "/v1/curves": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Read many curves
+         * @description One column over another of up to 1000 jobs, thinned out to what a plot shows. Jobs that you do not see
+         *     are `missing`, like those that do not exist.
+         */
+        get: operations["read_curves"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/curves.csv": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Read many curves as CSV
+         * @description All points with full digits: id and name of the job, and the two columns; one job after the other.
+         */
+        get: operations["read_curves_csv"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/curves/measured": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Read a measured curve
+         * @description The text of a testing machine's file (`csv`), read as two `columns` of jobs' curves, in their units;
+         *     what it leaves open stands in `reading`. The same reader as in calibrations. Nothing is kept.
+         */
+        post: operations["read_measured_curve"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/differences": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Tell jobs apart
+         * @description The fields in which the specs of up to 1000 jobs differ, and all of their results. Jobs that you do not
+         *     see are `missing`, like those that do not exist.
+         */
+        get: operations["read_differences"];
         put?: never;
         post?: never;
         delete?: never;
@@ -548,6 +704,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/jobs/{id}/waiting": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Why does a job wait?
+         * @description What a queued job needs of a worker, how many of those that are there have it, and a sentence on why it
+         *     does not run yet.
+         */
+        get: operations["read_waiting"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/kinds": {
         parameters: {
             query?: never;
@@ -640,6 +817,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/me/limits": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * How much may I use?
+         * @description Limits, use, and what is left. Whoever is no person with an account has no limits.
+         */
+        get: operations["read_my_limits"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/me/password": {
         parameters: {
             query?: never;
@@ -714,6 +911,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/people/{id}/limits": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Set how much a person may use
+         * @description All limits at once; what is left out has none. Running jobs go on where they are more than may run
+         *     now, and queued ones stay queued.
+         */
+        put: operations["set_limits"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/projects": {
         parameters: {
             query?: never;
@@ -756,6 +974,52 @@ export interface paths {
          * @description Rename it, show it to others, archive it, or hand it over.
          */
         patch: operations["change_project"];
+        trace?: never;
+    };
+    "/v1/projects/{id}/retention": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * What is kept of a project?
+         * @description Its rule, what that removes, and what can be brought back; with days in the query, what such a rule
+         *     would remove.
+         */
+        get: operations["read_retention"];
+        /**
+         * Say what is kept of a project
+         * @description In force a week later; left out is kept for ever. Snapshots go before curves, outcomes never. What was
+         *     removed can be brought back for two weeks.
+         */
+        put: operations["set_retention"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/projects/{id}/retention/undo": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Bring back what was removed
+         * @description Everything of the project that is not gone for good; its rule ends.
+         */
+        post: operations["undo_retention"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
         trace?: never;
     };
     "/v1/sessions": {
@@ -814,7 +1078,8 @@ export interface paths {
         put?: never;
         /**
          * Make a share link
-         * @description Whoever has it reads that job, or the jobs of that project, and nothing else, without an account.
+         * @description Whoever has it reads that job, the jobs of that project or those of that comparison, and nothing else, without an
+         *     account. Only what you may change can be shared: of a comparison, every job.
          */
         post: operations["create_share"];
         delete?: never;
@@ -835,6 +1100,70 @@ export interface paths {
         post?: never;
         /** Take a share link back */
         delete: operations["revoke_share"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sign-in": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** How can people sign in? */
+        get: operations["read_sign_in"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/sign-in/provider": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * End single sign-on
+         * @description The address to which the provider sends the browser back. Leads on to the page, signed in or with the
+         *     reason why not.
+         */
+        get: operations["end_sign_in"];
+        put?: never;
+        /**
+         * Begin single sign-on
+         * @description Answers where the browser goes on, with a cookie that it must bring back. Who is signed in already
+         *     gives that identity to their account.
+         */
+        post: operations["begin_sign_in"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/storage": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * What fills the disk?
+         * @description By person, project and kind of file, the largest first: one's own and of one's projects;
+         *     administrators see all.
+         */
+        get: operations["read_storage"];
+        put?: never;
+        post?: never;
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -879,6 +1208,86 @@ export interface paths {
          * @description The next request that uses it is refused, and streams that were opened with it end.
          */
         delete: operations["revoke_token"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/webhooks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** List my webhooks */
+        get: operations["list_webhooks"];
+        put?: never;
+        /**
+         * Make a webhook
+         * @description Its secret is shown this once. It is told of jobs of yours, or of a project that you hold. Private
+         *     addresses are refused unless the server was told to take them.
+         */
+        post: operations["create_webhook"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/webhooks/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** End a webhook */
+        delete: operations["remove_webhook"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/worker/allocations": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Report allocations
+         * @description What a batch system gives to workers, as whoever asks it for machines sees it.
+         */
+        put: operations["report_allocations"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/worker/backlog": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Tell what waits
+         * @description How many jobs wait and what they need, for whoever starts workers. A worker's token is enough: it
+         *     names no job.
+         */
+        get: operations["read_backlog"];
+        put?: never;
+        post?: never;
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -1181,6 +1590,11 @@ export interface components {
              */
             priority: number;
             /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
+            /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
              *     checkpoint (dimensionless).
@@ -1218,6 +1632,8 @@ export interface components {
              * @default 7
              */
             days: number;
+            /** @description Whose it is: who comes by single sign-on with this address accepts it so. */
+            email?: string;
         };
         /** @description What a person may do. */
         Role: "administrator" | "member" | "guest";
@@ -1228,12 +1644,6 @@ export interface components {
             name: string;
             password: string;
         };
-        /** @description `PATCH /v1/people/{id}`. */
-        PersonChanges: {
-            role?: components["schemas"]["Role"];
-            /** @description `true` ends the account with its sessions and tokens, `false` opens it again. */
-            left?: boolean;
-        };
         /** @description `POST /v1/people/{id}/hand-over`: jobs and projects get another owner. */
         HandOver: {
             /**
@@ -1242,20 +1652,6 @@ export interface components {
              */
             to: string;
         };
-        /** @description `POST /v1/tokens`. */
-        NewToken: {
-            /** @description What it is for. */
-            name: string;
-            /** @description `read`, `submit` or `worker`. */
-            scope: components["schemas"]["Scope"];
-            /**
-             * Format: uint32
-             * @description Days it is good for; left out, until it is revoked.
-             */
-            days?: number;
-        };
-        /** @description What a token may do. */
-        Scope: "read" | "submit" | "worker" | "everything";
         /** @description `POST /v1/groups`. */
         NewGroup: {
             name: string;
@@ -1272,6 +1668,101 @@ export interface components {
         };
         /** @description Who sees a project and its jobs. */
         Visibility: "private" | "group" | "everyone";
+        /** @description `POST /v1/shares`: a link for one job, one project or one comparison. */
+        NewShare: {
+            /**
+             * Format: uuid
+             * @description The job it shows.
+             */
+            job?: string;
+            /**
+             * Format: uuid
+             * @description The project whose jobs it shows.
+             */
+            project?: string;
+            /**
+             * Format: uuid
+             * @description The comparison it shows, with its jobs.
+             */
+            comparison?: string;
+            /**
+             * @description Whether files, snapshots and log are shown too.
+             * @default false
+             */
+            files: boolean;
+            /**
+             * Format: uint32
+             * @description Days it is good for.
+             * @default 30
+             */
+            days: number;
+        };
+        /** @description `POST /v1/tokens`. */
+        NewToken: {
+            /** @description What it is for. */
+            name: string;
+            /** @description `read`, `submit` or `worker`. */
+            scope: components["schemas"]["Scope"];
+            /**
+             * Format: uint32
+             * @description Days it is good for; left out, until it is revoked.
+             */
+            days?: number;
+        };
+        /** @description What a token may do. */
+        Scope: "read" | "submit" | "worker" | "everything";
+        /** @description `POST /v1/webhooks`. */
+        NewWebhook: {
+            /** @description Address that takes the messages, of `https` or `http`. */
+            url: string;
+            events: [
+            ] | [
+                components["schemas"]["WebhookEvent"]
+            ] | [
+                components["schemas"]["WebhookEvent"],
+                components["schemas"]["WebhookEvent"]
+            ] | [
+                components["schemas"]["WebhookEvent"],
+                components["schemas"]["WebhookEvent"],
+                components["schemas"]["WebhookEvent"]
+            ];
+            /**
+             * Format: uuid
+             * @description The project whose jobs it is about; left out, all jobs of your own.
+             */
+            project?: string;
+        };
+        /** @description What somebody can be told of. */
+        WebhookEvent: "ended" | "failed" | "quarantined" | "shared";
+        /** @description `PATCH /v1/people/{id}`. */
+        PersonChanges: {
+            role?: components["schemas"]["Role"];
+            /** @description `true` ends the account with its sessions and tokens, `false` opens it again. */
+            left?: boolean;
+        };
+        /** @description `PUT /v1/people/{id}/limits`: what a person may use; what is left out has no limit. */
+        PersonLimits: {
+            /**
+             * Format: uint32
+             * @description Jobs that run at once; further ones wait.
+             */
+            running?: number;
+            /**
+             * Format: double
+             * @description Estimated time of all queued jobs [core h].
+             */
+            queued_core_h?: number;
+            /**
+             * Format: double
+             * @description Files of all jobs [GB].
+             */
+            disk_gb?: number;
+            /**
+             * @description Whether the person may give jobs a priority above 0; administrators may in any case.
+             * @default false
+             */
+            may_hurry: boolean;
+        };
         /** @description `PATCH /v1/projects/{id}`; what is left out stays as it is. */
         ProjectChanges: {
             name?: string;
@@ -1288,30 +1779,148 @@ export interface components {
             group?: string;
             archived?: boolean;
         };
-        /** @description `POST /v1/shares`: a link for one job or one project. */
-        NewShare: {
-            /**
-             * Format: uuid
-             * @description The job it shows.
-             */
-            job?: string;
-            /**
-             * Format: uuid
-             * @description The project whose jobs it shows.
-             */
-            project?: string;
-            /**
-             * @description Whether files, snapshots and log are shown too.
-             * @default false
-             */
-            files: boolean;
+        /**
+         * @description What the files of a project are kept for. Snapshots go before curves and other tables; outcomes, logs
+         *     and specs are never removed.
+         */
+        RetentionRule: {
             /**
              * Format: uint32
-             * @description Days it is good for.
-             * @default 30
+             * @description Days after its end that a job keeps its snapshots; left out, for ever.
              */
-            days: number;
+            snapshots_days?: number;
+            /**
+             * Format: uint32
+             * @description Days after its end that a job keeps its curves and other tables, no fewer than its snapshots; left
+             *     out, for ever.
+             */
+            curves_days?: number;
         };
+        /** @description `POST /v1/comparisons`: jobs to be compared under a name. */
+        NewComparison: {
+            name: string;
+            /** @description The jobs, in the order in which they are listed; never changed afterwards. */
+            jobs: string[];
+            /**
+             * @description How the page shows them, as the query of its address.
+             * @default
+             */
+            view: string;
+            /**
+             * Format: uuid
+             * @description The project whose people see it, where there are people; left out, only you do.
+             */
+            project?: string;
+        };
+        /** @description `PATCH /v1/comparisons/{id}`: what is left out stays. */
+        ComparisonChanges: {
+            name?: string;
+            view?: string;
+        };
+        /**
+         * @description A measured curve, which as a whole counts as one measured result: the residual of each of its n
+         *     points is the difference over √n and the largest measured ordinate, or over √n and `deviation`.
+         *     Between points, and past its end at its last value, the simulated curve is read at the measured
+         *     abscissae.
+         */
+        MeasuredCurve: {
+            /**
+             * @description Names of abscissa and ordinate among the columns of the job's curve; left out, the first two:
+             *     nominal strain and force of a tensile test.
+             * @default null
+             */
+            columns: [
+                string,
+                string
+            ] | null;
+            /**
+             * @description Abscissa and ordinate of each point, in the units of the job's columns.
+             * @default []
+             */
+            rows: [
+                number,
+                number
+            ][];
+            /**
+             * @description The points as a testing machine exports them instead: the text of its file, or the file itself
+             *     in base64. Columns are found by name and unit and converted, whatever stands above them; what
+             *     can be understood in two ways is refused. Without a line of names, two columns in the order
+             *     and units of the job's.
+             */
+            csv?: string | null;
+            /** @description What the text leaves open, and where the curve begins. */
+            reading?: components["schemas"]["CurveReading"] | null;
+            /** @description How `rows` were read from `csv`, a sentence each: written where a job with `csv` is accepted. */
+            read_as?: string[];
+            /**
+             * Format: double
+             * @description Standard deviation of the measured ordinates, in their unit.
+             * @default null
+             */
+            deviation: number | null;
+        };
+        /** @description How `csv` is read, where it does not say so itself. */
+        CurveReading: {
+            /**
+             * @description Where the abscissa stands; left out, found by what it means.
+             * @default {
+             *       "column": null,
+             *       "unit": null
+             *     }
+             */
+            abscissa: components["schemas"]["TableColumn"];
+            /**
+             * @description Where the ordinate stands, likewise.
+             * @default {
+             *       "column": null,
+             *       "unit": null
+             *     }
+             */
+            ordinate: components["schemas"]["TableColumn"];
+            /**
+             * @description The mark before decimals; needed where every number has three of them: `1,027`.
+             * @default null
+             */
+            decimal: components["schemas"]["DecimalMark"] | null;
+            /**
+             * Format: double
+             * @description Gauge length of the measured specimen, by which an extension becomes a strain.
+             * @default null
+             */
+            gauge_length_mm: number | null;
+            /**
+             * Format: double
+             * @description The abscissa counts from where the ordinate first is at this preload, in the unit of the job's
+             *     column; what lies before is left out. A strain is then over the gauge length and what came
+             *     before (ISO 13934-1, specimens mounted slack).
+             * @default null
+             */
+            preload: number | null;
+            /**
+             * @description Slack is taken off: the straight line through the curve at these two ordinates, in the unit of
+             *     the job's column, is drawn back to 0, where the abscissa begins to count.
+             * @default null
+             */
+            slack_between: [
+                number,
+                number
+            ] | null;
+        };
+        /** @description A column of `csv`. */
+        TableColumn: {
+            /**
+             * @description Its name, with or without unit, or its number, counted from 1.
+             * @default null
+             */
+            column: string | null;
+            /**
+             * @description Its unit, where its title has none: `N`, `mN`, `%`, `mm`.
+             * @default null
+             */
+            unit: string | null;
+        };
+        /** @description What stands before decimals. */
+        DecimalMark: "point" | "comma";
         /** @description `POST /v1/worker/claims`: asks for a job and waits up to `wait_s` for one (204 when none came). */
         ClaimRequest: {
             /**
@@ -1327,6 +1936,21 @@ export interface components {
             /** @description Kinds this worker can run. */
             kinds: components["schemas"]["JobKind"][];
             calibration?: components["schemas"]["Calibration"] | null;
+            /**
+             * Format: double
+             * @description Memory that a job may take here [MB]; `None` where the worker does not know, and is given any.
+             */
+            memory_mb?: number | null;
+            /**
+             * Format: double
+             * @description Room for the files of a job in the scratch folder [MB]; `None` as above.
+             */
+            disk_mb?: number | null;
+            /**
+             * Format: double
+             * @description Time until the worker has to end [s], as in an allocation of a batch system; `None` has no end.
+             */
+            time_left_s?: number | null;
             /**
              * Format: double
              * @description Longest wait [s].
@@ -1457,9 +2081,21 @@ export interface components {
             /** Format: double */
             value: number;
             basis: components["schemas"]["ErrorBasis"];
+            /** @description What would make it a tenth, where that is known. */
+            tenth?: components["schemas"]["Tenth"] | null;
         };
         /** @description Where an error's size is known from. */
         ErrorBasis: "measured_table" | "two_grids" | "two_solvers" | "repeats";
+        /** @description What buys a digit: a change of the spec that makes a part of an error a tenth of what it is. */
+        Tenth: {
+            /** @description What to change, in words. */
+            change: string;
+            /**
+             * Format: double
+             * @description Time that the job would then take over what it takes now, about.
+             */
+            time_factor: number;
+        };
         /** @description A measure of quality, and the bound beyond which a warning is attached. */
         QualityCheck: {
             /** Format: double */
@@ -1585,6 +2221,32 @@ export interface components {
         };
         /** @description Why a lease is given back. */
         ReleaseReason: ("paused" | "cancelled") | "shutdown" | "beyond_estimate";
+        /**
+         * @description `PUT /v1/worker/allocations`: what a batch system gives to workers, as whoever asks it for machines
+         *     sees it. The next report of the same source takes its place; one is forgotten after ten minutes.
+         */
+        AllocationReport: {
+            /** @description Who reports, such as `slurm on login1`. */
+            source: string;
+            allocations: components["schemas"]["AllocationView"][];
+            /**
+             * @description Why no more machines are asked for, where that is so.
+             * @default null
+             */
+            trouble: string | null;
+        };
+        /** @description An allocation of a batch system. */
+        AllocationView: {
+            /** @description What the batch system's commands call it. */
+            id: string;
+            /** @description In the batch system's word, such as `PENDING` or `RUNNING`. */
+            state: string;
+            /**
+             * @description Why it waits, in the batch system's word.
+             * @default null
+             */
+            reason: string | null;
+        };
         /** @description An error answer. */
         Problem: {
             /** @description Stable name of the kind of problem: `/problems/invalid-spec`, ... */
@@ -1622,7 +2284,8 @@ export interface components {
             tags: string[];
             /**
              * Format: int32
-             * @description Higher runs first; equal ones in order of submission.
+             * @description Higher runs first. Of equal ones people take turns, by what they have used lately; each person's run
+             *     in order of submission.
              */
             priority: number;
             status: components["schemas"]["JobStatus"];
@@ -1643,7 +2306,8 @@ export interface components {
             eta_s: number | null;
             /**
              * Format: uint64
-             * @description Jobs that will run before this one, plus one, while queued.
+             * @description Jobs that will run before this one, plus one, while queued: as if people with jobs of its priority took
+             *     turns, who has used least first, and every job fitted every worker.
              */
             position: number | null;
             /**
@@ -1657,6 +2321,12 @@ export interface components {
             finished_at: components["schemas"]["Timestamp"] | null;
             updated_at: components["schemas"]["Timestamp"];
             spec_sha256: string;
+            /**
+             * Format: uint32
+             * @description Threads that its worker must have at least, where the submission asked for some.
+             * @default null
+             */
+            threads: number | null;
             /**
              * Format: double
              * @description How many times its estimate the job may take.
@@ -1761,6 +2431,8 @@ export interface components {
             estimate: components["schemas"]["Estimate"];
             /** @description What the job may take before it is paused: its estimate, `overrun_factor` times. */
             limits: components["schemas"]["JobLimits"];
+            /** @description What you may use, and what of it is left before this job; `null` where the server has no accounts. */
+            allowance: components["schemas"]["Allowance"] | null;
             warnings: components["schemas"]["Warning"][];
         };
         /** @description What a job is expected to take. */
@@ -1782,6 +2454,47 @@ export interface components {
             disk_mb: number;
             /** @description Whether a worker's measurement stands behind the time, or only a typical machine. */
             calibrated: boolean;
+        };
+        /** @description Answer to `GET /v1/me/limits`, and part of a dry run: limits, use, and what is left. */
+        Allowance: {
+            limits: components["schemas"]["PersonLimits"];
+            used: components["schemas"]["PersonUse"];
+            left: components["schemas"]["PersonLeft"];
+        };
+        /** @description What a person uses now. */
+        PersonUse: {
+            /** Format: uint32 */
+            running: number;
+            /**
+             * Format: double
+             * @description Estimated time of all queued jobs [core h].
+             */
+            queued_core_h: number;
+            /**
+             * Format: double
+             * @description Files and checkpoints of all jobs [GB].
+             */
+            disk_gb: number;
+            /**
+             * Format: double
+             * @description What was computed lately [core h], of which half counts a day later: who has used less goes first.
+             */
+            recent_core_h: number;
+        };
+        /** @description What a person may still use; `null` has no limit. */
+        PersonLeft: {
+            /** Format: uint32 */
+            running: number | null;
+            /**
+             * Format: double
+             * @description [core h]
+             */
+            queued_core_h: number | null;
+            /**
+             * Format: double
+             * @description [GB]
+             */
+            disk_gb: number | null;
         };
         /** @description Part of a job's curve. */
         CurveView: {
@@ -1943,6 +2656,23 @@ export interface components {
             /** Format: uint32 */
             threads: number;
             engine_version: string;
+            /**
+             * Format: double
+             * @description Memory that a job may take there [MB], where the worker knows.
+             * @default null
+             */
+            memory_mb: number | null;
+            /**
+             * Format: double
+             * @description Room for the files of a job [MB], where the worker knows.
+             * @default null
+             */
+            disk_mb: number | null;
+            /**
+             * @description When it has to end, where it has to.
+             * @default null
+             */
+            ends_at: components["schemas"]["Timestamp"] | null;
             /** @description Whether it was heard of within its lease. */
             alive: boolean;
             /** Format: uuid */
@@ -2018,6 +2748,12 @@ export interface components {
             limits: components["schemas"]["JobLimits"] | null;
             /** @description What an earlier attempt left to go on from. */
             checkpoint: components["schemas"]["CheckpointInfo"] | null;
+            /**
+             * Format: uint64
+             * @description So many first points of the curve the server has already, from before the checkpoint.
+             * @default 0
+             */
+            curve_points: number;
         };
         /** @description A stored checkpoint: its bytes are at `GET /v1/worker/leases/{id}/checkpoint`. */
         CheckpointInfo: {
@@ -2064,6 +2800,11 @@ export interface components {
             job?: string;
             /** @description The project that a share link shows. */
             project?: components["schemas"]["Named"] | null;
+            /**
+             * Format: uuid
+             * @description The comparison that a share link shows.
+             */
+            comparison?: string;
             /** @description Whether a share link shows files too. */
             files?: boolean;
         };
@@ -2078,6 +2819,13 @@ export interface components {
             created_at: components["schemas"]["Timestamp"];
             /** @description Who has left signs in no more; what they did stays on record. */
             left_at: components["schemas"]["Timestamp"] | null;
+            /**
+             * @description What the person may use.
+             * @default {
+             *       "may_hurry": false
+             *     }
+             */
+            limits: components["schemas"]["PersonLimits"];
         };
         /** @description A page of a list. */
         PersonViewPage: {
@@ -2145,6 +2893,8 @@ export interface components {
             expires_at: components["schemas"]["Timestamp"];
             accepted_at: components["schemas"]["Timestamp"] | null;
             revoked_at: components["schemas"]["Timestamp"] | null;
+            /** @description Whose it is, where it is for one address. */
+            email: string | null;
         };
         /** @description A token just made; the only time its secret is seen. */
         TokenMade: {
@@ -2253,6 +3003,8 @@ export interface components {
             job: string | null;
             /** Format: uuid */
             project: string | null;
+            /** Format: uuid */
+            comparison: string | null;
             files: boolean;
             /** @description Who made it. */
             person: components["schemas"]["Named"];
@@ -2308,6 +3060,350 @@ export interface components {
             request: string | null;
             address: string;
         };
+        /** @description Answer to `GET /v1/worker/backlog`: the jobs that wait, as numbers. It names none of them. */
+        Backlog: {
+            /**
+             * Format: uint64
+             * @description Jobs that wait; `classes` holds the first 10 000 of them.
+             */
+            waiting: number;
+            /** @description By the memory that they need, least first. */
+            classes: components["schemas"]["BacklogClass"][];
+        };
+        /** @description Jobs that wait and need about the same memory. */
+        BacklogClass: {
+            /**
+             * Format: double
+             * @description Each is estimated to need at most so much memory [MB]: 500 MB and its doubles.
+             */
+            memory_mb: number;
+            /** Format: uint64 */
+            jobs: number;
+            /**
+             * Format: double
+             * @description Estimated wall time on one core of the longest of them, and of all [s].
+             */
+            longest_wall_s: number;
+            /** Format: double */
+            total_wall_s: number;
+        };
+        /** @description A page of a list. */
+        ReportedAllocationsPage: {
+            items: components["schemas"]["ReportedAllocations"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
+        /** @description The latest report of a source. */
+        ReportedAllocations: {
+            source: string;
+            reported_at: components["schemas"]["Timestamp"];
+            allocations: components["schemas"]["AllocationView"][];
+            trouble: string | null;
+        };
+        /** @description `GET /v1/jobs/{id}/waiting`: what a queued job needs, and why it does not run yet. */
+        WaitingView: {
+            code: components["schemas"]["WaitCode"];
+            /** @description The same for people. */
+            reason: string;
+            /**
+             * Format: uint64
+             * @description As in the job.
+             */
+            position: number | null;
+            needs: components["schemas"]["NeedsView"];
+            /**
+             * Format: uint32
+             * @description Workers that are there.
+             */
+            workers: number;
+            /**
+             * Format: uint32
+             * @description Of these, workers that have all that it needs.
+             */
+            suitable: number;
+        };
+        /** @description Why a job waits, for programs. */
+        WaitCode: "no_worker" | "kind" | "version" | "threads" | "memory" | "disk" | "time" | "no_single_worker" | "running_limit" | "set_aside" | "turn";
+        /** @description What a worker must have for a job, rounded up. */
+        NeedsView: {
+            /**
+             * Format: double
+             * @description Memory [MB].
+             */
+            memory_mb: number;
+            /**
+             * Format: double
+             * @description Room for its files [MB].
+             */
+            disk_mb: number;
+            /**
+             * Format: double
+             * @description Time in one go [s] on one core of a typical machine (1e8 bond evaluations a second); the time between
+             *     checkpoints where it leaves some.
+             */
+            core_s: number;
+            /** Format: uint32 */
+            threads: number;
+            /** @description The earliest version of the engine that knows its spec; `null` for jobs of earlier versions. */
+            version: string | null;
+        };
+        /** @description `GET /v1/sign-in`: how people can sign in. */
+        SignInWays: {
+            /** @description Whether this server has accounts. */
+            accounts: boolean;
+            /** @description Name of the provider of single sign-on, where there is one. */
+            provider: string | null;
+        };
+        /** @description `POST /v1/sign-in/provider`: a sign-in that has begun. */
+        SignInBegun: {
+            /** @description Where the browser goes on. */
+            address: string;
+        };
+        /** @description `GET /v1/projects/{id}/retention`. */
+        RetentionView: {
+            /** @description The rule that is set; empty where all is kept. */
+            rule: components["schemas"]["RetentionRule"];
+            /** @description From when on the rule removes something. */
+            in_force_at: components["schemas"]["Timestamp"] | null;
+            /** @description What the rule, or the one that was asked about, would remove as of today. */
+            would_remove: components["schemas"]["FilesOfJobs"];
+            /** @description What was removed and can be brought back. */
+            removed: components["schemas"]["FilesOfJobs"];
+            /** @description When the oldest of that is gone for good. */
+            gone_at: components["schemas"]["Timestamp"] | null;
+        };
+        /** @description Jobs and their files. */
+        FilesOfJobs: {
+            /** Format: uint64 */
+            jobs: number;
+            /** Format: uint64 */
+            files: number;
+            /**
+             * Format: uint64
+             * @description Bytes, a file that several jobs have counted for each.
+             */
+            bytes: number;
+        };
+        /** @description A page of a list. */
+        DiskUsePage: {
+            items: components["schemas"]["DiskUse"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
+        /** @description What fills the disk: files of one kind, of one person in one project. */
+        DiskUse: {
+            person: components["schemas"]["Named"] | null;
+            project: components["schemas"]["Named"] | null;
+            kind: components["schemas"]["FileKind"];
+            /** Format: uint64 */
+            files: number;
+            /**
+             * Format: uint64
+             * @description Bytes, a file that several jobs have counted for each.
+             */
+            bytes: number;
+        };
+        /** @description Kinds of stored files. */
+        FileKind: ("outcome" | "snapshots") | "curves" | "others" | "checkpoints";
+        /** @description A webhook just made; the only time its secret is seen. */
+        WebhookMade: {
+            /** Format: uuid */
+            id: string;
+            /** @description Key of the signature of each message. */
+            secret: string;
+        };
+        /** @description A page of a list. */
+        WebhookViewPage: {
+            items: components["schemas"]["WebhookView"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
+        /** @description An address that is told, without its secret. */
+        WebhookView: {
+            /** Format: uuid */
+            id: string;
+            url: string;
+            events: components["schemas"]["WebhookEvent"][];
+            project: components["schemas"]["Named"] | null;
+            created_at: components["schemas"]["Timestamp"];
+            /** @description When it last took a message. */
+            told_at: components["schemas"]["Timestamp"] | null;
+            /**
+             * Format: uint32
+             * @description Messages it did not take since then.
+             */
+            failures: number;
+            /** @description What was wrong with the last of them. */
+            last_error: string | null;
+            /**
+             * Format: uint64
+             * @description Events that it is still to be told of.
+             */
+            waiting: number;
+        };
+        /** @description `GET /v1/differences`: what tells jobs apart. */
+        Differences: {
+            jobs: components["schemas"]["ComparedJob"][];
+            /** @description The fields in which the specs differ, in the order of the specs; none where all are alike. */
+            fields: components["schemas"]["ComparedField"][];
+            /**
+             * Format: uint64
+             * @description Fields that differ beyond those listed.
+             */
+            fields_left_out: number;
+            /**
+             * @description Jobs whose specs are too large to be looked at field by field; their hashes still tell whether
+             *     they are alike.
+             */
+            specs_left_out: string[];
+            results: components["schemas"]["ComparedResult"][];
+            /** @description Ids asked for of which there is no job to be seen. */
+            missing: string[];
+            /** @description Whether more jobs fit the question than are compared at once; the newest are here. */
+            more: boolean;
+        };
+        /** @description A job among others. */
+        ComparedJob: {
+            /** Format: uuid */
+            id: string;
+            kind: components["schemas"]["JobKind"];
+            name: string;
+            tags: string[];
+            status: components["schemas"]["JobStatus"];
+            outcome: components["schemas"]["JobOutcome"] | null;
+            created_at: components["schemas"]["Timestamp"];
+            /** @description SHA-256 of the normalised spec. */
+            spec_sha256: string;
+            /** @description Columns of its curve; none while there is no point. */
+            columns: string[];
+            /**
+             * Format: uint64
+             * @description Points of its curve.
+             */
+            points: number;
+            /** @description What forces are divided by, as far as spec and results tell it. */
+            dimensions: components["schemas"]["Dimensions"];
+        };
+        /** @description Sizes of a specimen by which tests of different specimens are compared. */
+        Dimensions: {
+            /** Format: double */
+            width_mm?: number;
+            /** Format: double */
+            grammage_g_per_m2?: number;
+            /** Format: double */
+            thickness_mm?: number;
+        };
+        /** @description A field in which specs differ. */
+        ComparedField: {
+            /** @description JSON pointer into the body of a submission, such as `/spec/bond/modulus_n`; `/kind` is one too. */
+            pointer: string;
+            /** @description Unit of the field; none where it has none. */
+            unit?: string;
+            /**
+             * @description The value in every job; `null` where it is null or absent. Long lists and texts are told by their
+             *     length and the beginning of their SHA-256.
+             */
+            values: unknown[];
+        };
+        /** @description A result that at least one of the jobs has. */
+        ComparedResult: {
+            name: string;
+            unit: string;
+            /** @description The value of every job; `null` where it has none in this unit. */
+            values: (number | null)[];
+        };
+        /** @description `GET /v1/curves`: one column over another, of many jobs. */
+        Curves: {
+            /**
+             * Format: uint64
+             * @description Points of a curve at most.
+             */
+            points: number;
+            curves: components["schemas"]["ComparedCurve"][];
+            /** @description Jobs whose curves have no such columns. */
+            without: string[];
+            /** @description Ids asked for of which there is no job to be seen. */
+            missing: string[];
+            /** @description Whether more jobs fit the question than are compared at once; the newest are here. */
+            more: boolean;
+        };
+        /** @description A curve of two columns. */
+        ComparedCurve: {
+            /** Format: uuid */
+            job: string;
+            /** @description The column it is drawn over. */
+            over: string;
+            of: string;
+            x: number[];
+            y: number[];
+            /**
+             * Format: uint64
+             * @description Points that the whole curve has.
+             */
+            of_points: number;
+            /** @description No more points will come. */
+            complete: boolean;
+        };
+        /** @description `POST /v1/curves/measured` answers: a measured curve as it was understood. */
+        MeasuredReading: {
+            /** @description The columns of jobs that it is read as, in their units. */
+            columns: [
+                string,
+                string
+            ];
+            x: number[];
+            y: number[];
+            /** @description What was understood, a sentence each. */
+            read_as: string[];
+        };
+        /** @description A comparison that is kept under a name. */
+        ComparisonView: {
+            /** Format: uuid */
+            id: string;
+            name: string;
+            /** @description How the page shows it, as the query of its address. */
+            view: string;
+            /**
+             * Format: uint64
+             * @description The number of its jobs, whether or not you see them.
+             */
+            count: number;
+            /** @description Its jobs, in order, as far as you see them; left out in lists. */
+            jobs?: string[];
+            created_at: components["schemas"]["Timestamp"];
+            owner?: components["schemas"]["Named"] | null;
+            project?: components["schemas"]["Named"] | null;
+        };
+        /** @description A page of a list. */
+        ComparisonViewPage: {
+            items: components["schemas"]["ComparisonView"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+        };
         /**
          * Nonwoven tensile test
          * @description A fabric of bonds is pulled until it parts; every strain step is brought to equilibrium.
@@ -2333,6 +3429,11 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
             /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
@@ -2369,6 +3470,11 @@ export interface components {
              */
             priority: number;
             /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
+            /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
              *     checkpoint (dimensionless).
@@ -2403,6 +3509,11 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
             /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
@@ -2439,6 +3550,11 @@ export interface components {
              */
             priority: number;
             /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
+            /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
              *     checkpoint (dimensionless).
@@ -2473,6 +3589,11 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
             /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
@@ -2509,6 +3630,11 @@ export interface components {
              */
             priority: number;
             /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
+            /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
              *     checkpoint (dimensionless).
@@ -2543,6 +3669,11 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
             /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
@@ -2579,6 +3710,11 @@ export interface components {
              */
             priority: number;
             /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
+            /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
              *     checkpoint (dimensionless).
@@ -2613,6 +3749,11 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
             /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
@@ -2649,6 +3790,11 @@ export interface components {
              */
             priority: number;
             /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
+            /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
              *     checkpoint (dimensionless).
@@ -2683,6 +3829,11 @@ export interface components {
              * @default 0
              */
             priority: number;
+            /**
+             * Format: uint32
+             * @description Threads that its worker must have at least; left out, one will do. Results do not depend on it.
+             */
+            threads?: number | null;
             /**
              * Format: double
              * @description How many times its estimated time, memory and files the job may take before it is paused with its
@@ -2933,6 +4084,77 @@ export interface operations {
             };
         };
     };
+    list_allocations: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The latest report of every source */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ReportedAllocationsPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     read_audit: {
         parameters: {
             query?: {
@@ -3086,6 +4308,922 @@ export interface operations {
                 };
             };
             /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_comparisons: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The comparisons */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ComparisonViewPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_comparison: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description Name and jobs */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewComparison"];
+            };
+        };
+        responses: {
+            /** @description The comparison */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ComparisonView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such project */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be made, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_comparison: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the comparison */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The comparison */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ComparisonView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such comparison */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_comparison: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the comparison */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is gone */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such comparison */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    change_comparison: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the comparison */
+                id: string;
+            };
+            cookie?: never;
+        };
+        /** @description What to change */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ComparisonChanges"];
+            };
+        };
+        responses: {
+            /** @description The comparison */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ComparisonView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such comparison */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The changes cannot be made, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_curves: {
+        parameters: {
+            query?: {
+                /** @description Ids of the jobs, in the order of the answer, with or without hyphens. */
+                jobs?: string[];
+                /** @description The jobs of this comparison. */
+                comparison?: string;
+                /** @description Jobs with this tag. */
+                tag?: string;
+                /** @description Jobs in this project. */
+                project?: string;
+                /** @description Jobs with this text in name, notes or tags, or whose id begins with it. */
+                q?: string;
+                kind?: components["schemas"]["JobKind"];
+                status?: components["schemas"]["JobStatus"];
+                outcome?: components["schemas"]["JobOutcome"];
+                /** @description Column that the curves are drawn over; the first of each curve when left out. */
+                over?: string;
+                /** @description Column that is drawn; the second of each curve when left out. */
+                of?: string;
+                /**
+                 * @description Thins every curve out to at most so many points, 1000 when left out, keeping the first and the
+                 *     last point, the largest and the smallest value of both columns, and in every part between the
+                 *     largest and the smallest value drawn. Fewer where all together would be more than a million;
+                 *     the answer says how many.
+                 */
+                points?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The curves, in the order asked for */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Curves"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such comparison */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The jobs are chosen in no way or in several, or their curves are too long */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many jobs are being compared */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_curves_csv: {
+        parameters: {
+            query?: {
+                /** @description Ids of the jobs, in the order of the answer, with or without hyphens. */
+                jobs?: string[];
+                /** @description The jobs of this comparison. */
+                comparison?: string;
+                /** @description Jobs with this tag. */
+                tag?: string;
+                /** @description Jobs in this project. */
+                project?: string;
+                /** @description Jobs with this text in name, notes or tags, or whose id begins with it. */
+                q?: string;
+                kind?: components["schemas"]["JobKind"];
+                status?: components["schemas"]["JobStatus"];
+                outcome?: components["schemas"]["JobOutcome"];
+                /** @description Column that the curves are drawn over; the first of each curve when left out. */
+                over?: string;
+                /** @description Column that is drawn; the second of each curve when left out. */
+                of?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The points */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/csv": string;
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such comparison */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The jobs are chosen in no way or in several, or columns are left out where curves have others */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many jobs are being compared */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_measured_curve: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description The text, and the columns it is read as */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MeasuredCurve"];
+            };
+        };
+        responses: {
+            /** @description The points, and how they were understood */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MeasuredReading"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be understood, or in two ways; see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_differences: {
+        parameters: {
+            query?: {
+                /** @description Ids of the jobs, in the order of the answer, with or without hyphens. */
+                jobs?: string[];
+                /** @description The jobs of this comparison. */
+                comparison?: string;
+                /** @description Jobs with this tag. */
+                tag?: string;
+                /** @description Jobs in this project. */
+                project?: string;
+                /** @description Jobs with this text in name, notes or tags, or whose id begins with it. */
+                q?: string;
+                kind?: components["schemas"]["JobKind"];
+                status?: components["schemas"]["JobStatus"];
+                outcome?: components["schemas"]["JobOutcome"];
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description What differs */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Differences"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such comparison */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The jobs are chosen in no way or in several */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many jobs are being compared */
             503: {
                 headers: {
                     /** @description Seconds to wait */
@@ -5703,6 +7841,98 @@ export interface operations {
             };
         };
     };
+    read_waiting: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the job */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Why it waits */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["WaitingView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such job */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It is not queued */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_kinds: {
         parameters: {
             query?: never;
@@ -6047,6 +8277,77 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["CallerView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_my_limits: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Limits, use and what is left */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Allowance"];
                 };
             };
             /** @description The request cannot be read; `detail` says where */
@@ -6538,6 +8839,130 @@ export interface operations {
             };
         };
     };
+    set_limits: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the person */
+                id: string;
+            };
+            cookie?: never;
+        };
+        /** @description The limits */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PersonLimits"];
+            };
+        };
+        responses: {
+            /** @description Limits, use and what is left */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Allowance"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such person */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The limits cannot be set, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_projects: {
         parameters: {
             query?: never;
@@ -6814,6 +9239,308 @@ export interface operations {
             };
             /** @description The changes cannot be made, see `violations` */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_retention: {
+        parameters: {
+            query?: {
+                /** @description Days that snapshots would be kept. */
+                snapshots_days?: number;
+                /** @description Days that curves and other tables would be kept. */
+                curves_days?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Id of the project */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Rule and preview */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RetentionView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such project */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Snapshots are removed before curves */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    set_retention: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the project */
+                id: string;
+            };
+            cookie?: never;
+        };
+        /** @description Days to keep */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RetentionRule"];
+            };
+        };
+        responses: {
+            /** @description Rule and preview */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RetentionView"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such project */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The rule cannot be, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    undo_retention: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the project */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is back */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such project */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -7122,6 +9849,8 @@ export interface operations {
             query?: {
                 /** @description Only links to this job. */
                 job?: string;
+                /** @description Only links to this comparison. */
+                comparison?: string;
             };
             header?: never;
             path?: never;
@@ -7243,7 +9972,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description There is no such job or project */
+            /** @description There is no such job, project or comparison */
             404: {
                 headers: {
                     [name: string]: unknown;
@@ -7362,6 +10091,334 @@ export interface operations {
             };
             /** @description You have no such link */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_sign_in: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The ways in */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SignInWays"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    end_sign_in: {
+        parameters: {
+            query?: {
+                /** @description What to ask the provider with. */
+                code?: string;
+                /** @description What this server gave the browser on its way. */
+                state?: string;
+                /** @description Who answers (RFC 9207). */
+                iss?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description To the page */
+            303: {
+                headers: {
+                    Location?: string;
+                    "Set-Cookie"?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This server has no provider of single sign-on */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This server has no accounts */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    begin_sign_in: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It has begun */
+            200: {
+                headers: {
+                    "Set-Cookie"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SignInBegun"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This server has no provider of single sign-on */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This server has no accounts */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The provider does not answer */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_storage: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description What is stored */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DiskUsePage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -7626,6 +10683,460 @@ export interface operations {
             };
             /** @description You have no such token */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_webhooks: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The newest first, without their secrets */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["WebhookViewPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_webhook: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description Address, events, project */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewWebhook"];
+            };
+        };
+        responses: {
+            /** @description The webhook */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["WebhookMade"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such project */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It cannot be made, see `violations` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    remove_webhook: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the webhook */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is told nothing any more */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You have no such webhook */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    report_allocations: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description All allocations of this source */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["AllocationReport"];
+            };
+        };
+        responses: {
+            /** @description The report is kept for ten minutes */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The message does not fit its schema */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_backlog: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description What waits */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Backlog"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
                 headers: {
                     [name: string]: unknown;
                 };
