@@ -6,7 +6,7 @@ import { tags } from "@lezer/highlight";
 
 const theme = EditorView.theme({
   "&": {
-    height: "clamp(22rem, 62vh, 48rem)",
+    height: "var(--editor-height)",
     backgroundColor: "var(--surface)",
     color: "var(--ink)",
     fontSize: "13px",

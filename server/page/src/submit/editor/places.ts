@@ -25,7 +25,9 @@ export function placeAt(state: EditorState, position: number, side: -1 | 1 = -1)
   // An unfinished word is an error inside the value that it will be.
   const isWord = node.type.isError && node.from < node.to;
   const [from, to] = isWord || isToken(node) ? [node.from, node.to] : [position, position];
-  while (node.type.isError && node.parent) node = node.parent;
+  // Behind its end a value is left; behind a brace or a comma one is in what it belongs to.
+  if (/^[}\]]$/.test(node.name) && node.to <= position && node.parent?.parent) node = node.parent.parent;
+  while ((node.type.isError || /^[{}[\],:]$/.test(node.name)) && node.parent) node = node.parent;
   const isName = node.name === "PropertyName" || node.name === "Object";
   const object = node.name === "Object" ? node : closest(node, "Object");
   if (node.name === "PropertyName")
