@@ -153,6 +153,8 @@ export class Form {
   }
 
   #change(change: Change): void {
+    // What stands there already is nothing to undo.
+    if (this.#draft.settled.slice(change.from, change.to) === change.insert) return;
     this.#actions.apply(change);
     this.#draft.settle();
   }
