@@ -23,6 +23,8 @@ const MODULUS = "/spec/bond/modulus_n";
 
 /** The control of a field by its JSON pointer. */
 const control = (page, pointer) => page.locator(`[id="field${pointer}"]`);
+/** The whole line or frame of a field. */
+const field = (page, pointer) => page.locator(`[data-testid=field][data-pointer="${pointer}"]`);
 const message = (page, pointer) => page.locator(`[id="field${pointer}-wrong"]`);
 const estimated = (page) => page.waitForSelector("[data-testid=estimate][data-ready=true]");
 
@@ -111,7 +113,7 @@ test("a text that is edited changes the form, and undo brings back what the form
       await page.waitForFunction((id) => document.getElementById(id).value === "21", `field${ROWS}`);
       assert.equal(await control(page, "/spec/accuracy").locator("option:checked").innerText(), "Draft");
       // what the schema does not know is shown, not lost
-      assert.match(await page.locator('[data-pointer="/spec/unheard_of"]').innerText(), /"a": \[ ?1, 2 ?\]/);
+      assert.match(await field(page, "/spec/unheard_of").innerText(), /"a": \[ ?1, 2 ?\]/);
     },
     { expected: /status of 422/ },
   ));
@@ -176,7 +178,7 @@ test("presets tell their price", () =>
     const prices = part(page, "prices");
     await prices.waitFor();
     assert.deepEqual(await prices.locator("dt").allInnerTexts(), ["Draft", "Standard", "Reference"]);
-    for (const price of await prices.locator("dd").allInnerTexts()) assert.match(price, /^about .+ m?s.*, .+B$/);
+    for (const price of await prices.locator("dd").allInnerTexts()) assert.match(price, /^about .+\sm?s.*,\s.+B$/);
     // of another job they are not
     await control(page, ROWS).fill("15");
     await prices.waitFor({ state: "detached" });
@@ -195,7 +197,7 @@ test("every example of every kind is a form in which nothing is foreign", () =>
         );
         // a calibration's inner job is text
         const known = kind === "calibrate" ? ["/spec/job/spec"] : [];
-        await page.locator('[data-pointer="/spec/version"]').waitFor();
+        await field(page, "/spec/version").waitFor();
         const raw = await page
           .getByRole("button", { name: "Remove" })
           .evaluateAll((buttons) =>
@@ -228,7 +230,7 @@ test("five megabytes stay editable, as text and in the form", () =>
       buffer: Buffer.from(text),
     });
     await part(page, "long-text").waitFor();
-    const list = page.locator('[data-pointer="/spec/fabric/network/nodes_mm"]');
+    const list = field(page, "/spec/fabric/network/nodes_mm");
     assert.match(
       await list.getByTestId("long-list").innerText(),
       /The first 8 of 170000 entries; 169992 more stand in the text/,
