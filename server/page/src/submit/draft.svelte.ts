@@ -151,7 +151,8 @@ export class Draft {
     try {
       sessionStorage.setItem(KEPT, this.text);
     } catch {
-      // A text too large to keep is only lost when the tab closes.
+      // Too large to keep: it is lost when the tab closes, and an older one must not come back in its place.
+      sessionStorage.removeItem(KEPT);
     }
   }
 
