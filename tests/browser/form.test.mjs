@@ -217,7 +217,7 @@ test("every example of every kind is a form in which nothing is foreign", () =>
 test("five megabytes stay editable, as text and in the form", () =>
   visit("/submit?view=both", async (page) => {
     await start(page);
-    const nodes = Array.from({ length: 170_000 }, (_, index) =>
+    const nodes = Array.from({ length: 200_000 }, (_, index) =>
       [index / 7, index / 11, 0].map((x) => Number(x.toFixed(6))),
     );
     const job = JSON.parse(await written(page));
@@ -233,7 +233,7 @@ test("five megabytes stay editable, as text and in the form", () =>
     const list = field(page, "/spec/fabric/network/nodes_mm");
     assert.match(
       await list.getByTestId("long-list").innerText(),
-      /The first 8 of 170000 entries; 169992 more stand in the text/,
+      /The first 8 of 200000 entries; 199992 more stand in the text/,
     );
     // a finished entry reaches the text
     await control(page, MODULUS).fill("0.125");
