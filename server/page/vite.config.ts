@@ -13,8 +13,20 @@ export default defineConfig({
     modulePreload: false,
     // Names whose work is in the page.
     license: { fileName: "licenses.md" },
-    // The largest part by far, and the one that hardly ever changes.
-    rolldownOptions: { output: { advancedChunks: { groups: [{ name: "three", test: /node_modules\/three\// }] } } },
+    // The largest parts by far, and those that hardly ever change.
+    rolldownOptions: {
+      output: {
+        advancedChunks: {
+          groups: [
+            { name: "three", test: /node_modules\/three\// },
+            {
+              name: "codemirror",
+              test: /node_modules\/(codemirror|@codemirror|@lezer|@marijn|crelt|style-mod|w3c-keyname)\//,
+            },
+          ],
+        },
+      },
+    },
   },
   test: { include: ["src/**/*.test.ts"] },
 });

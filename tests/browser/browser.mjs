@@ -91,3 +91,16 @@ export async function fitsThePhone(page, where) {
   const [content, screen] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
   assert.ok(content <= screen, `${where} is ${content} px wide on a screen of ${screen}`);
 }
+
+/** The text in the editor, once the page has read it. */
+export const written = (page) => page.evaluate(() => sessionStorage.getItem("loadframe-draft") ?? "");
+
+/** Writes a text into the editor, as a paste does. */
+export async function writeText(page, text) {
+  // the first example is filled in once it has arrived; before that it would overwrite the paste
+  await page.waitForFunction(() => (sessionStorage.getItem("loadframe-draft") ?? "") !== "");
+  if (!(await part(page, "editor").isVisible())) await part(page, "view-text").check();
+  await part(page, "editor").focus();
+  await page.keyboard.press("Control+A");
+  await page.keyboard.insertText(text);
+}

@@ -29,18 +29,14 @@ test("top bar and foot lead to the guide", () =>
 test("a field leads to its entry, and the kind to its page", () =>
   visit("/submit", async (page) => {
     await part(page, "example").selectOption("nonwoven_tensile_quick");
-    const editor = part(page, "editor");
-    await page.waitForFunction(() => document.querySelector("[data-testid=editor]").value.includes("strain_step"));
+    await part(page, "view-text").check();
+    const line = (name) => part(page, "editor").locator(".cm-line", { hasText: name });
     const help = part(page, "field-help");
-    for (const [word, anchor] of [
-      ['"strain_step"', "test.strain_step"],
-      ["2, 1]", "fabric.lattice.spacing_mm"],
+    for (const [place, anchor] of [
+      [line('"strain_step"').getByText('"strain_step"'), "test.strain_step"],
+      [line('"spacing_mm"').getByText("2", { exact: true }).last(), "fabric.lattice.spacing_mm"],
     ]) {
-      await editor.evaluate((area, word) => {
-        area.focus();
-        const at = area.value.indexOf(word) + 1;
-        area.setSelectionRange(at, at);
-      }, word);
+      await place.click();
       const link = about(help, anchor);
       await link.waitFor();
       assert.equal(await link.getAttribute("href"), `/guide/nonwoven_tensile/fields#${anchor}`);

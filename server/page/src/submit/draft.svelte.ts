@@ -1,4 +1,5 @@
 // The job being written: its text, what is wrong with it, what it will take.
+import { Text } from "@codemirror/state";
 import { messageOf, Refusal, request } from "../api/client";
 import type { DryRun, Job, Violation } from "../api/types";
 import { findNode, lineAt, lineStarts } from "./json/pointer";
@@ -7,6 +8,8 @@ import { scan } from "./json/scan";
 /** Something wrong, and where. */
 export interface Finding {
   offset: number;
+  /** Where what is wrong ends (exclusive). */
+  end: number;
   line: number;
   pointer: string;
   message: string;
@@ -17,70 +20,75 @@ export interface Finding {
 const REST = 350;
 /** Longer texts are checked when asked, not while typing. */
 const LONGEST_WATCHED = 200_000;
-/** Longer ones (measured networks) are not edited at all: a text area takes seconds for each letter. */
-const LONGEST_EDITED = 1_000_000;
+/** How long typing must rest before a longer one is read [ms]. */
+const LONG_REST = 1500;
 const KEPT = "loadframe-draft";
 
-export function isLarge(text: string): boolean {
-  return text.length > LONGEST_EDITED;
-}
-
 export class Draft {
-  text = $state(sessionStorage.getItem(KEPT) ?? "");
+  /** What there was when the page was left. */
+  readonly kept = sessionStorage.getItem(KEPT) ?? "";
   /** The project it goes to; none named, the first of one's own. */
   project = $state("");
-  /** A job too large to edit, sent instead of the text. */
-  large = $state.raw<string | null>(null);
   /** The text as it was when typing last rested; everything below belongs to it. */
-  settled = $state("");
+  settled = $state.raw(this.kept);
+  /** Whether nothing is written yet. */
+  isEmpty = $state(this.kept.trim() === "");
   isBusy = $state(false);
   estimate = $state.raw<DryRun | null>(null);
+  #document: Text = Text.of(this.kept.split("\n"));
   #violations = $state.raw<Violation[]>([]);
   #refusal = $state("");
   #checking: AbortController | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
+  #isSent = false;
   #sendKey: { text: string; key: string } | null = null;
 
   readonly scan = $derived(scan(this.settled));
   readonly starts = $derived(lineStarts(this.settled));
+  /** Whether the text is read and checked while it is typed. */
+  readonly isWatched = $derived(this.settled.length <= LONGEST_WATCHED);
 
   readonly findings = $derived.by<Finding[]>(() => {
     const { root, fault } = this.scan;
-    if (fault) return [this.#finding(fault.offset, { pointer: "", code: "syntax", detail: fault.message })];
+    if (fault)
+      return [this.#finding(fault.offset, fault.offset, { pointer: "", code: "syntax", detail: fault.message })];
     return this.#violations
-      .map((violation) => this.#finding(root ? findNode(root, violation.pointer).from : 0, violation))
+      .map((violation) => {
+        const node = root && findNode(root, violation.pointer);
+        return this.#finding(node?.from ?? 0, node?.end ?? 0, violation);
+      })
       .sort((a, b) => a.offset - b.offset);
   });
 
   /** What is wrong as a whole, when no field is to blame. */
   readonly refusal = $derived(this.findings.length > 0 ? "" : this.#refusal);
 
-  /** Begins anew with a text from elsewhere. */
-  take(text: string): void {
-    this.large = isLarge(text) ? text : null;
-    if (this.large === null) this.text = text;
-    else this.#settleOn("");
+  constructor() {
+    if (this.kept !== "") this.#watch();
+  }
+
+  /** The text as it is at this moment. */
+  get text(): string {
+    return this.#document.toString();
   }
 
   /** Called with every change of the text. */
-  noticeTyping(): void {
+  noticeTyping(document: Text): void {
+    this.#document = document;
+    this.isEmpty = document.length < LONGEST_WATCHED && document.toString().trim() === "";
+    this.#watch();
+  }
+
+  #watch(): void {
     clearTimeout(this.#timer);
-    if (this.large === null && this.text.length <= LONGEST_WATCHED) {
-      this.#timer = setTimeout(() => void this.check(), REST);
-    } else {
-      this.estimate = null;
-    }
-    try {
-      sessionStorage.setItem(KEPT, this.text);
-    } catch {
-      // A text too large to keep is only lost when the tab closes.
-    }
+    if (this.#document.length <= LONGEST_WATCHED) this.#timer = setTimeout(() => void this.check(), REST);
+    else this.#timer = setTimeout(() => this.settle(), LONG_REST);
   }
 
   /** Asks the server what is wrong with the text and what it would take; stores nothing. */
   async check(): Promise<void> {
     clearTimeout(this.#timer);
-    this.#settle();
+    this.settle();
     if (this.scan.fault) return;
     this.#checking?.abort();
     const checking = new AbortController();
@@ -99,7 +107,7 @@ export class Draft {
   /** Submits the job; returns it, or null when it was refused. */
   async submit(): Promise<Job | null> {
     clearTimeout(this.#timer);
-    this.#settle();
+    this.settle();
     if (this.scan.fault || this.isBusy) return null;
     this.#checking?.abort();
     this.isBusy = true;
@@ -110,6 +118,7 @@ export class Draft {
       const headers = { "Idempotency-Key": this.#sendKey.key };
       const address = this.project === "" ? "/v1/jobs" : `/v1/jobs?project=${this.project}`;
       const response = await request(address, { method: "POST", body: this.settled, headers });
+      this.#isSent = true;
       sessionStorage.removeItem(KEPT);
       return (await response.json()) as Job;
     } catch (error) {
@@ -123,18 +132,28 @@ export class Draft {
   stop(): void {
     clearTimeout(this.#timer);
     this.#checking?.abort();
+    if (!this.#isSent) this.#keep();
   }
 
-  #settle(): void {
-    this.#settleOn(this.large ?? this.text);
-  }
-
-  #settleOn(text: string): void {
+  /** Reads the text as it is now. */
+  settle(): void {
+    const text = this.text;
     if (this.settled === text) return;
     this.settled = text;
     this.estimate = null;
-    this.#violations = [];
     this.#refusal = "";
+    // What is mended while it is watched is told at once by the next answer; until then the rest stays in its place.
+    if (!this.isWatched) this.#violations = [];
+    this.#keep();
+  }
+
+  #keep(): void {
+    try {
+      sessionStorage.setItem(KEPT, this.text);
+    } catch {
+      // Too large to keep: it is lost when the tab closes, and an older one must not come back in its place.
+      sessionStorage.removeItem(KEPT);
+    }
   }
 
   #refuse(error: unknown): void {
@@ -143,9 +162,10 @@ export class Draft {
     this.#refusal = messageOf(error);
   }
 
-  #finding(offset: number, { pointer, detail, allowed = "", unit = "1" }: Violation): Finding {
+  #finding(offset: number, end: number, { pointer, detail, allowed = "", unit = "1" }: Violation): Finding {
     return {
       offset,
+      end,
       line: lineAt(this.starts, offset),
       pointer,
       message: detail,

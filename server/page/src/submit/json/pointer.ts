@@ -24,17 +24,6 @@ export function findNode(root: JsonNode, pointer: string): JsonNode {
   return node;
 }
 
-/** Keys and indices from the root to the deepest value around an offset. */
-export function pathAt(root: JsonNode, offset: number): string[] {
-  const path: string[] = [];
-  let node: JsonNode | undefined = root;
-  while (node) {
-    node = node.children.find((child) => child.from <= offset && offset <= child.end);
-    if (node) path.push(node.name);
-  }
-  return path;
-}
-
 /** Offsets at which lines begin. */
 export function lineStarts(text: string): number[] {
   const starts = [0];

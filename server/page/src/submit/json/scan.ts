@@ -24,6 +24,8 @@ export interface Scan {
 
 /** Deeper nesting is refused by the server as well. */
 const DEEPEST = 100;
+/** Of all values that hold no others: a measured network has a million. */
+const NONE: JsonNode[] = [];
 const NUMBER = /-?(?:0|[1-9]\d*)(?:\.\d+)?(?:[eE][+-]?\d+)?/y;
 const WORD = /[A-Za-z_]+/y;
 // What JSON forbids in a text is what this rule warns of.
@@ -72,6 +74,7 @@ class Scanner {
     node.start = this.#at;
     if (depth > DEEPEST) this.#fail("Nested too deeply.");
     const first = this.#text[this.#at];
+    if (first === "{" || first === "[") node.children = [];
     if (first === "{") this.#members(node, depth);
     else if (first === "[") this.#elements(node, depth);
     else this.#scalar(first);
@@ -134,15 +137,16 @@ class Scanner {
       this.#string("");
       return;
     }
-    const word = this.#match(WORD);
-    if (word !== null) {
-      if (!["true", "false", "null"].includes(word)) {
-        this.#fail(`“${word}” is not a value; texts need double quotes.`, this.#at - word.length);
-      }
+    if (this.#skip(NUMBER)) {
+      const next = this.#text[this.#at];
+      if (next !== undefined && /[\w.+]/.test(next)) this.#fail("This is not a number as JSON writes it.");
       return;
     }
-    const number = this.#match(NUMBER);
-    if (number === null) this.#fail("Expected a value.");
+    const word = this.#match(WORD);
+    if (word === null) this.#fail("Expected a value.");
+    if (!["true", "false", "null"].includes(word)) {
+      this.#fail(`“${word}” is not a value; texts need double quotes.`, this.#at - word.length);
+    }
     const next = this.#text[this.#at];
     if (next !== undefined && /[\w.+]/.test(next)) this.#fail("This is not a number as JSON writes it.");
   }
@@ -154,6 +158,13 @@ class Scanner {
     return raw.includes("\\") ? (JSON.parse(raw) as string) : raw.slice(1, -1);
   }
 
+  #skip(pattern: RegExp): boolean {
+    pattern.lastIndex = this.#at;
+    if (!pattern.test(this.#text)) return false;
+    this.#at = pattern.lastIndex;
+    return true;
+  }
+
   #match(pattern: RegExp): string | null {
     pattern.lastIndex = this.#at;
     const found = pattern.exec(this.#text)?.[0] ?? null;
@@ -162,12 +173,16 @@ class Scanner {
   }
 
   #space(): void {
-    while (" \n\r\t".includes(this.#text[this.#at] ?? "x")) this.#at += 1;
+    for (;;) {
+      const code = this.#text.charCodeAt(this.#at);
+      if (code !== 0x20 && code !== 0x0a && code !== 0x0d && code !== 0x09) return;
+      this.#at += 1;
+    }
   }
 
   // Until its end is known, a node reaches to the end of the text: the caret is inside it.
   #node(name: string, from: number): JsonNode {
-    return { start: this.#at, end: this.#text.length, name, from, children: [] };
+    return { start: this.#at, end: this.#text.length, name, from, children: NONE };
   }
 
   #fail(message: string, offset = this.#at): never {

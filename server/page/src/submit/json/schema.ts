@@ -1,7 +1,9 @@
 // What a JSON Schema says about one field: meaning, unit, range, default. The server's schemas hold
 // no references; choices (`oneOf`, `anyOf`) are read as all they may be.
 
-type Schema = Record<string, unknown>;
+import { showUnit } from "../../format/words";
+
+export type Schema = Record<string, unknown>;
 
 const INDEX = /^\d+$/;
 
@@ -46,19 +48,37 @@ export function describeField(root: Schema, path: string[]): FieldDoc | null {
     unit = isEntry ? first(parents, "x-unit") || unit : "";
     description = isEntry ? first(parents, "description") || description : "";
   }
+  return docOf(here, { anchor, isRequired, unit, description });
+}
+
+/** What schemas, one of which holds, say of their value; what they leave out is as its list has it. */
+export function docOf(
+  here: Schema[],
+  around: Pick<FieldDoc, "anchor" | "isRequired" | "unit" | "description">,
+): FieldDoc {
   const all = here.flatMap(expand);
   const given = here.find((schema) => "default" in schema) ?? all.find((schema) => "default" in schema);
   return {
-    anchor,
-    description: reflow(first(here, "description") || first(all, "description") || description),
-    unit: first(all, "x-unit") || unit,
+    anchor: around.anchor,
+    description: reflow(first(here, "description") || first(all, "description") || around.description),
+    unit: first(all, "x-unit") || around.unit,
     type: typeOf(all),
     range: rangeOf(all) || all.map((schema) => rangeOfItems(schema)).find(Boolean) || "",
     default: given ? JSON.stringify(given["default"]) : "",
-    isRequired,
+    isRequired: around.isRequired,
     options: all.flatMap(options),
     fields: [...new Set(all.flatMap((schema) => Object.keys(object(schema["properties"]))))],
   };
+}
+
+/** Longest default that is worth a line. */
+const LONGEST_DEFAULT = 30;
+
+/** Unit, range and default in one line. */
+export function hintOf(doc: FieldDoc): string {
+  const isShort = doc.default !== "" && doc.default !== '""' && doc.default.length <= LONGEST_DEFAULT;
+  const fallback = doc.default === "null" ? "may be left out" : isShort ? `default ${doc.default}` : "";
+  return [showUnit(doc.unit), doc.range, doc.isRequired ? "must be given" : fallback].filter(Boolean).join(" · ");
 }
 
 /** The schema itself and everything it chooses from. */
@@ -134,10 +154,10 @@ function plain(value: number): string {
   return isFar && power.length < String(value).length ? power : String(value);
 }
 
-function object(value: unknown): Schema {
+export function object(value: unknown): Schema {
   return typeof value === "object" && value !== null ? (value as Schema) : {};
 }
 
-function list(value: unknown): unknown[] {
+export function list(value: unknown): unknown[] {
   return Array.isArray(value) ? value : [];
 }
