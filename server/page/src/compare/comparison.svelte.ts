@@ -40,6 +40,7 @@ export class Comparison {
 
   constructor(id: string | null, query: URLSearchParams) {
     const chosen = [...query].filter(([key]) => CHOOSING.includes(key));
+    // eslint-disable-next-line svelte/prefer-svelte-reactivity -- made and read at once
     this.selection = new URLSearchParams(id === null ? chosen : { comparison: id });
     this.view = viewOf(query);
   }
@@ -54,6 +55,7 @@ export class Comparison {
     try {
       if (id !== null) {
         this.kept = await getJson<Kept>(`/v1/comparisons/${encodeURIComponent(id)}`);
+        // eslint-disable-next-line svelte/prefer-svelte-reactivity -- made and read at once
         if (this.query().toString() === "") this.view = viewOf(new URLSearchParams(this.kept.view));
       }
       this.differences = await getJson<Differences>(`/v1/differences?${this.selection}`);
@@ -71,6 +73,7 @@ export class Comparison {
     if (over === "" || of === "") return;
     const count = Math.max(1, this.differences?.jobs.length ?? 1);
     const points = Math.round(Math.min(MOST_POINTS, Math.max(LEAST_POINTS, ALL_POINTS / count)));
+    // eslint-disable-next-line svelte/prefer-svelte-reactivity -- made and read at once
     const query = new URLSearchParams([...this.selection, ["over", over], ["of", of], ["points", String(points)]]);
     try {
       this.curves = await getJson<Curves>(`/v1/curves?${query}`, loading.signal);
@@ -83,6 +86,7 @@ export class Comparison {
   /** All columns of the curves, those of the first job first. */
   get columns(): Column[] {
     const names = (this.differences?.jobs ?? []).flatMap(({ columns }) => columns);
+    // eslint-disable-next-line svelte/prefer-svelte-reactivity -- made and read at once
     return describeAll([...new Set(names)]);
   }
 
@@ -118,6 +122,7 @@ export class Comparison {
     const lines: Line[] = [];
     if (!differences || !curves || !pair) return { lines, without: 0 };
     const [x, y] = pair;
+    // eslint-disable-next-line svelte/prefer-svelte-reactivity -- made and read at once
     const jobs = new Map(differences.jobs.map((job) => [job.id, job]));
     for (const curve of curves.curves) {
       const job = jobs.get(curve.job);
@@ -135,6 +140,7 @@ export class Comparison {
   #drawn(): Line[] {
     const { lines } = this.lines;
     if (!this.view.isMean || !this.differences) return lines;
+    // eslint-disable-next-line svelte/prefer-svelte-reactivity -- made and read at once
     const byId = new Map(lines.map((line) => [line.id, line]));
     const { jobs } = this.differences;
     return groupsOfSeeds(this.differences).flatMap((places) => {
@@ -161,6 +167,7 @@ export class Comparison {
   query(): URLSearchParams {
     const { over, of, by, scaling, isMean, reference } = this.view;
     const all = { over, of, by, per: scaling, mean: isMean ? "1" : "", reference };
+    // eslint-disable-next-line svelte/prefer-svelte-reactivity -- made and read at once
     return new URLSearchParams(Object.entries(all).filter(([, value]) => value !== ""));
   }
 }

@@ -1,5 +1,5 @@
 // The plot as a figure for a paper: SVG, and PNG made from it.
-import { colouring } from "./colours";
+import type { colouring } from "./colours";
 import type { Drawn, Range } from "./manyPlot";
 
 export interface FigureInput {

@@ -21,6 +21,7 @@ export class Picked {
   }
 
   setAll(jobs: Job[], isPicked: boolean): void {
+    // eslint-disable-next-line svelte/prefer-svelte-reactivity -- made and read at once
     const ids = new Set(jobs.map(({ id }) => id));
     const others = this.jobs.filter(({ id }) => !ids.has(id));
     this.jobs = isPicked ? [...others, ...jobs] : others;

@@ -4,6 +4,7 @@ import type { Schema } from "./json/schema";
 
 export class Schemas {
   #known = $state.raw<Record<string, Schema>>({});
+  // eslint-disable-next-line svelte/prefer-svelte-reactivity -- read by nothing that is shown
   readonly #asked = new Set<string>();
 
   /** The schema of a kind's spec, as soon as it has arrived. */

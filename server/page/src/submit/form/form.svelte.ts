@@ -21,10 +21,12 @@ export class Form {
   readonly #actions: Actions;
   readonly #schema: () => Schema;
   /** Parts that were switched off, for when they are wanted back. */
+  // eslint-disable-next-line svelte/prefer-svelte-reactivity -- read by nothing that is shown
   readonly #putAside = new Map<string, string>();
 
   /** Messages at each pointer. */
   readonly messages = $derived.by(() => {
+    // eslint-disable-next-line svelte/prefer-svelte-reactivity -- made and read at once
     const byPointer = new Map<string, string[]>();
     for (const { pointer, message, allowed } of this.#draft.findings) {
       const text = allowed === "" ? message : `${message}. Allowed: ${allowed}`;
