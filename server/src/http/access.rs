@@ -1,4 +1,4 @@
-//! How a caller is known: what a request carries, held against what is in force.
+//! What callers are known by, held against what is in force; [`super::identify`] asks.
 //!
 //! On a loopback address a server without people is open to its own machine, by the rules of
 //! [`super::origin`]. Everywhere else, and wherever there are people, everything under `/v1` and
@@ -11,22 +11,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use axum::http::{HeaderMap, header};
-use loadframe_api::people::Scope;
 use loadframe_api::sha256_hex;
 use tokio::sync::Semaphore;
 use uuid::Uuid;
 
 use super::origin::Names;
-use super::permit::Trace;
-use super::problem::Result;
-use super::state::AppState;
 use crate::ServeConfig;
-use crate::access::{Caller, Credential, Guesses};
-use crate::single_sign_on::{SingleSignOn, Vouched};
-use crate::store::people::Arrival;
+use crate::access::Guesses;
+use crate::single_sign_on::SingleSignOn;
 
 /// What a link's secret begins with.
-const LINK: &str = "lfs_";
+pub(super) const LINK: &str = "lfs_";
 /// Cookie of a session over TLS: bound to this very host, unseen by scripts.
 pub(super) const SECURE_COOKIE: &str = "__Host-loadframe";
 /// The same within one machine, where there is no TLS.
@@ -42,11 +37,11 @@ const VISITS: usize = 10_000;
 #[derive(Debug)]
 pub(crate) struct Access {
     /// The server is open to its own machine as long as there are no people.
-    is_open: bool,
+    pub(super) is_open: bool,
     pub(super) names: Names,
     /// SHA-256 of the secrets the server was started with: its own, and its workers'.
-    own: Option<String>,
-    workers: Option<String>,
+    pub(super) own: Option<String>,
+    pub(super) workers: Option<String>,
     /// Signing in is allowed in the clear over a network.
     pub(super) plain_sign_in: bool,
     pub(super) wrong_tokens: Guesses<IpAddr>,
@@ -116,86 +111,8 @@ impl Access {
     }
 }
 
-/// How a request tries to be known.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Given {
-    Nothing,
-    Bearer,
-    Cookie,
-    /// The word of a proxy, for this name.
-    Proxy(String),
-}
-
-/// Who sends a request with these headers, over a connection with `peer`, and how it tried to be known.
-pub(super) async fn identify(
-    state: &AppState,
-    peer: Option<IpAddr>,
-    trace: &Trace,
-    headers: &HeaderMap,
-) -> Result<(Option<Caller>, Given)> {
-    let (access, store) = (&state.access, &state.store);
-    let has_people = store.has_people();
-    if access.is_open && !has_people {
-        return Ok((Some(Caller::sole(Scope::Everything)), Given::Nothing));
-    }
-    if let Some(secret) = bearer(headers) {
-        let sha256 = sha256_hex(secret.as_bytes());
-        let caller = if is_same(access.own.as_deref(), &sha256) {
-            // among people nobody is without a name: what the server was started with only works
-            Some(match has_people {
-                true => Caller::worker(),
-                false => Caller::sole(Scope::Everything),
-            })
-        } else if is_same(access.workers.as_deref(), &sha256) {
-            Some(Caller::worker())
-        } else if secret.starts_with(LINK) {
-            store.caller_by_link(&sha256).await?
-        } else {
-            store.caller_by_token(&sha256).await?
-        };
-        return Ok((caller, Given::Bearer));
-    }
-    let sign_on = access.single_sign_on.as_ref().filter(|_| has_people);
-    if let Some(vouched) = sign_on.and_then(|of| of.vouched_by_proxy(peer, headers)) {
-        let caller = caller_of_proxy(state, trace, &vouched).await?;
-        return Ok((caller, Given::Proxy(vouched.subject)));
-    }
-    for (name, is_secure) in [(SECURE_COOKIE, true), (PLAIN_COOKIE, false)] {
-        if let Some(secret) = cookie(headers, name) {
-            let sha256 = sha256_hex(secret.as_bytes());
-            let caller = store.caller_by_session(&sha256, is_secure).await?;
-            return Ok((caller, Given::Cookie));
-        }
-    }
-    Ok((None, Given::Nothing))
-}
-
-/// The person for whom the proxy vouches; who comes for the first time gets an account, if anybody may.
-async fn caller_of_proxy(
-    state: &AppState,
-    trace: &Trace,
-    vouched: &Vouched,
-) -> Result<Option<Caller>> {
-    let (issuer, subject) = (&vouched.issuer, &vouched.subject);
-    let known = state.store.caller_by_identity(issuer, subject).await?;
-    let Some(sign_on) = state
-        .access
-        .single_sign_on
-        .as_deref()
-        .filter(|_| known.is_none())
-    else {
-        return Ok(known);
-    };
-    let store = state.store.acting(trace.actor(None));
-    let admission = sign_on.admission(vouched);
-    match store.arrive(vouched.identity(), None, admission).await? {
-        Arrival::Known(..) => Ok(store.caller_by_identity(issuer, subject).await?),
-        Arrival::NotAdmitted | Arrival::Taken => Ok(None),
-    }
-}
-
 /// Whether two hashes are the same, in a time that does not tell where they differ.
-fn is_same(kept: Option<&str>, given: &str) -> bool {
+pub(super) fn is_same(kept: Option<&str>, given: &str) -> bool {
     kept.is_some_and(|kept| {
         let differences = kept
             .bytes()
@@ -224,25 +141,6 @@ pub(super) fn cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> 
         .flat_map(|value| value.split(';'));
     let mut pairs = pairs.filter_map(|pair| pair.trim().split_once('='));
     pairs.find(|(key, _)| *key == name).map(|(_, value)| value)
-}
-
-impl Access {
-    /// Counts the visit of a link.
-    pub(super) async fn note_visit(&self, state: &AppState, caller: &Caller, trace: &Trace) {
-        let Credential::Link(id) = caller.credential else {
-            return;
-        };
-        if self.is_new_visit(id, trace.address, Instant::now()) {
-            let counted = state
-                .store
-                .acting(trace.actor(Some(caller)))
-                .count_visit(id)
-                .await;
-            if let Err(error) = counted {
-                tracing::error!(%error, "a visit was not counted");
-            }
-        }
-    }
 }
 
 #[cfg(test)]

@@ -10,7 +10,8 @@ use axum::middleware::Next;
 use axum::response::Response;
 use uuid::Uuid;
 
-use super::access::{Given, identify, is_guarded};
+use super::access::is_guarded;
+use super::identify::{Given, identify, note_visit};
 use super::origin::is_safe;
 use super::permit::{Call, Trace};
 use super::problem::{ApiError, FORBIDDEN, Result, SIGN_IN_NEEDED, TOKEN_NEEDED, TOO_MANY_GUESSES};
@@ -56,7 +57,7 @@ pub(super) async fn guard(
         let is_open = |(method, of): &(Method, &str)| method == request.method() && *of == path;
         match caller {
             Some(caller) => {
-                state.access.note_visit(&state, &caller, &trace).await;
+                note_visit(&state, &caller, &trace).await;
                 let call = Call { caller, trace };
                 request.extensions_mut().insert(Arc::new(call));
             }

@@ -25,6 +25,7 @@ mod files;
 mod guard;
 mod guide;
 mod health;
+mod identify;
 mod jobs;
 mod kinds;
 mod metrics;

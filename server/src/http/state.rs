@@ -10,7 +10,7 @@ use super::access::Access;
 use super::body_budget::BodyBudget;
 use super::checks::Checks;
 use super::events::announcements::Announcements;
-use super::worker::AllocationReports;
+use super::worker::reports::Reports;
 use crate::ServeConfig;
 use crate::store::Store;
 use crate::webhooks::Addresses;
@@ -38,7 +38,7 @@ pub struct AppState {
     pub(super) comparisons: Arc<Semaphore>,
     pub(super) announcements: Announcements,
     /// What batch systems give to workers.
-    pub(super) allocations: AllocationReports,
+    pub(super) allocations: Reports,
 }
 
 impl AppState {
@@ -55,7 +55,7 @@ impl AppState {
             archives: Arc::new(Semaphore::new(ARCHIVES_AT_ONCE)),
             comparisons: Arc::new(Semaphore::new(COMPARISONS_AT_ONCE)),
             announcements: Announcements::default(),
-            allocations: AllocationReports::default(),
+            allocations: Reports::default(),
         }
     }
 

@@ -5,10 +5,10 @@
 mod allocations;
 mod claims;
 mod leases;
+pub(super) mod reports;
 mod request;
 mod uploads;
 
-pub(super) use allocations::Reports as AllocationReports;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
