@@ -49,5 +49,19 @@ CREATE INDEX shares_of_job ON shares (job) WHERE job IS NOT NULL;
 CREATE INDEX shares_of_comparison ON shares (comparison) WHERE comparison IS NOT NULL;
 CREATE TRIGGER access_by_share AFTER UPDATE OF revoked_at ON shares
     BEGIN UPDATE access SET version = version + 1; END;
+CREATE TRIGGER shares_are_told AFTER INSERT ON shares BEGIN
+    INSERT INTO outbox (webhook, event, at, body)
+    SELECT w.id, 'shared', NEW.created_at, json_object('job', lower(hex(NEW.job)),
+        'project', lower(hex(NEW.project)), 'comparison', lower(hex(NEW.comparison)),
+        'link', lower(hex(NEW.id)), 'files', NEW.shows_files)
+    FROM webhooks w
+    WHERE w.removed_at IS NULL AND EXISTS (SELECT 1 FROM json_each(w.events) e WHERE e.value = 'shared')
+      AND ((w.project IS NULL AND w.person IN (SELECT j.owner FROM jobs j WHERE j.id = NEW.job
+                                               UNION ALL
+                                               SELECT c.owner FROM comparisons c WHERE c.id = NEW.comparison))
+        OR w.project = NEW.project
+        OR w.project = (SELECT j.project FROM jobs j WHERE j.id = NEW.job)
+        OR w.project = (SELECT c.project FROM comparisons c WHERE c.id = NEW.comparison));
+END;
 CREATE TRIGGER access_by_comparison AFTER DELETE ON comparisons
     BEGIN UPDATE access SET version = version + 1; END;

@@ -81,7 +81,7 @@ mod tests {
                 "0a197c6c762f4095",
                 "b11dab88d99dde32",
                 "75d99417d89a76b5",
-                "40a96c2fef5d5db7",
+                "ca4307289839b7bc",
                 "3d56df3cc4285dd2"
             ]
         );

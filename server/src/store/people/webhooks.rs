@@ -338,7 +338,7 @@ fn with_ids(mut about: Value) -> Value {
     let Some(fields) = about.as_object_mut() else {
         return about;
     };
-    for name in ["job", "project", "link"] {
+    for name in ["job", "project", "comparison", "link"] {
         let id = fields
             .get(name)
             .and_then(Value::as_str)

@@ -60,7 +60,7 @@ fn every_command_shown_is_one_that_can_be_given() {
         let Some(first) = words.first().filter(|word| !word.starts_with('-')) else {
             continue;
         };
-        let has_parts = ["people", "study", "token"].contains(first);
+        let has_parts = ["autoscale", "people", "study", "token"].contains(first);
         let parts: Vec<&str> = match (has_parts, words.get(1)) {
             (true, Some(second)) => vec![first, second],
             _ => vec![first],
