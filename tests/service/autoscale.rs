@@ -70,7 +70,7 @@ fn one_allocation_is_asked_for_each_job_that_waits_and_none_twice() {
     for seed in 0..3 {
         // an hour each by the estimate, or a minute's worth would do for all
         let mut body = with_seed(SMALL, seed);
-        body["spec"]["test"]["strain_step"] = 1e-6.into();
+        body["spec"]["test"]["strain_step"] = 3e-6.into();
         server.client.submit(&body);
     }
     let shown = slurm.autoscale(&server, &["--dry-run", "--partition", "long"]);

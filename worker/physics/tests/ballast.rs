@@ -139,10 +139,14 @@ fn a_history_of_blocks_is_driven_by_a_machine_and_by_forces() {
     ]
     .map(|name| record.column(name));
     assert_eq!(cycle.last(), Some(&6.0));
-    // 20 mm/s down and up, whatever the bed does
+    // 20 mm/s down and up, whatever the bed does, once the plate has taken its seat
+    let speed = |row: usize| (way[row + 1] - way[row]) / (time[row + 1] - time[row]);
     let machine = |row: &usize| cycle[*row] < 3.0 && cycle[*row + 1] < 3.0;
-    for row in (0..force.len() - 1).filter(machine) {
-        let speed = (way[row + 1] - way[row]) / (time[row + 1] - time[row]);
+    let is_seated = |row: &usize| (speed(*row) - 20.0).abs() < 1e-6;
+    let first = (0..force.len() - 1).find(is_seated).expect("it moves");
+    assert!((force[first] - 0.2).abs() < 0.15, "{}", force[first]);
+    for row in (first..force.len() - 1).filter(machine) {
+        let speed = speed(row);
         let is_turn = unloading[row].to_bits() != unloading[row + 1].to_bits();
         let expected = if unloading[row + 1] > 0.0 {
             -20.0
@@ -210,6 +214,7 @@ fn base_and_sides_carry_the_load_and_the_bed() {
             "bed_stress_xx_kpa",
         ]
         .map(|name| record.column(name));
+        let across = record.column("bed_stress_yy_kpa");
         for row in (0..force.len()).filter(|row| force[*row] > 10.0) {
             let carried = base[row] + vertical[row];
             assert!(
@@ -229,10 +234,11 @@ fn base_and_sides_carry_the_load_and_the_bed() {
                 4.0
             };
             let pressure = normal[row] / (around * 0.2 * 0.1);
+            // of some fifty grains the two ways differ by a third
+            let stress = 0.5 * (lateral[row] + across[row]);
             assert!(
-                (pressure / lateral[row] - 1.0).abs() < 0.35,
-                "{section}: {pressure} {}",
-                lateral[row]
+                (pressure / stress - 1.0).abs() < 0.35,
+                "{section}: {pressure} {stress}"
             );
         }
         let [from_load, from_set_down] = ["peak_displacement", "peak_displacement_from_set_down"]
@@ -254,10 +260,11 @@ fn grains_fall_from_a_grid_and_are_shaken_upright() {
     let made = &scene["spec"]["generate"][0];
     assert_eq!(made["arrangement"], json!("grid"));
     assert_eq!(made["turned"], json!(false));
-    // as much as at random: 1.1 times what the cylinder holds, less what was cut
-    let full = 0.6 * std::f64::consts::PI * 0.01 * 0.1 * 2600.0;
-    let mass = value(&report, "total_mass");
-    assert!((0.8..1.1).contains(&(mass / full)), "{mass} {full}");
+    // the cylinder is filled; grains that fall straight onto each other stand in columns, and are fewer
+    let height = value(&report, "initial_height");
+    assert!((height / 100.0 - 1.0).abs() < 0.1, "{height}");
+    let porosity = value(&report, "initial_porosity");
+    assert!((0.5..0.7).contains(&porosity), "{porosity}");
     let force = record.column("force_kn");
     let largest = force.iter().copied().fold(0.0, f64::max);
     assert!((largest / 20.0 - 1.0).abs() < 0.01, "{largest}");

@@ -7,8 +7,11 @@ use serde_json::{Value, json};
 use super::{body, run};
 
 /// Yade's slip is over r_a + r_b, ours over the distance of the centres, which differ by the strain of the
-/// bonds, 1e-6 at most.
-const STRAIN: f64 = 2e-6;
+/// bonds: v over the √(EAL/m) of 380 m/s at which it travels, of 0.003 m/s 8e-6.
+const STRAIN: f64 = 8e-6;
+/// A damping force turns where a product passes zero. A little more or less of a velocity lets it pass in
+/// another step, which then keeps a part of one step's acceleration.
+const TURNED: f64 = 1e-4;
 /// What rounding leaves in Yade of a velocity that is nothing [m/s], and of places and spins.
 const ROUND_OFF: f64 = 1e-11;
 
@@ -37,6 +40,10 @@ fn chains_that_bend_and_twist_follow_yade() {
             "record": {"every_steps": 1000, "contacts": true}
         });
         let (_, record) = run(&spec);
+        let is_damped = case["damping"]
+            .as_f64()
+            .is_some_and(|damping| damping > 0.0);
+        let tolerance = if is_damped { TURNED } else { STRAIN };
         let scale = |values: &mut dyn Iterator<Item = f64>| {
             values.fold(0.0, |most: f64, value| most.max(value.abs()))
         };
@@ -52,7 +59,7 @@ fn chains_that_bend_and_twist_follow_yade() {
                 let found = body(&record, 1000, number)[part];
                 for (found, expected) in found.iter().zip(expected) {
                     assert!(
-                        (found - expected).abs() <= STRAIN * most + ROUND_OFF,
+                        (found - expected).abs() <= tolerance * most + ROUND_OFF,
                         "{name} {part}: {found:e} {expected:e}"
                     );
                 }
@@ -70,7 +77,7 @@ fn chains_that_bend_and_twist_follow_yade() {
                     let found = row[column + axis];
                     // of forces along the bond round-off in the distance is left, 1e-17 m of 4e6 N/m
                     assert!(
-                        (found.abs() - expected[axis].abs()).abs() <= STRAIN * most + 1e-9,
+                        (found.abs() - expected[axis].abs()).abs() <= tolerance * most + 1e-9,
                         "{name} {part}: {found:e} {expected:?}"
                     );
                 }

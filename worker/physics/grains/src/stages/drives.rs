@@ -41,6 +41,8 @@ impl Runner<'_> {
                 if let Some(plane) = self.engine.wall(name) {
                     let axis = self.engine.state.faces[plane].axis;
                     let motion = self.engine.wall_motion(plane);
+                    // what is moved does not rest on its weight
+                    motion.load = None;
                     motion.velocity = along(axis, *velocity_m_per_s);
                 }
             }
@@ -74,13 +76,12 @@ impl Runner<'_> {
             if let Some(velocity) = wall.velocity_m_per_s {
                 motion.velocity = velocity;
             }
-            if let Some(force) = &wall.force {
-                motion.load = Some(Load {
-                    force: force.force_n,
-                    mass: force.mass_kg,
-                    free: are_among(&force.free),
-                });
-            }
+            // what is driven in another way does not rest on its weight
+            motion.load = wall.force.as_ref().map(|force| Load {
+                force: force.force_n,
+                mass: force.mass_kg,
+                free: are_among(&force.free),
+            });
             // one that goes on knows what touches it
             if let Some(servo) = wall
                 .servo
