@@ -28,10 +28,11 @@ const isQuiet = async (page, where) => {
 function write({ payloads, jobs }) {
   return (async () => {
     const headers = { "Content-Type": "application/json" };
-    const send = async (method, path, body) => {
+    const send = async (method, path, body, credentials = "same-origin") => {
       const answer = await fetch(path, {
         method,
         headers,
+        credentials,
         body: body === undefined ? undefined : JSON.stringify(body),
       });
       if (!answer.ok) throw new Error(`${method} ${path}: ${await answer.text()}`);
@@ -48,16 +49,19 @@ function write({ payloads, jobs }) {
       await send("POST", `/v1/jobs/${made.id}/cancel`);
       ids.push(made.id);
     }
-    for (const text of payloads) {
+    for (const [index, text] of payloads.entries()) {
       await send("POST", "/v1/projects", { name: text, visibility: "everyone" });
-      await send("POST", "/v1/groups", { name: text });
+      // Names of groups and people differ in more than upper and lower case.
+      await send("POST", "/v1/groups", { name: `${text} ${index}` });
       await send("POST", "/v1/tokens", { name: text, scope: "read" });
     }
     // Names of people are chosen by those who are invited.
-    for (const text of payloads.slice(0, 100)) {
+    for (const [index, text] of payloads.slice(0, 100).entries()) {
       const { path } = await send("POST", "/v1/invitations", { role: "guest" });
       const secret = path.split("#")[1];
-      await send("POST", "/v1/invitations/accept", { secret, name: text, password: "a password for tests" });
+      const accepted = { secret, name: `${text} ${index}`, password: "a password for tests" };
+      // Who accepts is signed in, and is somebody else.
+      await send("POST", "/v1/invitations/accept", accepted, "omit");
     }
     return ids;
   })();
