@@ -1,5 +1,5 @@
 //! `loadframe autoscale slurm` beside a Slurm that is two scripts; on a real one: `tests/slurm`.
-use loadframe_tests::{SMALL, Server, loadframe, with_seed};
+use loadframe_tests::{SLOW, SMALL, Server, loadframe, with_seed};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -68,9 +68,9 @@ fn one_allocation_is_asked_for_each_job_that_waits_and_none_twice() {
     assert!(none.status.success(), "{}", text(&none.stderr));
     assert!(slurm.submitted().is_empty());
     for seed in 0..3 {
-        // an hour each by the estimate, or a minute's worth would do for all
-        let mut body = with_seed(SMALL, seed);
-        body["spec"]["test"]["strain_step"] = 3e-6.into();
+        // minutes each by the estimate, or one allocation would do for all
+        let mut body = with_seed(SLOW, seed);
+        body["spec"]["test"]["repeats"] = 4.into();
         server.client.submit(&body);
     }
     let shown = slurm.autoscale(&server, &["--dry-run", "--partition", "long"]);

@@ -10,8 +10,9 @@ use super::{body, run};
 /// bonds: v over the √(EAL/m) of 380 m/s at which it travels, of 0.003 m/s 8e-6.
 const STRAIN: f64 = 8e-6;
 /// A damping force turns where a product passes zero. A little more or less of a velocity lets it pass in
-/// another step, which then keeps a part of one step's acceleration.
-const TURNED: f64 = 1e-4;
+/// another step, which then keeps a part of one step's acceleration: 1e-5 of the velocities here, which
+/// move the spheres until the end.
+const TURNED: f64 = 1e-3;
 /// What rounding leaves in Yade of a velocity that is nothing [m/s], and of places and spins.
 const ROUND_OFF: f64 = 1e-11;
 
