@@ -54,8 +54,8 @@ pub struct AllocationView {
     #[schemars(length(min = 1, max = 100))]
     pub state: String,
     /// Why it waits, in the batch system's word.
-    #[serde(default)]
-    #[schemars(length(max = 500))]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String", length(max = 500))]
     pub reason: Option<String>,
 }
 

@@ -2241,11 +2241,8 @@ export interface components {
             id: string;
             /** @description In the batch system's word, such as `PENDING` or `RUNNING`. */
             state: string;
-            /**
-             * @description Why it waits, in the batch system's word.
-             * @default null
-             */
-            reason: string | null;
+            /** @description Why it waits, in the batch system's word. */
+            reason?: string;
         };
         /** @description An error answer. */
         Problem: {

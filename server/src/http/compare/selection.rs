@@ -25,6 +25,7 @@ macro_rules! comparing {
         pub(super) struct $name {
             /// Ids of the jobs, in the order of the answer, with or without hyphens.
             #[param(value_type = Vec<uuid::Uuid>, required = false, style = Form, explode = false, max_items = 1000)]
+            #[serde(default, deserialize_with = "crate::http::compare::selection::none_or_listed")]
             jobs: Option<$crate::http::bounded::Listed<uuid::Uuid, 1000>>,
             /// The jobs of this comparison.
             #[param(value_type = uuid::Uuid, required = false)]
@@ -88,6 +89,18 @@ pub(super) struct Selected<'a> {
     pub(super) missing: Vec<Uuid>,
     pub(super) more: bool,
     _turn: SemaphorePermit<'a>,
+}
+
+/// A list that may be empty: of no jobs there is nothing to compare, and no mistake.
+pub(in crate::http) fn none_or_listed<'de, D: serde::Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<Option<Listed<Uuid, MOST_COMPARED>>, D::Error> {
+    use serde::{Deserialize, de::IntoDeserializer};
+    let text = String::deserialize(deserializer)?;
+    if text.is_empty() {
+        return Ok(Some(Listed(Vec::new())));
+    }
+    Listed::deserialize(text.into_deserializer()).map(Some)
 }
 
 impl Selection {
