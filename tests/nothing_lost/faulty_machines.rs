@@ -8,13 +8,13 @@ use std::process::Command;
 /// Jobs that wait when the machine begins to work on them.
 const JOBS: u64 = 40;
 
-/// A worker with its scratch folder on a disk of a megabyte that is full; `None`, having said why, where
-/// nothing may be mounted.
+/// A worker with its scratch folder on a disk that takes no more files, though it has room: one without room
+/// says so in its claim and is given nothing. `None`, having said why, where nothing may be mounted.
 fn with_full_scratch(server: &Server) -> Option<Worker> {
     let folder = server.folder().join("scratch");
     std::fs::create_dir(&folder).unwrap();
     let mounted = Command::new("mount")
-        .args(["-t", "tmpfs", "-o", "size=1m", "tmpfs"])
+        .args(["-t", "tmpfs", "-o", "size=64m,nr_inodes=64", "tmpfs"])
         .arg(&folder)
         .status();
     if !mounted.is_ok_and(|status| status.success()) {
@@ -26,7 +26,9 @@ fn with_full_scratch(server: &Server) -> Option<Worker> {
     until("the worker has its folder", || {
         std::fs::read_dir(&folder).unwrap().next().map(|_| ())
     });
-    std::fs::write(folder.join("filler"), vec![1; 2 << 20]).unwrap_err();
+    let filled =
+        (0..100).find(|number| std::fs::write(folder.join(format!("{number}")), []).is_err());
+    filled.expect("a disk that is full");
     Some(worker)
 }
 

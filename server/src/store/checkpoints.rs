@@ -287,12 +287,17 @@ impl Change {
     ) -> Result<CheckpointInfo> {
         let attempt = self.extend(key, lease).await?;
         let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
+        if self.is_late(&attempt, job.seq, query).await? {
+            self.garbage([query.sha256.clone()]);
+            return self.newest_info(&attempt, job.seq).await;
+        }
         self.forgive_if_further(job.seq, query.wall_s).await?;
         let seq = sqlx::query(
-            "INSERT INTO checkpoints (job, bytes, sha256, wall_s, cpu_s, engine, points)
-             VALUES (?, ?, ?, ?, ?, ?, ?)",
+            "INSERT INTO checkpoints (job, attempt, bytes, sha256, wall_s, cpu_s, engine, points)
+             VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
         )
         .bind(job.seq)
+        .bind(attempt.seq)
         .bind(i64::try_from(bytes).unwrap_or(i64::MAX))
         .bind(&query.sha256)
         .bind(query.wall_s)
@@ -321,10 +326,35 @@ impl Change {
         if oldest.is_some() {
             self.remove_checkpoints(job.seq, oldest).await?;
         }
+        self.newest_info(&attempt, job.seq).await
+    }
+
+    async fn newest_info(&mut self, attempt: &LeasedAttempt, job: i64) -> Result<CheckpointInfo> {
         let newest =
-            CheckpointRow::newest(&mut self.connection, job.seq, &attempt.engine, None).await?;
+            CheckpointRow::newest(&mut self.connection, job, &attempt.engine, None).await?;
         let newest = newest.ok_or(StoreError::Unavailable)?;
         newest.info(&mut self.connection).await
+    }
+
+    /// Whether the attempt has left this checkpoint or a later one already: a message that was sent again, or
+    /// was under way for long.
+    async fn is_late(
+        &mut self,
+        attempt: &LeasedAttempt,
+        job: i64,
+        query: &CheckpointQuery,
+    ) -> Result<bool> {
+        let is_late = sqlx::query_scalar(
+            "SELECT EXISTS (SELECT 1 FROM checkpoints
+                            WHERE job = ? AND attempt = ? AND (wall_s > ? OR sha256 = ?))",
+        )
+        .bind(job)
+        .bind(attempt.seq)
+        .bind(query.wall_s)
+        .bind(&query.sha256)
+        .fetch_one(&mut self.connection)
+        .await?;
+        Ok(is_late)
     }
 
     /// What has come further since may have been the machines' fault, not the job's. One that begins

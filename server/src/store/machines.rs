@@ -4,7 +4,6 @@
 //! twice as long with every further one, until it has carried out a job. A job that three machines could
 //! not carry out is at fault itself. So that a lab of one machine finds that out too, a machine counts
 //! again when it has carried out another job in between.
-use loadframe_api::Timestamp;
 use loadframe_api::worker::{ClaimRequest, FaultRequest};
 use uuid::Uuid;
 
@@ -186,7 +185,7 @@ impl Store {
              WHERE w.last_seen_at >= ? AND m.until > ?",
         )
         .bind(alive_since)
-        .bind(Timestamp::now().as_millis())
+        .bind(self.now().as_millis())
         .fetch_one(self.reads())
         .await?;
         Ok(count.unsigned_abs())

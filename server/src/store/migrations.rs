@@ -28,6 +28,7 @@ migrations! {
     9 "order" "0009_order.sql",
     10 "comparisons" "0010_comparisons.sql",
     12 "resumed curves" "0012_resumed_curves.sql",
+    13 "late checkpoints" "0013_late_checkpoints.sql",
 }
 
 pub(super) fn migrations() -> Migrator {

@@ -14,7 +14,7 @@
 //! Lists are [`list`], jobs one by one [`jobs`], many side by side [`compared`]. The worker's side in the
 //! order of a job: [`claim`], of what [`choice`] decides, [`lease`] (heartbeats in [`pulses`]) with [`curve`] and
 //! [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`],
-//! [`ending`]; if the worker falls silent, [`sweep`]; if its machine is at fault, [`machines`]. Whose
+//! [`ending`]; if the worker falls silent by the [`clock`], [`sweep`]; if its machine is at fault, [`machines`]. Whose
 //! things are, and what was done by whom: [`people`].
 //!
 //! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
@@ -27,6 +27,7 @@ mod blobs;
 mod checkpoints;
 mod choice;
 mod claim;
+mod clock;
 mod collector;
 mod compared;
 mod curve;
@@ -64,11 +65,13 @@ use std::fs::File;
 use std::sync::Arc;
 use std::time::Duration;
 
+use loadframe_api::Timestamp;
 use sqlx::SqlitePool;
 use tokio::sync::watch;
 
 pub use backup::{BackupReport, backup, restore};
 use blobs::Blobs;
+pub use clock::Clock;
 pub use compared::{Compared, CurvePart};
 use error::Result;
 pub use error::{Loss, StoreError};
@@ -109,6 +112,11 @@ impl Store {
     /// What the store was opened with.
     pub fn options(&self) -> &StoreOptions {
         &self.0.options
+    }
+
+    /// This moment, by the store's clock.
+    pub(super) fn now(&self) -> Timestamp {
+        self.0.options.clock.now()
     }
 
     /// Wakes after every commit that put a job into the queue.

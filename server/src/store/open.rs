@@ -146,10 +146,11 @@ impl Store {
             reserve: Arc::clone(&reserve),
             restarts: Arc::clone(&restarts),
         };
+        let clock = options.clock.clone();
         Ok(Self(
             Arc::new(Inner {
                 options,
-                writer: Writer::start(connection, database, announcements, guards),
+                writer: Writer::start(connection, database, clock, announcements, guards),
                 reserve,
                 restarts,
                 reads,

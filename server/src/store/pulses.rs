@@ -7,7 +7,6 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use loadframe_api::Timestamp;
 use loadframe_api::worker::Command;
 
 use super::encoding::json;
@@ -69,7 +68,7 @@ impl Store {
         let (attempt, heard, asked) = live.ok_or(StoreError::LeaseLost)?;
         if heard {
             let asked = LifecycleRow::asked_for(asked.as_deref())?;
-            self.pulses().note(attempt, Timestamp::now().as_millis());
+            self.pulses().note(attempt, self.now().as_millis());
             return Ok(UserRequest::command(asked));
         }
         let lease = self.lease_millis();

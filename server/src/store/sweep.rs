@@ -53,7 +53,7 @@ impl Store {
              WHERE a.ended_at IS NULL AND (a.lease_until <= ?1
                 OR ?1 - a.started_at + 1000 * a.resumed_wall_s > ?2)",
         )
-        .bind(Timestamp::now().as_millis())
+        .bind(self.now().as_millis())
         .bind(limit)
         .fetch_all(self.lookups())
         .await?;
@@ -81,25 +81,29 @@ impl Store {
         Ok(ended)
     }
 
-    /// Sweeps every second, until dropped. When this process was stopped for a while (or the clock
-    /// was set), workers could not be heard: they all get a fresh lease instead.
-    pub async fn keep_sweeping(self) {
+    /// A step of the sweeper, whose last one ended then: sweeps. When this process was stopped for a while
+    /// (or the clock was set), workers could not be heard: they all get a fresh lease instead.
+    ///
+    /// # Errors
+    /// As [`Self::sweep`].
+    pub async fn sweep_since(&self, last: Timestamp) -> Result<()> {
         let longest_pause = millis(EVERY) + self.lease_millis() / 3;
-        let mut last = Timestamp::now().as_millis();
+        let pause = self.now().as_millis() - last.as_millis();
+        if (0..=longest_pause).contains(&pause) {
+            return self.sweep().await.map(|_| ());
+        }
+        tracing::warn!(pause_ms = pause, "the clock leapt; all leases are renewed");
+        self.renew_leases().await
+    }
+
+    /// Sweeps every second, until dropped.
+    pub async fn keep_sweeping(self) {
+        let mut last = self.now();
         for step in 1_u64.. {
             tokio::time::sleep(EVERY).await;
-            let now = Timestamp::now().as_millis();
-            let swept = if (0..=longest_pause).contains(&(now - last)) {
-                self.sweep().await.map(|_| ())
-            } else {
-                tracing::warn!(
-                    pause_ms = now - last,
-                    "the clock leapt; all leases are renewed"
-                );
-                self.renew_leases().await
-            };
+            let swept = self.sweep_since(last).await;
             // the pause counts from the end of a sweep: a slow one has listened meanwhile
-            last = Timestamp::now().as_millis();
+            last = self.now();
             if let Err(error) = swept {
                 tracing::error!(%error, "the leases could not be swept");
             }

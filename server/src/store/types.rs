@@ -12,6 +12,8 @@ use crate::VERSION;
 use crate::access::Sight;
 use crate::queue::needs::Needs;
 
+use super::clock::Clock;
+
 /// Where the store lives and what it promises.
 #[derive(Clone, Debug)]
 pub struct StoreOptions {
@@ -25,6 +27,8 @@ pub struct StoreOptions {
     pub unnamed_wait: Duration,
     /// How long a machine is given no jobs after its first fault; twice as long after every further one.
     pub fault_pause: Duration,
+    /// What it takes for the time.
+    pub clock: Clock,
 }
 
 impl StoreOptions {
@@ -36,6 +40,7 @@ impl StoreOptions {
             job_time_limit: None,
             unnamed_wait: Duration::from_secs(7 * 24 * 3600),
             fault_pause: Duration::from_secs(10),
+            clock: Clock::System,
         }
     }
 }

@@ -1,5 +1,5 @@
 //! Why a job waits: what it needs, held against every worker that is there.
-use loadframe_api::{Calibration, JobKind, NeedsView, Timestamp, WaitCode, WaitingView};
+use loadframe_api::{Calibration, JobKind, NeedsView, WaitCode, WaitingView};
 use uuid::Uuid;
 
 use super::Store;
@@ -62,7 +62,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`]; [`StoreError::Conflict`] when it is not queued.
     pub async fn waiting(&self, id: Uuid) -> Result<WaitingView> {
-        let now = Timestamp::now().as_millis();
+        let now = self.now().as_millis();
         let row: Option<WaitingRow> = sqlx::query_as(
             "SELECT j.status, j.kind, p.name AS owner_name, p.most_running,
                 (SELECT COUNT(*) FROM attempts a JOIN jobs r ON r.seq = a.job

@@ -106,7 +106,7 @@ impl Change {
 impl Store {
     /// A live worker was seen since this moment.
     pub(super) fn alive_since(&self) -> i64 {
-        Timestamp::now().as_millis() - self.lease_millis() - GRACE
+        self.now().as_millis() - self.lease_millis() - GRACE
     }
 
     /// Worker processes, the ones seen last first.
@@ -124,7 +124,7 @@ impl Store {
                 ON m.host = w.host AND m.worker_name = w.name AND m.until > ?
              ORDER BY w.last_seen_at DESC, w.name LIMIT 1000",
         )
-        .bind(Timestamp::now().as_millis())
+        .bind(self.now().as_millis())
         .fetch_all(self.reads())
         .await?;
         let since = self.alive_since();
@@ -203,7 +203,7 @@ impl Store {
         .bind(self.alive_since())
         .fetch_one(self.reads())
         .await?;
-        let waiting = oldest.map_or(0, |moment| Timestamp::now().as_millis() - moment);
+        let waiting = oldest.map_or(0, |moment| self.now().as_millis() - moment);
         counts.oldest_queued_s = waiting.max(0) as f64 / 1000.0;
         counts.workers_alive = alive.unsigned_abs();
         counts.workers_set_aside = self.count_set_aside(self.alive_since()).await?;

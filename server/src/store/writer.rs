@@ -17,6 +17,7 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
 
+use super::clock::Clock;
 use super::collector::Garbage;
 use super::error::{Result, StoreError};
 use super::people::Actor;
@@ -47,6 +48,7 @@ struct CommandEnd {
 /// The change that commands work on: the connection, and what is to follow the commit.
 pub(super) struct Change {
     pub(super) connection: SqliteConnection,
+    clock: Clock,
     /// The moment at which the command happens.
     pub(super) now: Timestamp,
     /// When a transaction last failed, or waited long to begin [ms since 1970]: nobody could be heard
@@ -142,13 +144,15 @@ impl Writer {
     pub(super) fn start(
         connection: SqliteConnection,
         database: SqliteConnectOptions,
+        clock: Clock,
         announcements: Announcements,
         guards: Guards,
     ) -> Self {
         let (commands, waiting) = mpsc::channel(4 * LARGEST_BATCH);
         let change = Change {
             connection,
-            now: Timestamp::now(),
+            now: clock.now(),
+            clock,
             last_trouble: i64::MIN,
             actor: None,
             effects: Effects::default(),
@@ -219,14 +223,14 @@ async fn run(
             }
             Err(_) => false,
         };
-        change.last_trouble = Timestamp::now().as_millis();
+        change.last_trouble = change.clock.now().as_millis();
         change.effects = Effects::default();
         if is_usable {
             // the database may have rolled back by itself, and then there is nothing to undo
             let _ = statement(&mut change, "ROLLBACK").await;
         } else {
             change.connection = until_done("writer", || database.connect()).await;
-            change.last_trouble = Timestamp::now().as_millis();
+            change.last_trouble = change.clock.now().as_millis();
         }
     }
 }
@@ -262,11 +266,11 @@ async fn commit(
     let start = Instant::now();
     statement(change, "BEGIN IMMEDIATE").await?;
     if start.elapsed() > LONG_WAIT {
-        change.last_trouble = Timestamp::now().as_millis();
+        change.last_trouble = change.clock.now().as_millis();
     }
     for command in batch {
         statement(change, "SAVEPOINT command").await?;
-        change.now = Timestamp::now();
+        change.now = change.clock.now();
         let CommandEnd { stays, deliver } = command(change).await;
         if !stays {
             statement(change, "ROLLBACK TO command").await?;

@@ -215,7 +215,7 @@ impl Store {
     }
 
     async fn token_caller(&self, sha256: Option<&str>, id: Option<Uuid>) -> Result<Option<Caller>> {
-        let now = Timestamp::now().as_millis();
+        let now = self.now().as_millis();
         let row: Option<CredentialRow> = sqlx::query_as(
             "SELECT t.id, t.scope, t.expires_at, t.last_used_at, t.person, p.name, p.role,
                     (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = t.person) AS teams
@@ -248,7 +248,7 @@ impl Store {
         secret: Option<(&str, bool)>,
         id: Option<Uuid>,
     ) -> Result<Option<Caller>> {
-        let now = Timestamp::now().as_millis();
+        let now = self.now().as_millis();
         let row: Option<CredentialRow> = sqlx::query_as(
             "SELECT s.id, 'everything' AS scope, s.expires_at, s.last_used_at, s.person, p.name, p.role,
                     (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = s.person) AS teams
@@ -306,7 +306,7 @@ impl Store {
         )
         .bind(sha256)
         .bind(id)
-        .bind(Timestamp::now().as_millis())
+        .bind(self.now().as_millis())
         .fetch_optional(self.lookups())
         .await?;
         let Some(row) = row else { return Ok(None) };

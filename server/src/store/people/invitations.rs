@@ -181,7 +181,7 @@ impl Store {
                 AND revoked_at IS NULL AND expires_at > ?)",
         )
         .bind(sha256)
-        .bind(Timestamp::now().as_millis())
+        .bind(self.now().as_millis())
         .fetch_one(self.lookups())
         .await?;
         if is_in_force {

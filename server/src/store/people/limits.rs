@@ -1,6 +1,6 @@
 //! How much each person may use.
+use loadframe_api::Estimate;
 use loadframe_api::people::{Allowance, PersonLimits, PersonUse};
-use loadframe_api::{Estimate, Timestamp};
 use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
@@ -17,7 +17,7 @@ impl Store {
     /// [`StoreError::NotFound`].
     pub async fn allowance(&self, person: Uuid) -> Result<Allowance> {
         let mut connection = self.lookups().acquire().await?;
-        allowance(&mut connection, person, Timestamp::now().as_millis()).await
+        allowance(&mut connection, person, self.now().as_millis()).await
     }
 
     /// Sets what a person may use; what is left out has no limit.

@@ -265,7 +265,7 @@ impl Store {
     pub async fn keep_retaining(self) {
         loop {
             tokio::time::sleep(EVERY).await;
-            match self.retain(Timestamp::now()).await {
+            match self.retain(self.now()).await {
                 Ok((0, 0)) => {}
                 Ok((removed, gone)) => {
                     tracing::info!(removed, gone, "files removed by rules of projects");

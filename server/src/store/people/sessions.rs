@@ -85,7 +85,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn sessions(&self, person: Uuid, current: Option<Uuid>) -> Result<Vec<SessionView>> {
-        let now = Timestamp::now().as_millis();
+        let now = self.now().as_millis();
         let rows: Vec<SessionRow> = sqlx::query_as(
             "SELECT id, client, created_at, last_used_at, expires_at FROM sessions
              WHERE person = ? AND expires_at > ? AND last_used_at > ? ORDER BY last_used_at DESC, id",
