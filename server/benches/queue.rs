@@ -5,194 +5,21 @@
 //! Held (issue "lab end to end"): 300 single submits/s, 500 claim+complete/s, 20 000 curve
 //! points/s, and p99 from submit to start under 1 s with idle workers. `QUEUE_BENCH_DATA` chooses
 //! the folder whose disk is measured.
-use std::sync::mpsc;
-use std::thread::{self, JoinHandle};
+mod lab;
+
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use futures_util::future::join_all;
-use loadframe_api::worker::{
-    ClaimRequest, CompleteRequest, CurveBlock, LEASE_TOKEN_HEADER, Lease, ProgressReport,
-    ReleaseReason, ReleaseRequest,
-};
-use loadframe_api::{Cost, FileEntry, JobKind, Outcome, OutcomeStatus, Provenance, sha256_hex};
-use loadframe_server::{ServeConfig, serve};
-use reqwest::{Client, Method, RequestBuilder, StatusCode};
-use tempfile::TempDir;
-use tokio::runtime::Runtime;
-use tokio::sync::oneshot;
-use uuid::Uuid;
+use loadframe_api::worker::{CurveBlock, ProgressReport, ReleaseReason, ReleaseRequest};
+use reqwest::{Method, StatusCode};
 
-/// Clients or workers at once.
-const CLIENTS: u64 = 16;
+use lab::Server;
+
 /// Points a report brings.
 const BATCH: u64 = 1000;
 /// Submissions whose delay until a worker has them is measured.
 const DELAYS: usize = 300;
-
-/// A server on a free port, and a client of it.
-struct Server {
-    address: String,
-    client: Client,
-    runtime: Runtime,
-    /// Dropped, it ends the server, which runs in a thread of its own.
-    shutdown: Option<oneshot::Sender<()>>,
-    serving: Option<JoinHandle<()>>,
-    _folder: TempDir,
-}
-
-impl Server {
-    fn start() -> Self {
-        let folder = match std::env::var_os("QUEUE_BENCH_DATA") {
-            Some(parent) => TempDir::new_in(parent),
-            None => TempDir::new_in(env!("CARGO_TARGET_TMPDIR")),
-        }
-        .expect("a folder");
-        let runtime = Runtime::new().expect("a runtime");
-        let config = ServeConfig {
-            listen: "127.0.0.1:0".to_owned(),
-            ..ServeConfig::new(folder.path())
-        };
-        let (tell, told) = mpsc::channel();
-        let (shutdown, stop) = oneshot::channel();
-        let handle = runtime.handle().clone();
-        let serving = thread::spawn(move || {
-            let ready = move |address| tell.send(address).expect("somebody waits");
-            let stop = async { drop(stop.await) };
-            handle
-                .block_on(serve(config, ready, stop))
-                .expect("a server");
-        });
-        let address = told.recv().expect("the server starts");
-        Self {
-            address: format!("http://{address}"),
-            client: client(),
-            runtime,
-            shutdown: Some(shutdown),
-            serving: Some(serving),
-            _folder: folder,
-        }
-    }
-
-    fn request(&self, method: Method, path: &str) -> RequestBuilder {
-        self.client
-            .request(method, format!("{}{path}", self.address))
-    }
-
-    fn under(&self, lease: &Lease, method: Method, path: &str) -> RequestBuilder {
-        let path = format!("/v1/worker/leases/{}{path}", lease.id);
-        let request = self.request(method, &path);
-        request.header(LEASE_TOKEN_HEADER, lease.token.to_string())
-    }
-
-    async fn submit(&self) {
-        let body = JobKind::NonwovenTensile.examples()[2].body;
-        let request = self.request(Method::POST, "/v1/jobs").body(body);
-        let request = request.header("content-type", "application/json");
-        let answer = request.send().await.expect("an answer");
-        assert_eq!(answer.status(), StatusCode::CREATED);
-    }
-
-    async fn claim(&self, wait_s: f64) -> Option<Lease> {
-        let claim = ClaimRequest {
-            worker_id: Uuid::new_v4(),
-            name: "bench".to_owned(),
-            host: "bench".to_owned(),
-            threads: 1,
-            engine_version: "bench".to_owned(),
-            kinds: JobKind::ALL.to_vec(),
-            calibration: None,
-            memory_mb: None,
-            disk_mb: None,
-            time_left_s: None,
-            wait_s,
-        };
-        let request = self.request(Method::POST, "/v1/worker/claims").json(&claim);
-        let answer = request.send().await.expect("an answer");
-        match answer.status() {
-            StatusCode::NO_CONTENT => None,
-            status => {
-                assert_eq!(status, StatusCode::OK);
-                Some(answer.json().await.expect("a lease"))
-            }
-        }
-    }
-
-    /// Claims a job, uploads its outcome and completes it.
-    async fn cycle(&self) {
-        let lease = self.claim(0.0).await.expect("a job");
-        let outcome = outcome(&lease);
-        let text = serde_json::to_vec(&outcome).expect("JSON");
-        let sha256 = sha256_hex(&text);
-        let path = format!("/files/outcome.json?sha256={sha256}");
-        let upload = self.under(&lease, Method::PUT, &path).body(text);
-        let answer = upload.send().await.expect("an answer");
-        assert_eq!(answer.status(), StatusCode::OK);
-        let file: FileEntry = answer.json().await.expect("an entry");
-        let request = CompleteRequest {
-            outcome,
-            files: vec![file],
-        };
-        let complete = self.under(&lease, Method::POST, "/complete").json(&request);
-        let answer = complete.send().await.expect("an answer");
-        assert!(answer.status().is_success());
-    }
-
-    /// Does `work` `total` times, by `CLIENTS` at once.
-    fn together(&self, total: u64, work: impl AsyncFn()) -> Duration {
-        self.runtime.block_on(async {
-            let start = Instant::now();
-            join_all((0..CLIENTS).map(async |client| {
-                let share = total / CLIENTS + u64::from(client < total % CLIENTS);
-                for _ in 0..share {
-                    work().await;
-                }
-            }))
-            .await;
-            start.elapsed()
-        })
-    }
-}
-
-/// A client that trusts nobody, and so reads no certificates.
-fn client() -> Client {
-    let _ = rustls::crypto::ring::default_provider().install_default();
-    let client = Client::builder().tls_certs_only([]).build();
-    client.expect("a client")
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        drop(self.shutdown.take());
-        if let Some(serving) = self.serving.take() {
-            serving.join().expect("the server ends in order");
-        }
-    }
-}
-
-fn outcome(lease: &Lease) -> Outcome {
-    Outcome {
-        kind: lease.kind,
-        status: OutcomeStatus::Succeeded,
-        stop_reason: "max_strain".to_owned(),
-        summary: Default::default(),
-        quality: Default::default(),
-        cost: Cost::default(),
-        provenance: Provenance {
-            spec_sha256: lease.spec_sha256.clone(),
-            engine_version: "bench".to_owned(),
-            engine_commit: "bench".to_owned(),
-            seed: 1,
-            threads: 1,
-            // of its own for every job, so that no file is stored already
-            started_at: lease.id.to_string(),
-            host: "bench".to_owned(),
-        },
-        warnings: Vec::new(),
-        bodies: Vec::new(),
-        files: Vec::new(),
-    }
-}
 
 fn submissions(criterion: &mut Criterion) {
     let server = Server::start();
@@ -315,7 +142,7 @@ fn delay(criterion: &mut Criterion) {
                     detail: None,
                 };
                 let cancel = format!("/v1/jobs/{}/cancel", lease.job_id);
-                let _ = server.request(Method::POST, &cancel).send().await;
+                let _ = server.as_person(Method::POST, &cancel).send().await;
                 let release = server
                     .under(&lease, Method::POST, "/release")
                     .json(&release);

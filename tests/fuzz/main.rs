@@ -89,6 +89,11 @@ fn no_table_is_the_end_of_its_reader() {
 }
 
 #[test]
+fn no_bed_is_the_end_of_its_reader() {
+    hold(parsers::bed, &files("fuzz/corpus/bed"));
+}
+
+#[test]
 fn no_surface_is_the_end_of_its_reader() {
     hold(parsers::surface, &files("fuzz/corpus/surface"));
 }

@@ -1,10 +1,15 @@
 //! The parsers of foreign bytes, one function each: whatever the bytes are, it returns.
+use loadframe_api::allocations::AllocationReport;
+use loadframe_api::comparison::NewComparison;
+use loadframe_api::people::NewWebhook;
+use loadframe_api::spec::calibrate::MeasuredCurve;
+use loadframe_api::spec::granular_scene::{Import, ImportFormat};
 use loadframe_api::surface::{TriangleMesh, read_stl};
 use loadframe_api::table::{self, Hints, Wanted};
 use loadframe_api::worker::{
-    ClaimRequest, CompleteRequest, FailRequest, ProgressReport, ReleaseRequest,
+    ClaimRequest, CompleteRequest, FailRequest, FaultRequest, ProgressReport, ReleaseRequest,
 };
-use loadframe_api::{JobChanges, Message, Submission, check_file_name};
+use loadframe_api::{JobChanges, JobKind, Message, Submission, Timestamp, check_file_name};
 use loadframe_harness::checkpoint;
 use loadframe_run::{Engine, SavedRun};
 
@@ -34,9 +39,35 @@ pub(crate) fn message(bytes: &[u8]) {
     let _ = ProgressReport::from_slice(bytes);
     let _ = CompleteRequest::from_slice(bytes);
     let _ = FailRequest::from_slice(bytes);
+    let _ = FaultRequest::from_slice(bytes);
     let _ = ReleaseRequest::from_slice(bytes);
+    let _ = AllocationReport::from_slice(bytes);
     let _ = JobChanges::from_slice(bytes);
-    let _ = check_file_name(&String::from_utf8_lossy(bytes));
+    let _ = NewWebhook::from_slice(bytes);
+    let _ = NewComparison::from_slice(bytes);
+    let _ = MeasuredCurve::from_slice(bytes);
+    let text = String::from_utf8_lossy(bytes);
+    let _ = check_file_name(&text);
+    let _ = text.parse::<Timestamp>();
+    let _ = text.parse::<JobKind>();
+}
+
+/// A bed of another program. What is understood is finite.
+pub(crate) fn bed(bytes: &[u8]) {
+    for format in [ImportFormat::Yade, ImportFormat::Lammps] {
+        let import = Import {
+            format,
+            text: String::from_utf8_lossy(bytes).into_owned(),
+            material: "stone".to_owned(),
+            scale: 1.0,
+            shift_m: [0.0; 3],
+            breakable_clumps: false,
+        };
+        if let Ok(bodies) = import.bodies(2500.0) {
+            let places = bodies.iter().flat_map(|body| body.position_m);
+            assert!(places.into_iter().all(f64::is_finite));
+        }
+    }
 }
 
 /// A curve that a testing machine exported, in any of the forms in which it comes as text. What is

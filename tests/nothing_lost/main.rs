@@ -14,6 +14,7 @@ mod exclusive;
 mod faulty_machines;
 mod killed_server;
 mod killed_workers;
+mod overrun;
 mod planned_stops;
 mod stale_leases;
 mod stopped_workers;

@@ -27,7 +27,7 @@ pub use jobs::{LONG, SLOW, SMALL, Size, TINY, is_sound, losses, run_alone, with_
 pub use process::{Process, loadframe};
 pub use random::Chance;
 pub use relay::{Cut, Relay, Seen};
-pub use rows::rows;
+pub use rows::{edit_rows, rows};
 pub use server::Server;
 pub use wait::{PATIENCE, soak, until};
 pub use worker::Worker;

@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use loadframe_api::worker::{
     CompleteRequest, FailCode, FailRequest, FaultCode, FaultRequest, ReleaseReason,
 };
-use loadframe_api::{FileEntry, JobOutcome, sha256_hex};
+use loadframe_api::{Estimate, FileEntry, JobOutcome, sha256_hex};
 use serde::Serialize;
 
-use super::encoding::json;
+use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
 use super::state::{Ending, LifecycleRow};
@@ -70,13 +70,23 @@ impl Store {
         self.write_from_reserve(move |change| {
             Box::pin(async move {
                 let attempt = LeasedAttempt::find(&mut change.connection, key).await?;
-                let factor: f64 =
-                    sqlx::query_scalar("SELECT overrun_factor FROM jobs WHERE id = ?")
+                let (estimate, factor): (Option<String>, f64) =
+                    sqlx::query_as("SELECT estimate, overrun_factor FROM jobs WHERE id = ?")
                         .bind(attempt.job)
                         .fetch_one(&mut change.connection)
                         .await?;
+                let estimate = match estimate {
+                    Some(text) => {
+                        let Estimate { wall_s, memory_mb, disk_mb, .. } = parsed(&text, "estimate")?;
+                        format!(
+                            "its estimate is {} s, {} MB of memory and {} MB of files, ",
+                            brief(wall_s), brief(memory_mb), brief(disk_mb)
+                        )
+                    }
+                    None => String::new(),
+                };
                 let why = format!(
-                    "{detail} (overrun_factor {factor}); paused with its checkpoint. To let it go on, raise overrun_factor (on its page, or PATCH /v1/jobs/{}) and resume it",
+                    "{detail} ({estimate}overrun_factor {factor}); paused with its checkpoint. To let it go on, raise overrun_factor (on its page, or PATCH /v1/jobs/{}) and resume it",
                     attempt.job
                 );
                 change.end(key, message, Input::ExceedEstimate, Some(why)).await?;
@@ -100,6 +110,15 @@ impl Store {
             })
         })
         .await
+    }
+}
+
+/// An estimate as people read it: three digits where it is small.
+fn brief(value: f64) -> String {
+    if value < 100.0 {
+        format!("{value:.2}")
+    } else {
+        format!("{value:.0}")
     }
 }
 

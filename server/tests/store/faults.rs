@@ -279,6 +279,7 @@ async fn a_job_beyond_its_estimate_is_paused_with_its_checkpoint_and_told_how_to
     for part in [
         "700 s of wall time",
         "600 is its limit",
+        "its estimate is ",
         "raise overrun_factor",
         "resume",
     ] {

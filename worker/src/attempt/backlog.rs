@@ -5,13 +5,15 @@
 //! on the disk anyway, and of checkpoints there is one at a time.
 use std::collections::VecDeque;
 use std::io;
+use std::path::PathBuf;
 use std::time::Duration;
 
+use loadframe_api::FileEntry;
+use loadframe_run::SavedRun;
 use tokio::sync::mpsc::Sender;
 use tokio::sync::mpsc::error::TrySendError;
 
 use super::contact::Contact;
-use super::uploader::Item;
 
 /// Numbers of points that may wait for a server that is away: 64 MB. A run that gives more waits.
 const WAITING_NUMBERS: usize = 8_000_000;
@@ -19,6 +21,17 @@ const WAITING_NUMBERS: usize = 8_000_000;
 const JOINED_NUMBERS: usize = 20_000;
 /// How soon a run that waits looks again.
 const LOOK_EVERY: Duration = Duration::from_millis(2);
+
+/// Something a run gave.
+#[derive(Debug)]
+pub(super) enum Item {
+    Columns(Vec<String>),
+    /// Points of the curve, one after the other in one list of numbers.
+    Points(Vec<f64>),
+    Log(String),
+    File(FileEntry, PathBuf),
+    Checkpoint(Box<SavedRun>),
+}
 
 /// The items that do not fit into the channel, in their order.
 #[derive(Debug, Default)]

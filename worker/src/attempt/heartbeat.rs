@@ -23,6 +23,8 @@ pub(super) struct Schedule {
     /// What the job may take by its estimate.
     limits: Option<JobLimits>,
     begin: Instant,
+    /// Memory of this process when the attempt began [MB]: what jobs before it left is not this one's doing.
+    begin_mb: f64,
     /// Wall time [s] and bytes of files of the work before this attempt.
     before: (f64, u64),
     /// Bytes of files of this attempt.
@@ -46,6 +48,7 @@ impl Schedule {
             deadline,
             limits: lease.limits,
             begin: Instant::now(),
+            begin_mb: resident_memory_mb(),
             before: (before, bytes),
             files,
         }
@@ -56,7 +59,7 @@ impl Schedule {
         let bytes = self.before.1 + self.files.load(Ordering::Relaxed);
         let used = JobLimits {
             wall_s: self.before.0 + self.begin.elapsed().as_secs_f64(),
-            memory_mb: resident_memory_mb(),
+            memory_mb: resident_memory_mb() - self.begin_mb,
             disk_mb: bytes as f64 / 1e6,
         };
         self.limits.and_then(|limits| limits.exceeded_by(&used))
@@ -90,5 +93,50 @@ pub(super) async fn keep_alive(lease: LeaseClient, schedule: Schedule, switch: A
                 return;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of an attempt that begins now and may take 64 MB of memory and 1 MB of files.
+    fn begun() -> Schedule {
+        Schedule {
+            every: Duration::ZERO,
+            timeout: Duration::ZERO,
+            deadline: None,
+            limits: Some(JobLimits {
+                wall_s: 1e9,
+                memory_mb: 64.0,
+                disk_mb: 1.0,
+            }),
+            begin: Instant::now(),
+            begin_mb: resident_memory_mb(),
+            before: (0.0, 0),
+            files: Arc::default(),
+        }
+    }
+
+    #[test]
+    fn an_attempt_answers_for_its_own_memory_and_files_and_for_no_others() {
+        let first = begun();
+        assert_eq!(first.excess(), None);
+        let held = vec![1_u8; 100_000_000];
+        let excess = first.excess().expect("100 MB are more than 64");
+        assert!(
+            excess.contains("MB of memory, where 64 is its limit"),
+            "{excess}"
+        );
+        // what is held already is not the next one's doing
+        let next = begun();
+        assert_eq!(next.excess(), None);
+        next.files.store(2_000_000, Ordering::Relaxed);
+        let excess = next.excess().expect("2 MB are more than 1");
+        assert!(
+            excess.contains("taken 2 MB of files, where 1 is its limit"),
+            "{excess}"
+        );
+        assert_eq!(held.last(), Some(&1));
     }
 }

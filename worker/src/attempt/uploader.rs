@@ -16,7 +16,7 @@ use loadframe_run::{Destination, Progress, SavedRun};
 use tokio::sync::{mpsc, watch};
 use tokio::time::{MissedTickBehavior, interval};
 
-use super::backlog::Backlog;
+use super::backlog::{Backlog, Item};
 use super::batch::Batch;
 use super::contact::Contact;
 use super::lease_client::LeaseClient;
@@ -25,17 +25,6 @@ use super::lease_client::LeaseClient;
 const REPORT_EVERY: Duration = Duration::from_millis(250);
 /// Items that may wait: several reports' worth of points.
 const WAITING_ITEMS: usize = 4096;
-
-/// Something a run gave.
-#[derive(Debug)]
-pub(super) enum Item {
-    Columns(Vec<String>),
-    /// Points of the curve, one after the other in one list of numbers.
-    Points(Vec<f64>),
-    Log(String),
-    File(FileEntry, PathBuf),
-    Checkpoint(Box<SavedRun>),
-}
 
 /// The run's end of the queue.
 #[derive(Debug)]

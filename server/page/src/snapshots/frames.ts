@@ -82,6 +82,7 @@ export function inventory({ spheres, lines, walls, cells }: Picture, subject: Su
 
 /** What a line is called that is no bond. */
 const PARTS: Partial<Record<Subject, string>> = {
+  picture: "line",
   scene: "contact force",
   sheet: "segment",
   fibre: "spring",

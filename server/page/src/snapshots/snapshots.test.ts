@@ -156,6 +156,8 @@ test("moments are told in what they are counted in", () => {
     return text.replaceAll(NARROW, " ");
   };
   expect(told("granular_scene", 0.25)).toBe("0.2500 s");
+  expect(told("ballast_box", 0.25)).toBe("0.2500 s");
+  expect(told("a_kind_of_tomorrow", 0.25)).toBe("at 0.2500");
   expect(told("nonwoven_tensile", 0.25)).toBe("25 % strain");
   expect(told("paper_tensile", 0.02, { specimen: { sheet: {} } })).toContain("strain");
   expect(told("composite_cell", 1)).toContain("1 MPa");

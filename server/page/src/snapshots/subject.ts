@@ -5,10 +5,22 @@ import { withUnit } from "../format/words";
 
 /**
  * Bodies in time, bonds over strain, fibres of a sheet over strain, the springs of one fibre, or the face of a
- * section: under its load, while it breaks, at the end of a motion, or of fibres seen from their ends.
+ * section: under its load, while it breaks, at the end of a motion, or of fibres seen from their ends. Of a
+ * kind that is not known here it is a picture, whose moments are numbers without a unit.
  */
 export type Subject =
-  "scene" | "fabric" | "sheet" | "fibre" | "loaded section" | "breaking section" | "moved section" | "cell section";
+  | "picture"
+  | "scene"
+  | "fabric"
+  | "sheet"
+  | "fibre"
+  | "loaded section"
+  | "breaking section"
+  | "moved section"
+  | "cell section";
+
+/** How kinds begin whose snapshots are of grains. */
+const OF_GRAINS = ["granular_", "triaxial", "direct_shear", "ballast_"];
 
 export function subjectOf({ kind, spec }: Pick<Job, "kind" | "spec">): Subject {
   if (kind.startsWith("nonwoven")) return "fabric";
@@ -16,7 +28,8 @@ export function subjectOf({ kind, spec }: Pick<Job, "kind" | "spec">): Subject {
     const specimen = (spec as { specimen?: { single_fibre?: unknown } } | undefined)?.specimen;
     return specimen?.single_fibre ? "fibre" : "sheet";
   }
-  if (!kind.startsWith("composite")) return "scene";
+  if (OF_GRAINS.some((beginning) => kind.startsWith(beginning))) return "scene";
+  if (!kind.startsWith("composite")) return "picture";
   if (kind === "composite_cell") return "cell section";
   const test = (spec as { test?: { history?: unknown; breaking?: unknown } } | undefined)?.test;
   if (test?.breaking) return "breaking section";
@@ -32,6 +45,7 @@ export function momentOf(at: number, subject: Subject): string {
   switch (subject) {
     case "scene":
       return withUnit(formatNumber(at), "s");
+    case "picture":
     case "fibre":
       return `at ${formatNumber(at)}`;
     case "fabric":

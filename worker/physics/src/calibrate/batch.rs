@@ -10,7 +10,7 @@ use loadframe_harness::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::trials::Setting;
+use super::setting::Setting;
 
 /// What is kept of a specimen.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -70,15 +70,6 @@ impl<'a> Batch<'a> {
             work: IndexMap::new(),
             failure: Some(failure),
         })
-    }
-}
-
-impl<'a> Setting<'a> {
-    /// The parameters at a point.
-    pub(super) fn parameters(&self, point: &[f64]) -> Vec<(&'a str, f64)> {
-        let free = self.spec.free.iter().zip(self.coordinates).zip(point);
-        free.map(|((free, coordinate), x)| (free.parameter.as_str(), coordinate.value(*x)))
-            .collect()
     }
 }
 

@@ -11,6 +11,7 @@ mod coordinates;
 mod misfit;
 mod report;
 mod search;
+mod setting;
 mod tables;
 mod trials;
 
@@ -19,7 +20,8 @@ use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
 
 use coordinates::Coordinate;
 use misfit::Targets;
-use trials::{Halt, Setting, Trials};
+use setting::Setting;
+use trials::{Halt, Trials};
 
 /// Runs the calibration of `spec`.
 ///

@@ -7,7 +7,6 @@ use std::borrow::Cow;
 
 use indexmap::IndexMap;
 use loadframe_api::Report;
-use loadframe_api::spec::calibrate::{Calibrate, Template};
 use loadframe_harness::{
     Interrupt, Recorder, RunContext, SimulationError,
     checkpoint::{self, Fingerprint},
@@ -17,8 +16,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     batch::{Batch, BatchRecorder, Tested},
-    coordinates::Coordinate,
-    misfit::{Targets, means},
+    misfit::means,
+    setting::Setting,
 };
 
 /// Why a search is not gone on with.
@@ -65,15 +64,6 @@ struct Saved<'a> {
     work: Cow<'a, IndexMap<String, u64>>,
     /// The plan of trials that were under way; empty without any.
     under_way: Cow<'a, [u8]>,
-}
-
-/// What stays the same over all trials.
-#[derive(Clone, Copy)]
-pub(super) struct Setting<'a> {
-    pub(super) spec: &'a Calibrate,
-    pub(super) template: &'a Template,
-    pub(super) targets: &'a Targets<'a>,
-    pub(super) coordinates: &'a [Coordinate],
 }
 
 /// All trials so far, and the means for more.

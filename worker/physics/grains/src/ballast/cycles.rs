@@ -1,5 +1,4 @@
 //! What happens in each cycle of loading.
-use loadframe_api::spec::ballast::{Course, Load};
 use loadframe_harness::curve;
 
 use super::heard::Heard;
@@ -7,8 +6,6 @@ use super::heard::Heard;
 /// Parts of a cycle's peak force between which the unloading branch is fitted by a straight line: its
 /// beginning is still rounded by what creeps, its end by what opens.
 const FITTED: [f64; 2] = [0.5, 0.9];
-/// A hair of a cycle that round-off may take.
-const HAIR: f64 = 1e-9;
 
 /// A cycle. Displacements are downward from where the cycles began.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,36 +24,6 @@ pub(super) struct Cycle {
     pub(super) loading_stiffness: Option<f64>,
     /// Work of the force that does not come back [J].
     pub(super) dissipated: f64,
-}
-
-/// Where a row is in the cycles.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Place {
-    /// Number of the block and of the cycle, from 0.
-    pub(super) block: usize,
-    pub(super) cycle: usize,
-    /// Whether the load goes back.
-    pub(super) is_unloading: bool,
-}
-
-/// The place of a time [s] after a stage of the load began. The end of a cycle belongs to it.
-pub(super) fn place(load: &Load, time: f64) -> Place {
-    let (number, is_unloading) = match load.course {
-        Course::Swing { period, cycles } => {
-            let passed = time / period;
-            // the last step may go a little beyond the end
-            let last = f64::from(cycles) - 1.0;
-            let number = (passed - HAIR).floor().clamp(0.0, last);
-            (number as usize, passed - number > 0.5)
-        }
-        Course::Down { .. } => (0, false),
-        Course::Up => (0, true),
-    };
-    Place {
-        block: load.block,
-        cycle: load.cycle + number,
-        is_unloading,
-    }
 }
 
 /// All cycles of a test.

@@ -1,7 +1,7 @@
 //! What a test heard of its scene, row by row.
 use loadframe_api::spec::ballast::{Phase, Script};
 
-use super::cycles::{Place, place};
+use super::place::{Place, place};
 
 /// A row of the scene, in terms of the test.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -8,8 +8,8 @@ use loadframe_harness::{Recorder, Unrecorded};
 
 use super::{
     blocks::Block,
-    cycles::{self, Place, place},
-    oedometer,
+    cycles, oedometer,
+    place::{Place, place},
     tester::Tester,
 };
 

@@ -4,7 +4,8 @@ use std::fmt::Debug;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::{
-    law::{Law, Past},
+    law::Law,
+    past::Past,
     stiffness::Springs,
     tangents::{Tangent, Tangents},
     touching::{Observer, Touching, Who},

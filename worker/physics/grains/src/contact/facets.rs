@@ -20,7 +20,8 @@ use serde::{Deserialize, Serialize};
 use super::{
     Deepest, Passage, Scenery, Slip, Touch,
     blocks::{Before, Block, Blocks, Ends},
-    law::{Law, Past},
+    law::Law,
+    past::Past,
     stiffness::Springs,
 };
 use crate::{

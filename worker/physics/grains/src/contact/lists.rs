@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 use super::{
     Deepest, Passage, Scenery,
     facets::{FacetCandidate, FacetList, Sides},
-    law::{Law, Past},
+    law::Law,
     pairs::PairList,
+    past::Past,
     planes::WallList,
     stiffness::Springs,
     touching::{Observer, Who},

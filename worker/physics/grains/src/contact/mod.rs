@@ -3,7 +3,7 @@
 //! With n from body a to body b, overlap δ (positive when touching) and half-step velocities, a
 //! contact pushes b with F = F_N n + F_T and a with −F, at arms r − δ/2 along the normal:
 //!
-//! - F_N and F_T by a [`law`], which owns what a contact remembers; for a linear spring without bond
+//! - F_N and F_T by a [`law`], which owns what a contact remembers (its [`past`]); for a linear spring without bond
 //!   F_N = k_N δ, never negative (G.1);
 //! - torque on either body (r − δ/2) n × (−F) (G.2).
 //!
@@ -24,6 +24,7 @@ pub(crate) mod facets;
 pub(crate) mod law;
 pub(crate) mod lists;
 mod pairs;
+pub(crate) mod past;
 mod planes;
 pub(crate) mod stiffness;
 mod tangents;

@@ -5,7 +5,7 @@ use loadframe_api::spec::granular_scene::{
     step_with_dashpot,
 };
 
-use super::law::Past;
+use super::past::Past;
 
 /// A material as contacts see it.
 #[derive(Clone, Copy, Debug)]

@@ -152,13 +152,8 @@ fn results(report: &mut ReportBuilder, engine: &Engine, journal: &Journal, escap
     }
 }
 
-/// What looks saw, and every step.
-pub(super) fn worst(engine: &Engine, journal: &Journal) -> Worst {
-    journal.worst.with(&engine.state.seen)
-}
-
 fn checks(report: &mut ReportBuilder, spec: &GranularScene, engine: &Engine, journal: &Journal) {
-    let worst = worst(engine, journal);
+    let worst = journal.worst.with(&engine.state.seen);
     report.check(
         "largest_overlap_ratio",
         worst.overlap_ratio,

@@ -6,7 +6,7 @@ use loadframe_api::{
 };
 use loadframe_harness::ReportBuilder;
 
-use super::{journal::Journal, report::worst};
+use super::journal::Journal;
 use crate::step::engine::Engine;
 
 /// Escaped bodies, walls and stages named in a warning.
@@ -187,7 +187,7 @@ fn smaller_step(spec: &GranularScene, engine: &Engine, journal: &Journal) -> Str
         TimeStep::Given(_) => "/time_step_s",
         TimeStep::Automatic(_) => "/accuracy/critical_step_fraction",
     };
-    match worst(engine, journal).critical {
+    match journal.worst.with(&engine.state.seen).critical {
         Some(critical) => format!(
             "choose a smaller {field}; the smallest critical step seen was {:e} s in stage {}, set by \
              {} and its contact with {}",

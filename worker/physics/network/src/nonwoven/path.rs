@@ -1,9 +1,8 @@
 //! The way of the jaw: legs of loading and unloading, each in strain steps from where the one before
 //! it ended.
 use loadframe_api::spec::nonwoven_tensile::{Leg, NonwovenTensile, Target};
-use serde::{Deserialize, Serialize};
 
-use super::state::Point;
+use super::state::{Place, Point};
 
 /// Part of the largest force so far to which a force is reached: far below the force error of a
 /// testing machine, far above the rounding of forces.
@@ -17,17 +16,6 @@ pub(super) struct Path {
     legs: Vec<Leg>,
     strain_step: f64,
     max_strain: f64,
-}
-
-/// How far the jaw is on its way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Place {
-    /// Number of the leg, counted from 0.
-    pub(super) leg: usize,
-    /// Nominal strain at which it began.
-    pub(super) from: f64,
-    /// Strain step after which it began.
-    pub(super) after_step: u64,
 }
 
 impl Path {

@@ -1,7 +1,6 @@
 //! Everything later results of a test depend on: the content of its checkpoint.
 use serde::{Deserialize, Serialize};
 
-use super::path::Place;
 use crate::{Vector, equilibrium::work::Work};
 
 /// A test between two equilibria.
@@ -67,6 +66,17 @@ pub(super) struct State {
     /// The first node found to move without resistance, and the strain.
     pub(super) mechanism: Option<(usize, f64)>,
     pub(super) work: Work,
+}
+
+/// How far the jaw is on its way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Place {
+    /// Number of the leg, counted from 0.
+    pub(super) leg: usize,
+    /// Nominal strain at which it began.
+    pub(super) from: f64,
+    /// Strain step after which it began.
+    pub(super) after_step: u64,
 }
 
 /// An increment of the displacements and the jaw displacement it belongs to [mm].

@@ -14,6 +14,25 @@ pub enum Standing {
     Spanning,
 }
 
+/// Which clusters are solved for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Clusters {
+    /// Those between both jaws: a pull stretches no others.
+    Spanning,
+    /// All that a jaw holds: loads bend these, too.
+    Held,
+}
+
+impl Clusters {
+    /// Whether a node of this standing is solved for.
+    pub(crate) fn include(self, standing: Standing) -> bool {
+        match self {
+            Self::Spanning => standing == Standing::Spanning,
+            Self::Held => standing != Standing::Loose,
+        }
+    }
+}
+
 /// The standing of every node, from what joins them.
 pub(crate) fn standings(
     jaws: &[Option<Jaw>],

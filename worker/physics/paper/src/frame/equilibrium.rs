@@ -9,11 +9,11 @@ use std::borrow::Cow;
 use loadframe_numerics::Softening;
 
 use super::balance::{Forces, Motion};
-use super::clusters::Standing;
+use super::clusters::{Clusters, Standing};
 use super::element::{Element, PARTS};
 use super::error::FrameError;
 use super::factor::Factor;
-use super::load::NodeLoad;
+use super::input::NodeLoad;
 use super::network::Network;
 use super::places::Jaw;
 use super::state::PullCost;
@@ -59,15 +59,6 @@ pub enum Refactoring {
     Always,
     /// Only when a correction is impossible. For checks.
     Never,
-}
-
-/// Which clusters are solved for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Clusters {
-    /// Those between both jaws: a pull stretches no others.
-    Spanning,
-    /// All that a jaw holds: loads bend these, too.
-    Held,
 }
 
 /// A network at rest.
@@ -209,10 +200,7 @@ impl<'n> Equilibrium<'n> {
         let standing = network.standing_without(&self.is_whole);
         let is_solved: Vec<bool> = standing
             .iter()
-            .map(|standing| match self.clusters {
-                Clusters::Spanning => *standing == Standing::Spanning,
-                Clusters::Held => *standing != Standing::Loose,
-            })
+            .map(|standing| self.clusters.include(*standing))
             .collect();
         self.is_active.clear();
         let elements = &self.elements;

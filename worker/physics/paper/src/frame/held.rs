@@ -4,11 +4,12 @@ use std::sync::Arc;
 use loadframe_numerics::Team;
 
 use super::balance::{Forces, Motion};
+use super::clusters::Clusters;
 use super::element::PARTS;
-use super::equilibrium::{Clusters, Equilibrium, Refactoring, UNBALANCED};
+use super::equilibrium::{Equilibrium, Refactoring, UNBALANCED};
 use super::error::FrameError;
 use super::gradients::{Relaxation, Start};
-use super::load::NodeLoad;
+use super::input::NodeLoad;
 use super::network::Network;
 use super::state::PullCost;
 use super::survey::{Critical, breaks_at};

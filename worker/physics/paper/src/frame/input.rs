@@ -181,3 +181,11 @@ impl FrameBond {
         is_nil(self.normal_strength_mn) && is_nil(self.shear_strength_mn)
     }
 }
+
+/// A force [mN] and a moment [mN µm] on a node; their directions stay as given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeLoad {
+    pub node: usize,
+    pub force_mn: [f64; 3],
+    pub moment_mn_um: [f64; 3],
+}

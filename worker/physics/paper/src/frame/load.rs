@@ -1,16 +1,9 @@
-//! Forces and moments at nodes, and the rest of a network under them.
-use super::equilibrium::Clusters;
+//! The rest of a network under an elongation, and forces and moments at nodes.
+use super::clusters::{Clusters, Standing};
 use super::error::{FrameError, check};
 use super::held::{Held, Means};
+use super::input::NodeLoad;
 use super::network::Network;
-
-/// A force [mN] and a moment [mN µm] on a node; their directions stay as given.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NodeLoad {
-    pub node: usize,
-    pub force_mn: [f64; 3],
-    pub moment_mn_um: [f64; 3],
-}
 
 /// A network at rest under an elongation and loads.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,8 +67,7 @@ impl Network {
     ) -> Result<(), FrameError> {
         check(|| "elongation [um]".into(), elongation_um, true, "finite")?;
         for load in loads {
-            let is_held = load.node < self.nodes()
-                && self.standing(load.node) != super::clusters::Standing::Loose;
+            let is_held = load.node < self.nodes() && self.standing(load.node) != Standing::Loose;
             check(
                 || "node of a load".into(),
                 load.node as f64,

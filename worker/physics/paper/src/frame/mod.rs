@@ -8,8 +8,9 @@
 //! From the bottom up: `places` puts nodes on centre lines, `element` is what joins two of them, `tie` holds
 //! bonds between nodes, `clusters` says what hangs together, `survey` looks at what every part bears. Two roads lead to
 //! rest, and `held` chooses: `equilibrium` with a factor of all (`order`, `factor`), exact and for small sheets,
-//! and `gradients`, by iterations, for large ones. `pull` drives, `yielding` where fibres yield; `pulling` is what can
-//! be asked of either; `large` does all for large motions.
+//! and `gradients`, by iterations, for large ones; `load` is rest under loads. `events` are what happens in a pull, `state`
+//! is what it remembers and measures, `pulling` what every pull can be asked: `pull` drives, `yielding` where
+//! fibres yield, and which of them a network needs is `chosen`. `large` does all for large motions.
 //!
 //! A bond resists the relative displacement of its two centre-line points equally in all directions,
 //! and their relative rotation. When the points are apart (by the radii of the fibres) this resists a
@@ -23,10 +24,12 @@
 //! That is so for every sheet of fibres shorter than the distance of the jaws: n crossings of a fibre
 //! make n - 1 bars, one less than holds them all. Such a truss carries only once its fibres have turned.
 mod balance;
+mod chosen;
 mod clusters;
 mod element;
 mod equilibrium;
 mod error;
+mod events;
 mod factor;
 mod gradients;
 mod held;
@@ -45,15 +48,19 @@ mod tests;
 mod tie;
 mod yielding;
 
+pub use chosen::pull;
 pub use clusters::Standing;
 pub use equilibrium::Refactoring;
 pub use error::FrameError;
+pub use events::{Bore, Broken, Event, PullEnd, Step};
 pub use held::{Means, Solver};
-pub use input::{Attachment, BeamSection, FrameBond, FrameFibre, FrameModel, Level, Yielding};
+pub use input::{
+    Attachment, BeamSection, FrameBond, FrameFibre, FrameModel, Level, NodeLoad, Yielding,
+};
 pub use large::{LargePull, LargePullTest, LargeStep};
-pub use load::{NodeLoad, Rest};
+pub use load::Rest;
 pub use network::Network;
 pub use places::Jaw;
-pub use pull::{Bore, Broken, Event, Pull, PullEnd, PullTest, Step};
-pub use pulling::{Loads, Pulling, pull, run};
+pub use pull::{Pull, PullTest};
+pub use pulling::{Loads, Pulling, run};
 pub use state::{PullCost, PullMeasures, PullState};

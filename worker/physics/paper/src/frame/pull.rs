@@ -6,14 +6,13 @@
 //! broken at less than e, it breaks at e, in the same avalanche, the most overloaded first.
 //!
 //! Bonds break when (fₙ/Fₙ)² + (fₛ/Fₛ)² = 1, fibres where N/A + |M| w/(2 I) reaches their strength.
-use serde::{Deserialize, Serialize};
-
+use super::clusters::Clusters;
 use super::element::PARTS;
-use super::equilibrium::Clusters;
 use super::error::{FrameError, check};
+use super::events::{Bore, Breaking, Broken, Event, PullEnd, Step, bore};
 use super::held::{Held, Means};
 use super::network::Network;
-use super::pulling::{Breaking, Loads, Pulling, bore, run};
+use super::pulling::{Loads, Pulling, run};
 use super::state::{PullCost, PullState};
 
 /// Until when is pulled.
@@ -48,92 +47,6 @@ impl PullTest {
             "0 to below 1",
         )
     }
-}
-
-/// What broke.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Broken {
-    Bond(usize),
-    Segment(usize),
-}
-
-impl Broken {
-    /// The element that it is.
-    pub(crate) fn element(self, network: &Network) -> usize {
-        match self {
-            Self::Bond(bond) => network.segments() + bond,
-            Self::Segment(segment) => segment,
-        }
-    }
-}
-
-/// What it bore when it broke.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum Bore {
-    /// A bond: force across its face (opening is positive) and along it [mN].
-    Bond { normal_mn: f64, shear_mn: f64 },
-    /// A segment: tensile stress of force and bending [GPa].
-    Segment { stress_gpa: f64 },
-}
-
-/// A break.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Event {
-    pub strain: f64,
-    pub elongation_um: f64,
-    /// Which avalanche it belongs to, from 1: breaks at one elongation.
-    pub avalanche: u32,
-    pub broken: Broken,
-    pub bore: Bore,
-    /// Force at the moving jaw before and after [mN].
-    pub force_before_mn: f64,
-    pub force_after_mn: f64,
-    /// Force at the jaw at rest before and after [mN].
-    pub left_force_before_mn: f64,
-    pub left_force_after_mn: f64,
-    /// Elastic energy before it [nJ].
-    pub stored_before_nj: f64,
-    /// Elastic energy that it set free [nJ].
-    pub energy_released_nj: f64,
-    /// Largest unbalanced force after it over the largest force of an element.
-    pub residual: f64,
-}
-
-/// Why a pull ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum PullEnd {
-    /// The largest strain is reached.
-    MaxStrain,
-    /// The force fell to the given share of its peak.
-    ForceFraction,
-    /// Nothing ties the jaws together any more.
-    Parted,
-    /// Nothing ever did: the network is below percolation.
-    NoPath,
-}
-
-impl PullEnd {
-    /// The reason in a sentence.
-    #[must_use]
-    pub fn sentence(self) -> &'static str {
-        match self {
-            Self::MaxStrain => "the largest strain is reached",
-            Self::ForceFraction => "the force fell to the given share of its peak",
-            Self::Parted => "no fibres and bonds tie the jaws together any more",
-            Self::NoPath => "no fibres and bonds ever tied the jaws together: the force is 0",
-        }
-    }
-}
-
-/// What a step of the pull gave.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Step {
-    /// Parts broke together, the most loaded first; one where they break one by one. The force falls, and
-    /// energy is set free, with the last.
-    Broke(Vec<Event>),
-    /// It went on without a break: fibres yielded, or a part of the way is done.
-    Strained,
-    Ended(PullEnd),
 }
 
 /// A pull under way.

@@ -1,11 +1,9 @@
 //! What every pull can be asked, whatever its fibres are and however it goes.
 use super::element::{PARTS, stress_gpa};
 use super::error::FrameError;
-use super::held::Means;
+use super::events::{Broken, Event, PullEnd, Step};
 use super::network::Network;
-use super::pull::{Bore, Broken, Event, Pull, PullEnd, PullTest, Step};
-use super::state::{PullCost, PullMeasures, PullState};
-use super::yielding::YieldingPull;
+use super::state::{PullCost, PullState};
 
 /// A pull under way.
 pub trait Pulling: std::fmt::Debug {
@@ -78,25 +76,6 @@ pub trait Pulling: std::fmt::Debug {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Loads(pub(crate) [f64; PARTS]);
 
-/// A pull of this network from a state of the same network and test, to the same bits: with fibres that
-/// yield where there are such.
-///
-/// # Errors
-/// [`FrameError`] when the test is outside its range, the state names parts that the network does not have,
-/// or the network has no equilibrium.
-pub fn pull<'n>(
-    network: &'n Network,
-    test: PullTest,
-    state: PullState,
-    means: &Means,
-) -> Result<Box<dyn Pulling + 'n>, FrameError> {
-    Ok(if network.yields() {
-        Box::new(YieldingPull::resume(network, test, state)?)
-    } else {
-        Box::new(Pull::resume(network, test, state, means)?)
-    })
-}
-
 /// Pulls to the end; gives every break and why it ended.
 ///
 /// # Errors
@@ -108,89 +87,6 @@ pub fn run(pull: &mut dyn Pulling) -> Result<(Vec<Event>, PullEnd), FrameError> 
             Step::Broke(broke) => events.extend(broke),
             Step::Strained => {}
             Step::Ended(end) => return Ok((events, end)),
-        }
-    }
-}
-
-/// How a network was before parts broke together, and what is left of its force.
-pub(crate) struct Breaking {
-    pub(crate) elongation_um: f64,
-    pub(crate) avalanche: u32,
-    /// At the left and the right jaw [mN].
-    pub(crate) before_mn: [f64; 2],
-    pub(crate) after_mn: [f64; 2],
-    pub(crate) stored_before_nj: f64,
-    pub(crate) released_nj: f64,
-    pub(crate) residual: f64,
-}
-
-impl Breaking {
-    /// A break for each part: forces fall, and energy is set free, with the last.
-    pub(crate) fn events(&self, network: &Network, bore: Vec<(Broken, Bore)>) -> Vec<Event> {
-        let last = bore.len().saturating_sub(1);
-        let events = bore.into_iter().enumerate().map(|(index, (broken, bore))| {
-            let (left, released) = if index == last {
-                (self.after_mn, self.released_nj)
-            } else {
-                (self.before_mn, 0.0)
-            };
-            Event {
-                strain: self.elongation_um / network.model().length_um,
-                elongation_um: self.elongation_um,
-                avalanche: self.avalanche,
-                broken,
-                bore,
-                force_before_mn: self.before_mn[1],
-                force_after_mn: left[1],
-                left_force_before_mn: self.before_mn[0],
-                left_force_after_mn: left[0],
-                stored_before_nj: self.stored_before_nj,
-                energy_released_nj: released,
-                residual: self.residual,
-            }
-        });
-        events.collect()
-    }
-}
-
-/// What a part is, and what it bears.
-pub(crate) fn bore(network: &Network, element: usize, loads: &[f64; PARTS]) -> (Broken, Bore) {
-    if element < network.segments() {
-        let stress_gpa = stress_gpa(network.section_of(element), network.model().level, loads);
-        (Broken::Segment(element), Bore::Segment { stress_gpa })
-    } else {
-        let bore = Bore::Bond {
-            normal_mn: loads[0],
-            shear_mn: loads[1].hypot(loads[2]),
-        };
-        (Broken::Bond(element - network.segments()), bore)
-    }
-}
-
-impl PullMeasures {
-    /// The jaw went on from one elongation to another while its force went from `from_mn` to `to_mn`.
-    pub(crate) fn elongated(
-        &mut self,
-        [from_um, to_um]: [f64; 2],
-        [from_mn, to_mn]: [f64; 2],
-        length_um: f64,
-    ) {
-        self.work_nj += 0.5 * (from_mn + to_mn) * (to_um - from_um);
-        // from rest there is always a first peak, be it 0
-        if to_mn > self.peak_force_mn || from_um == 0.0 {
-            self.peak_force_mn = to_mn;
-            self.strain_at_peak = to_um / length_um;
-            self.work_to_peak_nj = self.work_nj;
-            self.dissipated_at_peak_nj = self.dissipated_nj;
-        }
-    }
-
-    pub(crate) fn count(&mut self, broken: &[(Broken, Bore)]) {
-        for (part, _) in broken {
-            match part {
-                Broken::Bond(_) => self.broken_bonds += 1,
-                Broken::Segment(_) => self.broken_segments += 1,
-            }
         }
     }
 }

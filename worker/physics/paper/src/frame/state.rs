@@ -2,8 +2,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::FrameError;
+use super::events::{Bore, Broken, PullEnd};
 use super::network::Network;
-use super::pull::PullEnd;
 
 /// Where a pull is. With the same network and test it goes on to the same bits.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -94,6 +94,32 @@ impl PullMeasures {
             missing.abs() / self.work_nj
         } else {
             missing.abs()
+        }
+    }
+
+    /// The jaw went on from one elongation to another while its force went from `from_mn` to `to_mn`.
+    pub(crate) fn elongated(
+        &mut self,
+        [from_um, to_um]: [f64; 2],
+        [from_mn, to_mn]: [f64; 2],
+        length_um: f64,
+    ) {
+        self.work_nj += 0.5 * (from_mn + to_mn) * (to_um - from_um);
+        // from rest there is always a first peak, be it 0
+        if to_mn > self.peak_force_mn || from_um == 0.0 {
+            self.peak_force_mn = to_mn;
+            self.strain_at_peak = to_um / length_um;
+            self.work_to_peak_nj = self.work_nj;
+            self.dissipated_at_peak_nj = self.dissipated_nj;
+        }
+    }
+
+    pub(crate) fn count(&mut self, broken: &[(Broken, Bore)]) {
+        for (part, _) in broken {
+            match part {
+                Broken::Bond(_) => self.broken_bonds += 1,
+                Broken::Segment(_) => self.broken_segments += 1,
+            }
         }
     }
 

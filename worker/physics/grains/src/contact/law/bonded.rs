@@ -14,8 +14,9 @@
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
+use super::super::past::{Beam, Bond, Past};
 use super::{
-    Beam, Bond, ContactForces, Kept, Lanewise, Law, Linear, Past, Push, Slip, Spring, Touch,
+    ContactForces, Kept, Lanewise, Law, Linear, Push, Slip, Spring, Touch,
     coulomb::{Coulomb, cut},
 };
 use crate::numbers::{

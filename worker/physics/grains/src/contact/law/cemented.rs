@@ -24,11 +24,12 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Beam, Bond, ContactForces, Kept, Lanewise, Law, Linear, Past, Push, Slip, Spring, Touch,
+    ContactForces, Kept, Lanewise, Law, Linear, Push, Slip, Spring, Touch,
     coulomb::{Coulomb, cut},
     in_spring,
 };
 use crate::{
+    contact::past::{Beam, Bond, Past},
     contact::stiffness::Springs,
     numbers::{
         Vector,

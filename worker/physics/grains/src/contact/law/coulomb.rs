@@ -14,7 +14,8 @@ use std::marker::PhantomData;
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{ContactForces, Lanewise, Law, Normal, Normals, Past, Push, Slip, Spring, Touch};
+use super::super::past::Past;
+use super::{ContactForces, Lanewise, Law, Normal, Normals, Push, Slip, Spring, Touch};
 use crate::numbers::{
     Vector,
     ahead::ask_all,

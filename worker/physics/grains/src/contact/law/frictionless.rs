@@ -4,7 +4,8 @@ use std::marker::PhantomData;
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{ContactForces, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch};
+use super::super::past::Past;
+use super::{ContactForces, Lanewise, Law, Normal, Push, Slip, Spring, Touch};
 use crate::numbers::{
     Vector,
     lanes::{Lanes, Vectors},

@@ -17,11 +17,12 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ContactForces, Kept, Lanewise, Law, Past, Push, Slip, Touch,
+    ContactForces, Kept, Lanewise, Law, Push, Slip, Touch,
     coulomb::{Coulomb, cut},
     normal::{Normal, Spring},
 };
 use crate::{
+    contact::past::Past,
     contact::stiffness::{Cement, Side, Springs},
     numbers::{
         ahead::ask,

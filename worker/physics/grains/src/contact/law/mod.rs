@@ -21,9 +21,9 @@ mod viscous;
 use std::fmt::Debug;
 
 use pulp::Simd;
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::{Serialize, de::DeserializeOwned};
 
-use super::{Push, Slip, Touch, stiffness::Springs};
+use super::{Push, Slip, Touch, past::Past, stiffness::Springs};
 use crate::numbers::Vector;
 
 pub(crate) use bonded::Bonded;
@@ -36,28 +36,6 @@ pub(crate) use normal::{Linear, Normal, Spring};
 pub(crate) use normals::{Followed, Kept, Normals, direction};
 pub(crate) use resisting::Resisting;
 pub(crate) use viscous::{Across, Along, Viscous};
-
-/// What a contact remembers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Past {
-    /// n₀, from a to b.
-    pub(crate) normal: Vector,
-    /// F_T on b [N].
-    pub(crate) shear: Vector,
-    /// √δ that the shear force belongs to, where that matters [√m].
-    pub(crate) root: f64,
-    /// Moments on b of what resists rolling, and of twisting along the normal [N m].
-    pub(crate) rolling: Vector,
-    pub(crate) twisting: f64,
-    /// tan φ that it had, where it is to be kept.
-    pub(crate) friction: Option<f64>,
-    /// The bond between the bodies, also after it broke.
-    pub(crate) bond: Bond,
-    /// v_N in the middle of the last step [m/s], where a dashpot works along the normal.
-    pub(crate) approach: Option<f64>,
-    /// v_T of b then [m/s], where one works across it.
-    pub(crate) slip: Option<Vector>,
-}
 
 /// What a contact does, as observers see it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -87,29 +65,6 @@ pub(crate) struct ContactForces {
     pub(crate) held: f64,
     /// Whether an intact bond holds the bodies together.
     pub(crate) is_bonded: bool,
-}
-
-/// A bond and what is left of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Bond {
-    pub(crate) is_intact: bool,
-    /// a_N and a_T [N].
-    pub(crate) strength: [f64; 2],
-    /// Overlap without force [m].
-    pub(crate) rest: f64,
-    /// What it bends and twists with beside that, where it does.
-    pub(crate) beam: Beam,
-}
-
-/// State of a bond that bends and twists, beside its moments.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Beam {
-    /// Overlap at which it carries no force along it [m].
-    pub(crate) rest: f64,
-    /// L [m].
-    pub(crate) length: f64,
-    /// F_T on b [N].
-    pub(crate) shear: Vector,
 }
 
 /// The law of a block one contact at a time: what lists and observers need of it between steps.
@@ -204,31 +159,14 @@ fn in_spring(square: f64, stiffness: f64) -> f64 {
     }
 }
 
-impl Past {
-    /// The same contact with its bodies in the other order.
-    pub(crate) fn seen_from_b(&self) -> Self {
-        Self {
-            normal: -self.normal,
-            shear: -self.shear,
-            rolling: -self.rolling,
-            slip: self.slip.map(|slip| -slip),
-            bond: Bond {
-                beam: Beam {
-                    shear: -self.bond.beam.shear,
-                    ..self.bond.beam
-                },
-                ..self.bond
-            },
-            ..*self
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{
-        contact::stiffness::{Cement, Resistance},
+        contact::{
+            past::{Beam, Bond},
+            stiffness::{Cement, Resistance},
+        },
         numbers::lanes::{Array, LANES, Lanes, Vectors},
     };
     use pulp::{Arch, Scalar, WithSimd};

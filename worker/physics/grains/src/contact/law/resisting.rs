@@ -26,8 +26,9 @@
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{ContactForces, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch, coulomb::cut};
+use super::{ContactForces, Lanewise, Law, Normal, Push, Slip, Spring, Touch, coulomb::cut};
 use crate::{
+    contact::past::Past,
     contact::stiffness::Springs,
     numbers::{
         Vector,

@@ -43,8 +43,9 @@ use std::fmt::Debug;
 use pulp::Simd;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use super::{ContactForces, Lanewise, Law, Normal, Past, Push, Slip, Spring, Touch, coulomb::cut};
+use super::{ContactForces, Lanewise, Law, Normal, Push, Slip, Spring, Touch, coulomb::cut};
 use crate::{
+    contact::past::Past,
     contact::stiffness::Springs,
     numbers::{
         Vector,

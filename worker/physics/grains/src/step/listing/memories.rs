@@ -3,8 +3,8 @@ use loadframe_numerics::Team;
 
 use crate::{
     contact::{
-        law::{Beam, Bond, Past},
         lists::Lists,
+        past::{Beam, Bond, Past},
         stiffness::bond_strength,
         touching::Who,
     },

@@ -14,8 +14,8 @@ use super::{
 use crate::{
     contact::{
         chosen::Chosen,
-        law::Past,
         lists::Lists,
+        past::Past,
         stiffness::{Side, Springs},
     },
     geometry::neighbours::{

@@ -2,10 +2,7 @@
 use super::{Advance, Experiment, StopReason};
 use crate::{
     Vector,
-    nonwoven::{
-        path::Place,
-        state::{Aim, Point, Worst},
-    },
+    nonwoven::state::{Aim, Place, Point, Worst},
 };
 
 /// Strains tried at most to find a force: halving brings a step to its last digits by then.

@@ -1,10 +1,11 @@
 //! The same of elements that are softer along themselves than the network's own: those that yield.
 use std::borrow::Cow;
 
+use super::super::clusters::Clusters;
 use super::super::element::{Element, PARTS};
 use super::super::error::FrameError;
 use super::super::network::Network;
-use super::{Clusters, Equilibrium, Refactoring};
+use super::{Equilibrium, Refactoring};
 
 impl<'n> Equilibrium<'n> {
     /// The rest of a pull by 1 µm, of elements softer along themselves than the network's own, without

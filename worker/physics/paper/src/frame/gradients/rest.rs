@@ -9,12 +9,11 @@ use loadframe_numerics::Team;
 use nalgebra::Vector3;
 
 use super::super::balance::{Forces, Motion};
-use super::super::clusters::Standing;
+use super::super::clusters::{Clusters, Standing};
 use super::super::element::PARTS;
-use super::super::equilibrium::{Clusters, UNBALANCED};
+use super::super::equilibrium::UNBALANCED;
 use super::super::error::FrameError;
-use super::super::input::Level;
-use super::super::load::NodeLoad;
+use super::super::input::{Level, NodeLoad};
 use super::super::network::Network;
 use super::super::places::Jaw;
 use super::super::state::PullCost;
@@ -352,10 +351,7 @@ impl<'n> Relaxation<'n> {
 /// What takes part when only these elements are whole, and what every point is held by.
 fn stand(network: &Network, clusters: Clusters, is_whole: &[bool]) -> (Activity, Vec<Standing>) {
     let standing = network.standing_without(is_whole);
-    let is_solved = |node: usize| match clusters {
-        Clusters::Spanning => standing[node] == Standing::Spanning,
-        Clusters::Held => standing[node] != Standing::Loose,
-    };
+    let is_solved = |node: usize| clusters.include(standing[node]);
     let elements = network.elements().iter().zip(is_whole);
     let is_active = elements
         .map(|(element, is_whole)| *is_whole && is_solved(element.nodes[0] as usize))

@@ -5,7 +5,7 @@ use loadframe_numerics::Team;
 use nalgebra::Vector3;
 
 use super::super::error::FrameError;
-use super::super::load::NodeLoad;
+use super::super::input::NodeLoad;
 use super::super::network::Network;
 use super::conjugate::{Iterated, Vectors};
 use super::cycle::Cycle;

@@ -6,11 +6,11 @@
 use nalgebra::Vector3;
 
 use super::super::balance::Forces;
-use super::super::clusters::Standing;
-use super::super::equilibrium::Clusters;
+use super::super::clusters::{Clusters, Standing};
 use super::super::error::FrameError;
 use super::super::factor::Factor;
-use super::super::load::{NodeLoad, Rest};
+use super::super::input::NodeLoad;
+use super::super::load::Rest;
 use super::super::network::Network;
 use super::super::places::Jaw;
 use super::response::{Response, response};
@@ -64,10 +64,7 @@ impl<'n> Newton<'n> {
             return Err(FrameError::Hanging);
         }
         let standing = network.standing_without(is_whole);
-        let is_solved = |node: usize| match clusters {
-            Clusters::Spanning => standing[node] == Standing::Spanning,
-            Clusters::Held => standing[node] != Standing::Loose,
-        };
+        let is_solved = |node: usize| clusters.include(standing[node]);
         let elements = network.elements();
         let is_active: Vec<bool> = elements
             .iter()

@@ -3,11 +3,12 @@
 //! The elongation grows by steps. When something is over its limit after one, the elongation at which
 //! the first is just there is sought between the last two, and it breaks; what is over its limit then
 //! breaks at that elongation, the worst first, until all holds.
+use super::super::clusters::Clusters;
 use super::super::element::stress_gpa;
-use super::super::equilibrium::Clusters;
 use super::super::error::{FrameError, check};
+use super::super::events::{Bore, Broken, Event, PullEnd};
 use super::super::network::Network;
-use super::super::pull::{Bore, Broken, Event, PullEnd, PullTest};
+use super::super::pull::PullTest;
 use super::super::survey::bond_index;
 use super::newton::{Found, Newton};
 use super::shape::Shape;

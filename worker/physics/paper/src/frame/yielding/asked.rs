@@ -1,8 +1,9 @@
 //! What the pull of fibres that yield can be asked.
-use super::super::equilibrium::{Clusters, Equilibrium, Refactoring, UNBALANCED};
+use super::super::clusters::Clusters;
+use super::super::equilibrium::{Equilibrium, Refactoring, UNBALANCED};
 use super::super::error::FrameError;
+use super::super::events::{Broken, PullEnd, Step};
 use super::super::network::Network;
-use super::super::pull::{Broken, PullEnd, Step};
 use super::super::pulling::{Loads, Pulling};
 use super::super::state::{PullCost, PullState};
 use super::pull::{OVER, YieldingPull};

@@ -1,9 +1,10 @@
 //! The pull of fibres that yield: from yield to yield and break to break.
 use super::super::equilibrium::{BALANCED, Equilibrium, ROUND_OFF, UNBALANCED};
 use super::super::error::FrameError;
+use super::super::events::{Bore, Breaking, Broken, Event, PullEnd, Step, bore};
 use super::super::network::Network;
-use super::super::pull::{Bore, Broken, Event, PullEnd, PullTest, Step};
-use super::super::pulling::{Breaking, Pulling, bore};
+use super::super::pull::PullTest;
+use super::super::pulling::Pulling;
 use super::super::state::{Peak, PullCost, PullState, Yielded};
 use super::super::survey::breaks_at;
 use super::reach::{until_break, until_yield};
