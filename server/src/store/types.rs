@@ -25,6 +25,8 @@ pub struct StoreOptions {
     pub unnamed_wait: Duration,
     /// How long a machine is given no jobs after its first fault; twice as long after every further one.
     pub fault_pause: Duration,
+    /// How long what was deleted, or removed by a rule of a project, can be brought back.
+    pub trash: Duration,
 }
 
 impl StoreOptions {
@@ -36,6 +38,7 @@ impl StoreOptions {
             job_time_limit: None,
             unnamed_wait: Duration::from_secs(7 * 24 * 3600),
             fault_pause: Duration::from_secs(10),
+            trash: Duration::from_secs(14 * 24 * 3600),
         }
     }
 }
