@@ -129,6 +129,10 @@ pub struct JobView {
     /// Results of a succeeded job, as in `outcome.json`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub summary: Option<IndexMap<String, Quantity>>,
+    /// Values of its spec that a list was asked to show, by their pointers; one that the spec does not
+    /// have is left out.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub values: IndexMap<String, ShownValue>,
     /// Who submitted it, where the server has accounts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub owner: Option<Named>,
@@ -136,6 +140,26 @@ pub struct JobView {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub project: Option<Named>,
     pub links: JobLinks,
+}
+
+/// A value of a spec, in a list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ShownValue {
+    /// A number, text or truth value; of a list or object, what it is.
+    pub value: Value,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+}
+
+/// Something that jobs can be listed by.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FieldView {
+    /// `/spec/…` or `/summary/NAME`.
+    pub pointer: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// How many of the jobs that were looked at have it.
+    pub jobs: u64,
 }
 
 /// One worker's go at a job.
@@ -194,6 +218,10 @@ pub struct Page<T> {
     /// Rows of this page that could not be read and are left out; the server's log names them.
     #[serde(default)]
     pub unreadable: u64,
+    /// So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+    /// what is sorted is the newest of these alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stopped_after: Option<u64>,
 }
 
 impl<T> Page<T> {
@@ -203,6 +231,7 @@ impl<T> Page<T> {
             items,
             next: None,
             unreadable: 0,
+            stopped_after: None,
         }
     }
 }

@@ -54,7 +54,7 @@ pub use event::{Event, JobDeleted, PointsReady, ProgressNow};
 pub use examples::UnknownExample;
 pub use file_name::{FileNameError, PARTIAL_FOLDER, check_file_name};
 pub use job::{
-    AttemptEnd, AttemptView, CurveView, JobLinks, JobOutcome, JobStatus, JobView, LogLine, Page,
+    AttemptEnd, AttemptView, CurveView, FieldView, JobLinks, JobOutcome, JobStatus, JobView, LogLine, Page, ShownValue,
     ReasonCode, SetAside, WorkerView,
 };
 pub use kind_schemas::{kind_schema, unit_of_field};

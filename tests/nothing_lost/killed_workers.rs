@@ -110,7 +110,7 @@ impl Campaign {
         assert!(lost <= kills, "a living worker was called dead");
         // their files go with the jobs, those of lost attempts too
         for (id, _) in &*submitted {
-            let path = format!("/v1/jobs/{id}");
+            let path = format!("/v1/jobs/{id}?for_good=true");
             let answer = self.server.client.send("DELETE", &path, &[], b"").unwrap();
             assert_eq!(answer.status, 204, "{answer}");
         }

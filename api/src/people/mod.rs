@@ -21,13 +21,17 @@ pub use accounts::{
 };
 pub use audit::AuditEntry;
 pub use limits::{Allowance, PersonLeft, PersonLimits, PersonUse};
-pub use order::{DiskUse, FileKind, FilesOfJobs, RetentionRule, RetentionView};
+pub use order::{
+    Deleted, DiskUse, FileKind, FilesOfJobs, RetentionRule, RetentionView, TrashView,
+};
 pub use projects::{
     GroupView, NewGroup, NewProject, NewShare, ProjectChanges, ProjectView, ShareMade, ShareView,
 };
 pub use sign_in::{SignInBegun, SignInWays};
 pub use tokens::{NewToken, TokenMade, TokenView};
-pub use webhooks::{NewWebhook, WebhookEvent, WebhookMade, WebhookView};
+pub use webhooks::{
+    MailVerification, MailView, NewMail, NewWebhook, WebhookEvent, WebhookMade, WebhookView,
+};
 
 /// What a person may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]

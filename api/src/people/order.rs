@@ -1,9 +1,10 @@
 //! What of old jobs is removed, and what fills the disk.
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use uuid::Uuid;
 
 use super::Named;
-use crate::Timestamp;
+use crate::{JobKind, Timestamp};
 
 /// What the files of a project are kept for. Snapshots go before curves and other tables; outcomes, logs
 /// and specs are never removed.
@@ -57,6 +58,8 @@ pub enum FileKind {
     Others,
     /// Checkpoints of jobs without a result.
     Checkpoints,
+    /// All files of jobs that were deleted and can be brought back.
+    Trash,
 }
 
 /// What fills the disk: files of one kind, of one person in one project.
@@ -65,6 +68,43 @@ pub struct DiskUse {
     pub person: Option<Named>,
     pub project: Option<Named>,
     pub kind: FileKind,
+    pub files: u64,
+    /// Bytes, a file that several jobs have counted for each.
+    pub bytes: u64,
+}
+
+/// What can be brought back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Deleted {
+    /// A job.
+    Job,
+    /// A project with its jobs.
+    Project,
+    /// Files of a project's jobs, which its rule removed.
+    Files,
+}
+
+/// Something in the trash.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct TrashView {
+    /// Of the job; of the project for a project or its files.
+    pub id: Uuid,
+    pub what: Deleted,
+    /// Name of the job or project.
+    pub name: String,
+    /// Kind of the job.
+    pub kind: Option<JobKind>,
+    /// Whose the job or project is.
+    pub owner: Option<Named>,
+    /// Project of the job.
+    pub project: Option<Named>,
+    pub deleted_at: Timestamp,
+    /// Who deleted it, by name.
+    pub deleted_by: String,
+    /// From then on it cannot be brought back; of files, the first of them.
+    pub gone_at: Timestamp,
+    pub jobs: u64,
     pub files: u64,
     /// Bytes, a file that several jobs have counted for each.
     pub bytes: u64,

@@ -8,6 +8,7 @@ export type Route =
   | { view: "compare"; id: string | null; query: URLSearchParams }
   | { view: "account" }
   | { view: "people" }
+  | { view: "trash" }
   | { view: "invitation" }
   | { view: "shared" }
   | { view: "refused"; query: URLSearchParams }
@@ -23,7 +24,8 @@ function read(): Route {
   if (first === "jobs" && id !== undefined && more.length === 0) return { view: "job", id };
   if (first === "compare" && more.length === 0) return { view: "compare", id: id ?? null, query };
   if (first === "submit" && id === undefined) return { view: "submit", query };
-  if (id === undefined && (first === "account" || first === "people")) return { view: first };
+  if (id === undefined && (first === "account" || first === "people" || first === "trash"))
+    return { view: first };
   if (id === undefined && (first === "invitation" || first === "shared")) return { view: first };
   if (id === undefined && first === "sign-in") return { view: "refused", query };
   return { view: "unknown" };

@@ -17,6 +17,6 @@ mod sight;
 
 pub use caller::{Caller, Credential, Identity, Link, Person};
 pub use guesses::Guesses;
-pub use object::{ComparisonFacts, JobFacts, ProjectFacts};
+pub use object::{ComparisonFacts, DeletedFacts, JobFacts, ProjectFacts};
 pub use rule::{Action, Object, Verdict, may};
 pub use sight::{Sight, Whose};

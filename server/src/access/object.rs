@@ -32,6 +32,26 @@ pub struct ComparisonFacts {
     pub project: Option<ProjectFacts>,
 }
 
+/// Whose something deleted is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DeletedFacts {
+    pub id: Uuid,
+    pub owner: Option<Uuid>,
+}
+
+impl DeletedFacts {
+    /// Whether the caller sees it, and may bring it back: its owner, nobody whom it was shared with.
+    pub(super) fn is_owned_by(self, caller: &Caller) -> bool {
+        match &caller.identity {
+            Identity::Sole => true,
+            Identity::Person(person) => {
+                person.role == Role::Administrator || self.owner == Some(person.id)
+            }
+            Identity::Worker | Identity::Link(_) => false,
+        }
+    }
+}
+
 impl ProjectFacts {
     /// Whether the caller sees the project and its jobs.
     pub(super) fn is_seen_by(&self, caller: &Caller) -> bool {

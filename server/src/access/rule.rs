@@ -1,7 +1,7 @@
 //! The one rule.
 use loadframe_api::people::{Role, Scope};
 
-use super::{Caller, ComparisonFacts, Identity, JobFacts, ProjectFacts};
+use super::{Caller, ComparisonFacts, DeletedFacts, Identity, JobFacts, ProjectFacts};
 
 /// What is to be done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,6 +40,7 @@ pub enum Object<'a> {
     Job(&'a JobFacts),
     Project(&'a ProjectFacts),
     Comparison(&'a ComparisonFacts),
+    Deleted(DeletedFacts),
 }
 
 /// Whether it may be done.
@@ -62,6 +63,7 @@ pub fn may(caller: &Caller, action: Action, object: Object) -> Verdict {
         Object::Job(job) => (job.is_seen_by(caller), job.is_held_by(caller)),
         Object::Project(project) => (project.is_seen_by(caller), project.is_held_by(caller)),
         Object::Comparison(of) => (of.is_seen_by(caller), of.is_held_by(caller)),
+        Object::Deleted(of) => (of.is_owned_by(caller), of.is_owned_by(caller)),
     };
     let is_held = is_held
         || matches!(caller.identity, Identity::Sole)

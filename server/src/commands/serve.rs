@@ -48,6 +48,9 @@ pub(crate) struct ServerOptions {
     /// Days that a stored file which no job names waits before it is removed
     #[arg(long, value_name = "DAYS", default_value_t = 7.0, value_parser = positive)]
     unnamed_days: f64,
+    /// Days that what was deleted, or removed by a project's rule, can be brought back
+    #[arg(long, value_name = "DAYS", default_value_t = 14.0, value_parser = positive)]
+    trash_days: f64,
     /// Most seconds of wall time for a job
     #[arg(long, value_name = "S", value_parser = positive)]
     job_time_limit_s: Option<f64>,
@@ -112,6 +115,7 @@ impl ServerOptions {
                 lease: Duration::from_secs_f64(self.lease_s),
                 job_time_limit: self.job_time_limit_s.map(Duration::from_secs_f64),
                 unnamed_wait: Duration::from_secs_f64(86_400.0 * self.unnamed_days),
+                trash: Duration::from_secs_f64(86_400.0 * self.trash_days),
                 ..StoreOptions::new(&self.data)
             },
             limits: loadframe_api::Limits {

@@ -1,6 +1,6 @@
 //! REST, server-sent events and the lab page.
 //!
-//! One file for each resource: [`jobs`], [`events`], [`curve`], [`compare`], [`files`] and [`archive`],
+//! One file for each resource: [`jobs`], [`trash`], [`events`], [`curve`], [`compare`], [`files`] and [`archive`],
 //! [`kinds`], [`workers`], [`people`], the [`worker`] side, [`health`] and [`metrics`]. Every handler carries its
 //! part of the OpenAPI document, which [`openapi`] completes and [`docs`] shows to people. The [`guide`]
 //! tells what the tests are; both are [`sheet`]s of [`text`].
@@ -39,6 +39,7 @@ mod schema;
 mod sheet;
 mod state;
 mod text;
+mod trash;
 mod worker;
 mod workers;
 
@@ -62,6 +63,7 @@ fn span(request: &axum::extract::Request) -> tracing::Span {
 fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
         .merge(jobs::router())
+        .merge(trash::router())
         .merge(events::router())
         .merge(curve::router())
         .merge(compare::router())

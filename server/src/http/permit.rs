@@ -56,6 +56,7 @@ impl Call {
                 Object::Job(job) => missing("job", job.id),
                 Object::Project(project) => missing("project", project.id),
                 Object::Comparison(comparison) => missing("comparison", comparison.id),
+                Object::Deleted(deleted) => missing("deleted job or project", deleted.id),
                 Object::Lab => ApiError::not_found("thing of this kind"),
             }),
         }

@@ -142,9 +142,12 @@ impl Change {
         .fetch_one(&mut self.connection)
         .await?;
         let attempt = sqlx::query(
-            "INSERT INTO attempts (id, token, job, number, worker, worker_name, host, started_at,
+            "INSERT INTO attempts (seq, id, token, job, number, worker, worker_name, host, started_at,
                                    lease_until, resumed_wall_s, engine, threads)
-             VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+             -- a number that no attempt in the trash has, either
+             VALUES (1 + MAX(COALESCE((SELECT MAX(seq) FROM attempts), 0),
+                             COALESCE((SELECT MAX(seq) FROM trashed_attempts), 0)),
+                     ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         )
         .bind(Uuid::now_v7())
         .bind(Uuid::new_v4())

@@ -156,7 +156,10 @@ async fn unnamed(reads: &SqlitePool, names: &[String]) -> Result<Vec<String>> {
         "SELECT value FROM json_each(?)
          WHERE NOT EXISTS (SELECT 1 FROM attempt_files WHERE sha256 = value)
            AND NOT EXISTS (SELECT 1 FROM checkpoint_files WHERE sha256 = value)
-           AND NOT EXISTS (SELECT 1 FROM checkpoints WHERE sha256 = value)",
+           AND NOT EXISTS (SELECT 1 FROM checkpoints WHERE sha256 = value)
+           AND NOT EXISTS (SELECT 1 FROM trashed_attempt_files WHERE sha256 = value)
+           AND NOT EXISTS (SELECT 1 FROM trashed_checkpoint_files WHERE sha256 = value)
+           AND NOT EXISTS (SELECT 1 FROM trashed_checkpoints WHERE sha256 = value)",
     );
     Ok(unnamed.bind(json(&names)?).fetch_all(reads).await?)
 }

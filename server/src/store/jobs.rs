@@ -163,6 +163,7 @@ impl JobRow {
             limits: limits(self.estimate.as_deref(), self.overrun_factor)?,
             spec: None,
             summary,
+            values: IndexMap::new(),
             owner: named(self.owner, self.owner_name),
             project: named(self.project, self.project_name),
             links: JobLinks::of(self.id),

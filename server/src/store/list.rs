@@ -16,7 +16,7 @@ use super::{JobFilter, Store};
 use crate::access::Sight;
 
 /// Longest page of a list.
-const LONGEST_PAGE: u32 = 1000;
+pub(super) const LONGEST_PAGE: u32 = 1000;
 /// So many jobs are looked at one by one: a page's work, whatever else is asked of them.
 const FEW: i64 = 500;
 /// Where a moment parts the jobs, so many are passed over without asking where it does.
@@ -84,12 +84,7 @@ impl Store {
         limit: u32,
     ) -> Result<Page<JobView>> {
         let limit = limit.clamp(1, LONGEST_PAGE);
-        let before: Option<i64> = match cursor {
-            None => None,
-            Some(text) => Some(text.parse().map_err(|_| {
-                StoreError::Invalid("the cursor is not one that a page gave as `next`".to_owned())
-            })?),
-        };
+        let before = number_of(cursor)?;
         let rows = match &filter.sight {
             // a page of what one sees is merged from that of each part
             Some(sight) if !sight.everything && filter.narrows_nothing_else() => {
@@ -105,6 +100,28 @@ impl Store {
         Ok(page_of(rows, limit))
     }
 
+    /// Numbers of the next `limit` jobs before number `before` that pass the filter, newest first.
+    pub(super) async fn numbers(
+        &self,
+        filter: &JobFilter,
+        before: Option<i64>,
+        limit: u32,
+    ) -> Result<Vec<i64>> {
+        if let Some(sight) = &filter.sight
+            && !sight.everything
+            && filter.narrows_nothing_else()
+        {
+            let before = before.unwrap_or(i64::MAX);
+            return self.newest_seen(sight, before, limit).await;
+        }
+        let mut words = Words::of(filter)?;
+        let mut connection = self.reads().acquire().await?;
+        words.bound(&mut connection).await?;
+        let walk = words.walk(&mut connection).await?;
+        let mut query = words.statement("SELECT j.seq FROM ", walk, before, limit);
+        Ok(query.build_query_scalar().fetch_all(&mut *connection).await?)
+    }
+
     async fn filtered(
         &self,
         filter: &JobFilter,
@@ -115,13 +132,23 @@ impl Store {
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
-        let mut query = words.statement(walk, before, limit);
+        let mut query = words.statement(SELECT_JOBS, walk, before, limit);
         Ok(query.build_query_as().fetch_all(&mut *connection).await?)
     }
 }
 
+/// The number that a cursor holds.
+pub(super) fn number_of(cursor: Option<&str>) -> Result<Option<i64>> {
+    let number = cursor.map(|text| {
+        text.parse().map_err(|_| {
+            StoreError::Invalid("the cursor is not one that a page gave as `next`".to_owned())
+        })
+    });
+    number.transpose()
+}
+
 /// A page of the first `limit` rows; one more of them says that another page follows.
-fn page_of(mut rows: Vec<JobRow>, limit: u32) -> Page<JobView> {
+pub(super) fn page_of(mut rows: Vec<JobRow>, limit: u32) -> Page<JobView> {
     let is_last = rows.len() <= limit as usize;
     rows.truncate(limit as usize);
     let next = rows
@@ -133,6 +160,7 @@ fn page_of(mut rows: Vec<JobRow>, limit: u32) -> Page<JobView> {
         items,
         next,
         unreadable,
+        stopped_after: None,
     }
 }
 
@@ -203,9 +231,9 @@ impl Words {
         }
     }
 
-    /// The statement for a page of `limit` jobs before number `before`.
-    fn statement(&self, walk: Walk, before: Option<i64>, limit: u32) -> Query {
-        let mut query = Query::new(SELECT_JOBS);
+    /// The statement for a page of `limit` jobs before number `before`; `select` says what of them.
+    fn statement(&self, select: &str, walk: Walk, before: Option<i64>, limit: u32) -> Query {
+        let mut query = Query::new(select);
         let number = match walk {
             Walk::Jobs => {
                 query.push("jobs j WHERE TRUE");

@@ -29,6 +29,8 @@ migrations! {
     10 "comparisons" "0010_comparisons.sql",
     12 "resumed curves" "0012_resumed_curves.sql",
     13 "late checkpoints" "0013_late_checkpoints.sql",
+    14 "trash" "0014_trash.sql",
+    15 "limits are told" "0015_limits_are_told.sql",
 }
 
 pub(super) fn migrations() -> Migrator {

@@ -11,7 +11,8 @@
 //! commit → answer. Reads go to pools of connections that cannot write, beside it: one for lists and
 //! results, one for what takes a moment and must not wait behind them.
 //!
-//! Lists are [`list`], jobs one by one [`jobs`], many side by side [`compared`]. The worker's side in the
+//! What was deleted lies in the [`trash`] for a while. Lists are [`list`], by values
+//! of specs and results [`search`], jobs one by one [`jobs`], many side by side [`compared`]. The worker's side in the
 //! order of a job: [`claim`], of what [`choice`] decides, [`lease`] (heartbeats in [`pulses`]) with [`curve`] and
 //! [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`],
 //! [`ending`]; if the worker falls silent by the [`clock`], [`sweep`]; if its machine is at fault, [`machines`]. Whose
@@ -47,15 +48,18 @@ mod migrations;
 mod open;
 pub mod people;
 mod place;
+pub mod pointer;
 mod private;
 mod pulses;
 mod reserve;
 mod row;
 mod scrub;
+mod search;
 mod state;
 mod submit;
 mod supervision;
 mod sweep;
+pub mod trash;
 mod types;
 mod waiting;
 mod workers;
@@ -80,6 +84,7 @@ use people::{AccessState, Actor};
 use pulses::Pulses;
 use reserve::Reserve;
 pub use scrub::{LostFile, ScrubReport};
+pub use search::{LOOKED_AT, Wanted};
 use supervision::Restarts;
 pub use types::*;
 use writer::{Change, Work, Writer};

@@ -58,7 +58,10 @@ impl Content {
             "SELECT sha256, bytes FROM (
                 SELECT sha256, bytes FROM attempt_files WHERE sha256 > ?1
                 UNION SELECT sha256, bytes FROM checkpoint_files WHERE sha256 > ?1
-                UNION SELECT sha256, bytes FROM checkpoints WHERE sha256 > ?1)
+                UNION SELECT sha256, bytes FROM checkpoints WHERE sha256 > ?1
+                UNION SELECT sha256, bytes FROM trashed_attempt_files WHERE sha256 > ?1
+                UNION SELECT sha256, bytes FROM trashed_checkpoint_files WHERE sha256 > ?1
+                UNION SELECT sha256, bytes FROM trashed_checkpoints WHERE sha256 > ?1)
              ORDER BY sha256 LIMIT ?2",
         );
         let all = all.bind(last).bind(FILES_AT_ONCE);
@@ -78,6 +81,14 @@ impl Content {
                 WHERE f.sha256 = ?1
              UNION SELECT j.id, 'checkpoint' FROM checkpoints c JOIN jobs j ON j.seq = c.job
                 WHERE c.sha256 = ?1
+             UNION SELECT j.id, f.name FROM trashed_attempt_files f
+                JOIN trashed_attempts a ON a.seq = f.attempt JOIN trash j ON j.job = a.job
+                WHERE f.sha256 = ?1
+             UNION SELECT j.id, f.name FROM trashed_checkpoint_files f
+                JOIN trashed_checkpoints k ON k.seq = f.checkpoint JOIN trash j ON j.job = k.job
+                WHERE f.sha256 = ?1
+             UNION SELECT j.id, 'checkpoint' FROM trashed_checkpoints c
+                JOIN trash j ON j.job = c.job WHERE c.sha256 = ?1
              ORDER BY 1, 2",
         );
         Ok(owners.bind(&self.sha256).fetch_all(connection).await?)

@@ -68,6 +68,14 @@ impl LifecycleRow {
         })
     }
 
+    /// Refuses a job that is running: what a worker writes to is not taken away.
+    pub(super) fn require_idle(&self) -> Result<()> {
+        match self.state()? {
+            State::Running { .. } => Err(StoreError::Conflict(Refusal::StillRunning.to_string())),
+            _ => Ok(()),
+        }
+    }
+
     pub(super) fn asked(&self) -> Result<Option<UserRequest>> {
         Self::asked_for(self.asked.as_deref())
     }

@@ -8,7 +8,7 @@ use super::state::{LifecycleRow, sentence};
 use super::writer::{Change, EventType};
 use super::{CheckedSubmission, Enqueued, IdempotencyKey, JobEdit, Store, UserAction};
 use crate::queue::needs::Needs;
-use crate::queue::{Input, Refusal, State};
+use crate::queue::Input;
 
 /// What was submitted under a key.
 const KEY: &str = "SELECT body_sha256, job FROM idempotency_keys WHERE key = ?";
@@ -113,7 +113,7 @@ impl Store {
         self.job(id).await
     }
 
-    /// Removes the job with its curve, log and files.
+    /// Removes the job with its curve, log and files, for good.
     ///
     /// # Errors
     /// [`StoreError::NotFound`]; [`StoreError::Conflict`] while it runs.
@@ -297,9 +297,7 @@ impl Change {
 
     async fn delete(&mut self, id: Uuid) -> Result<()> {
         let job = LifecycleRow::of(&mut self.connection, id).await?;
-        if matches!(job.state()?, State::Running { .. }) {
-            return Err(StoreError::Conflict(Refusal::StillRunning.to_string()));
-        }
+        job.require_idle()?;
         self.remove_checkpoints(job.seq, None).await?;
         let files: Vec<String> = sqlx::query_scalar(
             "SELECT sha256 FROM attempt_files
@@ -309,29 +307,34 @@ impl Change {
         .fetch_all(&mut self.connection)
         .await?;
         self.garbage(files);
-        let (name, owner, project): (String, Option<Uuid>, Option<Uuid>) =
-            sqlx::query_as("SELECT name, owner, project FROM jobs WHERE seq = ?")
+        let name: String = sqlx::query_scalar("SELECT name FROM jobs WHERE seq = ?")
+            .bind(job.seq)
+            .fetch_one(&mut self.connection)
+            .await?;
+        self.leave_list(&job).await?;
+        self.audit("job.erased", Some(id), &name).await
+    }
+
+    /// Removes a job's row, with all that hangs on it, and tells of it.
+    pub(super) async fn leave_list(&mut self, job: &LifecycleRow) -> Result<()> {
+        // whose it was: only who saw it is told that it is gone
+        let (owner, project): (Option<Uuid>, Option<Uuid>) =
+            sqlx::query_as("DELETE FROM jobs WHERE seq = ? RETURNING owner, project")
                 .bind(job.seq)
                 .fetch_one(&mut self.connection)
                 .await?;
-        for statement in [
-            "DELETE FROM jobs WHERE id = ?",
-            "DELETE FROM events WHERE job = ?",
-        ] {
-            sqlx::query(statement)
-                .bind(id)
-                .execute(&mut self.connection)
-                .await?;
-        }
-        self.event(job.seq, id, EventType::Deleted).await?;
-        // whose it was: only who saw it is told that it is gone
+        sqlx::query("DELETE FROM events WHERE job = ?")
+            .bind(job.id)
+            .execute(&mut self.connection)
+            .await?;
+        self.event(job.seq, job.id, EventType::Deleted).await?;
         sqlx::query("UPDATE events SET owner = ?, project = ? WHERE job = ?")
             .bind(owner)
             .bind(project)
-            .bind(id)
+            .bind(job.id)
             .execute(&mut self.connection)
             .await?;
-        self.audit("job.deleted", Some(id), &name).await
+        Ok(())
     }
 
     /// Clears the traces of the attempts before a retry.

@@ -29,6 +29,8 @@ pub struct StoreOptions {
     pub fault_pause: Duration,
     /// What it takes for the time.
     pub clock: Clock,
+    /// How long what was deleted, or removed by a rule of a project, can be brought back.
+    pub trash: Duration,
 }
 
 impl StoreOptions {
@@ -41,6 +43,7 @@ impl StoreOptions {
             unnamed_wait: Duration::from_secs(7 * 24 * 3600),
             fault_pause: Duration::from_secs(10),
             clock: Clock::System,
+            trash: Duration::from_secs(14 * 24 * 3600),
         }
     }
 }

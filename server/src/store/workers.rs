@@ -198,7 +198,10 @@ impl Store {
                     (SELECT COALESCE(SUM(bytes), 0) FROM (
                         SELECT sha256, bytes FROM attempt_files
                         UNION SELECT sha256, bytes FROM checkpoint_files
-                        UNION SELECT sha256, bytes FROM checkpoints))",
+                        UNION SELECT sha256, bytes FROM checkpoints
+                        UNION SELECT sha256, bytes FROM trashed_attempt_files
+                        UNION SELECT sha256, bytes FROM trashed_checkpoint_files
+                        UNION SELECT sha256, bytes FROM trashed_checkpoints))",
         )
         .bind(self.alive_since())
         .fetch_one(self.reads())

@@ -17,3 +17,4 @@ mod people;
 mod service;
 mod support;
 mod tls;
+mod values;

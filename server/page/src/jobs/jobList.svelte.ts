@@ -11,13 +11,21 @@ export interface Filter {
   /** One's own, those of one's groups, or what others share. */
   whose: string;
   project: string;
+  /** Conditions on specs and results, as the server reads them. */
+  where: string;
+}
+
+/** What of it the server sorts by and shows beside. */
+export interface Beside {
+  sort: string;
+  show: string;
 }
 
 export const STATUSES = ["queued", "running", "paused", "finished"];
 export const OUTCOMES = ["succeeded", "failed", "cancelled", "timed_out", "quarantined"];
 
 /** A filter that lets every job pass. */
-export const EVERYTHING: Filter = { status: "", kind: "", tag: "", text: "", whose: "", project: "" };
+export const EVERYTHING: Filter = { status: "", kind: "", tag: "", text: "", whose: "", project: "", where: "" };
 
 const PAGE = 50;
 /** Largest page the server gives. */
@@ -31,6 +39,9 @@ export class JobList {
   isLoaded = $state(false);
   isLoadingMore = $state(false);
   error = $state("");
+  /** So many jobs the server looked at before it stopped short of all; null where it did not. */
+  stoppedAfter = $state<number | null>(null);
+  #beside: Beside = { sort: "", show: "" };
   #filter: Filter = EVERYTHING;
   #loading: AbortController | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -39,8 +50,9 @@ export class JobList {
     return Object.values(this.#filter).some((value) => value !== "");
   }
 
-  show(filter: Filter): void {
+  show(filter: Filter, beside: Beside): void {
     this.#filter = filter;
+    this.#beside = beside;
     void this.load(PAGE);
   }
 
@@ -54,13 +66,17 @@ export class JobList {
     try {
       const jobs: Job[] = [];
       let cursor: string | null = null;
+      let stoppedAfter: number | null = null;
       do {
-        const page: Page<Job> = await getJson(addressOf(this.#filter, cursor, count - jobs.length), loading.signal);
+        const page: Page<Job> = await getJson(this.#address(cursor, count - jobs.length), loading.signal);
         jobs.push(...page.items);
         cursor = page.next;
-      } while (cursor !== null && jobs.length < count);
+        stoppedAfter = page.stopped_after ?? null;
+        // A search that stopped is gone on with when somebody asks.
+      } while (cursor !== null && jobs.length < count && stoppedAfter === null);
       this.jobs = jobs;
       this.next = cursor;
+      this.stoppedAfter = stoppedAfter;
       this.error = "";
       this.isLoaded = true;
     } catch (error) {
@@ -73,10 +89,11 @@ export class JobList {
     if (this.next === null || this.isLoadingMore) return;
     this.isLoadingMore = true;
     try {
-      const page = await getJson<Page<Job>>(addressOf(this.#filter, this.next, PAGE));
+      const page = await getJson<Page<Job>>(this.#address(this.next, PAGE));
       const known = this.jobs.map((job) => job.id);
       this.jobs = [...this.jobs, ...page.items.filter((job) => !known.includes(job.id))];
       this.next = page.next;
+      this.stoppedAfter = page.stopped_after ?? null;
     } catch (error) {
       this.error = messageOf(error);
     }
@@ -108,6 +125,10 @@ export class JobList {
     this.#loading?.abort();
   }
 
+  #address(cursor: string | null, count: number): string {
+    return addressOf(this.#filter, this.#beside, cursor, count);
+  }
+
   #change(id: string, change: (job: Job) => Job): void {
     const index = this.jobs.findIndex((job) => job.id === id);
     const job = this.jobs[index];
@@ -116,10 +137,10 @@ export class JobList {
 }
 
 /** Where the server lists `count` jobs that pass the filter, from the cursor on. */
-function addressOf(filter: Filter, cursor: string | null, count: number): string {
-  const { status: state, kind, tag, text, whose, project } = filter;
+function addressOf(filter: Filter, beside: Beside, cursor: string | null, count: number): string {
+  const { status: state, text, ...named } = filter;
   const [status, outcome] = STATUSES.includes(state) ? [state, ""] : ["", state];
   const limit = String(Math.min(count, LARGEST_PAGE));
-  const given = Object.entries({ limit, status, outcome, kind, tag, whose, project, q: text, cursor: cursor ?? "" });
+  const given = Object.entries({ limit, ...named, status, outcome, q: text, ...beside, cursor: cursor ?? "" });
   return `/v1/jobs?${new URLSearchParams(given.filter(([, value]) => value !== "")).toString()}`;
 }

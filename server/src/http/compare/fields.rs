@@ -16,7 +16,7 @@ const MOST_FIELDS: usize = 200;
 
 /// What is found in specs, by their pointers.
 #[derive(Debug, Default)]
-pub(super) struct Fields {
+pub(in crate::http) struct Fields {
     seen: IndexMap<String, Seen>,
     specs: usize,
     left_out: u64,
@@ -32,7 +32,7 @@ struct Seen {
 
 impl Fields {
     /// Looks at one more spec.
-    pub(super) fn look_at(&mut self, spec: &Value) {
+    pub(in crate::http) fn look_at(&mut self, spec: &Value) {
         self.specs += 1;
         let mut pointer = String::new();
         self.walk(spec, &mut pointer);
@@ -75,6 +75,12 @@ impl Fields {
         } else {
             self.left_out += 1;
         }
+    }
+
+    /// Pointers of all fields that were seen, and how many specs have each.
+    pub(in crate::http) fn every(self) -> impl Iterator<Item = (String, usize)> {
+        let seen = self.seen.into_iter();
+        seen.map(|(pointer, seen)| (pointer, seen.count))
     }
 
     /// Pointers of the fields that differ, in the order of the specs, and how many more there are.

@@ -8,7 +8,7 @@
 mod comparisons;
 mod curves;
 mod differences;
-mod fields;
+pub(in crate::http) mod fields;
 mod measured;
 mod selection;
 

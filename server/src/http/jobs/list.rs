@@ -9,12 +9,13 @@ use utoipa::openapi::Ref;
 use uuid::Uuid;
 
 use super::super::AppState;
-use super::super::bounded::{Number, Text};
+use super::super::bounded::{Listed, Number, Text};
 use super::super::conditional::EntityTag;
 use super::super::permit::{Permit, Read};
 use super::super::problem::Result;
 use crate::access::{Identity, Sight, Whose};
-use crate::store::JobFilter;
+use crate::store::pointer::{Condition, Order, Pointer};
+use crate::store::{JobFilter, Wanted};
 
 /// Jobs on a page unless asked otherwise.
 const PAGE: u32 = 50;
@@ -54,6 +55,19 @@ pub(in crate::http) struct ListQuery {
     /// Only jobs in this project; those in archived ones are listed only so.
     #[param(value_type = Uuid, required = false)]
     project: Option<Uuid>,
+    /// Only jobs for which these conditions hold, such as `/spec/seed=3,/summary/max_force>=1.5`: a
+    /// pointer into the spec or to a result, a comparison, and a number, text, `true` or `false`. Looks at
+    /// 20 000 jobs that pass the rest, and says where it stopped.
+    #[serde(rename = "where")]
+    #[param(value_type = String, required = false, min_length = 1, max_length = 2000)]
+    conditions: Option<Listed<Condition, 10>>,
+    /// Sorts by a result (`/summary/max_force`) or a value of the spec (`/spec/seed`), falling with `-`
+    /// before it; the newest 20 000 that pass the rest.
+    #[param(value_type = String, required = false, min_length = 6, max_length = 201)]
+    sort: Option<Listed<Order, 1>>,
+    /// Values of specs to show, such as `/spec/seed,/spec/test/max_strain`.
+    #[param(value_type = String, required = false, min_length = 6, max_length = 2000)]
+    show: Option<Listed<Pointer, 12>>,
     /// Only your own jobs, those in projects of your groups, or what others share with you.
     #[param(schema_with = whose_schema, required = false)]
     whose: Option<Part>,
@@ -111,8 +125,15 @@ pub(super) async fn list(
         sight,
         project: query.project,
     };
-    let page = state.store.jobs(&filter, cursor.as_deref(), limit).await?;
-    Ok(tag.json(&page))
+    let wanted = Wanted {
+        conditions: query.conditions.map_or_else(Vec::new, |Listed(all)| all),
+        order: query.sort.and_then(|Listed(all)| all.into_iter().next()),
+        shown: query.show.map_or_else(Vec::new, |Listed(all)| all),
+    };
+    let page = state
+        .store
+        .jobs_wanted(&filter, &wanted, cursor.as_deref(), limit);
+    Ok(tag.json(&page.await?))
 }
 
 /// What the caller sees of what it asks for, and what names the state of the list for it.

@@ -1,12 +1,16 @@
 //! `/v1/jobs`: submit, list, read, change, delete, and ask for things.
 mod edit;
+mod fields;
 mod list;
 mod submit;
 
 use axum::Json;
+use axum::extract::Query;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::Response;
 use loadframe_api::{JobView, WaitingView};
+use serde::Deserialize;
+use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -23,6 +27,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
         .routes(routes!(submit::create, list::list))
         .routes(routes!(read, edit::edit, delete))
+        .routes(routes!(fields::fields))
         .routes(routes!(waiting))
         .routes(routes!(cancel))
         .routes(routes!(pause))
@@ -62,16 +67,33 @@ async fn waiting(job: JobPermit<Read>) -> Result<Json<WaitingView>> {
     Ok(Json(job.store.waiting(job.id).await?))
 }
 
+/// How to delete.
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+struct Deletion {
+    /// Frees its files at once; it cannot be brought back then.
+    #[serde(default)]
+    for_good: bool,
+}
+
 /// Delete a job
 ///
-/// With its results, curve, log and files. A running job has to be cancelled first.
+/// With its results, curve, log and files. It can be brought back for a while (`/v1/trash`), unless it is
+/// deleted for good. A running job has to be cancelled first.
 #[utoipa::path(delete, operation_id = "delete_job", path = "/v1/jobs/{id}", tag = "Jobs",
-    params(("id" = uuid::Uuid, Path, description = "Id of the job")),
-    responses((status = 204, description = "It is gone, and its files are freed"),
+    params(("id" = uuid::Uuid, Path, description = "Id of the job"), Deletion),
+    responses((status = 204, description = "It is in the trash, or gone for good"),
               (status = 404, description = "There is no such job"),
               (status = 409, description = "It is running")))]
-async fn delete(job: JobPermit<Change>) -> Result<StatusCode> {
-    job.store.delete(job.id).await?;
+async fn delete(
+    job: JobPermit<Change>,
+    Query(deletion): Query<Deletion>,
+) -> Result<StatusCode> {
+    match deletion.for_good {
+        true => job.store.delete(job.id).await?,
+        false => job.store.discard(job.id).await?,
+    }
     Ok(StatusCode::NO_CONTENT)
 }
 

@@ -8,7 +8,7 @@ use loadframe_api::people::{
     InvitationView, NewGroup, NewInvitation, NewProject, NewShare, NewToken, NewWebhook,
     PasswordChange, PersonChanges, PersonLimits, PersonView, ProjectChanges, ProjectView,
     RetentionRule, RetentionView, SessionView, ShareMade, ShareView, SignIn, SignInBegun,
-    SignInWays, TokenMade, TokenView, WebhookMade, WebhookView,
+    SignInWays, TokenMade, TokenView, TrashView, WebhookMade, WebhookView,
 };
 use loadframe_api::spec::calibrate::MeasuredCurve;
 use loadframe_api::worker::{
@@ -16,7 +16,7 @@ use loadframe_api::worker::{
     ProgressReport, ReleaseRequest, UploadedPart,
 };
 use loadframe_api::{
-    CurveView, Envelope, Event, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
+    CurveView, Envelope, Event, FieldView, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
     Problem, Timestamp, WaitingView, WorkerView, answer_schemas, body_schemas, kind_schema,
 };
 use schemars::SchemaGenerator;
@@ -83,7 +83,7 @@ fn answers() -> Map<String, Value> {
             Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
             Page<AuditEntry>, Backlog, Page<ReportedAllocations>, WaitingView, Allowance,
-            SignInWays, SignInBegun, RetentionView, Page<DiskUse>, WebhookMade, Page<WebhookView>,
+            SignInWays, SignInBegun, RetentionView, Page<DiskUse>, Page<TrashView>, Page<FieldView>, WebhookMade, Page<WebhookView>,
             Differences, Curves, MeasuredReading, ComparisonView, Page<ComparisonView>);
     });
     for schema in schemas.values_mut() {

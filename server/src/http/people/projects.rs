@@ -19,7 +19,7 @@ use crate::access::{Action, Object, ProjectFacts};
 pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
         .routes(routes!(list, create))
-        .routes(routes!(change))
+        .routes(routes!(change, delete))
 }
 
 /// List the projects
@@ -90,6 +90,25 @@ async fn change(
         check_membership(&permit, group)?;
     }
     Ok(Json(permit.store.change_project(id, changes).await?))
+}
+
+/// Delete a project
+///
+/// With all its jobs; its person and administrators do, and can bring it back for a while (`/v1/trash`).
+#[utoipa::path(delete, operation_id = "delete_project", path = "/v1/projects/{id}", tag = "People",
+    params(("id" = Uuid, Path, description = "Id of the project")),
+    responses((status = 204, description = "It is in the trash"),
+              (status = 404, description = "There is no such project"),
+              (status = 409, description = "A job of it is running")))]
+async fn delete(
+    State(state): State<AppState>,
+    permit: Permit<Change>,
+    Path(id): Path<Uuid>,
+) -> Result<StatusCode> {
+    let project = permit.call.ask_of_project(&state.store, Action::HandOver, id);
+    project.await?;
+    permit.store.discard_project(id).await?;
+    Ok(StatusCode::NO_CONTENT)
 }
 
 /// A project is made for or given to a group by who is in it; to others no group shows whether it is there.

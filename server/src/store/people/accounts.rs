@@ -164,6 +164,11 @@ impl Store {
                     .execute(&mut change.connection)
                     .await?
                     .rows_affected();
+                sqlx::query("UPDATE trash SET owner = ? WHERE owner = ?")
+                    .bind(to)
+                    .bind(from)
+                    .execute(&mut change.connection)
+                    .await?;
                 sqlx::query("UPDATE projects SET person = ? WHERE person = ?")
                     .bind(to)
                     .bind(from)

@@ -110,6 +110,7 @@ impl Store {
             items,
             next,
             unreadable: 0,
+            stopped_after: None,
         })
     }
 }

@@ -301,6 +301,8 @@ impl Store {
              FROM shares s
              WHERE (s.secret_sha256 = ?1 OR s.id = ?2) AND s.revoked_at IS NULL AND s.expires_at > ?3
                AND (s.job IS NULL OR EXISTS (SELECT 1 FROM jobs j WHERE j.id = s.job))
+               AND (s.project IS NULL OR EXISTS
+                    (SELECT 1 FROM projects r WHERE r.id = s.project AND r.deleted_at IS NULL))
                AND (s.comparison IS NULL OR EXISTS
                     (SELECT 1 FROM comparisons c WHERE c.id = s.comparison))",
         )
@@ -352,7 +354,8 @@ impl Store {
         let row: Option<FactsRow> = sqlx::query_as(
             "SELECT j.owner, p.id AS project, p.person, p.team, p.visibility, p.archived_at,
                     (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = p.person) AS circle
-             FROM jobs j LEFT JOIN projects p ON p.id = j.project WHERE j.id = ?",
+             FROM jobs j LEFT JOIN projects p ON p.id = j.project AND p.deleted_at IS NULL
+             WHERE j.id = ?",
         )
         .bind(id)
         .fetch_optional(self.lookups())
@@ -373,7 +376,7 @@ impl Store {
         let rows: Vec<FactsRow> = sqlx::query_as(
             "SELECT NULL AS owner, p.id AS project, p.person, p.team, p.visibility, p.archived_at,
                     (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = p.person) AS circle
-             FROM projects p ORDER BY p.id",
+             FROM projects p WHERE p.deleted_at IS NULL ORDER BY p.id",
         )
         .fetch_all(self.lookups())
         .await?;

@@ -29,7 +29,7 @@ use super::{Inner, Store};
 pub use audit::AuditFilter;
 pub use callers::AccessState;
 pub use identities::{Admission, Arrival, Identity};
-pub use retention::{ANNOUNCED, UNDOABLE};
+pub use retention::ANNOUNCED;
 pub use sessions::NewSession;
 pub(super) use webhooks::WEBHOOK_KEY;
 pub use webhooks::{Due, DueEvent};

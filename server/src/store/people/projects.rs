@@ -39,7 +39,7 @@ macro_rules! select_projects {
 
 impl ProjectRow {
     async fn of(connection: &mut SqliteConnection, id: Uuid) -> Result<Self> {
-        sqlx::query_as(select_projects!("WHERE p.id = ?"))
+        sqlx::query_as(select_projects!("WHERE p.id = ? AND p.deleted_at IS NULL"))
             .bind(id)
             .fetch_optional(connection)
             .await?
@@ -69,7 +69,7 @@ impl Store {
     /// The database's.
     pub async fn projects(&self) -> Result<Vec<ProjectView>> {
         let rows: Vec<ProjectRow> = sqlx::query_as(select_projects!(
-            "ORDER BY p.archived_at IS NOT NULL, p.name, p.id"
+            "WHERE p.deleted_at IS NULL ORDER BY p.archived_at IS NOT NULL, p.name, p.id"
         ))
         .fetch_all(self.reads())
         .await?;
@@ -177,7 +177,7 @@ impl Store {
     /// [`StoreError::Conflict`] when all are archived.
     pub async fn project_of(&self, person: Uuid) -> Result<Uuid> {
         let found = sqlx::query_scalar(
-            "SELECT id FROM projects WHERE person = ? AND archived_at IS NULL
+            "SELECT id FROM projects WHERE person = ? AND archived_at IS NULL AND deleted_at IS NULL
              ORDER BY created_at, id LIMIT 1",
         )
         .bind(person)

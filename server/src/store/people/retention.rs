@@ -15,8 +15,6 @@ use super::{Actor, refused};
 
 /// A rule removes nothing for so long after it was set [ms].
 pub const ANNOUNCED: i64 = 7 * DAY;
-/// What was removed can be brought back for so long [ms].
-pub const UNDOABLE: i64 = 14 * DAY;
 /// Jobs cleared, and files forgotten, in one change: others wait for it.
 const AT_ONCE: u32 = 200;
 /// How often rules are applied.
@@ -122,7 +120,7 @@ impl Store {
             in_force_at,
             would_remove: counted(would_remove),
             removed: counted((jobs, files, bytes)),
-            gone_at: since.map(|since| Timestamp(since + UNDOABLE)),
+            gone_at: since.map(|since| Timestamp(since + self.trash_millis())),
         })
     }
 
@@ -214,6 +212,7 @@ impl Store {
         .bind(now.as_millis())
         .fetch_all(self.reads())
         .await?;
+        let gone_before = now.as_millis() - self.trash_millis();
         let server = self.acting(Actor::named("server"));
         // of webhooks whose person may not be told any more
         self.write_from_reserve(move |change| {
@@ -252,7 +251,9 @@ impl Store {
         }
         loop {
             let forgotten = self
-                .write_from_reserve(move |change| Box::pin(async move { change.forget(now).await }))
+                .write_from_reserve(move |change| {
+                    Box::pin(async move { change.forget(gone_before).await })
+                })
                 .await?;
             gone += forgotten as u64;
             if forgotten < AT_ONCE as usize {
@@ -261,7 +262,7 @@ impl Store {
         }
     }
 
-    /// Applies the rules every hour, until dropped.
+    /// Applies the rules and empties the trash every hour, until dropped.
     pub async fn keep_retaining(self) {
         loop {
             tokio::time::sleep(EVERY).await;
@@ -271,6 +272,11 @@ impl Store {
                     tracing::info!(removed, gone, "files removed by rules of projects");
                 }
                 Err(error) => tracing::error!(%error, "the rules of projects could not be applied"),
+            }
+            match self.empty_trash(Timestamp::now()).await {
+                Ok(0) => {}
+                Ok(jobs) => tracing::info!(jobs, "deleted jobs whose time was over are gone"),
+                Err(error) => tracing::error!(%error, "the trash could not be emptied"),
             }
         }
     }
@@ -319,13 +325,13 @@ impl Change {
     }
 
     /// Forgets the next files that were removed long ago, with the points of curves; tells how many.
-    async fn forget(&mut self, now: Timestamp) -> Result<usize> {
+    async fn forget(&mut self, before: i64) -> Result<usize> {
         let gone: Vec<(i64, String, String)> = sqlx::query_as(
             "DELETE FROM attempt_files WHERE (attempt, name) IN (
                 SELECT attempt, name FROM attempt_files WHERE removed_at < ? LIMIT ?)
              RETURNING attempt, name, sha256",
         )
-        .bind(now.as_millis() - UNDOABLE)
+        .bind(before)
         .bind(AT_ONCE)
         .fetch_all(&mut self.connection)
         .await?;

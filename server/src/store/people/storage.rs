@@ -20,8 +20,8 @@ row! {
 }
 
 impl Store {
-    /// Everything that is stored, the largest first. Files are counted as they come and go; checkpoints,
-    /// of which there are few, when asked.
+    /// Everything that is stored, the largest first. Files are counted as they come and go; checkpoints
+    /// and deleted jobs, of which there are few, when asked.
     ///
     /// # Errors
     /// The database's.
@@ -33,7 +33,10 @@ impl Store {
                    UNION ALL
                    SELECT COALESCE(j.owner, x''), COALESCE(j.project, x''), 'checkpoints', COUNT(*),
                           SUM(c.bytes)
-                   FROM checkpoints c JOIN jobs j ON j.seq = c.job GROUP BY 1, 2) u
+                   FROM checkpoints c JOIN jobs j ON j.seq = c.job GROUP BY 1, 2
+                   UNION ALL
+                   SELECT COALESCE(owner, x''), COALESCE(project, x''), 'trash', SUM(files), SUM(bytes)
+                   FROM trash WHERE bytes > 0 GROUP BY 1, 2) u
              LEFT JOIN people o ON o.id = u.person LEFT JOIN projects p ON p.id = u.project
              ORDER BY u.bytes DESC, u.person, u.project, u.kind",
         )

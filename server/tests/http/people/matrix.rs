@@ -28,6 +28,9 @@ enum Class {
     /// Makes something of one's own.
     Make,
     ChangeProject,
+    DeleteProject,
+    /// Brings back what was deleted, or removes it for good.
+    Restore,
     ReadComparison,
     ChangeComparison,
     ReadWorkers,
@@ -47,7 +50,7 @@ const ROUTES: &[(Class, &[&str])] = &[
     (Class::Introduce, &["read_me"]),
     (Class::ReadLab, &["list_jobs", "follow_jobs", "list_kinds", "read_kind", "read_kind_schema",
         "list_examples", "list_projects", "read_my_limits", "read_differences", "read_curves",
-        "read_curves_csv", "read_measured_curve", "list_comparisons"]),
+        "read_curves_csv", "read_measured_curve", "list_comparisons", "list_trash", "list_fields"]),
     (Class::ReadJob, &["read_job", "read_curve", "read_curve_json", "read_curve_csv", "read_outcome",
         "follow_job", "read_waiting"]),
     (Class::ReadFiles, &["list_files", "download_file", "download_archive", "read_log"]),
@@ -56,6 +59,8 @@ const ROUTES: &[(Class, &[&str])] = &[
     (Class::Make, &["submit_job", "create_project", "create_share", "create_comparison"]),
     (Class::ChangeProject, &["change_project", "read_retention", "set_retention",
         "undo_retention"]),
+    (Class::DeleteProject, &["delete_project"]),
+    (Class::Restore, &["restore_deleted", "erase_deleted"]),
     (Class::ReadComparison, &["read_comparison"]),
     (Class::ChangeComparison, &["change_comparison", "delete_comparison"]),
     (Class::ReadWorkers, &["list_workers", "list_allocations"]),
@@ -113,6 +118,15 @@ fn expected(class: Class) -> Option<[&'static str; 12]> {
         // the projects of these jobs, and the comparisons in them
         Class::ChangeProject | Class::ChangeComparison => [
             "!!!!", "----", "+++0", "0+-0", "00-0", "+++0", "----", "+++0", "----", "----", "----",
+            "!!!!",
+        ],
+        Class::DeleteProject => [
+            "!!!!", "----", "+-+0", "0--0", "00-0", "+++0", "----", "+-+0", "----", "----", "----",
+            "!!!!",
+        ],
+        // these jobs, deleted: their owner's and the administrators', whoever saw them before
+        Class::Restore => [
+            "!!!!", "----", "+++0", "0000", "0000", "+++0", "----", "+++0", "----", "----", "----",
             "!!!!",
         ],
         _ => return None,
@@ -311,18 +325,29 @@ async fn everybody_gets_of_every_object_what_is_written() {
         };
         let changes = matches!(
             class,
-            Class::ChangeJob | Class::ChangeProject | Class::ChangeComparison
+            Class::ChangeJob
+                | Class::ChangeProject
+                | Class::ChangeComparison
+                | Class::DeleteProject
+                | Class::Restore
         );
         for (caller, row) in rows.into_iter().enumerate() {
             // what was changed by the one before is no longer what it was
             if changes && caller > 0 && rows[caller - 1].contains('+') {
                 objects = world.objects().await;
             }
+            if class == Class::Restore {
+                for [job, ..] in &objects[..3] {
+                    // deleted already where nobody brought it back
+                    let _ = world.group.lab.store.discard(*job).await;
+                }
+            }
             let mut got = String::new();
             let mut missing = BTreeMap::new();
             for [job, project, comparison] in objects {
                 let (what, id) = match class {
-                    Class::ChangeProject => ("project", project),
+                    Class::ChangeProject | Class::DeleteProject => ("project", project),
+                    Class::Restore => ("deleted job or project", job),
                     Class::ReadComparison | Class::ChangeComparison => ("comparison", comparison),
                     _ => ("job", job),
                 };

@@ -11,4 +11,5 @@ mod secrets;
 mod sharing;
 mod single_sign_on;
 mod streams;
+mod trash;
 mod webhooks;

@@ -250,7 +250,7 @@ async fn disk_use_follows_every_file_wherever_it_goes() {
     assert_eq!(storage(&group, anna).await, all);
     assert!(storage(&group, bert).await.is_empty());
     assert!(storage(&group, &group.gina).await.is_empty());
-    // a job that moves takes its files along, one that is deleted takes them away
+    // a job that moves takes its files along, one that is deleted to the trash
     let moved = json!({ "project": group.project(anna, Visibility::Private, None).await.id });
     let answer = group
         .send(
@@ -271,7 +271,9 @@ async fn disk_use_follows_every_file_wherever_it_goes() {
         204
     );
     let all = storage(&group, ada).await;
-    assert_eq!(all.len(), 4, "{all:?}");
+    assert_eq!(all.len(), 5, "{all:?}");
+    let moved_to: Vec<_> = all.keys().filter(|(.., kind)| kind == "trash").collect();
+    assert_eq!((moved_to.len(), all[moved_to[0]].0), (1, 5));
     // handed over, then removed by a rule: counted as long as it is there
     let to = json!(HandOver { to: bert.id }).to_string();
     let answer = group

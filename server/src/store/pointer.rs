@@ -1,0 +1,263 @@
+//! What lists are sorted, filtered and widened by: values of specs and results, by JSON pointer.
+//!
+//! A pointer is `/spec/…` as in the spec of a job (RFC 6901), or `/summary/NAME`, a result's value. A part
+//! of digits alone is a place in a list. It is taken apart here, once, and goes into statements as a value.
+use std::fmt::Write;
+use std::str::FromStr;
+
+/// Longest pointer [bytes].
+const LONGEST: usize = 200;
+
+/// Where a value stands in a job.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pointer {
+    text: String,
+    root: Root,
+    /// The same in the database's words.
+    path: String,
+}
+
+/// What of a job a pointer leads into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Root {
+    Spec,
+    Results,
+}
+
+/// Why a text is no pointer, condition or order.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PointerError {
+    #[error("{0:?} is not /spec/… or /summary/NAME, with parts of up to 200 bytes in all and without quotes")]
+    Pointer(String),
+    #[error("{0:?} is not a pointer, one of = != < <= > >=, and a value")]
+    Condition(String),
+    #[error("{0:?} is not a number: only numbers are less or more")]
+    NoNumber(String),
+}
+
+impl Pointer {
+    /// As it was given, so that a client finds its value again.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    pub fn root(&self) -> Root {
+        self.root
+    }
+
+    /// The part below the spec.
+    pub fn within_spec(&self) -> Option<&str> {
+        match self.root {
+            Root::Spec => self.text.strip_prefix("/spec"),
+            Root::Results => None,
+        }
+    }
+
+    pub(super) fn path(&self) -> &str {
+        &self.path
+    }
+}
+
+impl FromStr for Pointer {
+    type Err = PointerError;
+
+    fn from_str(text: &str) -> Result<Self, PointerError> {
+        let refused = || PointerError::Pointer(text.to_owned());
+        let is_plain = text.len() <= LONGEST && !text.contains(['"', '\0', '\\']);
+        let mut parts = text.split('/');
+        if !is_plain || parts.next() != Some("") {
+            return Err(refused());
+        }
+        let root = match parts.next() {
+            Some("spec") => Root::Spec,
+            Some("summary") => Root::Results,
+            _ => return Err(refused()),
+        };
+        let parts: Vec<String> = parts
+            .map(|part| part.replace("~1", "/").replace("~0", "~"))
+            .collect();
+        let is_whole = match root {
+            Root::Spec => !parts.is_empty(),
+            // the value is all that a result is sorted by
+            Root::Results => parts.len() == 1,
+        };
+        if !is_whole || parts.iter().any(String::is_empty) {
+            return Err(refused());
+        }
+        let mut path = "$".to_owned();
+        for part in &parts {
+            let is_place = root == Root::Spec && part.bytes().all(|byte| byte.is_ascii_digit());
+            // writing to a text does not fail
+            let _ = match is_place {
+                true => write!(path, "[{part}]"),
+                false => write!(path, ".\"{part}\""),
+            };
+        }
+        if root == Root::Results {
+            path.push_str(".value");
+        }
+        Ok(Self {
+            text: text.to_owned(),
+            root,
+            path,
+        })
+    }
+}
+
+/// How a value is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Comparison {
+    Equal,
+    NotEqual,
+    Less,
+    AtMost,
+    More,
+    AtLeast,
+}
+
+/// In the order in which they are looked for: the longer before what it begins with.
+const COMPARISONS: [(&str, Comparison); 6] = [
+    ("!=", Comparison::NotEqual),
+    ("<=", Comparison::AtMost),
+    (">=", Comparison::AtLeast),
+    ("=", Comparison::Equal),
+    ("<", Comparison::Less),
+    (">", Comparison::More),
+];
+
+impl Comparison {
+    pub(super) fn sql(self) -> &'static str {
+        match self {
+            Self::Equal => "=",
+            Self::NotEqual => "<>",
+            Self::Less => "<",
+            Self::AtMost => "<=",
+            Self::More => ">",
+            Self::AtLeast => ">=",
+        }
+    }
+}
+
+/// What a value is compared with.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Operand {
+    Number(f64),
+    Truth(bool),
+    Text(String),
+}
+
+/// A condition on a job: that it has the value, of the operand's type, and that the comparison holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Condition {
+    pub pointer: Pointer,
+    pub comparison: Comparison,
+    pub operand: Operand,
+}
+
+impl FromStr for Condition {
+    type Err = PointerError;
+
+    /// Such as `/spec/test/max_strain>=0.05` or `/spec/test/breaking=none`.
+    fn from_str(text: &str) -> Result<Self, PointerError> {
+        let refused = || PointerError::Condition(text.to_owned());
+        let place = text.find(['!', '<', '>', '=']).ok_or_else(refused)?;
+        let (pointer, rest) = text.split_at(place);
+        let mut known = COMPARISONS.into_iter();
+        let found = known.find_map(|(sign, of)| Some((of, rest.strip_prefix(sign)?)));
+        let (comparison, value) = found.ok_or_else(refused)?;
+        let value = value.trim();
+        if value.is_empty() {
+            return Err(refused());
+        }
+        let number = value.parse::<f64>().ok().filter(|number| number.is_finite());
+        let operand = match (value, number) {
+            (_, Some(number)) => Operand::Number(number),
+            ("true", _) => Operand::Truth(true),
+            ("false", _) => Operand::Truth(false),
+            _ => Operand::Text(value.trim_matches('"').to_owned()),
+        };
+        let is_ordered = !matches!(comparison, Comparison::Equal | Comparison::NotEqual);
+        if is_ordered && !matches!(operand, Operand::Number(_)) {
+            return Err(PointerError::NoNumber(value.to_owned()));
+        }
+        Ok(Self {
+            pointer: pointer.trim().parse()?,
+            comparison,
+            operand,
+        })
+    }
+}
+
+/// What jobs are sorted by; those without the value come last of all, either way.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Order {
+    pub pointer: Pointer,
+    pub is_falling: bool,
+}
+
+impl FromStr for Order {
+    type Err = PointerError;
+
+    /// A pointer, falling with `-` before it.
+    fn from_str(text: &str) -> Result<Self, PointerError> {
+        let (is_falling, pointer) = match text.strip_prefix('-') {
+            Some(pointer) => (true, pointer),
+            None => (false, text),
+        };
+        Ok(Self {
+            pointer: pointer.parse()?,
+            is_falling,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pointer_leads_into_a_spec_or_to_a_result() {
+        for (text, root, path) in [
+            ("/spec/seed", Root::Spec, "$.\"seed\""),
+            ("/spec/pulp/0/width_um", Root::Spec, "$.\"pulp\"[0].\"width_um\""),
+            ("/spec/materials/a~1b~0c", Root::Spec, "$.\"materials\".\"a/b~c\""),
+            ("/summary/max_force", Root::Results, "$.\"max_force\".value"),
+        ] {
+            let pointer: Pointer = text.parse().expect(text);
+            assert_eq!((pointer.root(), pointer.path()), (root, path));
+        }
+        let long = format!("/spec/{}", "a".repeat(LONGEST));
+        for wrong in ["", "/", "spec/seed", "/spec", "/spec/", "/spec//a", "/name", "/summary/a/b",
+            "/spec/a\"b", "/summary", &long] {
+            assert!(wrong.parse::<Pointer>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_condition_is_a_pointer_a_comparison_and_a_value() {
+        for (text, comparison, operand) in [
+            ("/spec/seed=3", Comparison::Equal, Operand::Number(3.0)),
+            ("/spec/seed != 3", Comparison::NotEqual, Operand::Number(3.0)),
+            ("/summary/max_force>=1.5e3", Comparison::AtLeast, Operand::Number(1500.0)),
+            ("/summary/max_force<-2", Comparison::Less, Operand::Number(-2.0)),
+            ("/spec/a=true", Comparison::Equal, Operand::Truth(true)),
+            ("/spec/a=none", Comparison::Equal, Operand::Text("none".to_owned())),
+            ("/spec/a=\"3 mm\"", Comparison::Equal, Operand::Text("3 mm".to_owned())),
+        ] {
+            let condition: Condition = text.parse().expect(text);
+            assert_eq!((condition.comparison, condition.operand), (comparison, operand), "{text}");
+        }
+        for wrong in ["/spec/a", "/spec/a=", "/spec/a!3", "=3", "/spec/a<b", "/spec/a<true", "/spec/a<inf"] {
+            assert!(wrong.parse::<Condition>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn an_order_falls_by_a_sign_before_it() {
+        let order: Order = "-/summary/max_force".parse().expect("an order");
+        assert!(order.is_falling && order.pointer.text() == "/summary/max_force");
+        assert!(!"/spec/seed".parse::<Order>().expect("an order").is_falling);
+        assert!("--/spec/seed".parse::<Order>().is_err());
+    }
+}

@@ -1,0 +1,309 @@
+//! What was deleted, until it is brought back or its time is over.
+//!
+//! A job that is deleted leaves its tables: its [`rows`] go to mirrors of them, so that no list, count,
+//! stream, link or worker meets it. It comes back to its old place, with its number and all that it had; a
+//! queued one waits again. A project is hidden, and its jobs go and come with it, some at a time. What can
+//! be brought back, and by whom, stands in [`listing`].
+mod listing;
+mod rows;
+
+use loadframe_api::Timestamp;
+use loadframe_api::people::Deleted;
+use uuid::Uuid;
+
+use super::error::{Result, StoreError};
+use super::people::Actor;
+use super::state::LifecycleRow;
+use super::writer::{Change, EventType};
+use super::{Store, millis};
+pub use listing::TrashSight;
+
+/// Jobs that go or come in one change: others wait for it.
+const AT_ONCE: u32 = 50;
+
+impl Store {
+    /// How long something stays in the trash, in the database's unit.
+    pub(super) fn trash_millis(&self) -> i64 {
+        millis(self.options().trash)
+    }
+
+    /// Moves the job with its curve, log and files to the trash.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`]; [`StoreError::Conflict`] while it runs.
+    pub async fn discard(&self, id: Uuid) -> Result<()> {
+        self.write_from_reserve(move |change| {
+            Box::pin(async move {
+                let name = change.discard(id, false).await?;
+                change.audit("job.deleted", Some(id), &name).await
+            })
+        })
+        .await
+    }
+
+    /// Moves a project with all its jobs to the trash. Broken off in between, it goes on where it was when
+    /// it is asked again.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`]; [`StoreError::Conflict`] while one of its jobs runs.
+    pub async fn discard_project(&self, id: Uuid) -> Result<()> {
+        while !self
+            .write_from_reserve(move |change| {
+                Box::pin(async move { change.discard_some(id).await })
+            })
+            .await?
+        {}
+        Ok(())
+    }
+
+    /// Brings back what `id` names in the trash.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`]; [`StoreError::Conflict`] for a job whose project is deleted.
+    pub async fn bring_back(&self, id: Uuid) -> Result<()> {
+        match self.in_trash(id).await?.0 {
+            Deleted::Job => {
+                self.write(move |change| {
+                    Box::pin(async move {
+                        let name = change.bring_back(id).await?;
+                        change.audit("job.restored", Some(id), &name).await
+                    })
+                })
+                .await
+            }
+            Deleted::Project => {
+                while !self
+                    .write(move |change| Box::pin(async move { change.bring_back_some(id).await }))
+                    .await?
+                {}
+                Ok(())
+            }
+            Deleted::Files => self.undo_retention(id).await.map(|_| ()),
+        }
+    }
+
+    /// Removes for good what `id` names in the trash.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`]; [`StoreError::Conflict`] for files that a rule removed, which go when
+    /// their time is over.
+    pub async fn erase(&self, id: Uuid) -> Result<()> {
+        let what = self.in_trash(id).await?.0;
+        if what == Deleted::Files {
+            let sentence = "what a project's rule removed goes when its time is over";
+            return Err(StoreError::Conflict(sentence.to_owned()));
+        }
+        while self
+            .write_from_reserve(move |change| {
+                Box::pin(async move {
+                    let jobs: Vec<i64> = sqlx::query_scalar(
+                        "SELECT job FROM trash WHERE (?1 = 'job' AND id = ?2)
+                            OR (?1 = 'project' AND project = ?2 AND with_project) LIMIT ?3",
+                    )
+                    .bind(if what == Deleted::Job { "job" } else { "project" })
+                    .bind(id)
+                    .bind(AT_ONCE)
+                    .fetch_all(&mut change.connection)
+                    .await?;
+                    for job in &jobs {
+                        change.erase(*job).await?;
+                    }
+                    if jobs.len() == AT_ONCE as usize {
+                        return Ok(true);
+                    }
+                    if what == Deleted::Project {
+                        // long ago: its time is over
+                        sqlx::query("UPDATE projects SET deleted_at = 0 WHERE id = ?")
+                            .bind(id)
+                            .execute(&mut change.connection)
+                            .await?;
+                        change.audit("project.erased", Some(id), "").await?;
+                    }
+                    Ok(false)
+                })
+            })
+            .await?
+        {}
+        self.blobs().collected().await;
+        Ok(())
+    }
+
+    /// Removes the jobs whose time in the trash is over as of `now`; tells how many.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn empty_trash(&self, now: Timestamp) -> Result<u64> {
+        let before = now.as_millis() - self.trash_millis();
+        let server = self.acting(Actor::named("server"));
+        let mut erased = 0;
+        loop {
+            let jobs = server
+                .write_from_reserve(move |change| {
+                    Box::pin(async move {
+                        let jobs: Vec<i64> = sqlx::query_scalar(
+                            "SELECT job FROM trash WHERE deleted_at < ? ORDER BY deleted_at, id LIMIT ?",
+                        )
+                        .bind(before)
+                        .bind(AT_ONCE)
+                        .fetch_all(&mut change.connection)
+                        .await?;
+                        for job in &jobs {
+                            change.erase(*job).await?;
+                        }
+                        Ok(jobs.len())
+                    })
+                })
+                .await?;
+            erased += jobs as u64;
+            if jobs < AT_ONCE as usize {
+                return Ok(erased);
+            }
+        }
+    }
+}
+
+fn missing(id: Uuid) -> StoreError {
+    StoreError::NotFound(format!("deleted job or project {id}"))
+}
+
+impl Change {
+    /// Moves a job to the trash; tells its name.
+    async fn discard(&mut self, id: Uuid, with_project: bool) -> Result<String> {
+        let job = LifecycleRow::of(&mut self.connection, id).await?;
+        job.require_idle()?;
+        rows::copy_to_trash(&mut self.connection, job.seq).await?;
+        // what it takes is taken once: first it goes there, then it counts here
+        self.leave_list(&job).await?;
+        let by = self.actor.as_ref().map(|actor| actor.who.clone());
+        let name = sqlx::query_scalar(
+            "INSERT INTO trash (job, id, kind, name, owner, project, files, bytes, deleted_at,
+                                deleted_by, with_project)
+             SELECT seq, id, kind, name, owner, project,
+                (SELECT COUNT(*) FROM trashed_attempts a JOIN trashed_attempt_files f ON f.attempt = a.seq
+                 WHERE a.job = trashed_jobs.seq), file_bytes, ?2, ?3, ?4
+             FROM trashed_jobs WHERE seq = ?1 RETURNING name",
+        )
+        .bind(job.seq)
+        .bind(self.now.as_millis())
+        .bind(by.unwrap_or_else(|| "owner".to_owned()))
+        .bind(with_project)
+        .fetch_one(&mut self.connection)
+        .await?;
+        // what its files take is counted anew when they come back
+        sqlx::query("UPDATE trashed_jobs SET file_bytes = 0 WHERE seq = ?")
+            .bind(job.seq)
+            .execute(&mut self.connection)
+            .await?;
+        Ok(name)
+    }
+
+    /// Moves the next jobs of a project to the trash, and when none is left the project; tells whether it
+    /// is done.
+    async fn discard_some(&mut self, project: Uuid) -> Result<bool> {
+        let name: Option<String> =
+            sqlx::query_scalar("SELECT name FROM projects WHERE id = ? AND deleted_at IS NULL")
+                .bind(project)
+                .fetch_optional(&mut self.connection)
+                .await?;
+        let name = name.ok_or_else(|| StoreError::NotFound(format!("project {project}")))?;
+        let running: i64 = sqlx::query_scalar(
+            "SELECT COUNT(*) FROM attempts a JOIN jobs j ON j.seq = a.job
+             WHERE a.ended_at IS NULL AND j.project = ?",
+        )
+        .bind(project)
+        .fetch_one(&mut self.connection)
+        .await?;
+        if running > 0 {
+            let sentence = match running {
+                1 => "a job of it is running; cancel it first".to_owned(),
+                jobs => format!("{jobs} jobs of it are running; cancel them first"),
+            };
+            return Err(StoreError::Conflict(sentence));
+        }
+        let jobs: Vec<Uuid> =
+            sqlx::query_scalar("SELECT id FROM jobs WHERE project = ? ORDER BY seq LIMIT ?")
+                .bind(project)
+                .bind(AT_ONCE)
+                .fetch_all(&mut self.connection)
+                .await?;
+        for job in &jobs {
+            let name = self.discard(*job, true).await?;
+            self.audit("job.deleted", Some(*job), &name).await?;
+        }
+        if jobs.len() == AT_ONCE as usize {
+            return Ok(false);
+        }
+        let by = self.actor.as_ref().map(|actor| actor.who.clone());
+        sqlx::query("UPDATE projects SET deleted_at = ?, deleted_by = ? WHERE id = ?")
+            .bind(self.now.as_millis())
+            .bind(by)
+            .bind(project)
+            .execute(&mut self.connection)
+            .await?;
+        self.audit("project.deleted", Some(project), &name).await?;
+        Ok(true)
+    }
+
+    /// Brings a job back; tells its name.
+    async fn bring_back(&mut self, id: Uuid) -> Result<String> {
+        let found: Option<(i64, String, bool)> = sqlx::query_as(
+            "DELETE FROM trash WHERE id = ? RETURNING job, name, EXISTS (SELECT 1 FROM projects p
+                WHERE p.id = trash.project AND p.deleted_at IS NOT NULL)",
+        )
+        .bind(id)
+        .fetch_optional(&mut self.connection)
+        .await?;
+        let (job, name, is_without_project) = found.ok_or_else(|| missing(id))?;
+        if is_without_project {
+            let sentence = "its project is deleted; bring the project back first";
+            return Err(StoreError::Conflict(sentence.to_owned()));
+        }
+        rows::bring_back(&mut self.connection, job).await?;
+        sqlx::query("DELETE FROM events WHERE job = ?")
+            .bind(id)
+            .execute(&mut self.connection)
+            .await?;
+        self.event(job, id, EventType::Job).await?;
+        self.queued();
+        Ok(name)
+    }
+
+    /// Brings a project back, and its next jobs; tells whether it is done.
+    async fn bring_back_some(&mut self, project: Uuid) -> Result<bool> {
+        let name: String = sqlx::query_scalar(
+            "UPDATE projects SET deleted_at = NULL, deleted_by = NULL WHERE id = ? RETURNING name",
+        )
+        .bind(project)
+        .fetch_one(&mut self.connection)
+        .await?;
+        let jobs: Vec<Uuid> = sqlx::query_scalar(
+            "SELECT id FROM trash WHERE project = ? AND with_project ORDER BY job LIMIT ?",
+        )
+        .bind(project)
+        .bind(AT_ONCE)
+        .fetch_all(&mut self.connection)
+        .await?;
+        for job in &jobs {
+            let name = self.bring_back(*job).await?;
+            self.audit("job.restored", Some(*job), &name).await?;
+        }
+        let is_done = jobs.len() < AT_ONCE as usize;
+        if is_done {
+            self.audit("project.restored", Some(project), &name).await?;
+        }
+        Ok(is_done)
+    }
+
+    /// Removes a job from the trash for good.
+    async fn erase(&mut self, job: i64) -> Result<()> {
+        let (id, name): (Uuid, String) =
+            sqlx::query_as("DELETE FROM trash WHERE job = ? RETURNING id, name")
+                .bind(job)
+                .fetch_one(&mut self.connection)
+                .await?;
+        let files = rows::files(&mut self.connection, job).await?;
+        self.garbage(files);
+        rows::remove(&mut self.connection, job).await?;
+        self.audit("job.erased", Some(id), &name).await
+    }
+}
