@@ -5,9 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use bytes::Bytes;
 use backon::{ExponentialBuilder, Retryable};
 use loadframe_api::worker::{
-    CheckpointQuery, Command, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer,
+    Becomes, CheckpointQuery, Command, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer,
     LEASE_TOKEN_HEADER, Lease, ProgressReport, ReleaseRequest, UploadQuery, UploadedPart,
 };
 use loadframe_api::{FileEntry, sha256_hex};
@@ -19,6 +20,7 @@ use tokio::fs::File;
 use tokio::io::AsyncSeekExt;
 
 use super::contact::Contact;
+use super::direct::{Content, Source};
 use super::stop::AttemptSwitch;
 
 /// A checkpoint that has not come by so many leases is not waited for.
@@ -34,11 +36,13 @@ const PAUSES_A_LEASE: u32 = 4;
 /// Speaks for the holder of a lease.
 #[derive(Clone, Debug)]
 pub(super) struct LeaseClient {
-    server: ServerClient,
+    pub(super) server: ServerClient,
     path: String,
     token: String,
     /// How long a checkpoint is waited for.
     checkpoint_patience: Duration,
+    /// From this size on, contents are sent to the bucket.
+    pub(super) direct_from: Option<u64>,
     longest_pause: Duration,
     contact: Arc<Contact>,
     switch: Arc<AttemptSwitch>,
@@ -57,6 +61,7 @@ impl LeaseClient {
             path: format!("/v1/worker/leases/{}", lease.id),
             token: lease.token.to_string(),
             checkpoint_patience: lease_time.mul_f64(LEASES_FOR_A_CHECKPOINT),
+            direct_from: lease.direct_from,
             longest_pause: LONGEST_PAUSE.min(lease_time / PAUSES_A_LEASE),
             contact,
             switch,
@@ -98,6 +103,17 @@ impl LeaseClient {
 
     /// Uploads the file at `path`; what had arrived when it broke off is not sent again.
     pub(super) async fn upload(&self, entry: &FileEntry, path: &Path) -> Result<(), ServerError> {
+        let becomes = Becomes::File {
+            name: entry.name.clone(),
+        };
+        let content = Content {
+            sha256: &entry.sha256,
+            bytes: entry.bytes,
+            source: Source::File(path),
+        };
+        if self.send_directly(&content, &becomes).await? {
+            return Ok(());
+        }
         let is_first = AtomicBool::new(true);
         self.with_retries(|| async {
             let from = match is_first.swap(false, Ordering::Relaxed) {
@@ -137,12 +153,24 @@ impl LeaseClient {
 
     /// Stores a checkpoint, to which all files uploaded so far belong.
     pub(super) async fn save_checkpoint(&self, saved: &SavedRun) -> Result<(), ServerError> {
-        let bytes = saved.to_bytes();
+        let bytes = Bytes::from(saved.to_bytes());
         let query = CheckpointQuery {
             sha256: sha256_hex(&bytes),
             wall_s: saved.spent().wall_s,
             cpu_s: saved.spent().cpu_s,
         };
+        let becomes = Becomes::Checkpoint {
+            wall_s: query.wall_s,
+            cpu_s: query.cpu_s,
+        };
+        let content = Content {
+            sha256: &query.sha256,
+            bytes: bytes.len() as u64,
+            source: Source::Memory(&bytes),
+        };
+        if self.send_directly(&content, &becomes).await? {
+            return Ok(());
+        }
         self.with_retries(|| async {
             let request = self.request(Method::PUT, "/checkpoint").query(&query);
             self.send_once(request.body(bytes.clone())).await
@@ -212,13 +240,13 @@ impl LeaseClient {
         Ok(())
     }
 
-    fn request(&self, method: Method, route: &str) -> RequestBuilder {
+    pub(super) fn request(&self, method: Method, route: &str) -> RequestBuilder {
         let path = format!("{}{route}", self.path);
         let request = self.server.request(method, &path);
         request.header(LEASE_TOKEN_HEADER, &self.token)
     }
 
-    async fn send_once(&self, request: RequestBuilder) -> Result<Response, ServerError> {
+    pub(super) async fn send_once(&self, request: RequestBuilder) -> Result<Response, ServerError> {
         let answer = self.server.send(request).await;
         match self.noted(answer) {
             // the job and its lease are gone
@@ -247,7 +275,7 @@ impl LeaseClient {
         ServerError::LeaseLost
     }
 
-    async fn with_retries<T, F>(&self, call: impl FnMut() -> F) -> Result<T, ServerError>
+    pub(super) async fn with_retries<T, F>(&self, call: impl FnMut() -> F) -> Result<T, ServerError>
     where
         F: Future<Output = Result<T, ServerError>>,
     {

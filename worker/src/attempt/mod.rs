@@ -10,6 +10,7 @@
 mod backlog;
 mod batch;
 mod contact;
+mod direct;
 mod ending;
 mod heartbeat;
 mod lease_client;

@@ -13,7 +13,7 @@ use loadframe_api::people::{
 use loadframe_api::spec::calibrate::MeasuredCurve;
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,
-    ProgressReport, ReleaseRequest, UploadedPart,
+    ProgressReport, ReleaseRequest, UploadedPart, DirectEnd, DirectEnded, DirectRequest, DirectUpload,
 };
 use loadframe_api::{
     CurveView, Envelope, Event, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
@@ -69,7 +69,7 @@ fn bodies() -> Map<String, Value> {
             HandOver, NewGroup, NewProject, NewShare, NewToken, NewWebhook, PersonChanges,
             PersonLimits, ProjectChanges, RetentionRule, NewComparison, ComparisonChanges,
             MeasuredCurve, ClaimRequest, ProgressReport, CompleteRequest, FailRequest,
-            FaultRequest, ReleaseRequest, AllocationReport);
+            FaultRequest, ReleaseRequest, AllocationReport, DirectRequest, DirectEnd);
     })
 }
 
@@ -79,7 +79,7 @@ fn answers() -> Map<String, Value> {
         add!(generator: Problem, Timestamp, JobKind, JobView, Page<JobView>, DryRun,
             CurveView, Page<FileEntry>, Outcome, Page<LogLine>, Event,
             KindView, Page<KindView>, Page<ExampleView>, Page<WorkerView>, Health, VersionView,
-            Lease, HeartbeatAnswer, UploadedPart, CallerView, PersonView, Page<PersonView>,
+            Lease, HeartbeatAnswer, UploadedPart, DirectUpload, DirectEnded, CallerView, PersonView, Page<PersonView>,
             Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
             Page<AuditEntry>, Backlog, Page<ReportedAllocations>, WaitingView, Allowance,
