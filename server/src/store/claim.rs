@@ -70,7 +70,6 @@ impl Store {
             limits: limits(claimed.estimate.as_deref(), claimed.overrun_factor)?,
             checkpoint,
             curve_points: claimed.points.unsigned_abs(),
-            direct_from: self.direct_from(),
         }))
     }
 }

@@ -1,7 +1,8 @@
 //! Large files and checkpoints that a worker sends to the bucket by itself ([`super::bucket`]), and that
 //! become the attempt's when they have arrived whole and right.
-use loadframe_api::worker::{Becomes, CheckpointQuery, DirectEnd, DirectRequest, DirectUpload};
+use loadframe_api::worker::{CheckpointQuery, UploadedPart};
 use loadframe_api::{FileEntry, check_file_name};
+use loadframe_client::direct::{Becomes, DirectEnd, DirectRequest, DirectUpload};
 
 use super::blobs::check_sha256;
 use super::bucket::{PART, Together};
@@ -13,7 +14,7 @@ use super::{LeaseKey, Store};
 
 impl Store {
     /// Files of so many bytes or more are sent to the bucket by workers themselves; `None` where none are.
-    pub(super) fn direct_from(&self) -> Option<u64> {
+    pub fn direct_from(&self) -> Option<u64> {
         self.blobs().storage.bucket()?.settings().direct_from
     }
 
@@ -51,11 +52,11 @@ impl Store {
     }
 
     /// Puts the parts together, holds the content against its SHA-256 by reading it back, and makes it what
-    /// it is to be; `false` when it has to be sent anew. The same message may be repeated.
+    /// it is to be; no bytes are kept when it has to be sent anew. The same message may be repeated.
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`]; [`StoreError::Invalid`] for a bad name or another content; the bucket's.
-    pub async fn end_direct(&self, key: LeaseKey, sha256: &str, end: DirectEnd) -> Result<bool> {
+    pub async fn end_direct(&self, key: LeaseKey, sha256: &str, end: DirectEnd) -> Result<UploadedPart> {
         check_sha256(sha256)?;
         let limit = match &end.becomes {
             Becomes::File { name } => {
@@ -77,12 +78,12 @@ impl Store {
         match together.await? {
             Together::There(Some(copy)) => self.blobs().remember(sha256, copy),
             Together::There(None) => {}
-            Together::Gone => return Ok(false),
+            Together::Gone => return Ok(UploadedPart { bytes: 0 }),
         }
         let guard = self.blobs().guard().await;
         // what the collector removed just before is sent again
         if self.blobs().verified(sha256, end.bytes).await?.is_err() {
-            return Ok(false);
+            return Ok(UploadedPart { bytes: 0 });
         }
         match end.becomes {
             Becomes::File { name } => {
@@ -103,6 +104,6 @@ impl Store {
                 self.name_checkpoint(key, &query, end.bytes, guard).await?;
             }
         }
-        Ok(true)
+        Ok(UploadedPart { bytes: end.bytes })
     }
 }

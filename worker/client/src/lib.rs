@@ -1,4 +1,6 @@
 //! Speaks HTTP with a loadframe server, for the worker and for the commands.
+pub mod direct;
+
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 

@@ -8,8 +8,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use bytes::Bytes;
-use loadframe_api::worker::{Becomes, DirectEnd, DirectEnded, DirectRequest, DirectUpload};
+use loadframe_api::worker::UploadedPart;
 use loadframe_client::ServerError;
+use loadframe_client::direct::{Becomes, DirectEnd, DirectRequest, DirectUpload};
 use reqwest::{Method, header};
 use tokio::fs::File;
 use tokio::io::{AsyncReadExt, AsyncSeekExt};
@@ -104,9 +105,9 @@ impl LeaseClient {
             let route = format!("/uploads/{}", content.sha256);
             let request = self.request(Method::POST, &route).json(&end);
             let answer = self.send_once(request).await?;
-            let ended = answer.json::<DirectEnded>().await;
+            let ended = answer.json::<UploadedPart>().await;
             let ended = ended.map_err(|error| self.server.unreachable(&error))?;
-            if !ended.stored {
+            if ended.bytes != content.bytes {
                 *progress = Progress::default();
                 let reason = "the upload is gone and begins anew".to_owned();
                 return Err(ServerError::Elsewhere { reason });

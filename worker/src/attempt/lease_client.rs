@@ -8,10 +8,11 @@ use std::time::{Duration, Instant};
 use bytes::Bytes;
 use backon::{ExponentialBuilder, Retryable};
 use loadframe_api::worker::{
-    Becomes, CheckpointQuery, Command, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer,
+    CheckpointQuery, Command, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer,
     LEASE_TOKEN_HEADER, Lease, ProgressReport, ReleaseRequest, UploadQuery, UploadedPart,
 };
 use loadframe_api::{FileEntry, sha256_hex};
+use loadframe_client::direct::Becomes;
 use loadframe_client::{ServerClient, ServerError};
 use loadframe_run::{SavedRun, StopCause};
 use reqwest::{Method, RequestBuilder, Response};
@@ -52,6 +53,7 @@ impl LeaseClient {
     pub(super) fn new(
         server: ServerClient,
         lease: &Lease,
+        direct_from: Option<u64>,
         contact: Arc<Contact>,
         switch: Arc<AttemptSwitch>,
     ) -> Self {
@@ -61,7 +63,7 @@ impl LeaseClient {
             path: format!("/v1/worker/leases/{}", lease.id),
             token: lease.token.to_string(),
             checkpoint_patience: lease_time.mul_f64(LEASES_FOR_A_CHECKPOINT),
-            direct_from: lease.direct_from,
+            direct_from,
             longest_pause: LONGEST_PAUSE.min(lease_time / PAUSES_A_LEASE),
             contact,
             switch,

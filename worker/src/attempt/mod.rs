@@ -55,16 +55,22 @@ pub(crate) struct AttemptContext {
 }
 
 impl AttemptContext {
-    /// Carries out the job of `lease` and ends the lease.
+    /// Carries out the job of `lease` and ends the lease. Contents of `direct_from` bytes or more go to the
+    /// server's bucket.
     ///
     /// # Errors
     /// When the lease was lost; everything of this attempt is dropped.
-    pub(crate) async fn carry_out(&self, lease: Lease) -> Result<(), ServerError> {
+    pub(crate) async fn carry_out(
+        &self,
+        lease: Lease,
+        direct_from: Option<u64>,
+    ) -> Result<(), ServerError> {
         let switch = Arc::new(AttemptSwitch::default());
         let contact = Contact::lasting(self.server_away);
         let client = LeaseClient::new(
             self.server.clone(),
             &lease,
+            direct_from,
             Arc::clone(&contact),
             Arc::clone(&switch),
         );

@@ -13,8 +13,9 @@ use loadframe_api::people::{
 use loadframe_api::spec::calibrate::MeasuredCurve;
 use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,
-    ProgressReport, ReleaseRequest, UploadedPart, DirectEnd, DirectEnded, DirectRequest, DirectUpload,
+    ProgressReport, ReleaseRequest, UploadedPart,
 };
+use loadframe_client::direct::{DirectEnd, DirectRequest, DirectUpload};
 use loadframe_api::{
     CurveView, Envelope, Event, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
     Problem, Timestamp, WaitingView, WorkerView, answer_schemas, body_schemas, kind_schema,
@@ -79,7 +80,7 @@ fn answers() -> Map<String, Value> {
         add!(generator: Problem, Timestamp, JobKind, JobView, Page<JobView>, DryRun,
             CurveView, Page<FileEntry>, Outcome, Page<LogLine>, Event,
             KindView, Page<KindView>, Page<ExampleView>, Page<WorkerView>, Health, VersionView,
-            Lease, HeartbeatAnswer, UploadedPart, DirectUpload, DirectEnded, CallerView, PersonView, Page<PersonView>,
+            Lease, HeartbeatAnswer, UploadedPart, DirectUpload, CallerView, PersonView, Page<PersonView>,
             Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
             Page<AuditEntry>, Backlog, Page<ReportedAllocations>, WaitingView, Allowance,

@@ -9,10 +9,11 @@ use axum::response::{IntoResponse, Response};
 use futures_util::TryStreamExt;
 use loadframe_api::FileEntry;
 use loadframe_api::worker::{
-    CheckpointInfo, CheckpointQuery, DirectEnd, DirectEnded, DirectRequest, DirectUpload, UploadQuery,
-    UploadedPart,
+    CheckpointInfo, CheckpointQuery, UploadQuery, UploadedPart,
 };
+use loadframe_client::direct::{DirectEnd, DirectRequest, DirectUpload};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use tokio::io::AsyncRead;
 use tokio_util::io::StreamReader;
 use utoipa::IntoParams;
@@ -20,8 +21,8 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::super::AppState;
-use super::super::body::{JsonBody, message};
-use super::super::problem::Result;
+use super::super::body::JsonBody;
+use super::super::problem::{ApiError, INVALID, NOT_JSON, Result};
 use super::request::{LeaseCredentials, counted};
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
@@ -87,7 +88,7 @@ async fn uploaded_part(
 
 /// Ask where a large file is to be sent
 ///
-/// Where files are in a bucket (`direct_from` of the lease), a worker sends large ones there by itself, in
+/// Where files are in a bucket (header `Loadframe-Direct-From` of the claim's answer), a worker sends large ones there by itself, in
 /// parts of `part_bytes`, one PUT to each address, which is signed and good for a while. Asking again with
 /// the `upload` of the answer gives fresh addresses for the same upload.
 #[utoipa::path(post, operation_id = "begin_direct", path = "/v1/worker/leases/{id}/uploads", tag = "Worker",
@@ -105,7 +106,7 @@ async fn begin_direct(
     LeaseCredentials(key): LeaseCredentials,
     body: JsonBody,
 ) -> Result<Json<DirectUpload>> {
-    let request: DirectRequest = message(&state, body).await?;
+    let request: DirectRequest = read(&body)?;
     let begun = state.store.begin_direct(key, request).await;
     Ok(Json(counted(begun)?))
 }
@@ -120,7 +121,7 @@ async fn begin_direct(
            ("sha256" = String, Path, description = "SHA-256 of the whole file in hexadecimal digits", min_length = 64, max_length = 64),
            ("Loadframe-Lease-Token" = Uuid, Header, description = "Token of the lease")),
     request_body(content = ref("#/components/schemas/DirectEnd"), description = "The parts, and what they become"),
-    responses((status = 200, description = "Whether it is stored, or has to be sent anew", body = ref("#/components/schemas/DirectEnded")),
+    responses((status = 200, description = "Its bytes when it is stored; none when it has to be sent anew", body = ref("#/components/schemas/UploadedPart")),
               (status = 408, description = "The body did not arrive in time"),
               (status = 409, description = "The lease is no longer held"),
               (status = 413, description = "The file is too large"),
@@ -131,13 +132,11 @@ async fn end_direct(
     LeaseCredentials(key): LeaseCredentials,
     path: Path<(String, String)>,
     body: JsonBody,
-) -> Result<Json<DirectEnded>> {
+) -> Result<Json<UploadedPart>> {
     let Path((_, sha256)) = path;
-    let end: DirectEnd = message(&state, body).await?;
+    let end: DirectEnd = read(&body)?;
     let ended = state.store.end_direct(key, &sha256, end).await;
-    Ok(Json(DirectEnded {
-        stored: counted(ended)?,
-    }))
+    Ok(Json(counted(ended)?))
 }
 
 /// Store a checkpoint
@@ -197,6 +196,14 @@ async fn checkpoint(
         (header::CONTENT_LENGTH, info.bytes.to_string()),
     ];
     Ok((headers, Body::from_stream(bytes)).into_response())
+}
+
+/// Reads a message about a direct upload; what its values may be is the store's to say.
+fn read<T: DeserializeOwned>(body: &JsonBody) -> Result<T> {
+    serde_json::from_slice(&body.bytes).map_err(|error| {
+        let kind = if error.is_data() { INVALID } else { NOT_JSON };
+        ApiError::new(kind, format!("the message does not fit its schema: {error}"))
+    })
 }
 
 /// A body as something to read from.

@@ -159,12 +159,10 @@ impl Bucket {
             ("response-content-type", media_type),
             ("response-content-disposition", disposition),
         ]);
-        let signed = self.store.signed_url_opts(
-            Method::GET,
-            &self.place(sha256),
-            DOWNLOAD_GOOD_FOR,
-            &options,
-        );
+        let place = self.place(sha256);
+        let signed = self
+            .store
+            .signed_url_opts(Method::GET, &place, DOWNLOAD_GOOD_FOR, &options);
         Ok(signed.await.map_err(self.failed())?.into())
     }
 }
