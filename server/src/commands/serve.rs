@@ -11,8 +11,8 @@ use loadframe_server::single_sign_on::SingleSignOn;
 use loadframe_server::store::StoreOptions;
 use loadframe_server::{ServeConfig, ServeError, serve};
 
-use super::files::{FilesOptions, WaysOptions};
 use super::failure::{Code, Failure, chain};
+use super::files::{FilesOptions, WaysOptions};
 use super::secret::TokenSource;
 use super::signals::stop_signal;
 use super::terminal::start_log;

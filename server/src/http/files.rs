@@ -91,7 +91,10 @@ async fn read(
     let answer = response.headers_mut();
     answer.remove(header::LAST_MODIFIED);
     answer.insert(header::ETAG, tag.header());
-    answer.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type(&name)));
+    answer.insert(
+        header::CONTENT_TYPE,
+        HeaderValue::from_static(media_type(&name)),
+    );
     let attachment = HeaderValue::try_from(attachment(&name));
     let attachment = attachment.unwrap_or(HeaderValue::from_static("attachment"));
     answer.insert(header::CONTENT_DISPOSITION, attachment);
@@ -200,7 +203,10 @@ enum Bounds {
 }
 
 fn bounds(range: &HeaderValue, size: u64) -> Bounds {
-    let text = range.to_str().ok().and_then(|range| range.strip_prefix("bytes="));
+    let text = range
+        .to_str()
+        .ok()
+        .and_then(|range| range.strip_prefix("bytes="));
     let Some((first, last)) = text.and_then(|range| range.split_once('-')) else {
         return Bounds::Ignored;
     };

@@ -193,28 +193,20 @@ impl Blobs {
             let loss = self.examine(sha256, bytes).await?;
             return Ok(loss.map_or_else(|| Ok(self.storage.content(sha256, None)), Err));
         }
-        let found = self.storage.look(sha256).await?;
+        let Some(found) = self.storage.look(sha256).await? else {
+            return Ok(Err(Loss::Missing));
+        };
         let known = self.remembered().get(sha256).cloned();
-        let is_known = known.is_some_and(|(since, before)| {
-            since.elapsed() < TRUSTED_FOR && found.as_ref() == Some(&before)
-        });
-        if let Some(found) = &found
-            && is_known
-            && found.bytes == bytes
-        {
-            return Ok(Ok(self.storage.content(sha256, Some(found.clone()))));
-        }
-        let loss = self.examine(sha256, bytes).await?;
-        match (loss, found) {
-            (None, Some(found)) => {
-                self.remember(sha256, found.clone());
-                Ok(Ok(self.storage.content(sha256, Some(found))))
-            }
-            (loss, _) => {
+        let is_known =
+            known.is_some_and(|(since, before)| since.elapsed() < TRUSTED_FOR && found == before);
+        if !(is_known && found.bytes == bytes) {
+            if let Some(loss) = self.examine(sha256, bytes).await? {
                 self.remembered().remove(sha256);
-                Ok(Err(loss.unwrap_or(Loss::Missing)))
+                return Ok(Err(loss));
             }
+            self.remember(sha256, found.clone());
         }
+        Ok(Ok(self.storage.content(sha256, Some(found))))
     }
 
     /// Notes that a stored file was held against its name just now.

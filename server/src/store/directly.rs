@@ -56,7 +56,12 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`]; [`StoreError::Invalid`] for a bad name or another content; the bucket's.
-    pub async fn end_direct(&self, key: LeaseKey, sha256: &str, end: DirectEnd) -> Result<UploadedPart> {
+    pub async fn end_direct(
+        &self,
+        key: LeaseKey,
+        sha256: &str,
+        end: DirectEnd,
+    ) -> Result<UploadedPart> {
         check_sha256(sha256)?;
         let limit = match &end.becomes {
             Becomes::File { name } => {

@@ -90,10 +90,18 @@ pub(super) async fn identify(
     let named = Mark::of(connection).await?;
     let own = match (named, folder) {
         (Some(own), Some(folder)) if own.store != folder.store && has_files => {
-            return Err(refuse(data, storage, "the files are those of another database"));
+            return Err(refuse(
+                data,
+                storage,
+                "the files are those of another database",
+            ));
         }
         (Some(_), None) if has_files => {
-            return Err(refuse(data, storage, "the files are not marked as this database's"));
+            return Err(refuse(
+                data,
+                storage,
+                "the files are not marked as this database's",
+            ));
         }
         (Some(_), None) if names_files(connection).await? => {
             return Err(refuse(data, storage, "the files are gone"));

@@ -144,7 +144,9 @@ impl Store {
         match swept.await {
             Ok(0) => {}
             Ok(swept) => tracing::info!(swept, "abandoned uploads were removed"),
-            Err(error) => tracing::warn!(error = %chain(&error), "abandoned uploads could not be looked for"),
+            Err(error) => {
+                tracing::warn!(error = %chain(&error), "abandoned uploads could not be looked for")
+            }
         }
     }
 

@@ -136,7 +136,11 @@ impl ServerClient {
     ///
     /// # Errors
     /// [`ServerError::Elsewhere`].
-    pub async fn put_elsewhere(&self, address: &str, body: Vec<u8>) -> Result<Response, ServerError> {
+    pub async fn put_elsewhere(
+        &self,
+        address: &str,
+        body: Vec<u8>,
+    ) -> Result<Response, ServerError> {
         let failed = |reason| ServerError::Elsewhere { reason };
         let http = match self.elsewhere.get() {
             Some(http) => http,

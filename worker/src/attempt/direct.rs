@@ -24,6 +24,9 @@ const AT_ONCE: usize = 3;
 /// A bucket that has taken nothing in so many tries cannot be reached from here.
 const TRIES_WITHOUT_A_PART: u32 = 3;
 
+/// After so many ends that the server could not carry out, everything is sent anew.
+const ENDS_WITHOUT_SUCCESS: u32 = 5;
+
 /// A content that is to be sent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Content<'c> {
@@ -46,6 +49,8 @@ struct Progress {
     /// The bucket's answers, by part.
     parts: Vec<Option<String>>,
     tries_without: u32,
+    /// Ends that the server could not carry out, with the parts that there are.
+    ends_without: u32,
 }
 
 impl Content<'_> {
@@ -53,8 +58,11 @@ impl Content<'_> {
     async fn read(&self, begin: u64, length: u64) -> Result<Vec<u8>, ServerError> {
         let path = match self.source {
             Source::Memory(bytes) => {
-                let [begin, end] = [begin, begin + length]
-                    .map(|place| usize::try_from(place).unwrap_or(usize::MAX).min(bytes.len()));
+                let [begin, end] = [begin, begin + length].map(|place| {
+                    usize::try_from(place)
+                        .unwrap_or(usize::MAX)
+                        .min(bytes.len())
+                });
                 return Ok(bytes[begin..end].to_vec());
             }
             Source::File(path) => path,
@@ -66,10 +74,11 @@ impl Content<'_> {
             file.take(length).read_to_end(&mut part).await?;
             Ok(part)
         };
-        read.await.map_err(|error: std::io::Error| ServerError::File {
-            path: path.display().to_string(),
-            reason: error.to_string(),
-        })
+        read.await
+            .map_err(|error: std::io::Error| ServerError::File {
+                path: path.display().to_string(),
+                reason: error.to_string(),
+            })
     }
 }
 
@@ -104,7 +113,17 @@ impl LeaseClient {
             };
             let route = format!("/uploads/{}", content.sha256);
             let request = self.request(Method::POST, &route).json(&end);
-            let answer = self.send_once(request).await?;
+            let answer = match self.send_once(request).await {
+                Err(error @ ServerError::Unavailable(_)) => {
+                    progress.ends_without += 1;
+                    // perhaps the bucket has other parts than this worker believes
+                    if progress.ends_without >= ENDS_WITHOUT_SUCCESS {
+                        *progress = Progress::default();
+                    }
+                    return Err(error);
+                }
+                answer => answer?,
+            };
             let ended = answer.json::<UploadedPart>().await;
             let ended = ended.map_err(|error| self.server.unreachable(&error))?;
             if ended.bytes != content.bytes {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use bytes::Bytes;
 use backon::{ExponentialBuilder, Retryable};
+use bytes::Bytes;
 use loadframe_api::worker::{
     CheckpointQuery, Command, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer,
     LEASE_TOKEN_HEADER, Lease, ProgressReport, ReleaseRequest, UploadQuery, UploadedPart,

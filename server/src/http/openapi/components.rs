@@ -15,11 +15,11 @@ use loadframe_api::worker::{
     ClaimRequest, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer, Lease,
     ProgressReport, ReleaseRequest, UploadedPart,
 };
-use loadframe_client::direct::{DirectEnd, DirectRequest, DirectUpload};
 use loadframe_api::{
     CurveView, Envelope, Event, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
     Problem, Timestamp, WaitingView, WorkerView, answer_schemas, body_schemas, kind_schema,
 };
+use loadframe_client::direct::{DirectEnd, DirectRequest, DirectUpload};
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};
 

@@ -8,9 +8,7 @@ use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use futures_util::TryStreamExt;
 use loadframe_api::FileEntry;
-use loadframe_api::worker::{
-    CheckpointInfo, CheckpointQuery, UploadQuery, UploadedPart,
-};
+use loadframe_api::worker::{CheckpointInfo, CheckpointQuery, UploadQuery, UploadedPart};
 use loadframe_client::direct::{DirectEnd, DirectRequest, DirectUpload};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -202,7 +200,10 @@ async fn checkpoint(
 fn read<T: DeserializeOwned>(body: &JsonBody) -> Result<T> {
     serde_json::from_slice(&body.bytes).map_err(|error| {
         let kind = if error.is_data() { INVALID } else { NOT_JSON };
-        ApiError::new(kind, format!("the message does not fit its schema: {error}"))
+        ApiError::new(
+            kind,
+            format!("the message does not fit its schema: {error}"),
+        )
     })
 }
 

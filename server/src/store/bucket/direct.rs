@@ -100,19 +100,19 @@ impl Bucket {
         let parts = parts.into_iter().map(|content_id| PartId { content_id });
         let id = upload.to_owned();
         let completed = self.store.complete_multipart(&key, &id, parts.collect());
-        if let Err(error) = completed.await {
-            // whether it was completed before, by a message whose answer was lost, is seen below
-            tracing::debug!(%error, "an upload in parts could not be completed");
-        }
+        // it may have been completed before, by a message whose answer was lost
+        let completed = completed.await;
         let found = match self.hash_of(&key).await? {
             Some(found) => found,
             None => {
                 let length = self.look(sha256).await?.map(|found| found.bytes);
-                return Ok(match length {
+                return match completed {
                     // copied and removed before
-                    Some(length) if length == bytes => Together::There(None),
-                    _ => Together::Gone,
-                });
+                    _ if length == Some(bytes) => Ok(Together::There(None)),
+                    Ok(_) | Err(Error::NotFound { .. }) => Ok(Together::Gone),
+                    // the parts may well be there
+                    Err(error) => Err(self.failed()(error)),
+                };
             }
         };
         if found != (sha256.to_owned(), bytes) {
@@ -128,12 +128,7 @@ impl Bucket {
     }
 
     /// Nobody can change the object any more: its upload is over, and no address for it was ever signed.
-    async fn move_to_place(
-        &self,
-        key: &Path,
-        sha256: &str,
-        bytes: u64,
-    ) -> Result<Option<Found>> {
+    async fn move_to_place(&self, key: &Path, sha256: &str, bytes: u64) -> Result<Option<Found>> {
         let copy = if bytes <= COPIED_AT_ONCE {
             let copied = self.store.copy(key, &self.place(sha256)).await;
             copied.map_err(self.failed())?;

@@ -61,7 +61,8 @@ impl BucketSettings {
     /// # Errors
     /// A sentence on what is wrong with it.
     pub fn at(address: &str, endpoint: Option<&str>, region: &str) -> Result<Self, String> {
-        let wrong = |what: &str| format!("{address:?} {what}; it should be like s3://bucket/prefix");
+        let wrong =
+            |what: &str| format!("{address:?} {what}; it should be like s3://bucket/prefix");
         let rest = address
             .strip_prefix("s3://")
             .ok_or_else(|| wrong("is not the address of a bucket"))?;

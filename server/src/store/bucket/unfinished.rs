@@ -78,11 +78,14 @@ impl Bucket {
             });
         }
         let incoming = self.key(&["incoming"]);
-        let objects = self.store.list(Some(&incoming)).map_ok(|object| Unfinished {
-            key: object.location,
-            upload: None,
-            since: object.last_modified.timestamp_millis(),
-        });
+        let objects = self
+            .store
+            .list(Some(&incoming))
+            .map_ok(|object| Unfinished {
+                key: object.location,
+                upload: None,
+                since: object.last_modified.timestamp_millis(),
+            });
         let objects: Vec<_> = objects.try_collect().await.map_err(self.failed())?;
         found.extend(objects);
         Ok(found)
@@ -159,7 +162,11 @@ mod tests {
             <Upload><Key>one/incoming/b</Key><UploadId>x2</UploadId><Initiated>2026-11-26T14:00:01Z</Initiated></Upload>
             </ListMultipartUploadsResult>"#;
         let found: Uploads = from_str(text).expect("a list");
-        let ids: Vec<&str> = found.uploads.iter().map(|upload| upload.id.as_str()).collect();
+        let ids: Vec<&str> = found
+            .uploads
+            .iter()
+            .map(|upload| upload.id.as_str())
+            .collect();
         assert_eq!(ids, ["x1", "x2"]);
         let none = "<ListMultipartUploadsResult></ListMultipartUploadsResult>";
         let none: Uploads = from_str(none).expect("a list of none");
