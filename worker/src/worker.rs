@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use loadframe_api::JobKind;
 use loadframe_api::worker::{ClaimRequest, Lease};
+use loadframe_client::direct::DIRECT_FROM_HEADER;
 use loadframe_client::{ServerClient, ServerError};
 use loadframe_run::{Engine, calibrate, free_memory_mb, host_name};
 use reqwest::{Method, StatusCode};
@@ -155,10 +156,10 @@ impl Worker {
                 return Ok(WorkerEnd::TimeOver);
             }
             match self.claim().await {
-                Ok(Some(lease)) => {
+                Ok(Some((lease, direct_from))) => {
                     tracing::info!(job = %lease.job_id, attempt = lease.attempt, kind = %lease.kind, "claimed");
                     let job_id = lease.job_id;
-                    match self.context.carry_out(lease).await {
+                    match self.context.carry_out(lease, direct_from).await {
                         Ok(()) => tracing::info!(job = %job_id, "lease ended"),
                         Err(error) => {
                             tracing::warn!(job = %job_id, %error, "everything of this attempt is dropped");
@@ -220,7 +221,8 @@ impl Worker {
             .is_some_and(|longest| idle_since.elapsed() >= longest)
     }
 
-    async fn claim(&self) -> Result<Option<Lease>, ServerError> {
+    /// A lease, and from how many bytes on its files may go to the server's bucket.
+    async fn claim(&self) -> Result<Option<(Lease, Option<u64>)>, ServerError> {
         let server = &self.context.server;
         let mut claim = self.claim.clone();
         let memory = [claim.memory_mb, free_memory_mb()];
@@ -241,7 +243,10 @@ impl Worker {
         if answer.status() == StatusCode::NO_CONTENT {
             return Ok(None);
         }
+        let direct_from = answer.headers().get(DIRECT_FROM_HEADER);
+        let direct_from = direct_from.and_then(|bytes| bytes.to_str().ok()?.parse().ok());
         let lease = answer.json().await;
-        lease.map(Some).map_err(|error| server.unreachable(&error))
+        let lease = lease.map_err(|error| server.unreachable(&error))?;
+        Ok(Some((lease, direct_from)))
     }
 }

@@ -2,9 +2,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use loadframe_server::store::{BackupReport, LostFile, backup, restore};
+use loadframe_server::store::{BackupReport, LostFile, backup_from, restore_to};
 
 use super::failure::{Code, Failure};
+use super::files::FilesOptions;
 use super::terminal::{print_error, print_json, print_line, size};
 
 #[derive(Debug, Args)]
@@ -12,6 +13,8 @@ pub(crate) struct BackupArguments {
     /// Data folder of the server
     #[arg(long, value_name = "DIR", default_value = "loadframe-data")]
     data: PathBuf,
+    #[command(flatten)]
+    files: FilesOptions,
     /// Empty folder for the backup
     #[arg(long, value_name = "DIR")]
     to: PathBuf,
@@ -28,6 +31,8 @@ pub(crate) struct RestoreArguments {
     /// Empty folder that a server is to be started on
     #[arg(long, value_name = "DIR", default_value = "loadframe-data")]
     data: PathBuf,
+    #[command(flatten)]
+    files: FilesOptions,
     /// Restore although files of the backup are missing or have changed
     #[arg(long)]
     even_if_incomplete: bool,
@@ -37,8 +42,13 @@ pub(crate) struct RestoreArguments {
 }
 
 pub(crate) async fn back_up(arguments: BackupArguments) -> Result<(), Failure> {
-    let BackupArguments { data, to, json } = arguments;
-    let report = backup(&data, &to).await;
+    let BackupArguments {
+        data,
+        files,
+        to,
+        json,
+    } = arguments;
+    let report = backup_from(&data, &files.place()?, &to).await;
     let report = report.map_err(|error| Failure::of(&error))?;
     tell(&report, &format!("to {}", to.display()), json)
 }
@@ -47,10 +57,11 @@ pub(crate) async fn bring_back(arguments: RestoreArguments) -> Result<(), Failur
     let RestoreArguments {
         from,
         data,
+        files,
         even_if_incomplete,
         json,
     } = arguments;
-    let report = restore(&from, &data, even_if_incomplete).await;
+    let report = restore_to(&from, &data, &files.place()?, even_if_incomplete).await;
     let report = report.map_err(|error| Failure::of(&error))?;
     if !report.lost.is_empty() && !even_if_incomplete {
         print_error("the database was not put in place; --even-if-incomplete does it all the same");

@@ -9,6 +9,7 @@ mod connection;
 mod engine;
 mod failure;
 mod fetch;
+mod files;
 mod follow;
 mod job;
 mod kinds;

@@ -6,6 +6,7 @@ use loadframe_server::store::{Store, StoreOptions};
 
 use super::backup::refuse_lost;
 use super::failure::Failure;
+use super::files::FilesOptions;
 use super::terminal::{print_json, print_line, size};
 
 #[derive(Debug, Args)]
@@ -13,6 +14,8 @@ pub(crate) struct Arguments {
     /// Data folder of the server
     #[arg(long, value_name = "DIR", default_value = "loadframe-data")]
     data: PathBuf,
+    #[command(flatten)]
+    files: FilesOptions,
     /// End the wait of files that no job names: a server removes them within the hour
     #[arg(long)]
     remove_unnamed: bool,
@@ -24,10 +27,15 @@ pub(crate) struct Arguments {
 pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     let Arguments {
         data,
+        files,
         remove_unnamed,
         json,
     } = arguments;
-    let store = Store::open_beside(StoreOptions::new(&data)).await;
+    let options = StoreOptions {
+        files: files.place()?,
+        ..StoreOptions::new(&data)
+    };
+    let store = Store::open_beside(options).await;
     let store = store.map_err(|error| Failure::of(&error))?;
     let report = store.scrub(None).await;
     let report = report.map_err(|error| Failure::of(&error))?;

@@ -12,6 +12,7 @@ use loadframe_server::store::StoreOptions;
 use loadframe_server::{ServeConfig, ServeError, serve};
 
 use super::failure::{Code, Failure, chain};
+use super::files::{FilesOptions, WaysOptions};
 use super::secret::TokenSource;
 use super::signals::stop_signal;
 use super::terminal::start_log;
@@ -25,6 +26,10 @@ pub(crate) struct ServerOptions {
     /// Folder of the database and the files
     #[arg(long, value_name = "DIR", default_value = "loadframe-data")]
     data: PathBuf,
+    #[command(flatten)]
+    files: FilesOptions,
+    #[command(flatten)]
+    ways: WaysOptions,
     /// Demand a token on this machine too
     #[arg(long)]
     require_token: bool,
@@ -112,6 +117,7 @@ impl ServerOptions {
         Ok(ServeConfig {
             listen: self.listen.clone(),
             store: StoreOptions {
+                files: self.ways.of(self.files.place()?),
                 lease: Duration::from_secs_f64(self.lease_s),
                 job_time_limit: self.job_time_limit_s.map(Duration::from_secs_f64),
                 unnamed_wait: Duration::from_secs_f64(86_400.0 * self.unnamed_days),

@@ -1,13 +1,13 @@
 //! Everything a job left, as a zip that is written while it is sent.
-use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::body::{Body, Bytes};
 use axum::extract::State;
 use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
-use futures_util::stream;
+use futures_util::TryStreamExt;
+use futures_util::stream::{self, BoxStream};
 use loadframe_api::{FileEntry, JobView, check_file_name};
 use tokio::task::spawn_blocking;
 use utoipa_axum::router::OpenApiRouter;
@@ -72,6 +72,8 @@ struct Archive {
     id: Uuid,
     folder: String,
     entries: std::vec::IntoIter<FileEntry>,
+    /// What is being added.
+    file: Option<BoxStream<'static, io::Result<Bytes>>>,
     written: Written,
 }
 
@@ -80,9 +82,8 @@ struct Written {
     /// `None` after the end.
     zip: Option<ZipWriter<StreamWriter<Piece>>>,
     piece: Piece,
-    /// What is being added.
-    file: Option<File>,
-    buffer: Vec<u8>,
+    /// A piece of the file that is being added.
+    read: Option<Bytes>,
 }
 
 impl Archive {
@@ -93,11 +94,11 @@ impl Archive {
             id,
             folder,
             entries: entries.into_iter(),
+            file: None,
             written: Written {
                 zip: Some(ZipWriter::new_stream(piece.clone())),
                 piece,
-                file: None,
-                buffer: vec![0; PIECE],
+                read: None,
             },
         }
     }
@@ -106,13 +107,22 @@ impl Archive {
     /// must not take a part for the whole.
     async fn next(mut self) -> io::Result<Option<(Bytes, Self)>> {
         while self.written.zip.is_some() && self.written.piece.len() < PIECE {
-            if self.written.file.is_none()
+            if self.file.is_none()
                 && let Some(entry) = self.entries.next()
             {
-                let path = self.state.store.content(self.id, &entry).await;
-                let path = path.map_err(io::Error::other)?;
+                let content = self.state.store.content(self.id, &entry).await;
+                let content = content.map_err(io::Error::other)?;
+                let bytes = content.read(0..entry.bytes).await;
+                self.file = Some(bytes.map_err(io::Error::other)?);
                 let name = format!("{}/{}", self.folder, entry.name);
-                self.written.begin(&name, File::open(path)?, entry.bytes)?;
+                self.written.begin(&name, entry.bytes)?;
+            }
+            if let Some(file) = &mut self.file {
+                self.written.read = file.try_next().await?;
+                if self.written.read.is_none() {
+                    self.file = None;
+                    continue;
+                }
             }
             let turn = self.state.archives.clone().acquire_owned().await;
             let _turn = turn.map_err(io::Error::other)?;
@@ -127,7 +137,7 @@ impl Archive {
 
 impl Written {
     /// Begins a file of the archive.
-    fn begin(&mut self, name: &str, file: File, bytes: u64) -> io::Result<()> {
+    fn begin(&mut self, name: &str, bytes: u64) -> io::Result<()> {
         // snapshots are compressed inside
         let method = match name.rsplit_once('.') {
             Some((_, "vtp" | "vtu")) => CompressionMethod::Stored,
@@ -139,26 +149,21 @@ impl Written {
         if let Some(zip) = &mut self.zip {
             zip.start_file(name, options).map_err(io::Error::other)?;
         }
-        self.file = Some(file);
         Ok(())
     }
 
-    /// Writes until there is a piece to send, or the file at hand ends; without one, the end.
+    /// Writes what was read; when there is nothing more, the end.
     fn go_on(mut self) -> io::Result<Self> {
-        let Some(file) = &mut self.file else {
-            if let Some(zip) = self.zip.take() {
-                zip.finish().map_err(io::Error::other)?;
+        match self.read.take() {
+            Some(read) => {
+                if let Some(zip) = &mut self.zip {
+                    zip.write_all(&read)?;
+                }
             }
-            return Ok(self);
-        };
-        while self.piece.len() < PIECE {
-            let count = file.read(&mut self.buffer)?;
-            if count == 0 {
-                self.file = None;
-                break;
-            }
-            if let Some(zip) = &mut self.zip {
-                zip.write_all(&self.buffer[..count])?;
+            None => {
+                if let Some(zip) = self.zip.take() {
+                    zip.finish().map_err(io::Error::other)?;
+                }
             }
         }
         Ok(self)

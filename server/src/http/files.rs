@@ -17,6 +17,7 @@ use super::bounded::Number;
 use super::conditional::EntityTag;
 use super::permit::{JobPermit, Read, ReadFiles};
 use super::problem::{ApiError, RANGE, Result};
+use crate::store::Content;
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
@@ -53,6 +54,8 @@ async fn list(job: JobPermit<ReadFiles>) -> Result<Json<Page<FileEntry>>> {
                   (String = "application/octet-stream"), (serde_json::Value = "application/json"), (String = "application/jsonl"),
                   (String = "application/xml"), (String = "text/csv"), (String = "text/plain"))),
               (status = 304, description = "You have it"),
+              (status = 307, description = "It is at this address, for some minutes: where files are in a bucket and the server is set so",
+               headers(("Location" = String))),
               (status = 404, description = "There is no such job or file"),
               (status = 500, description = "What was stored is missing or has changed; `detail` names job and file"),
               (status = 416, description = "The file has no such range", headers(("Content-Range" = String)))))]
@@ -69,37 +72,32 @@ async fn read(
     if tag.is_known(&headers) {
         return Ok(tag.not_modified());
     }
-    let path = job.store.content(id, &entry).await?;
-    // only what concerns the range goes on: the tag of the file's content is known better here
-    let mut request = Request::new(Body::empty());
-    *request.method_mut() = method;
+    let content = job.store.content(id, &entry).await?;
+    // a page may not follow to the bucket: it loads nothing from elsewhere
+    if !is_of_a_page(&headers)
+        && let Some(address) = content
+            .address(media_type(&name), &attachment(&name))
+            .await?
+    {
+        return elsewhere(&address);
+    }
     let range = headers.get(header::RANGE);
     let range = range.filter(|_| tag.allows_range(&headers));
-    if let Some(range) = range.and_then(|range| byte_range(range, entry.bytes)) {
-        request.headers_mut().insert(header::RANGE, range);
-    }
-    let served = ServeFile::new(path)
-        .ignore_multi_range_requests(true)
-        .try_call(request)
-        .await;
-    let mut response = served
-        .map_err(|error| ApiError::internal(&error))?
-        .map(Body::new);
-    match response.status() {
-        StatusCode::OK | StatusCode::PARTIAL_CONTENT => {}
-        StatusCode::RANGE_NOT_SATISFIABLE => {
-            let detail = format!("{name} has {} bytes", entry.bytes);
-            let all = HeaderValue::try_from(format!("bytes */{}", entry.bytes));
-            let all = all.map_err(|error| ApiError::internal(&error))?;
-            return Err(ApiError::new(RANGE, detail).with(header::CONTENT_RANGE, all));
-        }
-        _ => return Err(unknown()),
-    }
+    let range = range.and_then(|range| byte_range(range, entry.bytes));
+    let mut response = match content.path() {
+        Some(path) => whole_or_part(path, method, range, &entry).await?,
+        None => from_bucket(&content, &method, range.as_ref(), &entry).await?,
+    };
     let answer = response.headers_mut();
     answer.remove(header::LAST_MODIFIED);
     answer.insert(header::ETAG, tag.header());
-    answer.insert(header::CONTENT_TYPE, media_type(&name));
-    answer.insert(header::CONTENT_DISPOSITION, attachment(&name));
+    answer.insert(
+        header::CONTENT_TYPE,
+        HeaderValue::from_static(media_type(&name)),
+    );
+    let attachment = HeaderValue::try_from(attachment(&name));
+    let attachment = attachment.unwrap_or(HeaderValue::from_static("attachment"));
+    answer.insert(header::CONTENT_DISPOSITION, attachment);
     answer.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
     Ok(response)
 }
@@ -139,6 +137,116 @@ async fn log(
     Ok(Json(Page::whole(items)))
 }
 
+/// A file of this machine's disk.
+async fn whole_or_part(
+    path: &std::path::Path,
+    method: Method,
+    range: Option<HeaderValue>,
+    entry: &FileEntry,
+) -> Result<Response> {
+    // only what concerns the range goes on: the tag of the file's content is known better here
+    let mut request = Request::new(Body::empty());
+    *request.method_mut() = method;
+    if let Some(range) = range {
+        request.headers_mut().insert(header::RANGE, range);
+    }
+    let served = ServeFile::new(path)
+        .ignore_multi_range_requests(true)
+        .try_call(request)
+        .await;
+    let response = served.map_err(|error| ApiError::internal(&error))?;
+    match response.status() {
+        StatusCode::OK | StatusCode::PARTIAL_CONTENT => Ok(response.map(Body::new)),
+        StatusCode::RANGE_NOT_SATISFIABLE => Err(no_such_range(entry)?),
+        _ => Err(ApiError::not_found(format_args!("file {:?}", entry.name))),
+    }
+}
+
+/// A file of a bucket.
+async fn from_bucket(
+    content: &Content,
+    method: &Method,
+    range: Option<&HeaderValue>,
+    entry: &FileEntry,
+) -> Result<Response> {
+    let range = match range.map(|range| bounds(range, entry.bytes)) {
+        Some(Bounds::Outside) => return Err(no_such_range(entry)?),
+        Some(Bounds::Inside(range)) => Some(range),
+        Some(Bounds::Ignored) | None => None,
+    };
+    let part = range.clone().unwrap_or(0..entry.bytes);
+    let mut response = Response::builder()
+        .header(header::ACCEPT_RANGES, "bytes")
+        .header(header::CONTENT_LENGTH, part.end - part.start);
+    if let Some(range) = range {
+        let (first, last, all) = (range.start, range.end - 1, entry.bytes);
+        response = response
+            .status(StatusCode::PARTIAL_CONTENT)
+            .header(header::CONTENT_RANGE, format!("bytes {first}-{last}/{all}"));
+    }
+    let body = match *method {
+        Method::HEAD => Body::empty(),
+        _ => Body::from_stream(content.read(part).await?),
+    };
+    response
+        .body(body)
+        .map_err(|error| ApiError::internal(&error))
+}
+
+/// What a range of bytes means for a file.
+enum Bounds {
+    Inside(std::ops::Range<u64>),
+    /// It begins after the file's end.
+    Outside,
+    /// Several, or none that can be read (RFC 9110, 14.2).
+    Ignored,
+}
+
+fn bounds(range: &HeaderValue, size: u64) -> Bounds {
+    let text = range
+        .to_str()
+        .ok()
+        .and_then(|range| range.strip_prefix("bytes="));
+    let Some((first, last)) = text.and_then(|range| range.split_once('-')) else {
+        return Bounds::Ignored;
+    };
+    let range = match (first.parse::<u64>(), last.parse::<u64>()) {
+        (Ok(first), Ok(last)) if first <= last => first..size.min(last.saturating_add(1)),
+        (Ok(first), Err(_)) if last.is_empty() => first..size,
+        (Err(_), Ok(last)) if first.is_empty() => size.saturating_sub(last)..size,
+        _ => return Bounds::Ignored,
+    };
+    if range.is_empty() {
+        Bounds::Outside
+    } else {
+        Bounds::Inside(range)
+    }
+}
+
+fn no_such_range(entry: &FileEntry) -> Result<ApiError> {
+    let detail = format!("{} has {} bytes", entry.name, entry.bytes);
+    let all = HeaderValue::try_from(format!("bytes */{}", entry.bytes));
+    let all = all.map_err(|error| ApiError::internal(&error))?;
+    Ok(ApiError::new(RANGE, detail).with(header::CONTENT_RANGE, all))
+}
+
+/// Whether a page asks for the file, to show what is in it (Fetch Metadata, `Sec-Fetch-Mode`); a link that is
+/// followed is a `navigate`.
+fn is_of_a_page(headers: &HeaderMap) -> bool {
+    let mode = headers.get("sec-fetch-mode");
+    mode.is_some_and(|mode| mode != "navigate")
+}
+
+/// A redirect to a signed address, which nobody keeps.
+fn elsewhere(address: &str) -> Result<Response> {
+    let address = HeaderValue::try_from(address).map_err(|error| ApiError::internal(&error))?;
+    let headers = [
+        (header::LOCATION, address),
+        (header::CACHE_CONTROL, HeaderValue::from_static("no-store")),
+    ];
+    Ok((StatusCode::TEMPORARY_REDIRECT, headers).into_response())
+}
+
 /// The range as far as it is one of bytes; others are to be ignored (RFC 9110, 14.2). The last
 /// bytes of a file that has fewer are the whole file (14.1.2), which `ServeFile` would refuse.
 fn byte_range(range: &HeaderValue, size: u64) -> Option<HeaderValue> {
@@ -150,9 +258,9 @@ fn byte_range(range: &HeaderValue, size: u64) -> Option<HeaderValue> {
     }
 }
 
-fn media_type(name: &str) -> HeaderValue {
+fn media_type(name: &str) -> &'static str {
     let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
-    HeaderValue::from_static(match extension {
+    match extension {
         "json" => "application/json",
         "jsonl" => "application/jsonl",
         "csv" => "text/csv; charset=utf-8",
@@ -160,12 +268,11 @@ fn media_type(name: &str) -> HeaderValue {
         "pvd" => "application/xml",
         // `.vtp` and `.vtu` are XML with raw binary appended: no XML parser reads them whole
         _ => "application/octet-stream",
-    })
+    }
 }
 
 /// `Content-Disposition` for a file's own name: its characters need no quoting.
-fn attachment(name: &str) -> HeaderValue {
+fn attachment(name: &str) -> String {
     let base = name.rsplit_once('/').map_or(name, |(_, base)| base);
-    HeaderValue::try_from(format!("attachment; filename=\"{base}\""))
-        .unwrap_or_else(|_| HeaderValue::from_static("attachment"))
+    format!("attachment; filename=\"{base}\"")
 }

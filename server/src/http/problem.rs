@@ -150,6 +150,10 @@ impl From<StoreError> for ApiError {
             StoreError::Interrupted(ref cause) if is_too_slow(cause) => too_slow(),
             StoreError::Interrupted(_) => Self::new(BAD_REQUEST, detail),
             StoreError::Full => Self::later(STORAGE_FULL, detail, 10),
+            StoreError::Bucket { .. } => {
+                tracing::error!(error = %crate::store::chain(&error), "the bucket of files");
+                Self::busy(&detail, 5)
+            }
             StoreError::Unavailable | StoreError::InUse(_) => Self::busy(&detail, 1),
             fault => Self::internal(&fault),
         }

@@ -1,7 +1,8 @@
 //! Backup and restore: database and files, in the order that leaves nothing out.
 //!
 //! A backup takes the database first, as it is at one moment, and then the files that it names, each held
-//! against its SHA-256. A file that was deleted in between is not missed by a database taken after it: so
+//! against its SHA-256; from a bucket they come into the backup's folder all the same, so that a backup is
+//! whole by itself. A file that was deleted in between is not missed by a database taken after it: so
 //! what is missing is looked for again in a newer one. The database is put in its place last: a folder
 //! without it is no backup, and one that was broken off is not taken for whole. A restore goes the same
 //! way.
@@ -14,11 +15,13 @@ use sqlx::{ConnectOptions, Connection};
 use tempfile::NamedTempFile;
 
 use super::disk::{blocking, hash_of, sync_folder};
-use super::error::Loss;
-use super::error::{Result, StoreError};
-use super::identity::{Mark, has_files};
+use super::error::{Loss, Result, StoreError};
+use super::identity::Mark;
 use super::people::WEBHOOK_KEY;
 use super::scrub::{Content, LostFile};
+use super::storage::Storage;
+use super::types::FilesPlace;
+use super::where_files::{place_beside, record};
 
 const DATABASE: &str = "loadframe.db";
 const PARTIAL: &str = "loadframe.db.partial";
@@ -41,14 +44,25 @@ pub struct BackupReport {
 /// # Errors
 /// [`StoreError::Invalid`] when there is no store or the folder is not empty; file and database errors.
 pub async fn backup(data: &Path, to: &Path) -> Result<BackupReport> {
+    backup_from(data, &FilesPlace::Folder, to).await
+}
+
+/// The same of a store whose files are at `files`; where those are in a bucket, its keys are needed.
+///
+/// # Errors
+/// As [`backup`], and the bucket's.
+pub async fn backup_from(data: &Path, files: &FilesPlace, to: &Path) -> Result<BackupReport> {
     let database = data.join(DATABASE);
     require_database(&database)?;
-    require_empty(to)?;
+    let files = place_beside(data, files.clone())?;
+    let from = Storage::of(data, &files)?;
+    let into = Storage::of(to, &FilesPlace::Folder)?;
+    require_empty(to, &into).await?;
     let mut missing = Vec::new();
     let mut report = BackupReport::default();
     for _ in 0..ROUNDS {
         take(&database, &to.join(PARTIAL)).await?;
-        report = copy_files(&to.join(PARTIAL), data, to).await?;
+        report = copy_files(&to.join(PARTIAL), &from, &into, to).await?;
         if report.lost == missing {
             break;
         }
@@ -56,7 +70,7 @@ pub async fn backup(data: &Path, to: &Path) -> Result<BackupReport> {
         missing.clone_from(&report.lost);
     }
     copy_key(data, to)?;
-    finish(to).await?;
+    finish(to, &into).await?;
     Ok(report)
 }
 
@@ -66,14 +80,30 @@ pub async fn backup(data: &Path, to: &Path) -> Result<BackupReport> {
 /// # Errors
 /// [`StoreError::Invalid`] when it is no backup, or `data` is not empty; file and database errors.
 pub async fn restore(from: &Path, data: &Path, even_if_incomplete: bool) -> Result<BackupReport> {
+    restore_to(from, data, &FilesPlace::Folder, even_if_incomplete).await
+}
+
+/// The same, with the files brought to `files`, which holds none yet.
+///
+/// # Errors
+/// As [`restore`], and the bucket's.
+pub async fn restore_to(
+    from: &Path,
+    data: &Path,
+    files: &FilesPlace,
+    even_if_incomplete: bool,
+) -> Result<BackupReport> {
     let database = from.join(DATABASE);
     require_database(&database)?;
-    require_empty(data)?;
+    let backed_up = Storage::of(from, &FilesPlace::Folder)?;
+    let into = Storage::of(data, files)?;
+    require_empty(data, &into).await?;
     take(&database, &data.join(PARTIAL)).await?;
-    let report = copy_files(&data.join(PARTIAL), from, data).await?;
+    let report = copy_files(&data.join(PARTIAL), &backed_up, &into, data).await?;
     if report.lost.is_empty() || even_if_incomplete {
         copy_key(from, data)?;
-        finish(data).await?;
+        record(data, files)?;
+        finish(data, &into).await?;
     }
     Ok(report)
 }
@@ -86,15 +116,17 @@ fn require_database(database: &Path) -> Result<()> {
     })
 }
 
-fn require_empty(folder: &Path) -> Result<()> {
+async fn require_empty(folder: &Path, files: &Storage) -> Result<()> {
     super::private::private_folder(folder)?;
-    let holds_database = folder.join(DATABASE).exists();
-    if holds_database || has_files(&folder.join("blobs"))? {
-        let folder = folder.display();
-        let sentence = format!("{folder} holds a store, or a part of one: name an empty folder");
-        return Err(StoreError::Invalid(sentence));
-    }
-    Ok(())
+    let what = if folder.join(DATABASE).exists() {
+        folder.display().to_string()
+    } else if files.has_files().await? {
+        files.to_string()
+    } else {
+        return Ok(());
+    };
+    let sentence = format!("{what} holds a store, or a part of one: name an empty folder");
+    Err(StoreError::Invalid(sentence))
 }
 
 async fn connect(database: &Path) -> Result<SqliteConnection> {
@@ -118,9 +150,14 @@ async fn take(database: &Path, to: &Path) -> Result<()> {
     Ok(connection.close().await?)
 }
 
-/// Copies the files that `database` names from the store in `from` to that in `to`, other than those that
-/// are there.
-async fn copy_files(database: &Path, from: &Path, to: &Path) -> Result<BackupReport> {
+/// Copies the files that `database` names, other than those that are there; on their way to a bucket they
+/// lie in the folder `data`.
+async fn copy_files(
+    database: &Path,
+    from: &Storage,
+    to: &Storage,
+    data: &Path,
+) -> Result<BackupReport> {
     let mut connection = connect(database).await?;
     let mut report = BackupReport::default();
     let mut last = String::new();
@@ -131,7 +168,7 @@ async fn copy_files(database: &Path, from: &Path, to: &Path) -> Result<BackupRep
         };
         last.clone_from(&end.sha256);
         for content in contents {
-            match copy(&content, from, to).await? {
+            match copy(&content, from, to, data).await? {
                 None => {
                     report.files += 1;
                     report.bytes += content.bytes.unsigned_abs();
@@ -146,34 +183,44 @@ async fn copy_files(database: &Path, from: &Path, to: &Path) -> Result<BackupRep
     Ok(report)
 }
 
-async fn copy(content: &Content, from: &Path, to: &Path) -> Result<Option<Loss>> {
-    let folder = content.sha256.get(..2).unwrap_or_default();
-    let [source, place] =
-        [from, to].map(|data| data.join("blobs").join(folder).join(&content.sha256));
-    let content = content.clone();
-    blocking(&place.clone(), move || {
-        if place.exists() {
+async fn copy(
+    content: &Content,
+    from: &Storage,
+    to: &Storage,
+    data: &Path,
+) -> Result<Option<Loss>> {
+    let (sha256, bytes) = (content.sha256.clone(), content.bytes.unsigned_abs());
+    if let Some(found) = to.look(&sha256).await?
+        && found.bytes == bytes
+    {
+        return Ok(None);
+    }
+    let staging = match to {
+        Storage::Folder(folder) => folder.staging(&sha256)?,
+        Storage::Bucket(_) => data.to_owned(),
+    };
+    let copied = NamedTempFile::new_in(&staging).map_err(StoreError::file(&staging))?;
+    let copied = copied.into_temp_path();
+    if !from.copy_to(&sha256, &copied).await? {
+        return Ok(Some(Loss::Missing));
+    }
+    let expected = (sha256.clone(), bytes);
+    let checked = blocking(&staging, move || {
+        // the copy is what has to be right
+        if hash_of(&copied)? != expected {
             return Ok(None);
         }
-        let folder = place.parent().unwrap_or(&place);
-        std::fs::create_dir_all(folder)?;
-        let copied = NamedTempFile::new_in(folder)?;
-        match std::fs::copy(&source, copied.path()) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                return Ok(Some(Loss::Missing));
-            }
-            copied => copied?,
-        };
-        // the copy is what has to be right
-        if hash_of(copied.path())? != (content.sha256, content.bytes.unsigned_abs()) {
-            return Ok(Some(Loss::Changed));
-        }
-        copied.as_file().sync_all()?;
-        copied.persist(&place)?;
-        sync_folder(folder)?;
-        Ok(None)
-    })
-    .await
+        std::fs::File::open(&copied)?.sync_all()?;
+        Ok(Some(copied))
+    });
+    let Some(copied) = checked.await? else {
+        return Ok(Some(Loss::Changed));
+    };
+    match to {
+        Storage::Folder(folder) => folder.place(&sha256, copied).await?,
+        Storage::Bucket(bucket) => bucket.place_file(&sha256, bytes, &copied).await?,
+    }
+    Ok(None)
 }
 
 /// Copies the key that secrets of webhooks follow from, where there is one.
@@ -186,7 +233,7 @@ fn copy_key(from: &Path, to: &Path) -> Result<()> {
 }
 
 /// Marks the files as the database's, and puts the database in its place.
-async fn finish(data: &Path) -> Result<()> {
+async fn finish(data: &Path, files: &Storage) -> Result<()> {
     let partial = data.join(PARTIAL);
     let mut connection = connect(&partial).await?;
     let sound: String = sqlx::query_scalar("PRAGMA integrity_check")
@@ -197,7 +244,7 @@ async fn finish(data: &Path) -> Result<()> {
     }
     // a database of an earlier version gets its name when a server starts on it
     if let Some(mark) = Mark::of(&mut connection).await? {
-        mark.write(data)?;
+        mark.write(files).await?;
     }
     connection.close().await?;
     let put = || -> std::io::Result<()> {

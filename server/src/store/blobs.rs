@@ -1,11 +1,12 @@
-//! The folder of files: bytes under their SHA-256, written once, removed when no row names them.
+//! Stored files: bytes under their SHA-256, written once, removed when no row names them, wherever they
+//! lie ([`super::storage`]).
 //!
-//! A file arrives under a temporary name, is hashed on its way, made durable, renamed, and its
-//! folder made durable; only then may a row name it. Between the renaming and the commit of that
+//! A file arrives under a temporary name on this machine, is hashed on its way, made durable, and put in
+//! its place, durably; only then may a row name it. Between that and the commit of the
 //! row the bytes look forgotten, so whoever stores a file holds a [`FileGuard`] until its row is safe,
 //! and the collector removes nothing while anybody does.
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -16,30 +17,30 @@ use tokio::sync::{OwnedRwLockReadGuard, RwLock, mpsc, oneshot};
 use uuid::Uuid;
 
 use super::arriving::{Arriving, Incoming, SMALLEST_PART};
+use super::bucket::Found;
 use super::collector::{Collector, Faults, Garbage};
-use super::disk::{blocking, hash_of, hexadecimal, sync_folder};
+use super::disk::{blocking, hexadecimal};
 use super::error::{Loss, Result, StoreError};
+use super::storage::{Content, Storage};
 use super::supervision::Restarts;
 
-/// A file up to this many bytes is verified whenever it is given out; a larger one, which takes a
-/// moment, when it was not for a while.
+/// A file up to this many bytes in a folder is verified whenever it is given out; a larger one, which takes a
+/// moment, or one in a bucket, when it was not for a while.
 const SMALL: u64 = 64 << 20;
 const TRUSTED_FOR: Duration = Duration::from_secs(3600);
-/// Larger files whose verification is remembered.
+/// Files whose verification is remembered.
 const REMEMBERED: usize = 10_000;
 
-/// The folder.
+/// The stored files.
 #[derive(Clone, Debug)]
 pub(super) struct Blobs {
-    root: PathBuf,
+    pub(super) storage: Storage,
     pub(super) incoming: Incoming,
-    /// What is not what its name says is moved here.
-    set_aside: PathBuf,
     in_use: Arc<RwLock<()>>,
     garbage: mpsc::UnboundedSender<Garbage>,
     pub(super) faults: Arc<Faults>,
-    /// When larger files were verified.
-    verified: Arc<Mutex<BTreeMap<String, Instant>>>,
+    /// Files that were verified: when, and as which object of a bucket.
+    verified: Arc<Mutex<BTreeMap<String, (Instant, Found)>>>,
 }
 
 /// A file that has arrived whole, still under its temporary name.
@@ -55,27 +56,23 @@ pub(super) struct Received {
 pub(super) struct FileGuard(#[allow(dead_code)] OwnedRwLockReadGuard<()>);
 
 impl Blobs {
-    /// Prepares the folders in `data`.
-    pub(super) async fn open(data: &Path, garbage: mpsc::UnboundedSender<Garbage>) -> Result<Self> {
+    /// Prepares the place of files, and the folder in `data` for those on their way to it.
+    pub(super) async fn open(
+        data: &Path,
+        storage: Storage,
+        garbage: mpsc::UnboundedSender<Garbage>,
+    ) -> Result<Self> {
         let blobs = Self {
-            root: data.join("blobs"),
+            storage,
             incoming: Incoming::new(data.join("incoming")),
-            set_aside: data.join("set-aside"),
             in_use: Arc::default(),
             garbage,
             faults: Arc::default(),
             verified: Arc::default(),
         };
-        let (root, incoming) = (blobs.root.clone(), blobs.incoming.folder.clone());
-        blocking(data, move || {
-            std::fs::create_dir_all(&incoming)?;
-            // all folders at once, so that storing a file makes no folder durable but its own
-            for byte in 0..=u8::MAX {
-                std::fs::create_dir_all(root.join(format!("{byte:02x}")))?;
-            }
-            sync_folder(&root)
-        })
-        .await?;
+        let incoming = blobs.incoming.folder.clone();
+        blocking(data, move || std::fs::create_dir_all(&incoming)).await?;
+        blobs.storage.prepare().await?;
         Ok(blobs)
     }
 
@@ -93,17 +90,6 @@ impl Blobs {
         Ok(())
     }
 
-    /// The folder.
-    pub(super) fn root(&self) -> &Path {
-        &self.root
-    }
-
-    /// Where the bytes of `sha256` are.
-    pub(super) fn path(&self, sha256: &str) -> PathBuf {
-        let folder = sha256.get(..2).unwrap_or_default();
-        self.root.join(folder).join(sha256)
-    }
-
     /// Takes in a body of at most `limit` bytes that must hash to `sha256`; with a `part`, after so many
     /// bytes that the same sender has sent before, and what has arrived when it breaks off is kept.
     ///
@@ -119,14 +105,7 @@ impl Blobs {
         part: Option<(Uuid, u64)>,
         mut body: impl AsyncRead + Send + Unpin,
     ) -> Result<Received> {
-        if sha256.len() != 64
-            || !sha256
-                .bytes()
-                .all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
-        {
-            let sentence = "sha256 is 64 lower-case hexadecimal digits";
-            return Err(StoreError::Invalid(sentence.to_owned()));
-        }
+        check_sha256(sha256)?;
         let mut arriving = match part {
             Some((sender, from @ 1..)) => self.incoming.go_on(sender, sha256, from).await?,
             _ => self.incoming.begin().await?,
@@ -165,89 +144,81 @@ impl Blobs {
 
     /// Puts a received file in its place. It stays there while the [`FileGuard`] is held.
     pub(super) async fn keep(&self, received: Received) -> Result<FileGuard> {
-        let guard = FileGuard(self.in_use.clone().read_owned().await);
-        let place = self.path(&received.sha256);
-        // the same content may be there already, and then it is as durable as this: if it still is
-        // what its name says
-        if self
-            .examine(&received.sha256, received.bytes)
-            .await?
-            .is_some()
-        {
-            blocking(&self.path(&received.sha256), move || {
-                received.path.persist(&place)?;
-                sync_folder(place.parent().unwrap_or(&place))
-            })
-            .await?;
+        let Received {
+            path,
+            bytes,
+            sha256,
+        } = received;
+        match &self.storage {
+            Storage::Folder(folder) => {
+                let guard = self.guard().await;
+                // the same content may be there already, and then it is as durable as this: if it still
+                // is what its name says
+                if folder.examine(&sha256, bytes).await?.is_some() {
+                    folder.place(&sha256, path).await?;
+                }
+                Ok(guard)
+            }
+            Storage::Bucket(bucket) => {
+                // sending takes a while, in which the collector has no need to wait; when it does, the
+                // object is looked at again
+                if self.verified(&sha256, bytes).await?.is_err() {
+                    bucket.place_file(&sha256, bytes, &path).await?;
+                }
+                let guard = self.guard().await;
+                if self.verified(&sha256, bytes).await?.is_err() {
+                    bucket.place_file(&sha256, bytes, &path).await?;
+                    let again = self.verified(&sha256, bytes).await?;
+                    again.map_err(|_| StoreError::Unavailable)?;
+                }
+                Ok(guard)
+            }
         }
-        Ok(guard)
+    }
+
+    /// Keeps the collector from its work.
+    pub(super) async fn guard(&self) -> FileGuard {
+        FileGuard(self.in_use.clone().read_owned().await)
     }
 
     /// Holds a stored file against its name and sets it aside if it is another; tells what is wrong.
     pub(super) async fn examine(&self, sha256: &str, bytes: u64) -> Result<Option<Loss>> {
-        let place = self.path(sha256);
-        let expected = sha256.to_owned();
-        let found = blocking(&place.clone(), move || match hash_of(&place) {
-            Ok((found, length)) if found == expected && length == bytes => Ok(None),
-            Ok(_) => Ok(Some(Loss::Changed)),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Some(Loss::Missing)),
-            Err(error) => Err(error),
-        })
-        .await;
-        let found = match found {
-            Ok(found) => found,
-            // a disk that cannot read it back has lost it as well
-            Err(StoreError::File { path, source }) => {
-                tracing::error!(path = %path.display(), error = %source, "a stored file cannot be read");
-                Some(Loss::Changed)
-            }
-            Err(error) => return Err(error),
-        };
-        if found == Some(Loss::Changed) {
-            self.set_aside(sha256).await?;
-        }
-        Ok(found)
+        self.storage.examine(sha256, bytes).await
     }
 
-    async fn set_aside(&self, sha256: &str) -> Result<()> {
-        let (place, folder) = (self.path(sha256), self.set_aside.clone());
-        let name = format!("{sha256}-{}", loadframe_api::Timestamp::now().as_millis());
-        tracing::error!(sha256, folder = %folder.display(), "a stored file is not what its name says; it is set aside");
-        blocking(&self.set_aside, move || {
-            std::fs::create_dir_all(&folder)?;
-            std::fs::rename(&place, folder.join(name))?;
-            sync_folder(place.parent().unwrap_or(&place))
-        })
-        .await
-    }
-
-    /// Where a stored file is, having held it against its name.
-    pub(super) async fn verified(&self, sha256: &str, bytes: u64) -> Result<Result<PathBuf, Loss>> {
-        let path = self.path(sha256);
-        if bytes <= SMALL {
+    /// A stored file, having held it against its name.
+    pub(super) async fn verified(&self, sha256: &str, bytes: u64) -> Result<Result<Content, Loss>> {
+        let is_remembered = self.storage.bucket().is_some() || bytes > SMALL;
+        if !is_remembered {
             let loss = self.examine(sha256, bytes).await?;
-            return Ok(loss.map_or(Ok(path), Err));
+            return Ok(loss.map_or_else(|| Ok(self.storage.content(sha256, None)), Err));
         }
-        let known = self.remembered().get(sha256).copied();
-        let length = tokio::fs::metadata(&path)
-            .await
-            .map_or(0, |file| file.len());
-        if length == bytes && known.is_some_and(|since| since.elapsed() < TRUSTED_FOR) {
-            return Ok(Ok(path));
+        let Some(found) = self.storage.look(sha256).await? else {
+            return Ok(Err(Loss::Missing));
+        };
+        let known = self.remembered().get(sha256).cloned();
+        let is_known =
+            known.is_some_and(|(since, before)| since.elapsed() < TRUSTED_FOR && found == before);
+        if !(is_known && found.bytes == bytes) {
+            if let Some(loss) = self.examine(sha256, bytes).await? {
+                self.remembered().remove(sha256);
+                return Ok(Err(loss));
+            }
+            self.remember(sha256, found.clone());
         }
-        let loss = self.examine(sha256, bytes).await?;
+        Ok(Ok(self.storage.content(sha256, Some(found))))
+    }
+
+    /// Notes that a stored file was held against its name just now.
+    pub(super) fn remember(&self, sha256: &str, found: Found) {
         let mut remembered = self.remembered();
         if remembered.len() >= REMEMBERED {
             remembered.clear();
         }
-        match loss {
-            None => remembered.insert(sha256.to_owned(), Instant::now()),
-            Some(_) => remembered.remove(sha256),
-        };
-        Ok(loss.map_or(Ok(path), Err))
+        remembered.insert(sha256.to_owned(), (Instant::now(), found));
     }
 
-    fn remembered(&self) -> MutexGuard<'_, BTreeMap<String, Instant>> {
+    fn remembered(&self) -> MutexGuard<'_, BTreeMap<String, (Instant, Found)>> {
         self.verified.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -259,7 +230,11 @@ impl Blobs {
             std::io::Write::write_all(&mut file, &[0x5a; 4096])?;
             file.sync_all()
         })
-        .await
+        .await?;
+        match self.storage.bucket() {
+            Some(bucket) => bucket.try_write().await,
+            None => Ok(()),
+        }
     }
 
     /// Has the whole folder looked through for files without a row.
@@ -291,7 +266,7 @@ impl Blobs {
     ) -> Collector {
         // not the whole of `self`: that can report, and would keep the collector alive
         Collector {
-            root: self.root.clone(),
+            storage: self.storage.clone(),
             in_use: self.in_use.clone(),
             faults: self.faults.clone(),
             reads,
@@ -300,4 +275,14 @@ impl Blobs {
             restarts,
         }
     }
+}
+
+/// Refuses what is no SHA-256.
+pub(super) fn check_sha256(text: &str) -> Result<()> {
+    let is_digit = |digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f');
+    if text.len() == 64 && text.bytes().all(is_digit) {
+        return Ok(());
+    }
+    let sentence = "sha256 is 64 lower-case hexadecimal digits";
+    Err(StoreError::Invalid(sentence.to_owned()))
 }

@@ -2,22 +2,22 @@
 //!
 //! A worker goes on from the newest that its own build has made, since results come from one build. One
 //! whose bytes or files are missing or have changed is forgotten, and there is the one before.
-use std::path::PathBuf;
-
 use loadframe_api::worker::{CheckpointInfo, CheckpointQuery};
 use sqlx::sqlite::SqliteConnection;
 use tokio::io::AsyncRead;
 
+use super::blobs::FileGuard;
 use super::encoding::entry;
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
 use super::row::row;
 use super::state::LifecycleRow;
+use super::storage::Content;
 use super::writer::Change;
 use super::{LeaseKey, Store};
 
 /// Largest checkpoint [bytes].
-const LARGEST_CHECKPOINT: u64 = 8 << 30;
+pub(super) const LARGEST_CHECKPOINT: u64 = 16 << 30;
 /// Checkpoints kept of a job.
 const KEPT: u32 = 2;
 
@@ -70,6 +70,16 @@ impl CheckpointRow {
     }
 }
 
+/// Refuses times that no work takes.
+pub(super) fn check_times(query: &CheckpointQuery) -> Result<()> {
+    let is_wrong = |time: &f64| time.is_nan() || *time < 0.0;
+    if [query.wall_s, query.cpu_s].iter().any(is_wrong) {
+        let sentence = "wall_s and cpu_s are not negative";
+        return Err(StoreError::Invalid(sentence.to_owned()));
+    }
+    Ok(())
+}
+
 impl Store {
     /// Takes in a checkpoint, to which all files uploaded so far by this attempt belong. One that is
     /// further than those before forgives the job the workers it has lost.
@@ -82,13 +92,7 @@ impl Store {
         query: &CheckpointQuery,
         body: impl AsyncRead + Send + Unpin,
     ) -> Result<CheckpointInfo> {
-        if [query.wall_s, query.cpu_s]
-            .iter()
-            .any(|time| time.is_nan() || *time < 0.0)
-        {
-            let sentence = "wall_s and cpu_s are not negative";
-            return Err(StoreError::Invalid(sentence.to_owned()));
-        }
+        check_times(query)?;
         self.check_lease(key).await?;
         let received = self
             .received(
@@ -102,6 +106,17 @@ impl Store {
         let bytes = received.bytes;
         let guard = self.blobs().keep(received).await;
         let guard = guard.map_err(|error| self.noted(error))?;
+        self.name_checkpoint(key, query, bytes, guard).await
+    }
+
+    /// Names a checkpoint whose bytes are in their place.
+    pub(super) async fn name_checkpoint(
+        &self,
+        key: LeaseKey,
+        query: &CheckpointQuery,
+        bytes: u64,
+        guard: FileGuard,
+    ) -> Result<CheckpointInfo> {
         let (row, lease) = (query.clone(), self.lease_millis());
         let written = self
             .write(move |change| {
@@ -115,7 +130,7 @@ impl Store {
         Ok(info)
     }
 
-    /// The checkpoint that the attempt goes on from, and where its bytes are: the newest, or the one
+    /// The checkpoint that the attempt goes on from, and its bytes: the newest, or the one
     /// before that of content `before`, which its worker could not use. One of which something is
     /// missing or has changed is forgotten, and the job's log tells what follows.
     ///
@@ -125,7 +140,7 @@ impl Store {
         &self,
         key: LeaseKey,
         before: Option<&str>,
-    ) -> Result<(CheckpointInfo, PathBuf)> {
+    ) -> Result<(CheckpointInfo, Content)> {
         if let Some(unusable) = before {
             self.pass_over(key, unusable.to_owned()).await?;
         }
@@ -140,9 +155,9 @@ impl Store {
             };
             let info = newest.info(&mut snapshot).await?;
             drop(snapshot);
-            let Some(why) = self.what_is_wrong(&info).await? else {
-                let path = self.blobs().path(&info.sha256);
-                return Ok((info, path));
+            let why = match self.usable(&info).await? {
+                Ok(content) => return Ok((info, content)),
+                Err(why) => why,
             };
             tracing::error!(job_id = %attempt.job, "{why}");
             self.forget(key, newest, why, before.map(str::to_owned))
@@ -150,17 +165,19 @@ impl Store {
         }
     }
 
-    /// Holds a checkpoint and its files against their SHA-256.
-    async fn what_is_wrong(&self, info: &CheckpointInfo) -> Result<Option<String>> {
-        if let Err(loss) = self.blobs().verified(&info.sha256, info.bytes).await? {
-            return Ok(Some(format!("the checkpoint {loss}")));
-        }
+    /// The bytes of a checkpoint, having held them and its files against their SHA-256; or what is wrong.
+    async fn usable(&self, info: &CheckpointInfo) -> Result<Result<Content, String>> {
+        let own = self.blobs().verified(&info.sha256, info.bytes).await?;
+        let content = match own {
+            Ok(content) => content,
+            Err(loss) => return Ok(Err(format!("the checkpoint {loss}"))),
+        };
         for file in &info.files {
             if let Err(loss) = self.blobs().verified(&file.sha256, file.bytes).await? {
-                return Ok(Some(format!("{} of the checkpoint {loss}", file.name)));
+                return Ok(Err(format!("{} of the checkpoint {loss}", file.name)));
             }
         }
-        Ok(None)
+        Ok(Ok(content))
     }
 
     /// Removes a checkpoint that cannot be used; the attempt goes on from the one before.

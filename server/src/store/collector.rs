@@ -5,7 +5,6 @@
 //! waits, is counted, and is removed when nobody has claimed it for days. Beside an older database that
 //! was put back it waits until a person says so.
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -15,10 +14,10 @@ use serde::{Deserialize, Serialize};
 use sqlx::SqlitePool;
 use tokio::sync::{RwLock, mpsc, oneshot};
 
-use super::disk::blocking;
 use super::encoding::{json, parsed};
-use super::error::{Result, StoreError};
+use super::error::Result;
 use super::millis;
+use super::storage::Storage;
 use super::supervision::{Restarts, caught};
 
 /// Names looked up at a time.
@@ -35,7 +34,7 @@ pub(super) enum Garbage {
     Barrier(oneshot::Sender<()>),
 }
 
-/// What was last found in the folder, for people.
+/// What was last found, for people.
 #[derive(Debug, Default)]
 pub(super) struct Faults {
     pub(super) unnamed: AtomicU64,
@@ -52,10 +51,10 @@ enum Waits {
     ForAPerson,
 }
 
-/// The collector of a folder.
+/// The collector of one store.
 #[derive(Debug)]
 pub(super) struct Collector {
-    pub(super) root: PathBuf,
+    pub(super) storage: Storage,
     pub(super) in_use: Arc<RwLock<()>>,
     pub(super) faults: Arc<Faults>,
     pub(super) reads: SqlitePool,
@@ -92,13 +91,13 @@ impl Collector {
 
     /// Removes those of the files that no row names, other than those that wait.
     async fn remove_unnamed(&self, mut names: Vec<String>) -> Result<()> {
-        let waiting = waiting(&self.root)?;
+        let waiting = waiting(&self.storage).await?;
         names.retain(|name| !waiting.contains_key(name));
         for names in names.chunks(NAMES_AT_ONCE) {
             // nobody stores a file meanwhile
             let alone = self.in_use.write().await;
             let unnamed = unnamed(&self.reads, names).await?;
-            remove(&self.root, unnamed).await?;
+            self.storage.remove(unnamed).await?;
             drop(alone);
         }
         Ok(())
@@ -106,8 +105,8 @@ impl Collector {
 
     /// Finds all files without a row, and removes those that have waited long enough.
     async fn look_through(&mut self) -> Result<()> {
-        let names = every_name(&self.root).await?;
-        let known = waiting(&self.root)?;
+        let names = self.storage.names().await?;
+        let known = waiting(&self.storage).await?;
         let now = Timestamp::now().as_millis();
         let (mut still, mut removed) = (BTreeMap::new(), 0);
         for names in names.chunks(NAMES_AT_ONCE) {
@@ -127,11 +126,11 @@ impl Collector {
                 }
             }
             removed += over.len();
-            remove(&self.root, over).await?;
+            self.storage.remove(over).await?;
             drop(alone);
         }
         if still != known {
-            keep_waiting(&self.root, &still)?;
+            keep_waiting(&self.storage, &still).await?;
         }
         self.is_behind = false;
         self.faults
@@ -164,79 +163,35 @@ async fn unnamed(reads: &SqlitePool, names: &[String]) -> Result<Vec<String>> {
     Ok(unnamed.bind(json(&names)?).fetch_all(reads).await?)
 }
 
-/// Names of all files in the folder.
-async fn every_name(root: &Path) -> Result<Vec<String>> {
-    let folder = root.to_owned();
-    blocking(root, move || {
-        let mut names = Vec::new();
-        for folder in std::fs::read_dir(folder)? {
-            let folder = folder?;
-            if folder.file_type()?.is_dir() {
-                for file in std::fs::read_dir(folder.path())? {
-                    names.extend(file?.file_name().into_string());
-                }
-            }
-        }
-        Ok(names)
-    })
-    .await
-}
-
-async fn remove(root: &Path, names: Vec<String>) -> Result<()> {
-    let folder = root.to_owned();
-    blocking(root, move || {
-        for name in names {
-            let path = folder.join(name.get(..2).unwrap_or_default()).join(name);
-            match std::fs::remove_file(path) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
-                _ => {}
-            }
-        }
-        Ok(())
-    })
-    .await
-}
-
 /// The list of files that wait lies beside them: it outlives the database.
-fn list(root: &Path) -> PathBuf {
-    root.join("unnamed.json")
-}
+const LIST: &str = "unnamed.json";
 
-fn waiting(root: &Path) -> Result<BTreeMap<String, Waits>> {
-    match std::fs::read_to_string(list(root)) {
-        Ok(text) => parsed(&text, "list of files without a row"),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(BTreeMap::new()),
-        Err(error) => Err(StoreError::file(list(root))(error)),
+async fn waiting(storage: &Storage) -> Result<BTreeMap<String, Waits>> {
+    match storage.note(LIST).await? {
+        Some(text) => parsed(&text, "list of files without a row"),
+        None => Ok(BTreeMap::new()),
     }
 }
 
-fn keep_waiting(root: &Path, waiting: &BTreeMap<String, Waits>) -> Result<()> {
-    let text = json(waiting)?;
-    let write = || -> std::io::Result<()> {
-        let mut file = tempfile::NamedTempFile::new_in(root)?;
-        std::io::Write::write_all(&mut file, text.as_bytes())?;
-        file.as_file().sync_all()?;
-        file.persist(list(root))?;
-        Ok(())
-    };
-    write().map_err(StoreError::file(list(root)))
+async fn keep_waiting(storage: &Storage, waiting: &BTreeMap<String, Waits>) -> Result<()> {
+    storage.leave_note(LIST, &json(waiting)?).await
 }
 
 /// How many stored files no row names.
-pub(super) async fn count_unnamed(root: &Path, reads: &SqlitePool) -> Result<u64> {
+pub(super) async fn count_unnamed(storage: &Storage, reads: &SqlitePool) -> Result<u64> {
     let mut count = 0;
-    for names in every_name(root).await?.chunks(NAMES_AT_ONCE) {
+    for names in storage.names().await?.chunks(NAMES_AT_ONCE) {
         count += unnamed(reads, names).await?.len() as u64;
     }
     Ok(count)
 }
 
 /// Ends the wait of all files that no row names.
-pub(super) async fn release(root: &Path, reads: &SqlitePool) -> Result<()> {
+pub(super) async fn release(storage: &Storage, reads: &SqlitePool) -> Result<()> {
     let mut over = BTreeMap::new();
-    for names in every_name(root).await?.chunks(NAMES_AT_ONCE) {
+    for names in storage.names().await?.chunks(NAMES_AT_ONCE) {
         let unnamed = unnamed(reads, names).await?.into_iter();
         over.extend(unnamed.map(|name| (name, Waits::Since(0))));
     }
-    keep_waiting(root, &over)
+    keep_waiting(storage, &over).await
 }

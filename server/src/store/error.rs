@@ -85,6 +85,13 @@ pub enum StoreError {
         #[source]
         source: std::io::Error,
     },
+    /// 503: the bucket of files does not do what it should; trying again may help.
+    #[error("the bucket of files, {place}, could not be used")]
+    Bucket {
+        place: String,
+        #[source]
+        source: Box<object_store::Error>,
+    },
     /// 500: something stored cannot be read back.
     #[error("stored {what} cannot be read")]
     Corrupt {
@@ -111,6 +118,13 @@ impl StoreError {
         let path = path.into();
         move |source| Self::File { path, source }
     }
+}
+
+/// An error with all its causes.
+pub(crate) fn chain(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(Some(error), |error| error.source());
+    let causes: Vec<String> = causes.map(ToString::to_string).collect();
+    causes.join(": ")
 }
 
 /// Why a stored file cannot be given out.

@@ -1,21 +1,20 @@
 //! Result files: taken in from workers, given out to everybody.
-use std::path::PathBuf;
-
 use loadframe_api::{FileEntry, check_file_name};
 use tokio::io::AsyncRead;
 use uuid::Uuid;
 
-use super::blobs::Received;
+use super::blobs::{FileGuard, Received};
 use super::encoding::entry;
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
 use super::reserve::admit;
 use super::state::LifecycleRow;
+use super::storage::Content;
 use super::writer::Change;
 use super::{LeaseKey, Store};
 
 /// Largest result file [bytes].
-const LARGEST_FILE: u64 = 8 << 30;
+pub(super) const LARGEST_FILE: u64 = 8 << 30;
 
 impl Store {
     /// Takes in a result file. It belongs to the attempt, and to the job only after `complete`.
@@ -58,6 +57,17 @@ impl Store {
         };
         let guard = self.blobs().keep(received).await;
         let guard = guard.map_err(|error| self.noted(error))?;
+        self.name_file(key, &entry, guard).await?;
+        Ok(entry)
+    }
+
+    /// Names a file whose bytes are in their place.
+    pub(super) async fn name_file(
+        &self,
+        key: LeaseKey,
+        entry: &FileEntry,
+        guard: FileGuard,
+    ) -> Result<()> {
         let (row, lease) = (entry.clone(), self.lease_millis());
         // a refused upload may have left bytes that no row names
         let written = self
@@ -69,7 +79,7 @@ impl Store {
             })
             .await;
         self.undo_unless_written(&entry.sha256, written)?;
-        Ok(entry)
+        Ok(())
     }
 
     /// Bytes that are kept of an upload of this content that broke off under this lease.
@@ -106,11 +116,11 @@ impl Store {
         Ok(files.into_iter().map(entry).collect())
     }
 
-    /// Where the bytes of a file of the job's result are, having held them against its SHA-256.
+    /// The bytes of a file of the job's result, having held them against its SHA-256.
     ///
     /// # Errors
     /// [`StoreError::Lost`] when they are missing or have changed.
-    pub async fn content(&self, id: Uuid, file: &FileEntry) -> Result<PathBuf> {
+    pub async fn content(&self, id: Uuid, file: &FileEntry) -> Result<Content> {
         let verified = self.blobs().verified(&file.sha256, file.bytes).await?;
         verified.map_err(|loss| StoreError::Lost {
             job: id,

@@ -1,15 +1,19 @@
-//! A database and the folder of its files belong together: both carry the store's name, and count the
+//! A database and the place of its files belong together: both carry the store's name, and count the
 //! servers that were started on them.
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
-use super::encoding::parsed;
+use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
+use super::storage::Storage;
 
-/// What lies in the folder of files.
+/// Name of the note beside the files.
+const MARK: &str = "store.json";
+
+/// What lies beside the files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Mark {
     pub(super) store: Uuid,
@@ -31,34 +35,17 @@ pub(super) struct Identity {
 }
 
 impl Mark {
-    fn path(data: &Path) -> PathBuf {
-        data.join("blobs").join("store.json")
-    }
-
-    /// That of the folder of files in `data`, if it has one.
-    pub(super) fn read(data: &Path) -> Result<Option<Self>> {
-        let path = Self::path(data);
-        match std::fs::read_to_string(&path) {
-            Ok(text) => parsed(&text, "name of the folder of files").map(Some),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(StoreError::file(path)(error)),
+    /// That of the place of files, if it has one.
+    pub(super) async fn read(storage: &Storage) -> Result<Option<Self>> {
+        match storage.note(MARK).await? {
+            Some(text) => parsed(&text, "name of the folder of files").map(Some),
+            None => Ok(None),
         }
     }
 
-    /// Leaves it in the folder of files in `data`.
-    pub(super) fn write(self, data: &Path) -> Result<()> {
-        let path = Self::path(data);
-        let text = super::encoding::json(&self)?;
-        let written = || -> std::io::Result<()> {
-            let folder = data.join("blobs");
-            std::fs::create_dir_all(&folder)?;
-            let mut file = tempfile::NamedTempFile::new_in(&folder)?;
-            std::io::Write::write_all(&mut file, text.as_bytes())?;
-            file.as_file().sync_all()?;
-            file.persist(&path)?;
-            std::fs::File::open(&folder)?.sync_all()
-        };
-        written().map_err(StoreError::file(&path))
+    /// Leaves it in the place of files.
+    pub(super) async fn write(self, storage: &Storage) -> Result<()> {
+        storage.leave_note(MARK, &json(&self)?).await
     }
 
     /// That of the database, if it has one.
@@ -75,18 +62,19 @@ impl Mark {
 ///
 /// # Errors
 /// [`StoreError::NotTogether`].
-pub(super) fn refuse_new_beside_files(data: &Path) -> Result<()> {
+pub(super) async fn refuse_new_beside_files(data: &Path, storage: &Storage) -> Result<()> {
     let length = std::fs::metadata(data.join("loadframe.db")).map_or(0, |file| file.len());
-    if length == 0 && has_files(&data.join("blobs"))? {
+    if length == 0 && storage.has_files().await? {
         return Err(refuse(
             data,
+            storage,
             "the database is missing or empty, and there are files",
         ));
     }
     Ok(())
 }
 
-/// Holds the database against the folder of files in `data`, and gives both a name where they have
+/// Holds the database in `data` against the files, and gives both a name where they have
 /// none.
 ///
 /// # Errors
@@ -94,26 +82,36 @@ pub(super) fn refuse_new_beside_files(data: &Path) -> Result<()> {
 pub(super) async fn identify(
     connection: &mut SqliteConnection,
     data: &Path,
+    storage: &Storage,
     opening: Opening,
 ) -> Result<Identity> {
-    let folder = Mark::read(data)?;
-    let has_files = has_files(&data.join("blobs"))?;
+    let folder = Mark::read(storage).await?;
+    let has_files = storage.has_files().await?;
     let named = Mark::of(connection).await?;
     let own = match (named, folder) {
         (Some(own), Some(folder)) if own.store != folder.store && has_files => {
-            return Err(refuse(data, "the files are those of another database"));
+            return Err(refuse(
+                data,
+                storage,
+                "the files are those of another database",
+            ));
         }
         (Some(_), None) if has_files => {
-            return Err(refuse(data, "the files are not marked as this database's"));
+            return Err(refuse(
+                data,
+                storage,
+                "the files are not marked as this database's",
+            ));
         }
         (Some(_), None) if names_files(connection).await? => {
-            return Err(refuse(data, "the files are gone"));
+            return Err(refuse(data, storage, "the files are gone"));
         }
         (Some(own), _) => own,
         // a database of an earlier version has no name yet, and a new one has had no job
         (None, _) if has_files && !has_had_jobs(connection).await? => {
             return Err(refuse(
                 data,
+                storage,
                 "the database is new, or was lost, and there are files",
             ));
         }
@@ -138,37 +136,20 @@ pub(super) async fn identify(
             .await?;
     }
     if folder != Some(mark) {
-        mark.write(data)?;
+        mark.write(storage).await?;
     }
     Ok(Identity {
         is_behind: has_files && before > own.starts,
     })
 }
 
-fn refuse(data: &Path, what: &str) -> StoreError {
+fn refuse(data: &Path, storage: &Storage, what: &str) -> StoreError {
     let data = data.display();
     StoreError::NotTogether(format!(
-        "{what}: {data}/loadframe.db and {data}/blobs do not belong together, and nothing was touched; \
+        "{what}: {data}/loadframe.db and {storage} do not belong together, and nothing was touched; \
          put back the one that is missing or wrong (`loadframe restore` brings both from a backup), or \
          move both away to begin anew"
     ))
-}
-
-/// Whether any file lies there.
-pub(super) fn has_files(blobs: &Path) -> Result<bool> {
-    let look = || -> std::io::Result<bool> {
-        for folder in std::fs::read_dir(blobs)? {
-            let folder = folder?;
-            if folder.file_type()?.is_dir() && std::fs::read_dir(folder.path())?.next().is_some() {
-                return Ok(true);
-            }
-        }
-        Ok(false)
-    };
-    match look() {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
-        looked => looked.map_err(StoreError::file(blobs)),
-    }
 }
 
 async fn names_files(connection: &mut SqliteConnection) -> Result<bool> {

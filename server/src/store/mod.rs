@@ -4,7 +4,8 @@
 //! In `data` lie `loadframe.db` (SQLite: write-ahead log, durable at every commit), `blobs/` (files
 //! under their SHA-256, with the name of the store), `incoming/` (files on their way), `set-aside/` (files
 //! that were not what their names say), `reserve` (given up when the disk is full) and `lock` (one server
-//! a folder).
+//! a folder). Where `files.json` says so ([`where_files`]), `blobs/` and `set-aside/` are in a [`bucket`]
+//! instead; only [`storage`] knows.
 //!
 //! A change goes `Store::…` → [`writer`] (one connection, group commit) → the command's method on
 //! [`writer::Change`] → for steps of a job's lifecycle [`state`], which asks [`crate::queue`] → events →
@@ -14,7 +15,7 @@
 //! What was deleted lies in the [`trash`] for a while. Lists are [`list`], by values
 //! of specs and results [`search`], jobs one by one [`jobs`], many side by side [`compared`]. The worker's side in the
 //! order of a job: [`claim`], of what [`choice`] decides, [`lease`] (heartbeats in [`pulses`]) with [`curve`] and
-//! [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`],
+//! [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`] (or sent [`directly`] to the bucket),
 //! [`ending`]; if the worker falls silent by the [`clock`], [`sweep`]; if its machine is at fault, [`machines`]. Whose
 //! things are, and what was done by whom: [`people`].
 //!
@@ -25,6 +26,7 @@ mod arriving;
 mod backlog;
 mod backup;
 mod blobs;
+mod bucket;
 mod checkpoints;
 mod choice;
 mod claim;
@@ -32,12 +34,14 @@ mod clock;
 mod collector;
 mod compared;
 mod curve;
+mod directly;
 mod disk;
 mod encoding;
 mod ending;
 mod error;
 mod events;
 mod files;
+mod folder;
 mod identity;
 mod jobs;
 mod lease;
@@ -56,12 +60,14 @@ mod row;
 mod scrub;
 mod search;
 mod state;
+mod storage;
 mod submit;
 mod supervision;
 mod sweep;
 pub mod trash;
 mod types;
 mod waiting;
+mod where_files;
 mod workers;
 mod writer;
 
@@ -73,11 +79,13 @@ use loadframe_api::Timestamp;
 use sqlx::SqlitePool;
 use tokio::sync::watch;
 
-pub use backup::{BackupReport, backup, restore};
+pub use backup::{BackupReport, backup, backup_from, restore, restore_to};
 use blobs::Blobs;
+pub use bucket::{BucketKeys, BucketSettings};
 pub use clock::Clock;
 pub use compared::{Compared, CurvePart};
 use error::Result;
+pub(crate) use error::chain;
 pub use error::{Loss, StoreError};
 pub use events::StoredEvent;
 use people::{AccessState, Actor};
@@ -85,6 +93,7 @@ use pulses::Pulses;
 use reserve::Reserve;
 pub use scrub::{LostFile, ScrubReport};
 pub use search::{LOOKED_AT, Wanted};
+pub use storage::Content;
 use supervision::Restarts;
 pub use types::*;
 use writer::{Change, Work, Writer};

@@ -19,7 +19,9 @@ use super::people::AccessState;
 use super::place::refuse_network;
 use super::private::{private_database, private_folder};
 use super::reserve::{Reserve, is_full};
+use super::storage::Storage;
 use super::supervision::Restarts;
+use super::where_files::{place_beside, record, require_same};
 use super::writer::{Announcements, Guards, Writer};
 use super::{Inner, Store, StoreOptions};
 
@@ -43,9 +45,11 @@ impl Store {
         private_folder(&options.data)?;
         refuse_network(&options.data)?;
         let lock = lock(&options.data)?;
+        require_same(&options.data, &options.files)?;
         let store = Self::connect(options, Some(lock)).await?;
         store.renew_leases().await?;
         store.blobs().recover().await?;
+        tokio::spawn(store.clone().sweep_bucket());
         Ok(store)
     }
 
@@ -53,9 +57,10 @@ impl Store {
     ///
     /// # Errors
     /// File and database errors.
-    pub async fn open_beside(options: StoreOptions) -> Result<Self> {
+    pub async fn open_beside(mut options: StoreOptions) -> Result<Self> {
         private_folder(&options.data)?;
         refuse_network(&options.data)?;
+        options.files = place_beside(&options.data, options.files)?;
         Self::connect(options, None).await
     }
 
@@ -75,7 +80,12 @@ impl Store {
         options: &StoreOptions,
         is_server: bool,
     ) -> Result<(SqliteConnectOptions, SqliteConnection, bool)> {
-        refuse_new_beside_files(&options.data)?;
+        let storage = Storage::of(&options.data, &options.files)?;
+        // commands on tokens and people have no business with a bucket, and often no keys
+        let knows_files = is_server || storage.bucket().is_none();
+        if knows_files {
+            refuse_new_beside_files(&options.data, &storage).await?;
+        }
         let database = SqliteConnectOptions::new()
             .filename(options.data.join("loadframe.db"))
             .create_if_missing(true)
@@ -96,7 +106,11 @@ impl Store {
         } else {
             Opening::Beside
         };
-        let identity = identify(&mut connection, &options.data, opening).await?;
+        if !knows_files {
+            return Ok((database, connection, false));
+        }
+        let identity = identify(&mut connection, &options.data, &storage, opening).await?;
+        record(&options.data, &options.files)?;
         if identity.is_behind {
             tracing::warn!(
                 "the database is older than its files, as one from a backup is: files that it does not know stay until `loadframe scrub --remove-unnamed`"
@@ -131,7 +145,8 @@ impl Store {
             watch::channel(last.unwrap_or_default().unsigned_abs());
         let (queued, queued_receiver) = watch::channel(0);
         let (garbage, reports) = mpsc::unbounded_channel();
-        let blobs = Blobs::open(&options.data, garbage.clone()).await?;
+        let storage = Storage::of(&options.data, &options.files)?;
+        let blobs = Blobs::open(&options.data, storage, garbage.clone()).await?;
         let wait = options.unnamed_wait;
         let restarts = Arc::<Restarts>::default();
         let reserve = Arc::new(Reserve::open(&options.data, lock.is_some()));

@@ -145,8 +145,8 @@ impl Store {
                 }
             }
         }
-        let root = self.blobs().root();
-        report.unnamed = collector::count_unnamed(root, self.reads()).await?;
+        let storage = &self.blobs().storage;
+        report.unnamed = collector::count_unnamed(storage, self.reads()).await?;
         let lost = report.lost.len() as u64;
         self.blobs().faults.lost.store(lost, Ordering::Relaxed);
         Ok(report)
@@ -158,7 +158,7 @@ impl Store {
     /// # Errors
     /// The database's and the folder's.
     pub async fn release_unnamed(&self) -> Result<()> {
-        collector::release(self.blobs().root(), self.reads()).await
+        collector::release(&self.blobs().storage, self.reads()).await
     }
 
     /// Scrubs slowly and again and again, until dropped.

@@ -1,11 +1,12 @@
 //! What time does: leases run out, jobs exceed their time, old traces are forgotten.
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
 use loadframe_api::Timestamp;
 use uuid::Uuid;
 
-use super::error::{Result, StoreError};
+use super::error::{Result, StoreError, chain};
 use super::row::row;
 use super::state::{Ending, LifecycleRow};
 use super::writer::{Change, EventType};
@@ -112,9 +113,43 @@ impl Store {
                 if let Err(error) = self.blobs().incoming.forget_parts().await {
                     tracing::error!(%error, "parts of uploads could not be removed");
                 }
+                // a slow bucket keeps no lease waiting
+                tokio::spawn(self.clone().sweep_bucket());
                 if let Err(error) = self.tidy().await {
                     tracing::error!(%error, "old traces could not be removed");
                 }
+            }
+        }
+    }
+
+    /// Removes what abandoned uploads have left in a bucket.
+    pub(super) async fn sweep_bucket(self) {
+        let Some(bucket) = self.blobs().storage.bucket() else {
+            return;
+        };
+        let swept = async {
+            let unfinished = bucket.unfinished().await?;
+            // asked after it was found, so that no upload that has just begun looks abandoned
+            let live: Vec<Uuid> =
+                sqlx::query_scalar("SELECT id FROM attempts WHERE ended_at IS NULL")
+                    .fetch_all(self.reads())
+                    .await?;
+            let live = live.iter().map(|lease| lease.simple().to_string());
+            let live: BTreeSet<String> = live.collect();
+            let mut swept = 0;
+            for one in unfinished {
+                if one.is_abandoned(&live) {
+                    bucket.abandon(one).await?;
+                    swept += 1;
+                }
+            }
+            Ok::<usize, StoreError>(swept)
+        };
+        match swept.await {
+            Ok(0) => {}
+            Ok(swept) => tracing::info!(swept, "abandoned uploads were removed"),
+            Err(error) => {
+                tracing::warn!(error = %chain(&error), "abandoned uploads could not be looked for")
             }
         }
     }

@@ -12,13 +12,24 @@ use crate::VERSION;
 use crate::access::Sight;
 use crate::queue::needs::Needs;
 
+use super::bucket::BucketSettings;
 use super::clock::Clock;
+
+/// Where the files of a store are.
+#[derive(Clone, Debug, Default)]
+pub enum FilesPlace {
+    /// In its data folder.
+    #[default]
+    Folder,
+    Bucket(BucketSettings),
+}
 
 /// Where the store lives and what it promises.
 #[derive(Clone, Debug)]
 pub struct StoreOptions {
-    /// Folder of the database and the files.
+    /// Folder of the database, and of the files unless they are elsewhere.
     pub data: PathBuf,
+    pub files: FilesPlace,
     /// How long a silent worker keeps its job.
     pub lease: Duration,
     /// Longest wall time of a job over all attempts.
@@ -38,6 +49,7 @@ impl StoreOptions {
     pub fn new(data: impl Into<PathBuf>) -> Self {
         Self {
             data: data.into(),
+            files: FilesPlace::Folder,
             lease: Duration::from_secs(30),
             job_time_limit: None,
             unnamed_wait: Duration::from_secs(7 * 24 * 3600),

@@ -3,14 +3,19 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use futures_util::TryStreamExt;
 use loadframe_api::people::{Acceptance, NewInvitation, Role};
-use loadframe_api::worker::{CheckpointQuery, ClaimRequest, CompleteRequest, Lease};
+use loadframe_api::worker::{
+    CheckpointInfo, CheckpointQuery, ClaimRequest, CompleteRequest, Lease,
+};
 use loadframe_api::{
     Calibration, Cost, FileEntry, JobKind, JobView, Outcome, OutcomeStatus, Provenance, Quantity,
     Submission, sha256_hex,
 };
 use loadframe_server::store::people::Actor;
-use loadframe_server::store::{LeaseKey, Store, StoreError, StoreOptions};
+use loadframe_server::store::{
+    BucketKeys, BucketSettings, Content, FilesPlace, LeaseKey, Store, StoreError, StoreOptions,
+};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use uuid::Uuid;
@@ -101,6 +106,40 @@ impl Lab {
         CompleteRequest { outcome, files }
     }
 
+    /// A file on this machine with the bytes of a file of the job's result: the stored one, where files are
+    /// in a folder.
+    pub(crate) async fn content(&self, id: Uuid, file: &FileEntry) -> Result<PathBuf, StoreError> {
+        let content = self.store.content(id, file).await?;
+        Ok(self.local(&content, file.bytes).await)
+    }
+
+    /// The same of the checkpoint to go on from.
+    pub(crate) async fn checkpoint(
+        &self,
+        key: LeaseKey,
+        before: Option<&str>,
+    ) -> Result<(CheckpointInfo, PathBuf), StoreError> {
+        let (info, content) = self.store.checkpoint(key, before).await?;
+        let path = self.local(&content, info.bytes).await;
+        Ok((info, path))
+    }
+
+    async fn local(&self, content: &Content, bytes: u64) -> PathBuf {
+        if let Some(path) = content.path() {
+            return path.to_owned();
+        }
+        let pieces: Vec<_> = content
+            .read(0..bytes)
+            .await
+            .unwrap()
+            .try_collect()
+            .await
+            .unwrap();
+        let copy = self.folder.path().join(Uuid::new_v4().to_string());
+        std::fs::write(&copy, pieces.concat()).unwrap();
+        copy
+    }
+
     /// How many blobs lie in the folder.
     pub(crate) async fn blobs(&self) -> usize {
         stored(self.folder.path()).len()
@@ -153,9 +192,32 @@ pub(crate) fn stored(data: &Path) -> Vec<PathBuf> {
 
 pub(crate) fn options(folder: &TempDir, lease: Duration) -> StoreOptions {
     StoreOptions {
+        files: place_of_files(folder),
         lease,
         ..StoreOptions::new(folder.path())
     }
+}
+
+/// In the folder; or, for those of these tests that do not look into it (`tests/bucket` runs them so), below
+/// a prefix of its own in the bucket `lab` of the server at `LOADFRAME_TEST_BUCKET`.
+fn place_of_files(folder: &TempDir) -> FilesPlace {
+    let Ok(endpoint) = std::env::var("LOADFRAME_TEST_BUCKET") else {
+        return FilesPlace::Folder;
+    };
+    let name = folder.path().file_name().unwrap().to_string_lossy();
+    let prefix = name.trim_start_matches('.');
+    let address = format!("s3://lab/{prefix}");
+    let settings = BucketSettings::at(&address, Some(&endpoint), "us-east-1").unwrap();
+    let (id, secret) = ("S3RVER".to_owned(), "S3RVER".to_owned());
+    let session = None;
+    FilesPlace::Bucket(BucketSettings {
+        keys: Some(BucketKeys {
+            id,
+            secret,
+            session,
+        }),
+        ..settings
+    })
 }
 
 pub(crate) fn key(lease: &Lease) -> LeaseKey {

@@ -1,4 +1,7 @@
 //! Speaks HTTP with a loadframe server, for the worker and for the commands.
+pub mod direct;
+
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use loadframe_api::Problem;
@@ -11,12 +14,18 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// A connection that was not used for so long is not used again: the server ends it a little later.
 const IDLE: Duration = Duration::from_secs(60);
 
+/// Another server, which signed addresses lead to, may say nothing for so long within an answer.
+const SILENCE: Duration = Duration::from_secs(60);
+
 /// A server and how to speak with it; clones share connections.
 #[derive(Clone, Debug)]
 pub struct ServerClient {
     base: Url,
     token: Option<String>,
     http: reqwest::Client,
+    /// For addresses of other servers that this one has signed; made when the first comes.
+    elsewhere: Arc<OnceLock<reqwest::Client>>,
+    authorities: Option<Vec<u8>>,
 }
 
 /// Why the server did not do what it was asked.
@@ -38,6 +47,9 @@ pub enum ServerError {
     /// Trying again would not help.
     #[error("{0}")]
     Refused(Problem),
+    /// Another server, such as that of a bucket, did not take what it should.
+    #[error("the bucket did not take it: {reason}")]
+    Elsewhere { reason: String },
     /// A file of this machine could not be sent or kept.
     #[error("{path} cannot be read or written: {reason}")]
     File { path: String, reason: String },
@@ -46,7 +58,10 @@ pub enum ServerError {
 impl ServerError {
     /// Whether the same request may succeed later.
     pub fn is_transient(&self) -> bool {
-        matches!(self, Self::Unreachable { .. } | Self::Unavailable(_))
+        matches!(
+            self,
+            Self::Unreachable { .. } | Self::Unavailable(_) | Self::Elsewhere { .. }
+        )
     }
 }
 
@@ -91,7 +106,13 @@ impl ServerClient {
             None => http,
         };
         let http = http.build().map_err(|error| refuse(chain(&error)))?;
-        Ok(Self { base, token, http })
+        Ok(Self {
+            base,
+            token,
+            http,
+            elsewhere: Arc::default(),
+            authorities: authorities.map(<[u8]>::to_vec),
+        })
     }
 
     /// The address given, without a slash at its end.
@@ -108,6 +129,48 @@ impl ServerClient {
             Some(token) => request.bearer_auth(token),
             None => request,
         }
+    }
+
+    /// Sends a body to an address elsewhere, such as one of a bucket, that the server has signed: without the
+    /// token, which is nobody else's. The address does not appear in errors.
+    ///
+    /// # Errors
+    /// [`ServerError::Elsewhere`].
+    pub async fn put_elsewhere(
+        &self,
+        address: &str,
+        body: Vec<u8>,
+    ) -> Result<Response, ServerError> {
+        let failed = |reason| ServerError::Elsewhere { reason };
+        let http = match self.elsewhere.get() {
+            Some(http) => http,
+            None => {
+                let http = self.client_for_elsewhere().map_err(failed)?;
+                self.elsewhere.get_or_init(|| http)
+            }
+        };
+        let answer = http.put(address).body(body).send().await;
+        let answer = answer.map_err(|error| failed(chain(&error.without_url())))?;
+        let status = answer.status();
+        if status.is_success() {
+            return Ok(answer);
+        }
+        let text = answer.text().await.unwrap_or_default();
+        let text: String = text.chars().take(300).collect();
+        Err(failed(format!("{status}: {text}")))
+    }
+
+    fn client_for_elsewhere(&self) -> Result<reqwest::Client, String> {
+        let http = reqwest::Client::builder()
+            .connect_timeout(CONNECT_TIMEOUT)
+            .read_timeout(SILENCE)
+            .pool_idle_timeout(IDLE)
+            .tcp_nodelay(true);
+        let http = match &self.authorities {
+            Some(pem) => http.tls_certs_only(certificates(pem)?),
+            None => http,
+        };
+        http.build().map_err(|error| chain(&error))
     }
 
     /// Sends a request; every answer but success and "not modified" is an error.

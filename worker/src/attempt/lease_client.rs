@@ -6,11 +6,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use backon::{ExponentialBuilder, Retryable};
+use bytes::Bytes;
 use loadframe_api::worker::{
     CheckpointQuery, Command, CompleteRequest, FailRequest, FaultRequest, HeartbeatAnswer,
     LEASE_TOKEN_HEADER, Lease, ProgressReport, ReleaseRequest, UploadQuery, UploadedPart,
 };
 use loadframe_api::{FileEntry, sha256_hex};
+use loadframe_client::direct::Becomes;
 use loadframe_client::{ServerClient, ServerError};
 use loadframe_run::{SavedRun, StopCause};
 use reqwest::{Method, RequestBuilder, Response};
@@ -19,6 +21,7 @@ use tokio::fs::File;
 use tokio::io::AsyncSeekExt;
 
 use super::contact::Contact;
+use super::direct::{Content, Source};
 use super::stop::AttemptSwitch;
 
 /// A checkpoint that has not come by so many leases is not waited for.
@@ -34,11 +37,13 @@ const PAUSES_A_LEASE: u32 = 4;
 /// Speaks for the holder of a lease.
 #[derive(Clone, Debug)]
 pub(super) struct LeaseClient {
-    server: ServerClient,
+    pub(super) server: ServerClient,
     path: String,
     token: String,
     /// How long a checkpoint is waited for.
     checkpoint_patience: Duration,
+    /// From this size on, contents are sent to the bucket.
+    pub(super) direct_from: Option<u64>,
     longest_pause: Duration,
     contact: Arc<Contact>,
     switch: Arc<AttemptSwitch>,
@@ -48,6 +53,7 @@ impl LeaseClient {
     pub(super) fn new(
         server: ServerClient,
         lease: &Lease,
+        direct_from: Option<u64>,
         contact: Arc<Contact>,
         switch: Arc<AttemptSwitch>,
     ) -> Self {
@@ -57,6 +63,7 @@ impl LeaseClient {
             path: format!("/v1/worker/leases/{}", lease.id),
             token: lease.token.to_string(),
             checkpoint_patience: lease_time.mul_f64(LEASES_FOR_A_CHECKPOINT),
+            direct_from,
             longest_pause: LONGEST_PAUSE.min(lease_time / PAUSES_A_LEASE),
             contact,
             switch,
@@ -98,6 +105,17 @@ impl LeaseClient {
 
     /// Uploads the file at `path`; what had arrived when it broke off is not sent again.
     pub(super) async fn upload(&self, entry: &FileEntry, path: &Path) -> Result<(), ServerError> {
+        let becomes = Becomes::File {
+            name: entry.name.clone(),
+        };
+        let content = Content {
+            sha256: &entry.sha256,
+            bytes: entry.bytes,
+            source: Source::File(path),
+        };
+        if self.send_directly(&content, &becomes).await? {
+            return Ok(());
+        }
         let is_first = AtomicBool::new(true);
         self.with_retries(|| async {
             let from = match is_first.swap(false, Ordering::Relaxed) {
@@ -137,12 +155,24 @@ impl LeaseClient {
 
     /// Stores a checkpoint, to which all files uploaded so far belong.
     pub(super) async fn save_checkpoint(&self, saved: &SavedRun) -> Result<(), ServerError> {
-        let bytes = saved.to_bytes();
+        let bytes = Bytes::from(saved.to_bytes());
         let query = CheckpointQuery {
             sha256: sha256_hex(&bytes),
             wall_s: saved.spent().wall_s,
             cpu_s: saved.spent().cpu_s,
         };
+        let becomes = Becomes::Checkpoint {
+            wall_s: query.wall_s,
+            cpu_s: query.cpu_s,
+        };
+        let content = Content {
+            sha256: &query.sha256,
+            bytes: bytes.len() as u64,
+            source: Source::Memory(&bytes),
+        };
+        if self.send_directly(&content, &becomes).await? {
+            return Ok(());
+        }
         self.with_retries(|| async {
             let request = self.request(Method::PUT, "/checkpoint").query(&query);
             self.send_once(request.body(bytes.clone())).await
@@ -212,13 +242,13 @@ impl LeaseClient {
         Ok(())
     }
 
-    fn request(&self, method: Method, route: &str) -> RequestBuilder {
+    pub(super) fn request(&self, method: Method, route: &str) -> RequestBuilder {
         let path = format!("{}{route}", self.path);
         let request = self.server.request(method, &path);
         request.header(LEASE_TOKEN_HEADER, &self.token)
     }
 
-    async fn send_once(&self, request: RequestBuilder) -> Result<Response, ServerError> {
+    pub(super) async fn send_once(&self, request: RequestBuilder) -> Result<Response, ServerError> {
         let answer = self.server.send(request).await;
         match self.noted(answer) {
             // the job and its lease are gone
@@ -247,7 +277,7 @@ impl LeaseClient {
         ServerError::LeaseLost
     }
 
-    async fn with_retries<T, F>(&self, call: impl FnMut() -> F) -> Result<T, ServerError>
+    pub(super) async fn with_retries<T, F>(&self, call: impl FnMut() -> F) -> Result<T, ServerError>
     where
         F: Future<Output = Result<T, ServerError>>,
     {

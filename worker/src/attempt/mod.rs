@@ -10,6 +10,7 @@
 mod backlog;
 mod batch;
 mod contact;
+mod direct;
 mod ending;
 mod heartbeat;
 mod lease_client;
@@ -54,16 +55,22 @@ pub(crate) struct AttemptContext {
 }
 
 impl AttemptContext {
-    /// Carries out the job of `lease` and ends the lease.
+    /// Carries out the job of `lease` and ends the lease. Contents of `direct_from` bytes or more go to the
+    /// server's bucket.
     ///
     /// # Errors
     /// When the lease was lost; everything of this attempt is dropped.
-    pub(crate) async fn carry_out(&self, lease: Lease) -> Result<(), ServerError> {
+    pub(crate) async fn carry_out(
+        &self,
+        lease: Lease,
+        direct_from: Option<u64>,
+    ) -> Result<(), ServerError> {
         let switch = Arc::new(AttemptSwitch::default());
         let contact = Contact::lasting(self.server_away);
         let client = LeaseClient::new(
             self.server.clone(),
             &lease,
+            direct_from,
             Arc::clone(&contact),
             Arc::clone(&switch),
         );

@@ -19,6 +19,7 @@ use loadframe_api::{
     CurveView, Envelope, Event, FieldView, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
     Problem, Timestamp, WaitingView, WorkerView, answer_schemas, body_schemas, kind_schema,
 };
+use loadframe_client::direct::{DirectEnd, DirectRequest, DirectUpload};
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};
 
@@ -69,7 +70,7 @@ fn bodies() -> Map<String, Value> {
             HandOver, NewGroup, NewProject, NewShare, NewToken, NewWebhook, PersonChanges,
             PersonLimits, ProjectChanges, RetentionRule, NewComparison, ComparisonChanges,
             MeasuredCurve, ClaimRequest, ProgressReport, CompleteRequest, FailRequest,
-            FaultRequest, ReleaseRequest, AllocationReport);
+            FaultRequest, ReleaseRequest, AllocationReport, DirectRequest, DirectEnd);
     })
 }
 
@@ -79,7 +80,7 @@ fn answers() -> Map<String, Value> {
         add!(generator: Problem, Timestamp, JobKind, JobView, Page<JobView>, DryRun,
             CurveView, Page<FileEntry>, Outcome, Page<LogLine>, Event,
             KindView, Page<KindView>, Page<ExampleView>, Page<WorkerView>, Health, VersionView,
-            Lease, HeartbeatAnswer, UploadedPart, CallerView, PersonView, Page<PersonView>,
+            Lease, HeartbeatAnswer, UploadedPart, DirectUpload, CallerView, PersonView, Page<PersonView>,
             Page<SessionView>, InvitationMade, Page<InvitationView>, TokenMade, Page<TokenView>,
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
             Page<AuditEntry>, Backlog, Page<ReportedAllocations>, WaitingView, Allowance,

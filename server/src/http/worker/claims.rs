@@ -3,9 +3,10 @@ use std::time::Duration;
 
 use axum::Json;
 use axum::extract::State;
-use axum::http::StatusCode;
+use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use loadframe_api::worker::ClaimRequest;
+use loadframe_client::direct::DIRECT_FROM_HEADER;
 use tokio::time::{Instant, timeout_at};
 
 use super::super::AppState;
@@ -20,10 +21,12 @@ const LOOK_EVERY: Duration = Duration::from_secs(2);
 ///
 /// Answers with the next job for this worker, and waits up to `wait_s` seconds for one. Jobs go by
 /// priority, then in the order of their submission. A worker whose answer was lost on the way
-/// claims again and is given the same lease.
+/// claims again and is given the same lease. The header `Loadframe-Direct-From` of the answer, where files
+/// are in a bucket, says from how many bytes on the worker may send a file there by itself.
 #[utoipa::path(post, path = "/v1/worker/claims", tag = "Worker",
     request_body(content = ref("#/components/schemas/ClaimRequest"), description = "Who asks, and for what"),
-    responses((status = 200, description = "A job, under a lease", body = ref("#/components/schemas/Lease")),
+    responses((status = 200, description = "A job, under a lease", body = ref("#/components/schemas/Lease"),
+               headers(("Loadframe-Direct-From" = String))),
               (status = 204, description = "No job came"),
               (status = 408, description = "The body did not arrive in time"),
               (status = 413, description = "The body is too large"),
@@ -42,7 +45,12 @@ pub(super) async fn claim(
         queued.borrow_and_update();
         if let Some(lease) = state.store.claim(&request).await? {
             metrics::counter!("loadframe_claims_total").increment(1);
-            return Ok(Json(lease).into_response());
+            let mut answer = Json(lease).into_response();
+            if let Some(bytes) = state.store.direct_from() {
+                let headers = answer.headers_mut();
+                headers.insert(DIRECT_FROM_HEADER, HeaderValue::from(bytes));
+            }
+            return Ok(answer);
         }
         let now = Instant::now();
         if now >= end {

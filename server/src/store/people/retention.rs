@@ -273,7 +273,7 @@ impl Store {
                 }
                 Err(error) => tracing::error!(%error, "the rules of projects could not be applied"),
             }
-            match self.empty_trash(Timestamp::now()).await {
+            match self.empty_trash(self.now()).await {
                 Ok(0) => {}
                 Ok(jobs) => tracing::info!(jobs, "deleted jobs whose time was over are gone"),
                 Err(error) => tracing::error!(%error, "the trash could not be emptied"),

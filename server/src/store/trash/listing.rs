@@ -139,7 +139,7 @@ impl Store {
              LIMIT 1",
         )
         .bind(id)
-        .bind(Timestamp::now().as_millis() - self.trash_millis())
+        .bind(self.now().as_millis() - self.trash_millis())
         .fetch_optional(self.lookups())
         .await?;
         let (what, owner) = row.ok_or_else(|| missing(id))?;

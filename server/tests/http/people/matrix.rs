@@ -73,7 +73,7 @@ const ROUTES: &[(Class, &[&str])] = &[
         "revoke_invitation", "create_group", "add_member", "remove_member",
         "read_audit", "export_audit"]),
     (Class::Work, &["claim", "heartbeat", "progress", "complete", "fail", "fault", "release", "upload",
-        "uploaded_part",
+        "uploaded_part", "begin_direct", "end_direct",
         "checkpoint", "save_checkpoint", "read_backlog", "report_allocations"]),
 ];
 

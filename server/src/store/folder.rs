@@ -1,0 +1,201 @@
+//! Files in a folder of this machine: `blobs/` with the bytes under their SHA-256, in 256 folders by its
+//! first two digits, and small notes of the store beside them.
+//!
+//! Bytes are durable under a temporary name before they are renamed, and the name is durable before a row
+//! may have it. What is not what its name says is moved to `set-aside/`.
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempPath;
+
+use super::disk::{blocking, hash_of, sync_folder};
+use super::error::{Loss, Result, StoreError};
+
+/// The folder of files.
+#[derive(Clone, Debug)]
+pub(super) struct Folder {
+    root: PathBuf,
+    /// What is not what its name says is moved here.
+    set_aside: PathBuf,
+}
+
+impl Folder {
+    /// That of the store in `data`, which may not be there yet.
+    pub(super) fn of(data: &Path) -> Self {
+        Self {
+            root: data.join("blobs"),
+            set_aside: data.join("set-aside"),
+        }
+    }
+
+    pub(super) fn root(&self) -> &Path {
+        &self.root
+    }
+
+    pub(super) async fn prepare(&self) -> Result<()> {
+        let root = self.root.clone();
+        blocking(&self.root, move || {
+            // all folders at once, so that storing a file makes no folder durable but its own
+            for byte in 0..=u8::MAX {
+                std::fs::create_dir_all(root.join(format!("{byte:02x}")))?;
+            }
+            sync_folder(&root)
+        })
+        .await
+    }
+
+    /// Where the bytes of `sha256` are.
+    pub(super) fn path(&self, sha256: &str) -> PathBuf {
+        let folder = sha256.get(..2).unwrap_or_default();
+        self.root.join(folder).join(sha256)
+    }
+
+    /// Puts bytes that are durable under a temporary name in their place, in the place of others.
+    pub(super) async fn place(&self, sha256: &str, bytes: TempPath) -> Result<()> {
+        let place = self.path(sha256);
+        blocking(&self.path(sha256), move || {
+            bytes.persist(&place)?;
+            sync_folder(place.parent().unwrap_or(&place))
+        })
+        .await
+    }
+
+    /// Length of a stored file; `None` when it is not there.
+    pub(super) async fn length(&self, sha256: &str) -> Option<u64> {
+        let found = tokio::fs::metadata(self.path(sha256)).await;
+        found.ok().map(|file| file.len())
+    }
+
+    /// Holds a stored file against its name and sets it aside if it is another; tells what is wrong.
+    pub(super) async fn examine(&self, sha256: &str, bytes: u64) -> Result<Option<Loss>> {
+        let place = self.path(sha256);
+        let expected = sha256.to_owned();
+        let found = blocking(&place.clone(), move || match hash_of(&place) {
+            Ok((found, length)) if found == expected && length == bytes => Ok(None),
+            Ok(_) => Ok(Some(Loss::Changed)),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(Some(Loss::Missing)),
+            Err(error) => Err(error),
+        })
+        .await;
+        let found = match found {
+            Ok(found) => found,
+            // a disk that cannot read it back has lost it as well
+            Err(StoreError::File { path, source }) => {
+                tracing::error!(path = %path.display(), error = %source, "a stored file cannot be read");
+                Some(Loss::Changed)
+            }
+            Err(error) => return Err(error),
+        };
+        if found == Some(Loss::Changed) {
+            self.set_aside(sha256).await?;
+        }
+        Ok(found)
+    }
+
+    async fn set_aside(&self, sha256: &str) -> Result<()> {
+        let (place, folder) = (self.path(sha256), self.set_aside.clone());
+        let name = format!("{sha256}-{}", loadframe_api::Timestamp::now().as_millis());
+        tracing::error!(sha256, folder = %folder.display(), "a stored file is not what its name says; it is set aside");
+        blocking(&self.set_aside, move || {
+            std::fs::create_dir_all(&folder)?;
+            std::fs::rename(&place, folder.join(name))?;
+            sync_folder(place.parent().unwrap_or(&place))
+        })
+        .await
+    }
+
+    /// Copies a stored file to `to`; whether it was there.
+    pub(super) async fn copy_to(&self, sha256: &str, to: &Path) -> Result<bool> {
+        let (source, to) = (self.path(sha256), to.to_owned());
+        blocking(&self.path(sha256), move || {
+            match std::fs::copy(source, to) {
+                Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
+                copied => copied.map(|_| true),
+            }
+        })
+        .await
+    }
+
+    /// Names of all stored files.
+    pub(super) async fn names(&self) -> Result<Vec<String>> {
+        let folder = self.root.clone();
+        blocking(&self.root, move || {
+            let mut names = Vec::new();
+            for folder in std::fs::read_dir(folder)? {
+                let folder = folder?;
+                if folder.file_type()?.is_dir() {
+                    for file in std::fs::read_dir(folder.path())? {
+                        names.extend(file?.file_name().into_string());
+                    }
+                }
+            }
+            Ok(names)
+        })
+        .await
+    }
+
+    pub(super) async fn remove(&self, names: Vec<String>) -> Result<()> {
+        let paths: Vec<PathBuf> = names.iter().map(|name| self.path(name)).collect();
+        blocking(&self.root, move || {
+            for path in paths {
+                match std::fs::remove_file(path) {
+                    Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+                    _ => {}
+                }
+            }
+            Ok(())
+        })
+        .await
+    }
+
+    /// Whether any file lies there.
+    pub(super) fn has_files(&self) -> Result<bool> {
+        let look = || -> std::io::Result<bool> {
+            for folder in std::fs::read_dir(&self.root)? {
+                let folder = folder?;
+                if folder.file_type()?.is_dir()
+                    && std::fs::read_dir(folder.path())?.next().is_some()
+                {
+                    return Ok(true);
+                }
+            }
+            Ok(false)
+        };
+        match look() {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
+            looked => looked.map_err(StoreError::file(&self.root)),
+        }
+    }
+
+    /// A note of the store beside the files, if it is there.
+    pub(super) fn note(&self, name: &str) -> Result<Option<String>> {
+        let path = self.root.join(name);
+        match std::fs::read_to_string(&path) {
+            Ok(text) => Ok(Some(text)),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(StoreError::file(path)(error)),
+        }
+    }
+
+    /// Leaves a note, durably.
+    pub(super) fn leave_note(&self, name: &str, text: &str) -> Result<()> {
+        let path = self.root.join(name);
+        let write = || -> std::io::Result<()> {
+            std::fs::create_dir_all(&self.root)?;
+            let mut file = tempfile::NamedTempFile::new_in(&self.root)?;
+            std::io::Write::write_all(&mut file, text.as_bytes())?;
+            file.as_file().sync_all()?;
+            file.persist(&path)?;
+            sync_folder(&self.root)
+        };
+        write().map_err(StoreError::file(&path))
+    }
+
+    /// A folder for files on their way to a place here.
+    pub(super) fn staging(&self, sha256: &str) -> Result<PathBuf> {
+        let place = self.path(sha256);
+        let folder = place.parent().unwrap_or(&self.root).to_owned();
+        std::fs::create_dir_all(&folder).map_err(StoreError::file(&folder))?;
+        Ok(folder)
+    }
+}
