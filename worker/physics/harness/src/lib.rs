@@ -4,11 +4,13 @@
 //! files (through [`csv`] and [`vtk`]), progress and checkpoints ([`checkpoint`]), and ends with an
 //! [`Ending`], whose report a [`ReportBuilder`] makes, or a [`SimulationError`]. [`plan`] carries out a job of several tests side by side and
 //! joins their reports; [`statistics`] is about what differs between them. [`rng`] gives the named
-//! random streams of a seed, [`curve`] reads values off a curve.
+//! random streams of a seed, [`curve`] reads values off a curve, an [`ErrorTable`] says how wrong results may
+//! be for how they were computed.
 pub mod checkpoint;
 pub mod csv;
 pub mod curve;
 mod error;
+mod error_table;
 pub mod plan;
 mod recorder;
 mod report;
@@ -22,6 +24,7 @@ use loadframe_api::Report;
 
 pub use checkpoint::CheckpointError;
 pub use error::{Halt, SimulationError};
+pub use error_table::{ErrorTable, Likeness};
 pub use recorder::{Decorator, Interrupt, InterruptSource, Recorder, Uninterrupted, Unrecorded};
 pub use report::ReportBuilder;
 pub use statistics::{Sample, Welch};

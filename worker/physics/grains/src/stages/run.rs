@@ -4,7 +4,7 @@ use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError
 use loadframe_numerics::Team;
 
 use super::runner::Runner;
-use crate::output::{fragments, journal::Journal, report, snapshot, tables};
+use crate::output::{errors, fragments, journal::Journal, report, snapshot, tables};
 
 /// Runs the scene of `spec`; returns its journal as well, for tests in terms of their own.
 pub(crate) fn run(
@@ -82,6 +82,9 @@ pub(crate) fn run(
     let has_walls = runner.engine.wall_count() > 0;
     snapshot::write_series(&runner.journal, has_walls, recorder)?;
     recorder.progress(1.0, "finished");
-    let report = report::report(spec, &runner.engine, &runner.journal);
+    let mut report = report::report(spec, &runner.engine, &runner.journal);
+    if let Some(words) = errors::add(&mut report, spec, &runner.engine, &runner.journal) {
+        recorder.log(&words);
+    }
     Ok((Ending::Finished(report), runner.journal))
 }

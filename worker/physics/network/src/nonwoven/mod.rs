@@ -11,6 +11,7 @@
 mod calibration;
 mod cycles;
 mod distribution;
+mod errors;
 mod experiment;
 mod landscape;
 mod lattice;
@@ -150,7 +151,14 @@ fn run_one(
     snapshot::take_peak(&experiment, recorder)?;
     tables::write(spec, &experiment.specimen, &experiment.state, recorder)?;
     recorder.progress(1.0, "finished");
-    let report = report::report(spec, &experiment.specimen, &experiment.state, stop_reason);
+    let mut report = report::report(spec, &experiment.specimen, &experiment.state, stop_reason);
+    let is_torn = matches!(
+        stop_reason,
+        StopReason::ForceDropped | StopReason::NoLoadPath
+    );
+    if let Some(words) = errors::add(&mut report, spec, &experiment.specimen, is_torn) {
+        recorder.log(&words);
+    }
     Ok(Ending::Finished(report))
 }
 

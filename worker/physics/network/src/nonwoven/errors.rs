@@ -1,0 +1,103 @@
+//! How wrong results may be for how they were computed, as measured before.
+//!
+//! `errors.json` is what `cargo run --release -p loadframe-physics --example stated_errors -- measure
+//! nonwoven_tensile 30` prints; [`ErrorTable`] reads it. It holds the errors of fabrics drawn at random at levels of three knobs:
+//! A_cc, the strain step over the strain at which a bond of mean strength breaks, and the break precision.
+//! An error is the root mean square over the fabrics, or half of what 95 % of them stayed below where that
+//! is more: twice of it is to hold for 19 of 20.
+//!
+//! What is not known here: specimens. A result is that of the fabric that was drawn; how far others lie
+//! from it repeats tell.
+use loadframe_api::Report;
+use loadframe_api::spec::nonwoven_tensile::{Breaking, Fabric, NonwovenTensile, Solver};
+use loadframe_harness::{ErrorTable, Likeness};
+
+use super::specimen::Specimen;
+
+/// Results of rupture, and the measured one that they are proportional to.
+const OF_RUPTURE: [(&str, &str); 9] = [
+    ("max_force", "strength"),
+    ("strength", "strength"),
+    ("strength_pa", "strength"),
+    ("tensile_index", "strength"),
+    ("tenacity", "strength"),
+    ("max_force_per_layer", "strength"),
+    ("strain_at_max_force", "strain_at_max_force"),
+    ("energy_absorption", "energy_absorption"),
+    ("work_to_max_force", "energy_absorption"),
+];
+/// The same of small strains.
+const OF_SMALL_STRAIN: [(&str, &str); 5] = [
+    ("modulus_at_10_percent", "modulus_at_10_percent"),
+    ("secant_stiffness_at_10_percent", "modulus_at_10_percent"),
+    ("modulus_at_10_percent_pa", "modulus_at_10_percent"),
+    ("modulus_at_10_percent_per_tex", "modulus_at_10_percent"),
+    ("poisson_ratio", "poisson_ratio"),
+];
+
+/// Layers of the fabrics that were measured.
+const MOST_LAYERS: u32 = 3;
+
+/// Gives results the errors that are known of them. Returns what is to be said of those that have none.
+pub(super) fn add(
+    report: &mut Report,
+    spec: &NonwovenTensile,
+    specimen: &Specimen,
+    is_torn: bool,
+) -> Option<String> {
+    let table = match ErrorTable::read(include_str!("errors.json")) {
+        Ok(table) => table,
+        Err(error) => return Some(format!("results have no error: its table is none: {error}")),
+    };
+    let knobs = spec.accuracy.knobs();
+    let is_measured = knobs.solver == Solver::NewtonCg
+        && spec.test.breaking == Breaking::AllOverStrength
+        && spec.test.history.is_empty();
+    let lattice = match &spec.fabric {
+        Fabric::Lattice(lattice) if is_measured && lattice.layers <= MOST_LAYERS => lattice,
+        _ => {
+            return Some(format!(
+                "results have no error: it was measured for lattices of up to {MOST_LAYERS} layers that \
+                 newton_cg pulls once, all bonds over their strength breaking at once"
+            ));
+        }
+    };
+    let law = specimen.mean_law;
+    let strength = spec.bond.mean_strength_n.unwrap_or(f64::NAN);
+    let strain_of_strength = law.strain(strength);
+    let traits = [
+        ("bonds", specimen.network.bonds.len() as f64),
+        (
+            "mean_irregularity",
+            lattice.irregularity.iter().sum::<f64>() / 3.0,
+        ),
+        (
+            "compression_stiffness_over_modulus",
+            law.compression_stiffness / law.modulus,
+        ),
+        (
+            "friction_modulus_over_modulus",
+            law.friction_modulus / law.modulus,
+        ),
+        ("strain_of_mean_strength", strain_of_strength),
+        ("strength_sigma", spec.bond.strength_sigma),
+    ];
+    let knobs = [
+        ("solver", knobs.force_accuracy),
+        ("strain_step", spec.test.strain_step / strain_of_strength),
+        (
+            "break_precision",
+            knobs.break_precision.unwrap_or(f64::INFINITY),
+        ),
+    ];
+    // the force at a given strain is no strength, and its error none of one
+    let of_rupture = if is_torn { &OF_RUPTURE[..] } else { &[] };
+    table.add(
+        report,
+        &Likeness {
+            traits: &traits,
+            knobs: &knobs,
+            results: &[of_rupture, &OF_SMALL_STRAIN].concat(),
+        },
+    )
+}
