@@ -149,7 +149,7 @@ impl Store {
             Ok(0) => {}
             Ok(swept) => tracing::info!(swept, "abandoned uploads were removed"),
             Err(error) => {
-                tracing::warn!(error = %chain(&error), "abandoned uploads could not be looked for")
+                tracing::warn!(error = %chain(&error), "abandoned uploads could not be looked for");
             }
         }
     }

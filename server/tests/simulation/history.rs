@@ -242,7 +242,7 @@ async fn whole(store: &Store, seen: &Seen, job: &JobView, truth: &Truth) {
     );
     let file = store.file(job.id, RESULT).await.unwrap();
     let path = store.content(job.id, &file).await.unwrap();
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = std::fs::read_to_string(path.path().expect("a file of this machine")).unwrap();
     assert_eq!(text, format!("job {} attempt {winner}", job.id));
     for file in store.files(job.id).await.unwrap() {
         store.content(job.id, &file).await.unwrap();

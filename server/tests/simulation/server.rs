@@ -170,7 +170,7 @@ async fn leased(store: &Store, lease: &Lease, message: Leased) -> Result<Answer,
         }
         Leased::Fetch => match store.checkpoint(key, None).await {
             Ok((info, path)) => {
-                let state = Arc::new(std::fs::read(path).unwrap());
+                let state = Arc::new(std::fs::read(path.path().expect("a file")).unwrap());
                 Ok(Answer::Checkpoint(Some((state, info.files))))
             }
             Err(StoreError::NotFound(_)) => Ok(Answer::Checkpoint(None)),

@@ -202,7 +202,13 @@ mod tests {
             assert!(words.unwrap().contains("100.0000 to 10000.0000"));
         }
         // 3 % of two decades is a factor of 1.15
-        for (bonds, warnings) in [(101.0, 1), (114.0, 1), (116.0, 0), (8_600.0, 0), (9_000.0, 1)] {
+        for (bonds, warnings) in [
+            (101.0, 1),
+            (114.0, 1),
+            (116.0, 0),
+            (8_600.0, 0),
+            (9_000.0, 1),
+        ] {
             assert_eq!(told(bonds, 100.0, 0.01).2, warnings, "{bonds}");
         }
     }

@@ -12,7 +12,7 @@ use loadframe_api::spec::granular_scene::{ContactLaw, GranularScene, Stage, Time
 use loadframe_api::{Quantity, Report};
 use loadframe_harness::{ErrorTable, Likeness};
 
-use super::{journal::Journal, report};
+use super::journal::Journal;
 use crate::step::engine::Engine;
 
 /// Bodies of the scenes that were measured, at most.
@@ -37,7 +37,7 @@ pub(crate) fn add(
         Ok(table) => table,
         Err(error) => return Some(format!("results have no error: its table is none: {error}")),
     };
-    let worst = report::worst(engine, journal);
+    let worst = journal.worst.with(&engine.state.seen);
     let step = match spec.time_step_s {
         TimeStep::Automatic(_) => spec.accuracy.knobs().critical_step_fraction,
         TimeStep::Given(_) => worst.step_ratio,
