@@ -18,11 +18,12 @@ fn flying(side: u32, steps: u32, record: &Value) -> Value {
     let mut bodies = Vec::new();
     for number in 0..side.pow(3) {
         let place = [number % side, number / side % side, number / side.pow(2)];
+        let place = place.map(|along| 0.01 * f64::from(along));
+        // no two alike: files do not get small by packing
+        let velocity = [1, 2, 3].map(|way| 1e-3 * f64::from(way * number).sin());
         bodies.push(json!({
             "sphere": {"radius_m": 0.001}, "material": "stone",
-            "position_m": place.map(|along| 0.01 * f64::from(along)),
-            // no two alike: files do not get small by packing
-            "velocity_m_per_s": [1, 2, 3].map(|way| 1e-3 * (f64::from(way * number)).sin()),
+            "position_m": place, "velocity_m_per_s": velocity,
         }));
     }
     json!({"kind": "granular_scene", "spec": {
@@ -76,7 +77,8 @@ fn paused_for(server: &Server, id: Uuid, what: &str) -> (JobView, f64) {
     ] {
         assert!(rest.contains(part), "{part}: {}", job.reason);
     }
-    (job, taken.parse().unwrap())
+    let taken = taken.parse().unwrap();
+    (job, taken)
 }
 
 /// Raises the factor and lets the job go on.
