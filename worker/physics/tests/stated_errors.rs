@@ -27,7 +27,7 @@ const TINY: Fabrics = Fabrics(Size {
 });
 /// Nine of ten are promised; of six, one outside has a chance of 47 in 100 at that, two of 11.
 const WITHIN: usize = 5;
-const FIRST_SEED: u64 = 200_001;
+const FIRST_SEED: u64 = 200_002;
 /// A_cc, step and precision of `standard`.
 const USUAL: [f64; 3] = [100.0, 0.01, 0.01];
 
@@ -57,11 +57,11 @@ fn the_finest_test_of_a_fabric_lies_within_twice_the_stated_error() {
 }
 
 /// Scenes of the next test, each of another sort.
-const SCENES: u64 = 4;
+const SCENES: [u64; 4] = [200_003, 200_004, 200_005, 200_006];
 
 #[test]
 fn the_finest_run_of_a_scene_lies_within_twice_the_stated_error() {
-    for seed in FIRST_SEED..FIRST_SEED + SCENES {
+    for seed in SCENES {
         let [draft, fine] = [0.4, 0.05].map(|step| Scenes.job(seed, &[step]));
         let [draft, fine] = [draft, fine].map(|job| report(&job).expect("a result"));
         for name in Scenes.results() {
