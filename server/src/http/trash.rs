@@ -47,7 +47,10 @@ struct ListQuery {
     params(ListQuery),
     responses((status = 200, description = "What can be brought back", body = ref("#/components/schemas/TrashViewPage")),
               (status = 422, description = "The cursor is not one of this server")))]
-async fn list(permit: Permit<Read>, Query(query): Query<ListQuery>) -> Result<Json<Page<TrashView>>> {
+async fn list(
+    permit: Permit<Read>,
+    Query(query): Query<ListQuery>,
+) -> Result<Json<Page<TrashView>>> {
     let sight = match &permit.call.caller.identity {
         Identity::Sole => TrashSight::Everything,
         Identity::Person(person) if person.role == Role::Administrator => TrashSight::Everything,
@@ -57,7 +60,9 @@ async fn list(permit: Permit<Read>, Query(query): Query<ListQuery>) -> Result<Js
     };
     let limit = query.limit.map_or(PAGE, |Number(limit)| limit as u32);
     let cursor = query.cursor.map(|Text(cursor)| cursor);
-    let page = permit.store.trash(sight, cursor.as_deref(), limit, Timestamp::now());
+    let page = permit
+        .store
+        .trash(sight, cursor.as_deref(), limit, Timestamp::now());
     Ok(Json(page.await?))
 }
 
@@ -100,5 +105,7 @@ async fn erase(
 
 async fn ask(state: &AppState, permit: &Permit<Change>, id: Uuid) -> Result<()> {
     let (_, owner) = state.store.in_trash(id).await?;
-    permit.call.ask(Action::Change, Object::Deleted(DeletedFacts { id, owner }))
+    permit
+        .call
+        .ask(Action::Change, Object::Deleted(DeletedFacts { id, owner }))
 }

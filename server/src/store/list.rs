@@ -119,7 +119,10 @@ impl Store {
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
         let mut query = words.statement("SELECT j.seq FROM ", walk, before, limit);
-        Ok(query.build_query_scalar().fetch_all(&mut *connection).await?)
+        Ok(query
+            .build_query_scalar()
+            .fetch_all(&mut *connection)
+            .await?)
     }
 
     async fn filtered(

@@ -28,7 +28,9 @@ pub enum Root {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PointerError {
-    #[error("{0:?} is not /spec/… or /summary/NAME, with parts of up to 200 bytes in all and without quotes")]
+    #[error(
+        "{0:?} is not /spec/… or /summary/NAME, with parts of up to 200 bytes in all and without quotes"
+    )]
     Pointer(String),
     #[error("{0:?} is not a pointer, one of = != < <= > >=, and a value")]
     Condition(String),
@@ -170,7 +172,10 @@ impl FromStr for Condition {
         if value.is_empty() {
             return Err(refused());
         }
-        let number = value.parse::<f64>().ok().filter(|number| number.is_finite());
+        let number = value
+            .parse::<f64>()
+            .ok()
+            .filter(|number| number.is_finite());
         let operand = match (value, number) {
             (_, Some(number)) => Operand::Number(number),
             ("true", _) => Operand::Truth(true),
@@ -220,16 +225,35 @@ mod tests {
     fn a_pointer_leads_into_a_spec_or_to_a_result() {
         for (text, root, path) in [
             ("/spec/seed", Root::Spec, "$.\"seed\""),
-            ("/spec/pulp/0/width_um", Root::Spec, "$.\"pulp\"[0].\"width_um\""),
-            ("/spec/materials/a~1b~0c", Root::Spec, "$.\"materials\".\"a/b~c\""),
+            (
+                "/spec/pulp/0/width_um",
+                Root::Spec,
+                "$.\"pulp\"[0].\"width_um\"",
+            ),
+            (
+                "/spec/materials/a~1b~0c",
+                Root::Spec,
+                "$.\"materials\".\"a/b~c\"",
+            ),
             ("/summary/max_force", Root::Results, "$.\"max_force\".value"),
         ] {
             let pointer: Pointer = text.parse().expect(text);
             assert_eq!((pointer.root(), pointer.path()), (root, path));
         }
         let long = format!("/spec/{}", "a".repeat(LONGEST));
-        for wrong in ["", "/", "spec/seed", "/spec", "/spec/", "/spec//a", "/name", "/summary/a/b",
-            "/spec/a\"b", "/summary", &long] {
+        for wrong in [
+            "",
+            "/",
+            "spec/seed",
+            "/spec",
+            "/spec/",
+            "/spec//a",
+            "/name",
+            "/summary/a/b",
+            "/spec/a\"b",
+            "/summary",
+            &long,
+        ] {
             assert!(wrong.parse::<Pointer>().is_err(), "{wrong}");
         }
     }
@@ -238,17 +262,49 @@ mod tests {
     fn a_condition_is_a_pointer_a_comparison_and_a_value() {
         for (text, comparison, operand) in [
             ("/spec/seed=3", Comparison::Equal, Operand::Number(3.0)),
-            ("/spec/seed != 3", Comparison::NotEqual, Operand::Number(3.0)),
-            ("/summary/max_force>=1.5e3", Comparison::AtLeast, Operand::Number(1500.0)),
-            ("/summary/max_force<-2", Comparison::Less, Operand::Number(-2.0)),
+            (
+                "/spec/seed != 3",
+                Comparison::NotEqual,
+                Operand::Number(3.0),
+            ),
+            (
+                "/summary/max_force>=1.5e3",
+                Comparison::AtLeast,
+                Operand::Number(1500.0),
+            ),
+            (
+                "/summary/max_force<-2",
+                Comparison::Less,
+                Operand::Number(-2.0),
+            ),
             ("/spec/a=true", Comparison::Equal, Operand::Truth(true)),
-            ("/spec/a=none", Comparison::Equal, Operand::Text("none".to_owned())),
-            ("/spec/a=\"3 mm\"", Comparison::Equal, Operand::Text("3 mm".to_owned())),
+            (
+                "/spec/a=none",
+                Comparison::Equal,
+                Operand::Text("none".to_owned()),
+            ),
+            (
+                "/spec/a=\"3 mm\"",
+                Comparison::Equal,
+                Operand::Text("3 mm".to_owned()),
+            ),
         ] {
             let condition: Condition = text.parse().expect(text);
-            assert_eq!((condition.comparison, condition.operand), (comparison, operand), "{text}");
+            assert_eq!(
+                (condition.comparison, condition.operand),
+                (comparison, operand),
+                "{text}"
+            );
         }
-        for wrong in ["/spec/a", "/spec/a=", "/spec/a!3", "=3", "/spec/a<b", "/spec/a<true", "/spec/a<inf"] {
+        for wrong in [
+            "/spec/a",
+            "/spec/a=",
+            "/spec/a!3",
+            "=3",
+            "/spec/a<b",
+            "/spec/a<true",
+            "/spec/a<inf",
+        ] {
             assert!(wrong.parse::<Condition>().is_err(), "{wrong}");
         }
     }

@@ -166,7 +166,11 @@ impl Store {
         let mut query = Query::new("SELECT n.value, ");
         match order {
             Some(order) => {
-                push_value(&mut query, &order.pointer, "'integer', 'real', 'true', 'false'");
+                push_value(
+                    &mut query,
+                    &order.pointer,
+                    "'integer', 'real', 'true', 'false'",
+                );
                 query.push(", ");
                 push_value(&mut query, &order.pointer, "'text'");
             }
@@ -291,7 +295,9 @@ fn push_value(query: &mut Query, pointer: &Pointer, types: &str) {
     };
     query.push(format!("(SELECT json_extract(v.{column}, "));
     query.push_bind(pointer.path().to_owned());
-    query.push(format!(") FROM {table} v WHERE v.job = n.value AND octet_length(v.{column}) <= "));
+    query.push(format!(
+        ") FROM {table} v WHERE v.job = n.value AND octet_length(v.{column}) <= "
+    ));
     query.push_bind(LONGEST_SPEC);
     query.push(format!(" AND json_type(v.{column}, "));
     query.push_bind(pointer.path().to_owned());
@@ -300,7 +306,9 @@ fn push_value(query: &mut Query, pointer: &Pointer, types: &str) {
 
 fn place_of(cursor: Option<&str>) -> Result<usize> {
     let Some(cursor) = cursor else { return Ok(0) };
-    let place = cursor.strip_prefix(PLACE).and_then(|text| text.parse().ok());
+    let place = cursor
+        .strip_prefix(PLACE)
+        .and_then(|text| text.parse().ok());
     place.ok_or_else(|| StoreError::Invalid("the cursor is not one of this order".to_owned()))
 }
 

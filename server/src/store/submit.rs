@@ -7,8 +7,8 @@ use super::error::{Result, StoreError};
 use super::state::{LifecycleRow, sentence};
 use super::writer::{Change, EventType};
 use super::{CheckedSubmission, Enqueued, IdempotencyKey, JobEdit, Store, UserAction};
-use crate::queue::needs::Needs;
 use crate::queue::Input;
+use crate::queue::needs::Needs;
 
 /// What was submitted under a key.
 const KEY: &str = "SELECT body_sha256, job FROM idempotency_keys WHERE key = ?";

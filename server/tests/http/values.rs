@@ -17,7 +17,9 @@ fn with_seed(seed: u64, strain_step: f64) -> String {
 async fn seeded(lab: &Lab, seeds: &[u64]) -> Vec<Uuid> {
     let mut jobs = Vec::new();
     for seed in seeds {
-        let answer = lab.post("/v1/jobs", &with_seed(*seed, 0.01 * *seed as f64)).await;
+        let answer = lab
+            .post("/v1/jobs", &with_seed(*seed, 0.01 * *seed as f64))
+            .await;
         assert_eq!(answer.status, 201, "{answer:?}");
         jobs.push(id_of(&answer.json()));
     }
@@ -53,20 +55,41 @@ async fn a_list_is_filtered_and_sorted_by_values_of_specs() {
         ("/spec/fabric/lattice/spacing_mm/0>0", &[four, nine, two]),
         ("/summary/max_force>0", &[]),
     ] {
-        assert_eq!(listed(&lab, "where", conditions).await, expected, "{conditions}");
+        assert_eq!(
+            listed(&lab, "where", conditions).await,
+            expected,
+            "{conditions}"
+        );
     }
     assert_eq!(listed(&lab, "sort", "/spec/seed").await, [two, four, nine]);
     assert_eq!(listed(&lab, "sort", "-/spec/seed").await, [nine, four, two]);
     // what has no value comes last, the newest first
-    assert_eq!(listed(&lab, "sort", "-/summary/max_force").await, [four, nine, two]);
-    let page = lab.get("/v1/jobs?where=/spec/seed%3E1&limit=2").await.json();
-    assert_eq!((ids(&page), &page["stopped_after"]), (vec![four, nine], &Value::Null));
+    assert_eq!(
+        listed(&lab, "sort", "-/summary/max_force").await,
+        [four, nine, two]
+    );
+    let page = lab
+        .get("/v1/jobs?where=/spec/seed%3E1&limit=2")
+        .await
+        .json();
+    assert_eq!(
+        (ids(&page), &page["stopped_after"]),
+        (vec![four, nine], &Value::Null)
+    );
     let next = page["next"].as_str().expect("another page");
-    let page = lab.get(&format!("/v1/jobs?where=/spec/seed%3E1&limit=2&cursor={next}")).await.json();
+    let page = lab
+        .get(&format!(
+            "/v1/jobs?where=/spec/seed%3E1&limit=2&cursor={next}"
+        ))
+        .await
+        .json();
     assert_eq!((ids(&page), &page["next"]), (vec![two], &Value::Null));
     let page = lab.get("/v1/jobs?sort=-/spec/seed&limit=2").await.json();
     let next = page["next"].as_str().expect("another page");
-    let page = lab.get(&format!("/v1/jobs?sort=-/spec/seed&limit=2&cursor={next}")).await.json();
+    let page = lab
+        .get(&format!("/v1/jobs?sort=-/spec/seed&limit=2&cursor={next}"))
+        .await
+        .json();
     assert_eq!((ids(&page), &page["next"]), (vec![two], &Value::Null));
 }
 
@@ -78,7 +101,10 @@ async fn a_list_shows_values_of_specs_with_their_units() {
     let page = lab.get(&format!("/v1/jobs?show={show}")).await.json();
     let values = &page["items"][0]["values"];
     assert_eq!(values["/spec/seed"], json!({ "value": 7 }));
-    assert_eq!(values["/spec/fabric/lattice/spacing_mm"]["value"], "3 entries");
+    assert_eq!(
+        values["/spec/fabric/lattice/spacing_mm"]["value"],
+        "3 entries"
+    );
     assert_eq!(values["/spec/fabric/lattice/spacing_mm/0"]["unit"], "mm");
     assert_eq!(values["/spec/bond/modulus_n"]["unit"], "N");
     assert!(values["/spec/bond/modulus_n"]["value"].is_f64());
@@ -86,8 +112,13 @@ async fn a_list_shows_values_of_specs_with_their_units() {
     assert_eq!(values.get("/spec/none"), None);
     let fields = lab.get("/v1/fields?kind=nonwoven_tensile").await.json();
     let fields = fields["items"].as_array().expect("fields");
-    let modulus = fields.iter().find(|of| of["pointer"] == "/spec/bond/modulus_n");
-    assert_eq!(modulus.expect("a field"), &json!({ "pointer": "/spec/bond/modulus_n", "unit": "N", "jobs": 1 }));
+    let modulus = fields
+        .iter()
+        .find(|of| of["pointer"] == "/spec/bond/modulus_n");
+    assert_eq!(
+        modulus.expect("a field"),
+        &json!({ "pointer": "/spec/bond/modulus_n", "unit": "N", "jobs": 1 })
+    );
 }
 
 #[tokio::test]
@@ -96,15 +127,27 @@ async fn results_are_sorted_and_filtered_by() {
     let done = lab.finished(&[]).await;
     let waiting = lab.submit().await;
     let job = lab.get(&format!("/v1/jobs/{done}")).await.json();
-    let (name, quantity) = job["summary"].as_object().expect("results").iter().next().expect("one");
+    let (name, quantity) = job["summary"]
+        .as_object()
+        .expect("results")
+        .iter()
+        .next()
+        .expect("one");
     let value = quantity["value"].as_f64().expect("a number");
     let below = format!("/summary/{name}<{}", value + 1.0);
     assert_eq!(listed(&lab, "where", &below).await, [done]);
     let above = format!("/summary/{name}>{value}");
     assert!(listed(&lab, "where", &above).await.is_empty());
-    assert_eq!(listed(&lab, "sort", &format!("/summary/{name}")).await, [done, waiting]);
+    assert_eq!(
+        listed(&lab, "sort", &format!("/summary/{name}")).await,
+        [done, waiting]
+    );
     let fields = lab.get("/v1/fields").await.json();
-    let result = fields["items"].as_array().expect("fields").iter().find(|of| of["pointer"] == format!("/summary/{name}"));
+    let result = fields["items"]
+        .as_array()
+        .expect("fields")
+        .iter()
+        .find(|of| of["pointer"] == format!("/summary/{name}"));
     assert_eq!(result.expect("a result")["unit"], quantity["unit"]);
 }
 
@@ -125,20 +168,43 @@ async fn what_is_no_pointer_is_refused_in_a_sentence() {
         let detail = problem["detail"].as_str().expect("a sentence");
         assert!(detail.contains(words), "{query}: {detail}");
     }
-    lab.get("/v1/jobs?sort=/spec/seed&cursor=7").await.problem(422, "invalid-request");
+    lab.get("/v1/jobs?sort=/spec/seed&cursor=7")
+        .await
+        .problem(422, "invalid-request");
 }
 
 #[tokio::test]
 async fn values_of_others_are_not_found_by_searching() {
     let group = Group::open().await;
-    let project = group.project(&group.anna, Visibility::Private, None).await.id;
+    let project = group
+        .project(&group.anna, Visibility::Private, None)
+        .await
+        .id;
     let path = format!("/v1/jobs?project={project}");
-    let job = id_of(&group.send(&group.anna, "POST", &path, &with_seed(77, 0.02)).await.json());
-    for query in ["where=/spec/seed%3D77", "sort=/spec/seed", "show=/spec/seed"] {
+    let job = id_of(
+        &group
+            .send(&group.anna, "POST", &path, &with_seed(77, 0.02))
+            .await
+            .json(),
+    );
+    for query in [
+        "where=/spec/seed%3D77",
+        "sort=/spec/seed",
+        "show=/spec/seed",
+    ] {
         let list = format!("/v1/jobs?{query}");
         assert_eq!(ids(&group.get(&group.anna, &list).await.json()), [job]);
-        assert!(ids(&group.get(&group.bert, &list).await.json()).is_empty(), "{query}");
+        assert!(
+            ids(&group.get(&group.bert, &list).await.json()).is_empty(),
+            "{query}"
+        );
     }
-    assert_eq!(group.get(&group.bert, "/v1/fields").await.json()["items"], json!([]));
-    assert_ne!(group.get(&group.anna, "/v1/fields").await.json()["items"], json!([]));
+    assert_eq!(
+        group.get(&group.bert, "/v1/fields").await.json()["items"],
+        json!([])
+    );
+    assert_ne!(
+        group.get(&group.anna, "/v1/fields").await.json()["items"],
+        json!([])
+    );
 }

@@ -60,7 +60,9 @@ pub(super) async fn fields(
             seen.look_at(&spec);
         }
         listed.extend(seen.every().map(|(pointer, count)| {
-            let unit = jobs.iter().find_map(|job| unit_of_field(job.kind, &pointer));
+            let unit = jobs
+                .iter()
+                .find_map(|job| unit_of_field(job.kind, &pointer));
             FieldView {
                 unit: unit.map(str::to_owned),
                 pointer: format!("/spec{pointer}"),
@@ -68,7 +70,7 @@ pub(super) async fn fields(
             }
         }));
         listed.truncate(MOST);
-        Ok(listed)
+        Ok::<_, ApiError>(listed)
     });
     let listed = listed.await.map_err(|error| ApiError::internal(&error))?;
     Ok(Json(Page::whole(listed?)))

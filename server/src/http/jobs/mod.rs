@@ -86,10 +86,7 @@ struct Deletion {
     responses((status = 204, description = "It is in the trash, or gone for good"),
               (status = 404, description = "There is no such job"),
               (status = 409, description = "It is running")))]
-async fn delete(
-    job: JobPermit<Change>,
-    Query(deletion): Query<Deletion>,
-) -> Result<StatusCode> {
+async fn delete(job: JobPermit<Change>, Query(deletion): Query<Deletion>) -> Result<StatusCode> {
     match deletion.for_good {
         true => job.store.delete(job.id).await?,
         false => job.store.discard(job.id).await?,

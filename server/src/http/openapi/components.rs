@@ -16,8 +16,9 @@ use loadframe_api::worker::{
     ProgressReport, ReleaseRequest, UploadedPart,
 };
 use loadframe_api::{
-    CurveView, Envelope, Event, FieldView, FileEntry, JobChanges, JobKind, JobView, LogLine, Outcome, Page,
-    Problem, Timestamp, WaitingView, WorkerView, answer_schemas, body_schemas, kind_schema,
+    CurveView, Envelope, Event, FieldView, FileEntry, JobChanges, JobKind, JobView, LogLine,
+    Outcome, Page, Problem, Timestamp, WaitingView, WorkerView, answer_schemas, body_schemas,
+    kind_schema,
 };
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};

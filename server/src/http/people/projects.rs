@@ -105,7 +105,9 @@ async fn delete(
     permit: Permit<Change>,
     Path(id): Path<Uuid>,
 ) -> Result<StatusCode> {
-    let project = permit.call.ask_of_project(&state.store, Action::HandOver, id);
+    let project = permit
+        .call
+        .ask_of_project(&state.store, Action::HandOver, id);
     project.await?;
     permit.store.discard_project(id).await?;
     Ok(StatusCode::NO_CONTENT)

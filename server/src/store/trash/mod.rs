@@ -100,7 +100,11 @@ impl Store {
                         "SELECT job FROM trash WHERE (?1 = 'job' AND id = ?2)
                             OR (?1 = 'project' AND project = ?2 AND with_project) LIMIT ?3",
                     )
-                    .bind(if what == Deleted::Job { "job" } else { "project" })
+                    .bind(if what == Deleted::Job {
+                        "job"
+                    } else {
+                        "project"
+                    })
                     .bind(id)
                     .bind(AT_ONCE)
                     .fetch_all(&mut change.connection)

@@ -68,44 +68,69 @@ async fn trashed(group: &Group, by: &Somebody) -> Vec<Value> {
 async fn a_deleted_job_is_nowhere_and_comes_back_whole() {
     let group = Group::open().await;
     let (anna, bert) = (&group.anna, &group.bert);
-    let shared = group.project(anna, Visibility::Group, Some(group.paper)).await.id;
-    let older = group.submit(anna, shared).await;
+    let shared = group
+        .project(anna, Visibility::Group, Some(group.paper))
+        .await
+        .id;
+    let older = finished(&group, anna, shared).await;
     let job = finished(&group, anna, shared).await;
     let newer = group.submit(anna, shared).await;
     let link = group.link(anna, to_job(job, true)).await.0;
     let body = json!({ "name": "both", "jobs": [job, older] }).to_string();
-    let comparison = id_of(&group.send(anna, "POST", "/v1/comparisons", &body).await.json());
+    let comparison = id_of(
+        &group
+            .send(anna, "POST", "/v1/comparisons", &body)
+            .await
+            .json(),
+    );
     let before = faces(&group, anna, job).await;
-    assert!(before.iter().all(|(_, status, _)| *status == 200), "{before:?}");
+    assert!(
+        before.iter().all(|(_, status, _)| *status == 200),
+        "{before:?}"
+    );
     let used = group.get(anna, "/v1/me/limits").await.json();
 
     // a member of the group may delete what is the group's; its owner gets it back
     let path = format!("/v1/jobs/{job}");
     assert_eq!(group.send(bert, "DELETE", &path, "").await.status, 204);
-    for by in [anna, bert, &group.ada, &link] {
+    for by in [anna, bert, &group.ada] {
         for (path, status, body) in faces(&group, by, job).await {
-            let is_out = status == 404 || (by.known_by == link.known_by && status == 401);
-            assert!(is_out, "{path} by {}: {status} {body}", by.name);
+            assert_eq!(status, 404, "{path} by {}: {body}", by.name);
         }
     }
+    for path in ["", "/files", "/files/curve.csv"] {
+        let answer = group.get(&link, &format!("/v1/jobs/{job}{path}")).await;
+        assert_eq!(answer.status, 401, "a link to nothing: {answer:?}");
+    }
     for query in ["", "?status=finished", "?q=fabric", &format!("?q={job}")] {
-        let page = group.get(&group.ada, &format!("/v1/jobs{query}")).await.json();
+        let page = group
+            .get(&group.ada, &format!("/v1/jobs{query}"))
+            .await
+            .json();
         assert!(!ids(&page).contains(&job), "{query}");
     }
-    let compared = group.get(anna, &format!("/v1/comparisons/{comparison}")).await.text();
-    assert!(!compared.contains(&format!("\"id\":\"{job}\"")), "{compared}");
+    let path = format!("/v1/differences?comparison={comparison}");
+    let compared = group.get(anna, &path).await.json();
+    assert_eq!(ids(&json!({ "items": compared["jobs"] })), [older]);
+    assert_eq!(compared["missing"], json!([job]));
     let after = group.get(anna, "/v1/me/limits").await.json();
     assert_eq!(after, used, "what lies in the trash is used");
     let stored = group.get(&group.ada, "/v1/storage").await.json();
     let kinds = stored["items"].as_array().expect("items");
-    let trash = kinds.iter().find(|of| of["kind"] == "trash").expect("a line");
-    assert_eq!((&trash["files"], kinds.len()), (&json!(4), 1), "{stored}");
+    let trash = kinds
+        .iter()
+        .find(|of| of["kind"] == "trash")
+        .expect("a line");
+    assert_eq!((&trash["files"], kinds.len()), (&json!(4), 5), "{stored}");
 
     let entry = trashed(&group, anna).await.remove(0);
     assert_eq!(entry["id"], json!(job));
-    assert_eq!((&entry["what"], &entry["deleted_by"]), (&json!("job"), &json!("Bert")));
+    assert_eq!(
+        (&entry["what"], &entry["deleted_by"]),
+        (&json!("job"), &json!("Bert"))
+    );
     assert_eq!((&entry["files"], &entry["jobs"]), (&json!(4), &json!(1)));
-    assert!(trashed(&group, bert).await.is_empty() && trashed(&group, &link).await.is_empty());
+    assert!(trashed(&group, bert).await.is_empty());
     assert_eq!(trashed(&group, &group.ada).await.len(), 1);
 
     let restore = format!("/v1/trash/{job}/restore");
@@ -116,17 +141,26 @@ async fn a_deleted_job_is_nowhere_and_comes_back_whole() {
     // the moment of its last change is the one at which it came back
     back[0].2["updated_at"] = before[0].2["updated_at"].clone();
     assert_eq!(back, before);
-    assert!(faces(&group, &link, job).await.iter().all(|(_, status, _)| *status == 200));
+    assert!(
+        faces(&group, &link, job)
+            .await
+            .iter()
+            .all(|(_, status, _)| *status == 200)
+    );
     let page = group.get(anna, "/v1/jobs").await.json();
     assert_eq!(ids(&page), [newer, job, older], "at its old place");
     assert_eq!(group.get(anna, "/v1/me/limits").await.json(), used);
     assert!(trashed(&group, anna).await.is_empty());
-    group.send(anna, "POST", &restore, "").await.problem(404, "not-found");
+    group
+        .send(anna, "POST", &restore, "")
+        .await
+        .problem(404, "not-found");
 }
 
 #[tokio::test]
 async fn what_is_in_the_trash_goes_when_its_time_is_over_or_for_good_at_once() {
-    let lab = Lab::with(|config| config.store.trash = std::time::Duration::from_secs(3 * 86_400)).await;
+    let lab =
+        Lab::with(|config| config.store.trash = std::time::Duration::from_secs(3 * 86_400)).await;
     let group = Group::of(lab).await;
     let (anna, store) = (&group.anna, &group.lab.store);
     let project = group.project(anna, Visibility::Private, None).await.id;
@@ -149,17 +183,28 @@ async fn what_is_in_the_trash_goes_when_its_time_is_over_or_for_good_at_once() {
     assert_eq!(group.send(anna, "DELETE", &path, "").await.status, 204);
     assert_eq!(trashed(&group, anna).await.len(), 1);
     let gone_at = trashed(&group, anna).await[0]["gone_at"].clone();
-    assert!(gone_at.as_str().expect("a moment") > in_days(2).to_string().as_str(), "{gone_at}");
+    assert!(
+        gone_at.as_str().expect("a moment") > in_days(2).to_string().as_str(),
+        "{gone_at}"
+    );
 
     assert_eq!(store.empty_trash(in_days(2)).await.expect("nothing yet"), 0);
-    let listed = store.trash(TrashSight::Everything, None, 10, in_days(4)).await;
+    let listed = store
+        .trash(TrashSight::Everything, None, 10, in_days(4))
+        .await;
     assert!(listed.expect("a page").items.is_empty(), "its time is over");
     assert_eq!(store.empty_trash(in_days(4)).await.expect("emptied"), 1);
     store.settled_files().await;
     assert_eq!(stored().await, 0);
-    assert_eq!(group.get(anna, "/v1/me/limits").await.json()["use"]["disk_gb"], json!(0.0));
+    assert_eq!(
+        group.get(anna, "/v1/me/limits").await.json()["use"]["disk_gb"],
+        json!(0.0)
+    );
     let restore = format!("/v1/trash/{}/restore", jobs[0]);
-    group.send(anna, "POST", &restore, "").await.problem(404, "not-found");
+    group
+        .send(anna, "POST", &restore, "")
+        .await
+        .problem(404, "not-found");
 }
 
 #[tokio::test]
@@ -168,50 +213,112 @@ async fn a_project_goes_and_comes_back_with_its_jobs() {
     let (anna, carl) = (&group.anna, &group.carl);
     let project = group.project(anna, Visibility::Everyone, None).await.id;
     let alone = finished(&group, anna, project).await;
-    let waiting = group.submit(anna, project).await;
     let kept = finished(&group, anna, project).await;
-    let of_project = NewShare { job: None, project: Some(project), ..to_job(kept, true) };
+    let waiting = group.submit(anna, project).await;
+    let of_project = NewShare {
+        job: None,
+        project: Some(project),
+        ..to_job(kept, true)
+    };
     let link = group.link(anna, of_project).await.0;
     // one that was deleted by itself stays deleted when the project comes back
     let path = format!("/v1/jobs/{alone}");
     assert_eq!(group.send(anna, "DELETE", &path, "").await.status, 204);
 
     let path = format!("/v1/projects/{project}");
-    group.send(carl, "DELETE", &path, "").await.problem(403, "not-allowed");
+    group
+        .send(carl, "DELETE", &path, "")
+        .await
+        .problem(403, "not-allowed");
     let lease = group.lab.claim().await;
     assert_eq!(lease.job_id, waiting);
-    group.send(anna, "DELETE", &path, "").await.problem(409, "conflict");
-    group.send(anna, "POST", &format!("/v1/jobs/{waiting}/pause"), "").await;
+    group
+        .send(anna, "DELETE", &path, "")
+        .await
+        .problem(409, "conflict");
+    group
+        .send(anna, "POST", &format!("/v1/jobs/{waiting}/pause"), "")
+        .await;
     let key = crate::support::key(&lease);
     let released = group.lab.store.release(key, ReleaseReason::Paused).await;
     released.expect("given back");
     assert_eq!(group.send(anna, "DELETE", &path, "").await.status, 204);
     for by in [anna, carl, &group.ada] {
         for job in [waiting, kept] {
-            group.get(by, &format!("/v1/jobs/{job}")).await.problem(404, "not-found");
+            group
+                .get(by, &format!("/v1/jobs/{job}"))
+                .await
+                .problem(404, "not-found");
         }
-        assert!(!group.get(by, "/v1/projects").await.text().contains(&project.to_string()));
-        group.send(by, "PATCH", &path, "{}").await.problem(404, "not-found");
+        assert!(
+            !group
+                .get(by, "/v1/projects")
+                .await
+                .text()
+                .contains(&project.to_string())
+        );
+        group
+            .send(by, "PATCH", &path, "{}")
+            .await
+            .problem(404, "not-found");
     }
     assert_eq!(group.get(&link, "/v1/me").await.status, 401);
     let submitted = group
-        .send(anna, "POST", &format!("/v1/jobs?project={project}"), crate::support::example())
+        .send(
+            anna,
+            "POST",
+            &format!("/v1/jobs?project={project}"),
+            crate::support::example(),
+        )
         .await;
     submitted.problem(404, "not-found");
 
     let entries = trashed(&group, anna).await;
-    let words: Vec<_> = entries.iter().map(|of| (of["what"].clone(), of["jobs"].clone())).collect();
-    assert_eq!(words, [(json!("project"), json!(2)), (json!("job"), json!(1))]);
+    let words: Vec<_> = entries
+        .iter()
+        .map(|of| (of["what"].clone(), of["jobs"].clone()))
+        .collect();
+    assert_eq!(
+        words,
+        [(json!("project"), json!(2)), (json!("job"), json!(1))]
+    );
     let restore = |id: Uuid| format!("/v1/trash/{id}/restore");
-    let early = group.send(anna, "POST", &restore(alone), "").await.problem(409, "conflict");
-    assert!(early["detail"].as_str().expect("a sentence").contains("project"), "{early}");
-    group.send(carl, "POST", &restore(project), "").await.problem(404, "not-found");
-    assert_eq!(group.send(anna, "POST", &restore(project), "").await.status, 204);
-    let page = group.get(carl, &format!("/v1/jobs?project={project}")).await.json();
-    assert_eq!(ids(&page), [kept, waiting]);
+    let early = group
+        .send(anna, "POST", &restore(alone), "")
+        .await
+        .problem(409, "conflict");
+    assert!(
+        early["detail"]
+            .as_str()
+            .expect("a sentence")
+            .contains("project"),
+        "{early}"
+    );
+    group
+        .send(carl, "POST", &restore(project), "")
+        .await
+        .problem(404, "not-found");
+    assert_eq!(
+        group.send(anna, "POST", &restore(project), "").await.status,
+        204
+    );
+    let page = group
+        .get(carl, &format!("/v1/jobs?project={project}"))
+        .await
+        .json();
+    assert_eq!(ids(&page), [waiting, kept]);
     assert_eq!(group.get(&link, "/v1/me").await.status, 200);
-    assert_eq!(group.send(anna, "POST", &restore(alone), "").await.status, 204);
-    assert_eq!(group.get(carl, &format!("/v1/jobs/{alone}/files/curve.csv")).await.status, 200);
+    assert_eq!(
+        group.send(anna, "POST", &restore(alone), "").await.status,
+        204
+    );
+    assert_eq!(
+        group
+            .get(carl, &format!("/v1/jobs/{alone}/files/curve.csv"))
+            .await
+            .status,
+        200
+    );
 }
 
 #[tokio::test]
@@ -219,14 +326,20 @@ async fn a_job_that_waited_waits_again_and_is_computed() {
     let lab = Lab::open().await;
     let id = lab.submit().await;
     let path = format!("/v1/jobs/{id}");
-    assert_eq!(lab.send(request("DELETE", &path, &[], "")).await.status, 204);
+    assert_eq!(
+        lab.send(request("DELETE", &path, &[], "")).await.status,
+        204
+    );
     assert_eq!(lab.store.counts().await.expect("counts").queued, 0);
     let restored = lab.post(&format!("/v1/trash/{id}/restore"), "").await;
     assert_eq!(restored.status, 204, "{restored:?}");
     assert_eq!(lab.get(&path).await.json()["position"], json!(1));
     lab.finish(id, &FILES).await;
     // attempts of others since then have taken no number of its own
-    assert_eq!(lab.send(request("DELETE", &path, &[], "")).await.status, 204);
+    assert_eq!(
+        lab.send(request("DELETE", &path, &[], "")).await.status,
+        204
+    );
     let other = lab.finished(&FILES).await;
     let restored = lab.post(&format!("/v1/trash/{id}/restore"), "").await;
     assert_eq!(restored.status, 204, "{restored:?}");
@@ -251,21 +364,34 @@ async fn files_that_a_rule_removed_are_in_the_trash_and_what_is_there_is_handed_
     group.get(anna, &file).await.problem(404, "not-found");
     let path = format!("/v1/jobs/{gone}");
     assert_eq!(group.send(anna, "DELETE", &path, "").await.status, 204);
-    let page = store.trash(TrashSight::Of(anna.id), None, 10, in_days(9)).await;
+    let page = store
+        .trash(TrashSight::Of(anna.id), None, 10, in_days(9))
+        .await;
     let page = page.expect("a page").items;
-    let of_rule = page.iter().find(|of| of.id == project).expect("files of the project");
+    let of_rule = page
+        .iter()
+        .find(|of| of.id == project)
+        .expect("files of the project");
     assert_eq!((of_rule.files, of_rule.jobs, of_rule.bytes), (1, 1, 6));
-    let erased = group.send(anna, "DELETE", &format!("/v1/trash/{project}"), "").await;
+    let erased = group
+        .send(anna, "DELETE", &format!("/v1/trash/{project}"), "")
+        .await;
     erased.problem(409, "conflict");
     let restore = format!("/v1/trash/{project}/restore");
     assert_eq!(group.send(anna, "POST", &restore, "").await.status, 204);
     assert_eq!(group.get(anna, &file).await.text(), "points");
 
     // who leaves hands over what lies in the trash, too
-    store.hand_over(anna.id, bert.id).await.expect("handed over");
+    store
+        .hand_over(anna.id, bert.id)
+        .await
+        .expect("handed over");
     assert!(trashed(&group, anna).await.is_empty());
     let restore = format!("/v1/trash/{gone}/restore");
-    group.send(anna, "POST", &restore, "").await.problem(404, "not-found");
+    group
+        .send(anna, "POST", &restore, "")
+        .await
+        .problem(404, "not-found");
     assert_eq!(group.send(bert, "POST", &restore, "").await.status, 204);
     let owner = group.get(bert, &format!("/v1/jobs/{gone}")).await.json()["owner"].clone();
     assert_eq!(owner["name"], json!("Bert"));
@@ -295,5 +421,7 @@ async fn the_trash_comes_in_pages() {
     seen.sort_unstable();
     jobs.sort_unstable();
     assert_eq!(seen, jobs);
-    lab.get("/v1/trash?cursor=nonsense").await.problem(422, "invalid-request");
+    lab.get("/v1/trash?cursor=nonsense")
+        .await
+        .problem(422, "invalid-request");
 }
