@@ -109,3 +109,106 @@ test("a group shares its jobs, and a stranger sees one by a link", async () => {
     { ...ASKED, viewport: PHONE },
   );
 });
+
+test("a comparison is shared by a link, and a stranger sees its curves alone", async () => {
+  let [link, outside] = ["", ""];
+  await visit(
+    "/",
+    async (page) => {
+      await signIn(page, "Ada");
+      const jobs = [];
+      for (let count = 0; count < 3; count += 1) jobs.push(await submitQuick(page));
+      for (const id of jobs) {
+        await page.goto(`/jobs/${id}`);
+        await state(page, "succeeded").waitFor();
+      }
+      outside = jobs[2];
+      await page.goto(`/compare?jobs=${jobs.slice(0, 2).join(",").replaceAll("-", "")}`);
+      await part(page, "keep").click();
+      await part(page, "keep-name").fill("Two strips");
+      await part(page, "keep-make").click();
+      await part(page, "share").click();
+      await part(page, "share-make").click();
+      link = await part(page, "share-link").innerText();
+      await part(page, "share-close").click();
+      // one finds it again
+      await page.goto("/compare");
+      await part(page, "kept-list").getByRole("link", { name: "Two strips" }).waitFor();
+      await isAccessible(page, "kept comparisons");
+      await picture(page, "kept-comparisons");
+      await fitsThePhone(page, "kept comparisons");
+    },
+    ASKED,
+  );
+  await visit(
+    link.slice(lab.url.length),
+    async (page) => {
+      await page.locator('[data-testid="compare"][data-jobs="2"]').waitFor();
+      assert.ok(!page.url().includes("#"), "the secret leaves the address");
+      for (const hidden of ["share", "keep", "keep-view", "forget", "new-job"]) {
+        assert.equal(await part(page, hidden).count(), 0, hidden);
+      }
+      await isAccessible(page, "a shared comparison");
+      await fitsThePhone(page, "a shared comparison");
+      await picture(page, "shared-comparison");
+      const status = await page.evaluate(async (id) => {
+        const token = { Authorization: `Bearer ${sessionStorage.getItem("loadframe-link") ?? ""}` };
+        return (await fetch(`/v1/jobs/${id}`, { headers: token })).status;
+      }, outside);
+      assert.ok(status === 404 || status === 401, `a job beside it answers ${status}`);
+    },
+    { ...ASKED, expected: /401|403|404/, viewport: PHONE },
+  );
+});
+
+test("a deleted job is in the trash and comes back", async () => {
+  await visit(
+    "/",
+    async (page) => {
+      await signIn(page, "Ada");
+      const id = await submitQuick(page);
+      await page.goto(`/jobs/${id}`);
+      await state(page, "succeeded").waitFor();
+      await part(page, "delete").click();
+      await part(page, "delete").click();
+      await part(page, "trash-link").click();
+      await part(page, "trash").waitFor();
+      await isAccessible(page, "the trash");
+      await picture(page, "trash");
+      await fitsThePhone(page, "the trash");
+      await part(page, "restore").first().click();
+      await part(page, "trash-said").waitFor();
+      await page.goto(`/jobs/${id}`);
+      await state(page, "succeeded").waitFor();
+    },
+    ASKED,
+  );
+});
+
+test("the list shows, sorts and filters by values, and its address keeps that", async () => {
+  await visit(
+    "/",
+    async (page) => {
+      await signIn(page, "Ada");
+      await page.goto("/");
+      await part(page, "values").locator("summary").click();
+      await part(page, "value-pointer").selectOption("/spec/seed");
+      await part(page, "value-show").click();
+      await part(page, "value").first().waitFor();
+      await part(page, "value-operand").fill("1");
+      await part(page, "value-filter").click();
+      await part(page, "condition").waitFor();
+      await page.getByRole("button", { name: "Sort all by seed" }).click();
+      await page.waitForFunction(() => new URLSearchParams(window.location.search).get("sort") === "/spec/seed");
+      const query = new URL(page.url()).searchParams;
+      assert.deepEqual([query.get("where"), query.get("show")], ["/spec/seed>=1", "/spec/seed"]);
+      await page.reload();
+      await part(page, "value").first().waitFor();
+      await isAccessible(page, "a list with values");
+      await picture(page, "list-values");
+      await page.setViewportSize(PHONE);
+      await fitsThePhone(page, "a list with values");
+    },
+    ASKED,
+  );
+});

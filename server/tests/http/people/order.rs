@@ -273,7 +273,7 @@ async fn disk_use_follows_every_file_wherever_it_goes() {
     let all = storage(&group, ada).await;
     assert_eq!(all.len(), 5, "{all:?}");
     let moved_to: Vec<_> = all.keys().filter(|(.., kind)| kind == "trash").collect();
-    assert_eq!((moved_to.len(), all[moved_to[0]].0), (1, 5));
+    assert_eq!((moved_to.len(), all[moved_to[0]].0), (1, 6));
     // handed over, then removed by a rule: counted as long as it is there
     let to = json!(HandOver { to: bert.id }).to_string();
     let answer = group

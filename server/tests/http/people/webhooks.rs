@@ -339,3 +339,52 @@ async fn a_private_address_is_refused_in_a_sentence() {
         .to_owned();
     assert!(error.contains("private address"), "{error}");
 }
+
+#[tokio::test]
+async fn files_near_a_limit_are_told_once_at_each_step() {
+    let group = group().await;
+    let (anna, store) = (&group.anna, &group.lab.store);
+    let (receiver, url) = Receiver::open().await;
+    let (_, secret) = made(&group, anna, &url, json!(["quota"]), None).await;
+    let project = group.project(anna, Visibility::Private, None).await.id;
+    // 1000 bytes: a file of 850 is below nine tenths, one of 60 more above, one of 100 more beyond
+    let limits = json!({ "disk_gb": 1e-6 }).to_string();
+    let path = format!("/v1/people/{}/limits", anna.id);
+    let set = group.send(&group.ada, "PUT", &path, &limits).await;
+    assert_eq!(set.status, 200, "{set:?}");
+    group.submit(anna, project).await;
+    let lease = group.lab.claim().await;
+    let upload = async |name: &str, count: usize| {
+        let bytes = vec![b'a'; count];
+        let sha256 = loadframe_api::sha256_hex(&bytes);
+        let key = crate::support::key(&lease);
+        let stored = store.upload(key, name, &sha256, bytes.as_slice()).await;
+        stored.expect("uploaded");
+    };
+    upload("a.csv", 850).await;
+    assert_eq!(told(&group, 1).await, 0);
+    upload("b.csv", 60).await;
+    upload("c.csv", 10).await;
+    assert_eq!(told(&group, 1).await, 1);
+    let events = receiver.take(&secret)[0]["events"]
+        .as_array()
+        .expect("events")
+        .clone();
+    assert_eq!(events.len(), 1, "{events:?}");
+    assert_eq!(events[0]["event"], "quota");
+    assert_eq!(
+        events[0]["about"],
+        json!({ "person": "Anna", "used_gb": 9.1e-7, "limit_gb": 1e-6 })
+    );
+    upload("d.csv", 100).await;
+    upload("e.csv", 100).await;
+    assert_eq!(told(&group, 2).await, 1);
+    let events = receiver.take(&secret)[0]["events"]
+        .as_array()
+        .expect("events")
+        .clone();
+    assert_eq!(
+        (events.len(), &events[0]["about"]["used_gb"]),
+        (1, &json!(1.02e-6))
+    );
+}
