@@ -85,7 +85,10 @@ mod tests {
                 "b11dab88d99dde32",
                 "75d99417d89a76b5",
                 "ca4307289839b7bc",
-                "3d56df3cc4285dd2"
+                "3d56df3cc4285dd2",
+                "1c81df07ed90fcb2",
+                "06d67708710a1c1f",
+                "944ffa9e1f350752"
             ]
         );
     }

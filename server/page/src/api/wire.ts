@@ -293,6 +293,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/fields": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List fields of jobs
+         * @description Results, and fields of specs, that the newest hundred jobs which you see have: a list can show them
+         *     (`show`), be sorted (`sort`) and be filtered (`where`) by them.
+         */
+        get: operations["list_fields"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/groups": {
         parameters: {
             query?: never;
@@ -434,7 +455,8 @@ export interface paths {
         post?: never;
         /**
          * Delete a job
-         * @description With its results, curve, log and files. A running job has to be cancelled first.
+         * @description With its results, curve, log and files. It can be brought back for a while (`/v1/trash`), unless it is
+         *     deleted for good. A running job has to be cancelled first.
          */
         delete: operations["delete_job"];
         options?: never;
@@ -966,7 +988,11 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        delete?: never;
+        /**
+         * Delete a project
+         * @description With all its jobs; its person and administrators do, and can bring it back for a while (`/v1/trash`).
+         */
+        delete: operations["delete_project"];
         options?: never;
         head?: never;
         /**
@@ -1213,6 +1239,68 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/trash": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List what was deleted
+         * @description Your jobs and projects that can be brought back, and files of your projects that their rules removed;
+         *     administrators see all. The last deleted first.
+         */
+        get: operations["list_trash"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/trash/{id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Delete for good
+         * @description Frees the files of a deleted job or project before its time.
+         */
+        delete: operations["erase_deleted"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/trash/{id}/restore": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Bring back what was deleted
+         * @description A job, a project with its jobs, or (by the id of the project) files that its rule removed, which ends
+         *     the rule. Its owner and administrators do.
+         */
+        post: operations["restore_deleted"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/webhooks": {
         parameters: {
             query?: never;
@@ -1306,7 +1394,8 @@ export interface paths {
          * Claim a job
          * @description Answers with the next job for this worker, and waits up to `wait_s` seconds for one. Jobs go by
          *     priority, then in the order of their submission. A worker whose answer was lost on the way
-         *     claims again and is given the same lease.
+         *     claims again and is given the same lease. The header `Loadframe-Direct-From` of the answer, where files
+         *     are in a bucket, says from how many bytes on the worker may send a file there by itself.
          */
         post: operations["claim"];
         delete?: never;
@@ -1489,6 +1578,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/worker/leases/{id}/uploads": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Ask where a large file is to be sent
+         * @description Where files are in a bucket (header `Loadframe-Direct-From` of the claim's answer), a worker sends large ones there by itself, in
+         *     parts of `part_bytes`, one PUT to each address, which is signed and good for a while. Asking again with
+         *     the `upload` of the answer gives fresh addresses for the same upload.
+         */
+        post: operations["begin_direct"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/worker/leases/{id}/uploads/{sha256}": {
         parameters: {
             query?: never;
@@ -1502,7 +1613,13 @@ export interface paths {
          */
         get: operations["uploaded_part"];
         put?: never;
-        post?: never;
+        /**
+         * Say that all parts have been sent
+         * @description `parts` are the `ETag`s that the bucket answered, in order. The server puts them together, reads the whole
+         *     back, holds it against the SHA-256, and then takes it for what `becomes` says: a file of the result, or a
+         *     checkpoint. The same message may be repeated.
+         */
+        post: operations["end_direct"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1725,6 +1842,11 @@ export interface components {
                 components["schemas"]["WebhookEvent"],
                 components["schemas"]["WebhookEvent"],
                 components["schemas"]["WebhookEvent"]
+            ] | [
+                components["schemas"]["WebhookEvent"],
+                components["schemas"]["WebhookEvent"],
+                components["schemas"]["WebhookEvent"],
+                components["schemas"]["WebhookEvent"]
             ];
             /**
              * Format: uuid
@@ -1733,7 +1855,7 @@ export interface components {
             project?: string;
         };
         /** @description What somebody can be told of. */
-        WebhookEvent: "ended" | "failed" | "quarantined" | "shared";
+        WebhookEvent: "ended" | "failed" | "quarantined" | "shared" | "quota";
         /** @description `PATCH /v1/people/{id}`. */
         PersonChanges: {
             role?: components["schemas"]["Role"];
@@ -2244,6 +2366,46 @@ export interface components {
             /** @description Why it waits, in the batch system's word. */
             reason?: string;
         };
+        /** @description `POST /v1/worker/leases/{id}/uploads`: asks where the parts of a large file are to be sent. */
+        DirectRequest: {
+            /** @description Of the whole content. */
+            sha256: string;
+            /**
+             * Format: uint64
+             * @description Length of the content [B].
+             */
+            bytes: number;
+            /** @description An upload of it that was begun under this lease, to be gone on with. */
+            upload?: string | null;
+        };
+        /** @description `POST /v1/worker/leases/{id}/uploads/{sha256}`: all parts have been sent. */
+        DirectEnd: {
+            upload: string;
+            /**
+             * Format: uint64
+             * @description Length of the content [B].
+             */
+            bytes: number;
+            /** @description `ETag` of each part, in order. */
+            parts: string[];
+            becomes: components["schemas"]["Becomes"];
+        };
+        /** @description What a content that a worker has sent is. */
+        Becomes: {
+            file: {
+                name: string;
+            };
+        } | {
+            checkpoint: {
+                /**
+                 * Format: double
+                 * @description Wall and processor time [s] of the work up to it.
+                 */
+                wall_s: number;
+                /** Format: double */
+                cpu_s: number;
+            };
+        };
         /** @description An error answer. */
         Problem: {
             /** @description Stable name of the kind of problem: `/problems/invalid-spec`, ... */
@@ -2341,6 +2503,13 @@ export interface components {
             summary?: {
                 [key: string]: components["schemas"]["Quantity"];
             };
+            /**
+             * @description Values of its spec that a list was asked to show, by their pointers; one that the spec does not
+             *     have is left out.
+             */
+            values?: {
+                [key: string]: components["schemas"]["ShownValue"];
+            };
             /** @description Who submitted it, where the server has accounts. */
             owner?: components["schemas"]["Named"] | null;
             /** @description The project it belongs to, where the server has accounts. */
@@ -2389,6 +2558,12 @@ export interface components {
              */
             disk_mb: number;
         };
+        /** @description A value of a spec, in a list. */
+        ShownValue: {
+            /** @description A number, text or truth value; of a list or object, what it is. */
+            value: unknown;
+            unit?: string;
+        };
         /** @description Something that has a name: a person, a group or a project. */
         Named: {
             /** Format: uuid */
@@ -2417,6 +2592,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description What a job would be and take. */
         DryRun: {
@@ -2522,6 +2703,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description A page of a list. */
         LogLinePage: {
@@ -2534,6 +2721,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description A line of a job's log. */
         LogLine: {
@@ -2611,6 +2804,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description A page of a list. */
         ExampleViewPage: {
@@ -2623,6 +2822,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description A job to start from. */
         ExampleView: {
@@ -2643,6 +2848,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description A worker process. */
         WorkerView: {
@@ -2781,6 +2992,22 @@ export interface components {
              */
             bytes: number;
         };
+        /** @description Where the parts of a content go. */
+        DirectUpload: {
+            upload: string;
+            /**
+             * Format: uint64
+             * @description Length of each part but the last [B].
+             */
+            part_bytes: number;
+            /** @description An address for the PUT of each part, in order. */
+            addresses: string[];
+            /**
+             * Format: double
+             * @description How long the addresses are good for [s].
+             */
+            good_for_s: number;
+        };
         /** @description Who the server takes the caller for. */
         CallerView: {
             kind: components["schemas"]["CallerKind"];
@@ -2835,6 +3062,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description A page of a list. */
         SessionViewPage: {
@@ -2847,6 +3080,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description A browser in which somebody is signed in. */
         SessionView: {
@@ -2879,6 +3118,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description An invitation to open an account. */
         InvitationView: {
@@ -2913,6 +3158,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description An access token, without its secret. */
         TokenView: {
@@ -2947,6 +3198,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description Jobs that belong together, of a person or of a group. */
         ProjectView: {
@@ -2971,6 +3228,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description A share link just made; the only time its secret is seen. */
         ShareMade: {
@@ -2991,6 +3254,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description A share link, without its secret. */
         ShareView: {
@@ -3026,6 +3295,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description A line of the audit log, which only grows. */
         AuditEntry: {
@@ -3095,6 +3370,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description The latest report of a source. */
         ReportedAllocations: {
@@ -3198,6 +3479,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description What fills the disk: files of one kind, of one person in one project. */
         DiskUse: {
@@ -3213,7 +3500,87 @@ export interface components {
             bytes: number;
         };
         /** @description Kinds of stored files. */
-        FileKind: ("outcome" | "snapshots") | "curves" | "others" | "checkpoints";
+        FileKind: ("outcome" | "snapshots") | "curves" | "others" | "checkpoints" | "trash";
+        /** @description A page of a list. */
+        TrashViewPage: {
+            items: components["schemas"]["TrashView"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
+        };
+        /** @description Something in the trash. */
+        TrashView: {
+            /**
+             * Format: uuid
+             * @description Of the job; of the project for a project or its files.
+             */
+            id: string;
+            what: components["schemas"]["Deleted"];
+            /** @description Name of the job or project. */
+            name: string;
+            /** @description Kind of the job. */
+            kind: components["schemas"]["JobKind"] | null;
+            /** @description Whose the job or project is. */
+            owner: components["schemas"]["Named"] | null;
+            /** @description Project of the job. */
+            project: components["schemas"]["Named"] | null;
+            deleted_at: components["schemas"]["Timestamp"];
+            /** @description Who deleted it, by name. */
+            deleted_by: string;
+            /** @description From then on it cannot be brought back; of files, the first of them. */
+            gone_at: components["schemas"]["Timestamp"];
+            /** Format: uint64 */
+            jobs: number;
+            /** Format: uint64 */
+            files: number;
+            /**
+             * Format: uint64
+             * @description Bytes, a file that several jobs have counted for each.
+             */
+            bytes: number;
+        };
+        /** @description What can be brought back. */
+        Deleted: "job" | "project" | "files";
+        /** @description A page of a list. */
+        FieldViewPage: {
+            items: components["schemas"]["FieldView"][];
+            /** @description Give this as `cursor` for the next page. */
+            next: string | null;
+            /**
+             * Format: uint64
+             * @description Rows of this page that could not be read and are left out; the server's log names them.
+             * @default 0
+             */
+            unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
+        };
+        /** @description Something that jobs can be listed by. */
+        FieldView: {
+            /** @description `/spec/…` or `/summary/NAME`. */
+            pointer: string;
+            unit?: string;
+            /**
+             * Format: uint64
+             * @description How many of the jobs that were looked at have it.
+             */
+            jobs: number;
+        };
         /** @description A webhook just made; the only time its secret is seen. */
         WebhookMade: {
             /** Format: uuid */
@@ -3232,6 +3599,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /** @description An address that is told, without its secret. */
         WebhookView: {
@@ -3400,6 +3773,12 @@ export interface components {
              * @default 0
              */
             unreadable: number;
+            /**
+             * Format: uint64
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
+             *     what is sorted is the newest of these alone.
+             */
+            stopped_after?: number;
         };
         /**
          * Nonwoven tensile test
@@ -5311,6 +5690,81 @@ export interface operations {
             };
         };
     };
+    list_fields: {
+        parameters: {
+            query?: {
+                kind?: components["schemas"]["JobKind"];
+                /** @description Only jobs in this project. */
+                project?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The results, then the fields of specs */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FieldViewPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_groups: {
         parameters: {
             query?: never;
@@ -6066,6 +6520,19 @@ export interface operations {
                 created_before?: components["schemas"]["Timestamp"];
                 /** @description Only jobs in this project; those in archived ones are listed only so. */
                 project?: string;
+                /**
+                 * @description Only jobs for which these conditions hold, such as `/spec/seed=3,/summary/max_force>=1.5`: a
+                 *     pointer into the spec or to a result, a comparison, and a number, text, `true` or `false`. Looks at
+                 *     20 000 jobs that pass the rest, and says where it stopped.
+                 */
+                where?: string;
+                /**
+                 * @description Sorts by a result (`/summary/max_force`) or a value of the spec (`/spec/seed`), falling with `-`
+                 *     before it; the newest 20 000 that pass the rest.
+                 */
+                sort?: string;
+                /** @description Values of specs to show, such as `/spec/seed,/spec/test/max_strain`. */
+                show?: string;
                 whose?: "mine" | "groups" | "shared";
             };
             header?: {
@@ -6403,7 +6870,10 @@ export interface operations {
     };
     delete_job: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Frees its files at once; it cannot be brought back then. */
+                for_good?: boolean;
+            };
             header?: never;
             path: {
                 /** @description Id of the job */
@@ -6413,7 +6883,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description It is gone, and its files are freed */
+            /** @description It is in the trash, or gone for good */
             204: {
                 headers: {
                     [name: string]: unknown;
@@ -7308,6 +7778,14 @@ export interface operations {
             /** @description You have it */
             304: {
                 headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description It is at this address, for some minutes: where files are in a bucket and the server is set so */
+            307: {
+                headers: {
+                    Location?: string;
                     [name: string]: unknown;
                 };
                 content?: never;
@@ -9143,6 +9621,96 @@ export interface operations {
             };
         };
     };
+    delete_project: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the project */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is in the trash */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such project */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A job of it is running */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     change_project: {
         parameters: {
             query?: never;
@@ -10711,6 +11279,271 @@ export interface operations {
             };
         };
     };
+    list_trash: {
+        parameters: {
+            query?: {
+                /** @description Most entries on a page; 50 when left out. */
+                limit?: number;
+                /** @description `next` of the page before. */
+                cursor?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description What can be brought back */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TrashViewPage"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The cursor is not one of this server */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    erase_deleted: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the job or project */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is gone for good */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It is not in the trash */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What a rule removed goes when its time is over */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    restore_deleted: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Id of the job or project */
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description It is back */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It is not in the trash */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The project of the job is deleted, too */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_webhooks: {
         parameters: {
             query?: never;
@@ -11182,6 +12015,7 @@ export interface operations {
             /** @description A job, under a lease */
             200: {
                 headers: {
+                    "Loadframe-Direct-From"?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -12336,6 +13170,133 @@ export interface operations {
             };
         };
     };
+    begin_direct: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description Token of the lease */
+                "Loadframe-Lease-Token": string;
+            };
+            path: {
+                /** @description Id of the lease */
+                id: string;
+            };
+            cookie?: never;
+        };
+        /** @description What is to be sent */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DirectRequest"];
+            };
+        };
+        responses: {
+            /** @description Where its parts go */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DirectUpload"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The lease is no longer held */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The file is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The message does not fit its schema, or such a file is sent through the server */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     uploaded_part: {
         parameters: {
             query?: never;
@@ -12393,6 +13354,135 @@ export interface operations {
             };
             /** @description The lease is no longer held */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too many wrong tokens, or bodies at once, came from this client */
+            429: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The server is stopping or busy; try again after `Retry-After` */
+            503: {
+                headers: {
+                    /** @description Seconds to wait */
+                    "Retry-After"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    end_direct: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description Token of the lease */
+                "Loadframe-Lease-Token": string;
+            };
+            path: {
+                /** @description Id of the lease */
+                id: string;
+                /** @description SHA-256 of the whole file in hexadecimal digits */
+                sha256: string;
+            };
+            cookie?: never;
+        };
+        /** @description The parts, and what they become */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DirectEnd"];
+            };
+        };
+        responses: {
+            /** @description Its bytes when it is stored; none when it has to be sent anew */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["UploadedPart"];
+                };
+            };
+            /** @description The request cannot be read; `detail` says where */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A token or a session is needed, or this one is not in force */
+            401: {
+                headers: {
+                    /** @description How to authenticate */
+                    "WWW-Authenticate"?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body did not arrive in time */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The lease is no longer held */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The file is too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is not declared as JSON */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The message does not fit its schema, the name is not allowed, or the content has another SHA-256 */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };
