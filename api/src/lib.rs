@@ -54,8 +54,8 @@ pub use event::{Event, JobDeleted, PointsReady, ProgressNow};
 pub use examples::UnknownExample;
 pub use file_name::{FileNameError, PARTIAL_FOLDER, check_file_name};
 pub use job::{
-    AttemptEnd, AttemptView, CurveView, FieldView, JobLinks, JobOutcome, JobStatus, JobView, LogLine, Page, ShownValue,
-    ReasonCode, SetAside, WorkerView,
+    AttemptEnd, AttemptView, CurveView, FieldView, JobLinks, JobOutcome, JobStatus, JobView,
+    LogLine, Page, ReasonCode, SetAside, ShownValue, WorkerView,
 };
 pub use kind_schemas::{kind_schema, unit_of_field};
 pub use kinds::{Example, JobKind, JobSpec};

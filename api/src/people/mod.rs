@@ -21,9 +21,7 @@ pub use accounts::{
 };
 pub use audit::AuditEntry;
 pub use limits::{Allowance, PersonLeft, PersonLimits, PersonUse};
-pub use order::{
-    Deleted, DiskUse, FileKind, FilesOfJobs, RetentionRule, RetentionView, TrashView,
-};
+pub use order::{Deleted, DiskUse, FileKind, FilesOfJobs, RetentionRule, RetentionView, TrashView};
 pub use projects::{
     GroupView, NewGroup, NewProject, NewShare, ProjectChanges, ProjectView, ShareMade, ShareView,
 };
