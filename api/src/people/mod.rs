@@ -27,9 +27,7 @@ pub use projects::{
 };
 pub use sign_in::{SignInBegun, SignInWays};
 pub use tokens::{NewToken, TokenMade, TokenView};
-pub use webhooks::{
-    MailVerification, MailView, NewMail, NewWebhook, WebhookEvent, WebhookMade, WebhookView,
-};
+pub use webhooks::{NewWebhook, WebhookEvent, WebhookMade, WebhookView};
 
 /// What a person may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
