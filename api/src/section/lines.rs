@@ -76,9 +76,21 @@ impl Towards {
     fn share(&self, at: f64) -> f64 {
         let nearest = |share: f64, place: &f64| {
             let way = (at - place).abs() / self.reach_mm;
-            share.min(way.sqrt().max(LEAST_SHARE))
+            // beyond the reach nothing is taken, and no root either
+            if way >= 1.0 {
+                share
+            } else {
+                share.min(way.sqrt().max(LEAST_SHARE))
+            }
         };
         self.places_mm.iter().fold(1.0, nearest)
+    }
+
+    /// Whether cells shrink anywhere in a stretch.
+    fn reach_into(&self, [from, to]: [f64; 2]) -> bool {
+        let reach = self.reach_mm;
+        let mut places = self.places_mm.iter();
+        places.any(|place| from - reach < *place && *place < to + reach)
     }
 }
 
@@ -169,13 +181,14 @@ pub fn graded_lines(side: f64, fine: &[Fine], largest: f64, corners: &Towards) -
             .filter(|stretch| stretch.between[0] <= middle && middle <= stretch.between[1])
             .map(|stretch| stretch.size)
             .fold(largest, f64::min);
-        fill(
-            &mut lines,
-            pair[0],
-            pair[1],
-            [wanted(pair[0]), wanted(pair[1])],
-            &|at| within.min(largest * corners.share(at)),
-        );
+        let ends = [wanted(pair[0]), wanted(pair[1])];
+        let between = [pair[0], pair[1]];
+        if corners.reach_into(between) {
+            let limit = |at| within.min(largest * corners.share(at));
+            fill(&mut lines, between, ends, limit);
+        } else {
+            fill(&mut lines, between, ends, |_| within);
+        }
     }
     lines
 }
@@ -184,7 +197,12 @@ pub fn graded_lines(side: f64, fine: &[Fine], largest: f64, corners: &Towards) -
 ///
 /// The wanted size at a distance d from an end is h + (g - 1) d, at most the `largest` there; lines
 /// stand at equal steps of ∫ dx / size.
-fn fill(lines: &mut Vec<f64>, from: f64, to: f64, ends: [f64; 2], largest: &dyn Fn(f64) -> f64) {
+fn fill(
+    lines: &mut Vec<f64>,
+    [from, to]: [f64; 2],
+    ends: [f64; 2],
+    largest: impl Fn(f64) -> f64 + Copy,
+) {
     const MOST_SAMPLES: f64 = 4_096.0;
     const LEAST_SAMPLES: f64 = 64.0;
     /// Of the integral, in the smallest cell.

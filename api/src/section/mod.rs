@@ -9,6 +9,7 @@ pub mod fibre;
 pub mod lines;
 pub mod material;
 pub mod polygon;
+pub mod settling;
 pub mod solving;
 pub mod stiffness;
 pub mod strength;

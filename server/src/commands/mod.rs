@@ -69,13 +69,8 @@ enum Command {
     /// Start workers on a batch system while jobs wait
     #[command(subcommand)]
     Autoscale(autoscale::Autoscale),
-    /// Run a job here, without a server
-    Run(run::Arguments),
-    /// Find out what exactness costs, or what parameters do
-    #[command(subcommand)]
-    Study(study::Study),
-    /// Check a spec, and estimate what it takes
-    Validate(validate::Arguments),
+    #[command(flatten)]
+    Here(Here),
     /// Submit a job
     Submit(submit::Arguments),
     /// Follow a job to its end
@@ -102,6 +97,19 @@ enum Command {
     Restore(backup::RestoreArguments),
     /// Hold every stored file against its SHA-256, beside a server that may be running
     Scrub(scrub::Arguments),
+}
+
+// What needs no server, and no threads that wait for one: to start these takes longer than a small job. No doc
+// comment: it would be that of the whole command line.
+#[derive(Debug, Subcommand)]
+enum Here {
+    /// Run a job here, without a server
+    Run(run::Arguments),
+    /// Find out what exactness costs, or what parameters do
+    #[command(subcommand)]
+    Study(study::Study),
+    /// Check a spec, and estimate what it takes
+    Validate(validate::Arguments),
     /// List the kinds of jobs
     Kinds(kinds::KindsArguments),
     /// Print an example job
@@ -112,7 +120,15 @@ enum Command {
 
 /// Runs the command this process was called with.
 pub(crate) fn main() -> ExitCode {
-    let command = CommandLine::parse().command;
+    let command = match CommandLine::parse().command {
+        Command::Here(command) => {
+            return match perform_here(command) {
+                Ok(()) => ExitCode::SUCCESS,
+                Err(failure) => report(&failure),
+            };
+        }
+        command => command,
+    };
     let runtime = match tokio::runtime::Runtime::new() {
         Ok(runtime) => runtime,
         Err(error) => return report(&Failure::new(Code::Failed, error.to_string())),
@@ -131,15 +147,24 @@ fn report(failure: &Failure) -> ExitCode {
     failure.exit_code()
 }
 
+fn perform_here(command: Here) -> Result<(), Failure> {
+    match command {
+        Here::Run(arguments) => run::perform(arguments),
+        Here::Study(study) => study::perform(study),
+        Here::Validate(arguments) => validate::perform(&arguments),
+        Here::Kinds(arguments) => kinds::list(arguments),
+        Here::Example(arguments) => kinds::example(&arguments),
+        Here::Schema(arguments) => kinds::schema(arguments),
+    }
+}
+
 async fn perform(command: Command) -> Result<ExitCode, Failure> {
     match command {
+        Command::Here(command) => perform_here(command),
         Command::Worker(arguments) => return worker::perform(arguments).await,
         Command::Lab(arguments) => lab::perform(arguments).await,
         Command::Serve(arguments) => serve::perform(arguments).await,
         Command::Autoscale(autoscale) => autoscale::perform(autoscale).await,
-        Command::Run(arguments) => run::perform(arguments).await,
-        Command::Study(study) => study::perform(study).await,
-        Command::Validate(arguments) => validate::perform(&arguments),
         Command::Submit(arguments) => submit::perform(arguments).await,
         Command::Watch(arguments) => watch::perform(arguments).await,
         Command::Fetch(arguments) => fetch::perform(arguments).await,
@@ -153,9 +178,6 @@ async fn perform(command: Command) -> Result<ExitCode, Failure> {
         Command::Backup(arguments) => backup::back_up(arguments).await,
         Command::Restore(arguments) => backup::bring_back(arguments).await,
         Command::Scrub(arguments) => scrub::perform(arguments).await,
-        Command::Kinds(arguments) => kinds::list(arguments),
-        Command::Example(arguments) => kinds::example(&arguments),
-        Command::Schema(arguments) => kinds::schema(arguments),
     }?;
     Ok(ExitCode::SUCCESS)
 }

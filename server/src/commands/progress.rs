@@ -30,7 +30,10 @@ impl ProgressDisplay {
             bar.set_style(style.progress_chars("━━╌"));
         }
         bar.set_prefix(printable(title).into_owned());
-        bar.enable_steady_tick(Duration::from_millis(500));
+        // a thread of its own, which a bar that nobody sees does not need
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(Duration::from_millis(500));
+        }
         Self {
             bar,
             last_line: None,

@@ -35,35 +35,31 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
+pub(crate) fn perform(arguments: Arguments) -> Result<(), Failure> {
     let source = arguments.spec.read()?;
     let submission = source.submission()?;
     let estimate = submission.spec.estimate(&Calibration::default());
     arguments.memory.admit(&estimate)?;
     let switch = stop_switch();
-    let out = arguments.out.clone();
-    let run = tokio::task::spawn_blocking(move || {
-        let mut display = ProgressDisplay::start(&submission.name);
-        let options = DirectoryOptions {
-            engine: ENGINE,
-            threads: arguments.threads.into(),
-            checkpoint_every: Duration::from_secs(arguments.checkpoint_every.into()),
-            switch: &switch,
-        };
-        let end = run_to_directory(
-            &submission.spec,
-            &out,
-            options,
-            &mut |update| match update {
-                RunUpdate::Progress(progress) => display.show(&progress),
-                RunUpdate::Log(message) => display.log(message),
-            },
-        );
-        display.end();
-        end
-    });
+    let options = DirectoryOptions {
+        engine: ENGINE,
+        threads: arguments.threads.into(),
+        checkpoint_every: Duration::from_secs(arguments.checkpoint_every.into()),
+        switch: &switch,
+    };
+    let mut display = ProgressDisplay::start(&submission.name);
+    let end = run_to_directory(
+        &submission.spec,
+        &arguments.out,
+        options,
+        &mut |update| match update {
+            RunUpdate::Progress(progress) => display.show(&progress),
+            RunUpdate::Log(message) => display.log(message),
+        },
+    );
+    display.end();
     let folder = arguments.out.display();
-    let outcome = match run.await.map_err(|error| Failure::of(&error))? {
+    let outcome = match end {
         Ok(DirectoryEnd::Finished(outcome)) => outcome,
         Ok(DirectoryEnd::AlreadyThere(outcome)) => {
             if !arguments.json {

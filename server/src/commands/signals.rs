@@ -1,8 +1,8 @@
 //! Being told to stop: Ctrl-C, SIGTERM, or the end of the parent process.
 use std::io::{self, Read};
-use std::sync::Arc;
 
-use loadframe_run::{StopCause, StopSwitch};
+use loadframe_run::StopSwitch;
+use signal_hook::consts::{SIGINT, SIGTERM};
 use tokio::signal::unix::{SignalKind, signal};
 
 /// Waits for Ctrl-C or SIGTERM. Where signals cannot be watched, it waits for ever.
@@ -32,14 +32,14 @@ pub(crate) async fn worker_stop_signal() {
     }
 }
 
-/// A switch for simulations in this process that Ctrl-C or SIGTERM turns.
-pub(crate) fn stop_switch() -> Arc<StopSwitch> {
-    let switch = Arc::new(StopSwitch::default());
-    let turned = Arc::clone(&switch);
-    tokio::spawn(async move {
-        stop_signal().await;
-        turned.stop(StopCause::Shutdown);
-    });
+/// A switch for simulations in this process that Ctrl-C or SIGTERM turns, without a thread that waits.
+pub(crate) fn stop_switch() -> StopSwitch {
+    let switch = StopSwitch::default();
+    for signal in [SIGINT, SIGTERM] {
+        if signal_hook::flag::register(signal, switch.shutdown()).is_err() {
+            tracing::error!("signals cannot be watched; stop this process with SIGKILL");
+        }
+    }
     switch
 }
 

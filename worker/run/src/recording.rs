@@ -150,8 +150,7 @@ impl<'a, D: Destination> Recording<'a, D> {
 
 impl<D: Destination> Recorder for Recording<'_, D> {
     fn columns(&mut self, names: &[&str]) -> io::Result<()> {
-        // without room for it the run can still come to its end
-        self.curve = Spool::begin(self.files.folder(), names).ok();
+        self.curve = Some(Spool::begin(self.files.folder(), names));
         self.destination.columns(names)
     }
 
@@ -161,6 +160,7 @@ impl<D: Destination> Recorder for Recording<'_, D> {
             .as_mut()
             .is_some_and(|curve| curve.point(values).is_err())
         {
+            // without room for it the run can still come to its end
             self.curve = None;
         }
         self.destination.point(values)

@@ -76,12 +76,20 @@ fn write_hashed(
     path: &Path,
     write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<Hashed> {
-    if let Some(parent) = path.parent() {
-        std::fs::create_dir_all(parent)?;
-    }
-    let mut out = BufWriter::with_capacity(BUFFER_BYTES, Hashed::new(File::create(path)?));
+    let mut out = BufWriter::with_capacity(BUFFER_BYTES, Hashed::new(created(path)?));
     write(&mut out)?;
     out.into_inner().map_err(io::IntoInnerError::into_error)
+}
+
+/// A new file, in a new folder where there is none yet.
+fn created(path: &Path) -> io::Result<File> {
+    match (File::create(path), path.parent()) {
+        (Err(error), Some(parent)) if error.kind() == io::ErrorKind::NotFound => {
+            std::fs::create_dir_all(parent)?;
+            File::create(path)
+        }
+        (file, _) => file,
+    }
 }
 
 /// SHA-256 of a file's content in hexadecimal digits.

@@ -1,26 +1,29 @@
 //! The points of a curve, kept beside the run in case it has no end that would write them.
-use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
 use std::path::Path;
 
 use loadframe_physics::csv;
+use tempfile::{SpooledTempFile, spooled_tempfile_in};
 
-/// Points in a file without a name, which is gone with the run.
+/// Bytes of points kept in memory: to make a file takes longer than most short jobs' curves.
+const IN_MEMORY: usize = 1 << 16;
+
+/// Points in memory, and if they are many in a file without a name, which is gone with the run.
 #[derive(Debug)]
 pub(crate) struct Spool {
     columns: Vec<String>,
     points: u64,
-    file: BufWriter<File>,
+    file: BufWriter<SpooledTempFile>,
 }
 
 impl Spool {
-    /// A curve that begins; its file is in `folder`.
-    pub(crate) fn begin(folder: &Path, columns: &[&str]) -> io::Result<Self> {
-        Ok(Self {
+    /// A curve that begins; its file, if it comes to need one, is in `folder`.
+    pub(crate) fn begin(folder: &Path, columns: &[&str]) -> Self {
+        Self {
             columns: columns.iter().map(|name| (*name).to_owned()).collect(),
             points: 0,
-            file: BufWriter::new(tempfile::tempfile_in(folder)?),
-        })
+            file: BufWriter::new(spooled_tempfile_in(IN_MEMORY, folder)),
+        }
     }
 
     pub(crate) fn point(&mut self, values: &[f64]) -> io::Result<()> {
@@ -34,7 +37,7 @@ impl Spool {
         self.file.rewind()?;
         let names: Vec<&str> = self.columns.iter().map(String::as_str).collect();
         csv::header(out, &names)?;
-        let mut input = BufReader::new(self.file.get_ref());
+        let mut input = BufReader::new(self.file.get_mut());
         let mut row = vec![0.0; names.len()];
         let mut bytes = [0; size_of::<f64>()];
         for _ in 0..self.points {

@@ -1,5 +1,6 @@
 //! The switch by which everything around a run asks it to stop.
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 
 use loadframe_physics::{Interrupt, InterruptSource};
 
@@ -26,6 +27,7 @@ pub enum StopCause {
 #[derive(Debug, Default)]
 pub struct StopSwitch {
     cause: AtomicU8,
+    shutdown: Arc<AtomicBool>,
 }
 
 impl StopSwitch {
@@ -34,9 +36,17 @@ impl StopSwitch {
         self.cause.fetch_max(cause as u8, Ordering::Relaxed);
     }
 
+    /// What asks for [`StopCause::Shutdown`] once it is set, as the handler of a signal can.
+    pub fn shutdown(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.shutdown)
+    }
+
     /// Why the run shall stop, `None` while it shall go on.
     pub fn cause(&self) -> Option<StopCause> {
         use StopCause::{BeyondEstimate, Cancel, LeaseLost, Pause, Shutdown, TimeLimit};
+        let told = self.cause.load(Ordering::Relaxed);
+        let ending = self.shutdown.load(Ordering::Relaxed);
+        let asked = told.max(if ending { Shutdown as u8 } else { 0 });
         [
             LeaseLost,
             Cancel,
@@ -46,7 +56,7 @@ impl StopSwitch {
             Shutdown,
         ]
         .into_iter()
-        .find(|cause| *cause as u8 == self.cause.load(Ordering::Relaxed))
+        .find(|cause| *cause as u8 == asked)
     }
 }
 
@@ -74,6 +84,8 @@ mod tests {
     fn the_highest_cause_counts_whatever_the_order() {
         let switch = StopSwitch::default();
         assert_eq!(switch.interrupt(), None);
+        switch.shutdown().store(true, Ordering::Relaxed);
+        assert_eq!(switch.cause(), Some(StopCause::Shutdown));
         switch.stop(StopCause::Pause);
         switch.stop(StopCause::Shutdown);
         assert_eq!(switch.cause(), Some(StopCause::Pause));

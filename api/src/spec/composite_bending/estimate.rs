@@ -2,11 +2,12 @@
 //!
 //! Work is counted in evaluations of one bond of the calibrating fabric. The factors follow runs
 //! of 400 to a million cells at rest by each solver, on rollers and in time; `tests/composite/estimates`
-//! holds them against random jobs. How long `verlet` takes to come to rest is a guess: on 85 to 625
-//! particles it was from a seventh of what is told here to ten times as much, because stopping a motion at
-//! peaks of its energy leaves some high modes nearly as they were.
+//! holds them against random jobs. How many steps `verlet` takes to come to rest follows from how slowly the
+//! section swings ([`lowest_per_s`]).
 use super::lines::Laid;
-use super::{CompositeBending, Geometry, Material, Ply, Solver, Way};
+use super::lowest::lowest_per_s;
+use super::{CompositeBending, Geometry, MOTION_RESIDUAL, Material, Ply, Solver, Way};
+use crate::section::settling::steps_to_rest;
 use crate::section::solving::is_factored;
 use crate::{Calibration, Estimate};
 
@@ -14,9 +15,8 @@ use crate::{Calibration, Estimate};
 /// particles with which that grows.
 const SOLUTION: f64 = 1150.0;
 const SOLUTION_POWER: f64 = 0.2;
-/// One particle on its way to rest, for each of the smallest cells along the longer side; of `pbd` and `xpbd` for each
-/// sweep of a time step.
-const REST_VERLET: f64 = 1_000.0;
+/// One particle on its way to rest by `pbd` and `xpbd`, for each of the smallest cells along the longer side and
+/// each sweep of a time step.
 const REST_PBD: f64 = 800.0;
 const REST_XPBD: f64 = 75.0;
 /// One particle in a time step.
@@ -87,7 +87,9 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
     let to_rest = match knobs.solver {
         Solver::Static => 0.0,
         Solver::Verlet if spec.test.history.is_some() => 0.0,
-        Solver::Verlet => REST_VERLET * longest,
+        Solver::Verlet => laid
+            .first()
+            .map_or(0.0, |laid| STEP * steps_of_verlet(spec, laid)),
         Solver::Pbd => REST_PBD * sweeps * longest,
         Solver::Xpbd => REST_XPBD * sweeps * longest,
     };
@@ -122,6 +124,23 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
         },
         calibrated: false,
     }
+}
+
+/// Time steps of `verlet` to rest.
+fn steps_of_verlet(spec: &CompositeBending, laid: &Laid) -> f64 {
+    let knobs = spec.accuracy.knobs();
+    let most = knobs.step_limit as f64;
+    let residual = knobs.residual.unwrap_or(MOTION_RESIDUAL);
+    let lowest = lowest_per_s(spec, ANY_DENSITY);
+    lowest.map_or(most, |lowest| {
+        steps_to_rest(
+            lowest,
+            knobs.damping_per_s,
+            time_step_s(spec, laid),
+            residual,
+        )
+        .min(most)
+    })
 }
 
 /// Density of what is only brought to rest, where none is given [kg/m³].

@@ -194,7 +194,7 @@ impl Laid {
 }
 
 /// Whether a face is held along both axes.
-fn is_held(support: &Support) -> bool {
+pub(super) fn is_held(support: &Support) -> bool {
     match support {
         Support::Word(word) => *word == SupportWord::Clamped,
         Support::PerAxis(axes) => axes.iter().all(|axis| *axis == Axis::Clamped),

@@ -12,6 +12,7 @@ mod estimate;
 mod job_kind;
 mod learned;
 mod lines;
+mod lowest;
 mod material;
 mod results;
 mod study;
@@ -22,7 +23,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use accuracy::{Accuracy, Geometry, Grid, Knobs, Solver};
+pub use accuracy::{Accuracy, Geometry, Grid, Knobs, MOTION_RESIDUAL, Solver};
 pub use material::{Interface, Isotropic, Limit, Material, Orthotropic, Strength};
 pub use test::{
     Axis, Breaking, Control, Criterion, DoubleCantilever, Driven, Face, Flexure, Grips, History,

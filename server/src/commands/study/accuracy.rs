@@ -38,12 +38,12 @@ fn request(text: &str) -> Result<Request, String> {
     })
 }
 
-pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
+pub(crate) fn perform(arguments: Arguments) -> Result<(), Failure> {
     let submission = arguments.spec.read()?.submission()?;
     let design = Design::new(&submission.spec, &arguments.knobs, arguments.seeds)
         .map_err(|error| Failure::new(Code::Usage, error.to_string()))?;
     let title = format!("Accuracy of {}", submission.name);
-    carry_out(design, &title, arguments.options).await
+    carry_out(design, &title, arguments.options)
 }
 
 #[cfg(test)]

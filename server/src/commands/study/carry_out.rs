@@ -28,29 +28,23 @@ pub(super) struct Options {
 }
 
 /// Runs a study, writes its files and says what it found.
-pub(super) async fn carry_out<D>(design: D, title: &str, options: Options) -> Result<(), Failure>
+pub(super) fn carry_out<D>(design: D, title: &str, options: Options) -> Result<(), Failure>
 where
-    D: Design + Send + 'static,
-    D::Findings: Send,
+    D: Design,
 {
     let switch = stop_switch();
-    let (title, out) = (title.to_owned(), options.out.clone());
     let threads = options.threads.map_or_else(available_threads, usize::from);
     options.memory.admit(&design.settings().estimate(threads))?;
-    let study = tokio::task::spawn_blocking(move || {
-        let mut display = ProgressDisplay::start(&title);
-        let options = StudyOptions {
-            engine: ENGINE,
-            threads,
-            folder: &out,
-            switch: &switch,
-        };
-        let end = run(&design, options, &mut |progress| display.show(&progress));
-        display.end();
-        end
-    });
+    let how = StudyOptions {
+        engine: ENGINE,
+        threads,
+        folder: &options.out,
+        switch: &switch,
+    };
+    let mut display = ProgressDisplay::start(title);
+    let end = run(&design, how, &mut |progress| display.show(&progress));
+    display.end();
     let folder = options.out.display();
-    let end = study.await.map_err(|error| Failure::of(&error))?;
     let StudyEnd::Finished(study) = end.map_err(|error| Failure::of(&error))? else {
         let message = format!("stopped; {folder} holds what is done, and the same command goes on");
         return Err(Failure::new(Code::Interrupted, message));

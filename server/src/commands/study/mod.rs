@@ -15,9 +15,9 @@ pub(crate) enum Study {
     Parameters(parameters::Arguments),
 }
 
-pub(crate) async fn perform(study: Study) -> Result<(), Failure> {
+pub(crate) fn perform(study: Study) -> Result<(), Failure> {
     match study {
-        Study::Accuracy(arguments) => accuracy::perform(arguments).await,
-        Study::Parameters(arguments) => parameters::perform(arguments).await,
+        Study::Accuracy(arguments) => accuracy::perform(arguments),
+        Study::Parameters(arguments) => parameters::perform(arguments),
     }
 }

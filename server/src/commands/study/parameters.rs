@@ -22,12 +22,12 @@ pub(crate) struct Arguments {
     options: Options,
 }
 
-pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
+pub(crate) fn perform(arguments: Arguments) -> Result<(), Failure> {
     let source = Source::read(&arguments.study)?;
     let study = ParameterStudy::from_slice(&source.text);
     let mut study = study.map_err(|error| source.refusal(&error))?;
     study.seeds = arguments.seeds.unwrap_or(study.seeds);
     let design = Design::new(&study)
         .map_err(|violations| Failure::new(Code::Usage, source.findings(&violations)))?;
-    carry_out(design, &study.title, arguments.options).await
+    carry_out(design, &study.title, arguments.options)
 }

@@ -4,7 +4,7 @@
 //! the spec, for any grid; [`rest`] finds its rest by the solver asked for, [`rollers`] bends it,
 //! [`history`] moves it in time, [`cracks`] lets it break, [`split`] evaluates arms that peel apart;
 //! [`results`] reads values off, [`errors`] says how wrong they may be from the same test on coarser grids;
-//! [`files`] and [`report`] write. Between them pass what a test comes to ([`tested`]), how far it is
+//! [`files`], [`pictures`] and [`report`] write. Between them pass what a test comes to ([`tested`]), how far it is
 //! ([`progress`]) and what is read off it ([`measured`]); [`watch`] is who listens. This file holds the course
 //! of it.
 mod arms;
@@ -18,6 +18,7 @@ mod files;
 mod history;
 mod measured;
 mod model;
+mod pictures;
 mod progress;
 mod report;
 mod rest;

@@ -40,7 +40,7 @@ pub(super) struct Model<'a> {
     pub(super) direction: [f64; 2],
     /// Names of materials with what was taken for constants that were not given.
     pub(super) notes: Vec<(String, Note)>,
-    /// Known once it was asked for: it takes a layout of half of the cells.
+    /// Known once it was asked for: it takes the lines of half of the cells.
     comparison: OnceCell<Comparison>,
 }
 
@@ -140,13 +140,13 @@ impl<'a> Model<'a> {
         *self.comparison.get_or_init(|| {
             let is_paper = matches!(self.spec.lattice, spec::Lattice::Paper(_));
             let half = halved(self.fineness)
-                .and_then(|half| self.section.layout(division(self.spec, half.grid)).ok());
+                .and_then(|half| self.section.fit(division(self.spec, half.grid)).ok());
             let fit = self.layout.fit();
             let fit = match fit {
                 Fit::Thin if self.contrast() < STIFF => Fit::Slanted,
                 fit => fit,
             };
-            Comparison::of(fit, half.map_or(fit, |half| half.fit()), is_paper)
+            Comparison::of(fit, half.unwrap_or(fit), is_paper)
         })
     }
 

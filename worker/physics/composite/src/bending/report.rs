@@ -8,7 +8,7 @@ use super::errors::{self, Finding};
 use super::measured::Measured;
 use super::model::Model;
 use super::tested::Tested;
-use super::{failure, files};
+use super::{failure, pictures};
 use crate::lattice::{Geometry, gather};
 use crate::measure::mean_gradient;
 use crate::section::Grid;
@@ -107,7 +107,7 @@ pub(super) fn report(
         let about = "Displacements in the pictures over true ones.";
         report.result(
             "deformation_factor",
-            files::factor(model, tested),
+            pictures::factor(model, tested),
             "1",
             about,
         );

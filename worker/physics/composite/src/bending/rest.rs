@@ -2,7 +2,7 @@
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
-use loadframe_api::spec::composite_bending::Solver;
+use loadframe_api::spec::composite_bending::{MOTION_RESIDUAL, Solver};
 use loadframe_harness::{InterruptSource, RunContext};
 
 use super::model::Model;
@@ -13,10 +13,6 @@ use super::watch::{Halt, Watch, share};
 use crate::lattice::Geometry;
 use crate::motion::{Damping, Motion, MotionOptions, Rest, Scheme};
 use crate::solve::{LoadPath, StaticOptions};
-
-/// Residual at which rest is reached by motion, unless another is asked for: a tenth of a per mille
-/// of the deflection on grids of up to 1 000 particles.
-const MOTION_RESIDUAL: f64 = 1e-7;
 
 pub(super) fn conduct(
     model: &Model<'_>,
@@ -117,9 +113,11 @@ fn by_motion(
         scheme,
         geometry: model.geometry(),
         time_step_s: knobs.time_step_s,
-        damping: knobs
-            .damping_per_s
-            .map_or(Damping::Kinetic, |per_s| Damping::Viscous { per_s }),
+        damping: match (knobs.damping_per_s, scheme) {
+            (Some(per_s), _) => Damping::Viscous { per_s },
+            (None, Scheme::Verlet) => Damping::Critical,
+            (None, Scheme::Pbd { .. } | Scheme::Xpbd { .. }) => Damping::Kinetic,
+        },
     };
     let mut motion = Motion::new(&model.lattice, &model.supports, &model.load, options)?;
     share(&mut motion, context)?;

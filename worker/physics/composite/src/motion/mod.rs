@@ -19,6 +19,7 @@
 //! Source: [SizayaTsivilsky2020] for (6) and the shifts; [MacklinMuellerChentanez2016] for
 //! multipliers.
 mod gain;
+mod lowest;
 mod options;
 mod pass;
 mod settling;
@@ -30,7 +31,9 @@ use crate::error::CompositeError;
 use crate::lattice::{Cell, Geometry, Lattice};
 use crate::supports::Supports;
 use gain::Gains;
+use loadframe_api::section::settling::steps_to_rest;
 use loadframe_numerics::{Team, ThreadsError};
+pub use lowest::lowest_frequency_per_s;
 pub use options::{Damping, MotionOptions, Scheme};
 use pass::Pass;
 pub use settling::Rest;
@@ -46,6 +49,8 @@ pub struct Motion<'a> {
     /// The load, and what the paper's shifts have left unbalanced at their rests.
     drive: Vec<f64>,
     options: MotionOptions,
+    /// Of [`Damping::Critical`].
+    lowest_per_s: Option<f64>,
     time_step: f64,
     inverse_masses: Vec<f64>,
     gains: Gains,
@@ -95,6 +100,20 @@ impl<'a> Motion<'a> {
                 allowed: "a finite number of at least 0",
             });
         }
+        let lowest_per_s = match options.damping {
+            Damping::Critical => lowest_frequency_per_s(lattice, supports, load_n)?,
+            _ => None,
+        };
+        let options = MotionOptions {
+            damping: match (options.damping, lowest_per_s) {
+                (Damping::Critical, Some(lowest)) => Damping::Viscous {
+                    per_s: 2.0 * lowest,
+                },
+                (Damping::Critical, None) => Damping::Kinetic,
+                (given, _) => given,
+            },
+            ..options
+        };
         let inverse_masses: Vec<f64> = (0..lattice.displacements())
             .map(|place| {
                 if supports.is_held(place) {
@@ -112,6 +131,7 @@ impl<'a> Motion<'a> {
             load: load_n.to_vec(),
             drive: load_n.to_vec(),
             options,
+            lowest_per_s,
             time_step,
             inverse_masses,
             gains,
@@ -163,6 +183,14 @@ impl<'a> Motion<'a> {
     pub fn release(&mut self) {
         self.load.fill(0.0);
         self.drive.fill(0.0);
+    }
+
+    /// Steps until a part `residual` of the load is unbalanced, as far as they can be foreseen: with
+    /// [`Damping::Critical`], in small displacements.
+    #[must_use]
+    pub fn steps_to_rest(&self, residual: f64) -> Option<f64> {
+        let lowest = self.lowest_per_s?;
+        Some(steps_to_rest(lowest, None, self.time_step, residual))
     }
 
     /// Steps done.
@@ -224,7 +252,7 @@ impl<'a> Motion<'a> {
                 };
                 ((1.0 - half) / (1.0 + half), push)
             }
-            Damping::None | Damping::Kinetic => (1.0, square),
+            Damping::None | Damping::Kinetic | Damping::Critical => (1.0, square),
         };
         // u(-τ) = u(τ) of a particle that stands still: (6) with half the force. A full one would put
         // in energy at every stop, without bound near the stable step.

@@ -19,8 +19,12 @@ pub enum Damping {
     None,
     /// A force -c m v on every particle [1/s].
     Viscous { per_s: f64 },
-    /// All particles stop whenever the kinetic energy has passed a peak: the way to rest.
+    /// All particles stop whenever the kinetic energy has passed a peak: the way to rest of shifts, whose own
+    /// damping nothing foresees.
     Kinetic,
+    /// As much of a viscous force as lets the slowest motion that the load excites just not swing: the way to
+    /// rest of springs. Kinetic where no such motion is found.
+    Critical,
 }
 
 /// How a lattice is moved.

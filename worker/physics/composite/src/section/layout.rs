@@ -60,6 +60,23 @@ pub(crate) struct Part {
     pub(crate) share: f64,
 }
 
+/// All bands of fibre, in the order of the fibres.
+fn bands(section: &Section) -> Result<Vec<Band>, CompositeError> {
+    let sides = [section.length_mm, section.height_mm];
+    let fibres = section.fibres.iter().enumerate();
+    fibres
+        .map(|(place, fibre)| Band::new(place, fibre, sides))
+        .collect()
+}
+
+/// How well the grid of a division follows a section, without laying out what its cells hold.
+pub(super) fn fit_on(section: &Section, division: Division) -> Result<Fit, CompositeError> {
+    let faces = faces_mm(&section.stack()?, section.height_mm);
+    let bands = bands(section)?;
+    let grid = divide(section, &faces, &bands, division, &[], &Default::default())?;
+    Ok(fit(&grid, &faces_across(section, &faces, &bands), &bands))
+}
+
 impl Layout {
     pub(crate) fn new(
         section: &Section,
@@ -68,15 +85,9 @@ impl Layout {
         corners: &[Towards; 2],
         is_parting: bool,
     ) -> Result<Self, CompositeError> {
-        let sides = [section.length_mm, section.height_mm];
         let stack = section.stack()?;
         let faces = faces_mm(&stack, section.height_mm);
-        let bands = section
-            .fibres
-            .iter()
-            .enumerate()
-            .map(|(place, fibre)| Band::new(place, fibre, sides))
-            .collect::<Result<Vec<_>, _>>()?;
+        let bands = bands(section)?;
         refuse_overlap(&bands)?;
         let mut grid = divide(section, &faces, &bands, division, refinements, corners)?;
         if is_parting && !matches!(division, Division::Uniform { .. }) {

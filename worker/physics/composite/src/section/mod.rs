@@ -63,6 +63,14 @@ impl Section {
         self.layout_refined(division, &[], &Default::default())
     }
 
+    /// How well the grid of a division follows what lies in the section.
+    ///
+    /// # Errors
+    /// As [`Section::layout`].
+    pub fn fit(&self, division: Division) -> Result<Fit, CompositeError> {
+        layout::fit_on(self, division)
+    }
+
     /// As [`Section::layout`], with a graded division made finer around places and towards corners.
     ///
     /// # Errors

@@ -13,6 +13,9 @@ pub use contact::{
     contact_equilibrium, hertz_half_width_mm, pressed_equilibrium,
 };
 pub(crate) use contact::{Point, points};
+pub(crate) use direct::NoFactor;
+pub(crate) use equations::Equations;
 pub use equations::Method;
+pub(crate) use equilibrium::dot;
 pub use equilibrium::{Equilibrium, StaticOptions};
 pub use load_path::{LoadPath, PathState, equilibrium};

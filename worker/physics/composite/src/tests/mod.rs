@@ -6,6 +6,7 @@ mod motion;
 mod patch;
 mod plies;
 mod sections;
+mod settling;
 
 pub(crate) use plies::{CARBON, stacked};
 pub(crate) use sections::{isotropic, orthotropic, plain};
