@@ -2,6 +2,7 @@
 use loadframe_api::spec::paper_tensile::PaperTensile;
 use loadframe_harness::ReportBuilder;
 
+use super::bonds_inside;
 use super::course::{Mode, Record};
 use super::laid::Laid;
 use super::specimen::Specimen;
@@ -52,8 +53,14 @@ fn strength(
     specimen: &Specimen,
     measures: &PullMeasures,
 ) {
-    // straight parts of fibres make stiffness too large; of no other result was that measured
-    let errors = |stiffness: f64| straight_parts::error(spec, stiffness).into_iter().collect();
+    // straight parts of fibres, and bonds inside them, make stiffness too large; of no other result was
+    // that measured
+    let errors = |stiffness: f64| {
+        let parts = straight_parts::error(spec, stiffness).into_iter();
+        parts
+            .chain(bonds_inside::error(spec, &specimen.network, stiffness))
+            .collect()
+    };
     let (width, length) = (specimen.width_mm, specimen.length_mm);
     let grammage = specimen.grammage_g_per_m2;
     let max_force = N * measures.peak_force_mn;

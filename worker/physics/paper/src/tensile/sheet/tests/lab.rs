@@ -193,6 +193,29 @@ fn results_say_how_wrong_they_may_be_and_from_what() {
 }
 
 #[test]
+fn bonds_inside_straight_parts_are_too_stiff_by_about_what_is_told() {
+    let mut body = flat();
+    let sheet = body["specimen"]["sheet"].as_object_mut().unwrap();
+    sheet.remove("placement");
+    sheet["grammage_g_per_m2"] = json!(40);
+    body["model"] = json!({"segment_um": 80});
+    body["test"] = json!({"max_strain": 1e-6});
+    let stiffness = |report: &loadframe_api::Report| value(report, "tensile_stiffness");
+    let (at_nodes, _) = go(&body, 1);
+    body["accuracy"] = json!({"bonds_at": "inside", "break_precision": 0.05});
+    let (inside, _) = go(&body, 1);
+    let error = inside.summary["tensile_stiffness"].error.as_ref().unwrap();
+    let told = error
+        .parts
+        .iter()
+        .find(|part| part.source == "bonds_inside");
+    let told = told.unwrap().value;
+    let off = stiffness(&inside) - stiffness(&at_nodes);
+    // the table is of another sheet
+    assert!(told > 0.5 * off && told < 2.0 * off, "{told} for {off}");
+}
+
+#[test]
 fn a_sheet_without_contact_or_with_one_fibre_has_a_sentence_and_no_force() {
     // a piece of fibre as long as it is wide and little more, far from both jaws or not
     let mut one = flat();
