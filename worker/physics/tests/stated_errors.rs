@@ -56,27 +56,29 @@ fn the_finest_test_of_a_fabric_lies_within_twice_the_stated_error() {
     }
 }
 
-/// Scenes of the next test, each of another sort.
-const SCENES: [u64; 4] = [200_003, 200_004, 200_005, 200_006];
+/// Scenes of the next test, of every sort; of seven that keep a promise of nine in ten two are outside
+/// with a chance of 15 in 100.
+const SCENES: std::ops::Range<u64> = 200_003..200_010;
+const SCENES_WITHIN: usize = 6;
 
 #[test]
-fn the_finest_run_of_a_scene_lies_within_twice_the_stated_error() {
-    for seed in SCENES {
-        let [draft, fine] = [0.4, 0.05].map(|step| Scenes.job(seed, &[step]));
-        let [draft, fine] = [draft, fine].map(|job| report(&job).expect("a result"));
-        for name in Scenes.results() {
-            let [rough, good] = [&draft, &fine].map(|report| &report.summary[*name]);
-            let error = rough.error.as_ref();
-            let error = error.unwrap_or_else(|| panic!("{name} of {seed} has no error"));
+fn a_finer_run_of_a_scene_lies_within_twice_the_stated_error() {
+    let runs = SCENES
+        .map(|seed| [0.4, 0.05].map(|step| report(&Scenes.job(seed, &[step])).expect("a result")));
+    let runs: Vec<[Report; 2]> = runs.collect();
+    for name in Scenes.results() {
+        let apart = runs.iter().map(|[draft, fine]| {
+            let [rough, good] = [draft, fine].map(|report| &report.summary[*name]);
+            let errors = [rough, good].map(|quantity| quantity.error.as_ref());
+            let [error, finer] = errors.map(|error| error.expect("a measured scene"));
             assert_eq!(error.parts[0].source, "time_step");
+            assert!(finer.value < error.value, "{name}");
             let apart = rough.value.expect("known") - good.value.expect("known");
-            assert!(
-                apart.abs() <= 2.0 * error.value,
-                "{name} of {seed}: {apart} {error:?}"
-            );
-            let finer = good.error.as_ref().expect("an error of the finer one");
-            assert!(finer.value < error.value, "{name} of {seed}");
-        }
+            apart.abs() / error.value
+        });
+        let apart: Vec<f64> = apart.collect();
+        let within = apart.iter().filter(|apart| **apart <= 2.0).count();
+        assert!(within >= SCENES_WITHIN, "{name}: {apart:?}");
     }
 }
 

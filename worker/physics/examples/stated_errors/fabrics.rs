@@ -15,12 +15,6 @@ pub(crate) struct Size {
     pub(crate) layers: [u32; 2],
 }
 
-/// Fabrics of a hundred to two thousand bonds.
-pub(crate) const SMALL: Size = Size {
-    points: [6.0, 17.0],
-    layers: [1, 3],
-};
-
 /// Fabrics of a size.
 pub(crate) struct Fabrics(pub(crate) Size);
 

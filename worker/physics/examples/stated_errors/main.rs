@@ -15,11 +15,16 @@ mod sort;
 
 use std::process::ExitCode;
 
-use fabrics::{Fabrics, SMALL};
+use fabrics::{Fabrics, Size};
 use measure::{for_each, table};
 use scenes::Scenes;
 use sort::Sort;
 
+/// Fabrics of a hundred to two thousand bonds.
+const SMALL: Size = Size {
+    points: [6.0, 17.0],
+    layers: [1, 3],
+};
 /// Seeds of the jobs that are measured, and of those that are checked.
 const MEASURED_FROM: u64 = 1;
 const CHECKED_FROM: u64 = 100_001;
