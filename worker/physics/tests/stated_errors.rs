@@ -1,6 +1,7 @@
 //! Results say how wrong they may be, and are not more wrong than twice that.
 //!
 //! A few jobs that the command `stated_errors -- check` takes too, small enough for every day.
+#[allow(dead_code, reason = "the command uses all of it")]
 #[path = "../examples/stated_errors/fabrics.rs"]
 mod fabrics;
 #[path = "../examples/stated_errors/run.rs"]
