@@ -124,9 +124,10 @@ fn expected(class: Class) -> Option<[&'static str; 12]> {
             "!!!!", "----", "+-+0", "0--0", "00-0", "+++0", "----", "+-+0", "----", "----", "----",
             "!!!!",
         ],
-        // these jobs, deleted: their owner's and the administrators', whoever saw them before
+        // these jobs, deleted: their owner's and the administrators', whoever saw them before; a link to what is
+        // deleted is none
         Class::Restore => [
-            "!!!!", "----", "+++0", "0000", "0000", "+++0", "----", "+++0", "----", "----", "----",
+            "!!!!", "----", "+++0", "0000", "0000", "+++0", "----", "+++0", "----", "!!!!", "!!!!",
             "!!!!",
         ],
         _ => return None,

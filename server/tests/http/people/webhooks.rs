@@ -347,13 +347,13 @@ async fn files_near_a_limit_are_told_once_at_each_step() {
     let (receiver, url) = Receiver::open().await;
     let (_, secret) = made(&group, anna, &url, json!(["quota"]), None).await;
     let project = group.project(anna, Visibility::Private, None).await.id;
+    group.submit(anna, project).await;
+    let lease = group.lab.claim().await;
     // 1000 bytes: a file of 850 is below nine tenths, one of 60 more above, one of 100 more beyond
     let limits = json!({ "disk_gb": 1e-6 }).to_string();
     let path = format!("/v1/people/{}/limits", anna.id);
     let set = group.send(&group.ada, "PUT", &path, &limits).await;
     assert_eq!(set.status, 200, "{set:?}");
-    group.submit(anna, project).await;
-    let lease = group.lab.claim().await;
     let upload = async |name: &str, count: usize| {
         let bytes = vec![b'a'; count];
         let sha256 = loadframe_api::sha256_hex(&bytes);

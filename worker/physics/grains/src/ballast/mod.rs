@@ -2,7 +2,7 @@
 //!
 //! The spec's [`Script`] is a scene with stages; the engine runs it like any other. Between the
 //! engine and the job's recorder sits a [`Tester`]: it reads force and way of the loading wall and
-//! the state of the bed from the points of the scene's curve ([`heard`], each at its [`place`](self::place) in the cycles), and makes the test's own curve of
+//! the state of the bed from the points of the scene's curve ([`heard`], each at its [`place`] in the cycles), and makes the test's own curve of
 //! them. When the engine is done, [`cycles`] finds peaks, residuals and stiffnesses, [`blocks`] those of each load, [`oedometer`] void ratio and
 //! modulus, [`moments`] what the journal
 //! says of grains that broke, [`report`] the summary, [`tables`] the files. A resumed run hears the whole curve again,
