@@ -91,7 +91,15 @@ impl Server {
     }
 
     pub(crate) async fn start(&mut self) {
-        let store = Store::open(self.options.clone()).await;
+        // tasks of the server that was killed live on in this process, where killing it would have ended them
+        let mut store = Store::open(self.options.clone()).await;
+        for _ in 0..10_000 {
+            if !matches!(store, Err(StoreError::InUse(_))) {
+                break;
+            }
+            tokio::time::sleep(Duration::from_millis(1)).await;
+            store = Store::open(self.options.clone()).await;
+        }
         self.store = Some(store.expect("a store that was closed opens again"));
         self.swept = self.options.clock.now();
     }

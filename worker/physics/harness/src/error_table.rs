@@ -45,6 +45,9 @@ pub struct Likeness<'a> {
 }
 
 impl ErrorTable {
+    /// Code of the warning of a job at the edge of what was measured.
+    pub const AT_EDGE: &'static str = "errors_at_edge";
+
     /// Reads a table that is shipped with the engine.
     ///
     /// # Errors
@@ -84,7 +87,7 @@ impl ErrorTable {
         };
         if let (true, Some(edge)) = (has_any, job.traits.iter().find(is_edge)) {
             report.warnings.push(Warning {
-                code: "errors_at_edge".to_owned(),
+                code: Self::AT_EDGE.to_owned(),
                 detail: format!(
                     "errors of results are of the edge of what was measured: {}",
                     self.place(*edge)
@@ -123,7 +126,12 @@ impl ErrorTable {
 
     fn place(&self, (name, value): (&str, f64)) -> String {
         let [least, most] = self.range.get(name).copied().unwrap_or([f64::NAN; 2]);
-        format!("{name} is {value:.4}, and {least:.4} to {most:.4} was measured")
+        let told = |value: f64| {
+            let digits = if value >= 100.0 { 0 } else { 3 };
+            format!("{value:.digits$}")
+        };
+        let [value, least, most] = [value, least, most].map(told);
+        format!("{name} is {value}, and {least} to {most} was measured")
     }
 }
 

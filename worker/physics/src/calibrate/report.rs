@@ -1,7 +1,7 @@
 //! Results of a calibration, and whether to believe them.
 use loadframe_api::{Quantity, Report};
 use loadframe_harness::{
-    ReportBuilder, SimulationError,
+    ErrorTable, ReportBuilder, SimulationError,
     plan::{joint_warnings, mean, values, worst_quality},
 };
 
@@ -43,7 +43,9 @@ pub(super) fn report(
     let mut report = report.finish();
     let of_specimens = "The worst of all specimens of the best trial.";
     report.quality.extend(worst_quality(&reports, of_specimens));
-    let warnings = joint_warnings(spec.seed, "specimens of the best trial", &reports);
+    let mut warnings = joint_warnings(spec.seed, "specimens of the best trial", &reports);
+    // its results have errors of their own
+    warnings.retain(|warning| warning.code != ErrorTable::AT_EDGE);
     report.warnings.extend(warnings);
     report.work = trials.work().clone();
     Ok(report)
