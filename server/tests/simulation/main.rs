@@ -19,10 +19,12 @@
 //! prints what happened.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 #![allow(clippy::print_stderr, reason = "seeds, and what happened under them")]
+mod happening;
 mod history;
 mod network;
 mod people;
 mod server;
+mod words;
 mod worker;
 mod world;
 

@@ -5,10 +5,12 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tempfile::TempDir;
 
+use crate::happening::{Call, Happening, Line, Party};
 use crate::history::History;
 use crate::network::Network;
 use crate::people::Person;
-use crate::server::{Answer, Leased, Request, Server};
+use crate::server::{Answer, Request, Server};
+use crate::words::told;
 use crate::worker::Worker;
 
 /// Until then anything happens [ms]; from then on nothing bad does.
@@ -23,55 +25,6 @@ const SWEEP_EVERY: i64 = 1_000;
 const HEARTBEAT_EVERY: i64 = 4_000;
 const WORKERS: usize = 4;
 const PEOPLE: usize = 2;
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Party {
-    Worker(usize),
-    Person(usize),
-}
-
-/// A process of a party, and which of its two lines to the server: one for heartbeats.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Line {
-    party: Party,
-    process: u64,
-    is_heartbeat: bool,
-}
-
-enum Happening {
-    /// A message reaches the server.
-    Arrives(Line, u64, Request),
-    /// An answer reaches who asked.
-    Answered(Line, u64, Answer),
-    /// Somebody acts.
-    Acts(Line),
-    /// The answer has not come.
-    Waited(Line, u64),
-    Sweep,
-    Follow,
-    /// The server is killed: at once, or when it has done what it is asked next.
-    Kill {
-        after_next: bool,
-    },
-    Start,
-    /// The server does nothing for so long [ms].
-    Freeze(i64),
-    /// Its clock is set by so much [ms].
-    Leap(i64),
-    /// Nothing reaches a worker or leaves it for so long [ms].
-    Cut(usize, i64),
-    /// A worker does nothing for so long [ms].
-    FreezeWorker(usize, i64),
-    KillWorker(usize),
-    /// Bad times are over.
-    Mend,
-}
-
-/// What somebody has asked and waits for.
-struct Call {
-    number: u64,
-    request: Request,
-}
 
 pub(crate) struct World {
     seed: u64,
@@ -358,7 +311,7 @@ impl World {
         let answer = self.server.serve(request.clone()).await;
         let store = self.server.store().expect("it is up");
         self.history.saw(store, &request, &answer).await;
-        let told = self.told(&request, &answer);
+        let told = told(&self.history, &request, &answer);
         self.say(|_| format!("{:?} {number}: {told}", line.party));
         if self.dies_after_next {
             self.dies_after_next = false;
@@ -437,45 +390,6 @@ impl World {
         if is_same && waits {
             self.send(line, number);
         }
-    }
-
-    /// What was asked and answered, in words that are the same whenever the seed is.
-    fn told(&self, request: &Request, answer: &Answer) -> String {
-        let asked = match request {
-            Request::Claim(_) => "claims".to_owned(),
-            Request::Leased(lease, message) => {
-                let job = self.history.name(lease.job_id);
-                let word = match message {
-                    Leased::Heartbeat => "lives",
-                    Leased::Report(_) => "reports",
-                    Leased::Upload(name, _) => name,
-                    Leased::Save(..) => "saves",
-                    Leased::Fetch => "fetches",
-                    Leased::Complete(_) => "completes",
-                    Leased::Fail(_) => "fails",
-                    Leased::Fault(_) => "is at fault",
-                    Leased::Release(_) => "releases",
-                    Leased::ExceedEstimate => "takes too long",
-                };
-                format!("{word}, {job}, attempt {}", lease.attempt)
-            }
-            Request::Submit { name, .. } => format!("submits {name}"),
-            Request::Ask { job, action } => format!("{action:?} {}", self.history.name(*job)),
-        };
-        let answered = match answer {
-            Answer::Claimed(Some(lease)) => {
-                let job = self.history.name(lease.job_id);
-                format!("{job}, attempt {}", lease.attempt)
-            }
-            Answer::Claimed(None) => "nothing".to_owned(),
-            Answer::Command(command) => format!("{command:?}"),
-            Answer::Done => "done".to_owned(),
-            Answer::Checkpoint(found) => format!("found: {}", found.is_some()),
-            Answer::LeaseLost => "lease lost".to_owned(),
-            Answer::Job(job) => format!("{:?} {:?}", job.status, job.outcome),
-            Answer::Conflict => "conflict".to_owned(),
-        };
-        format!("{asked}: {answered}")
     }
 }
 
