@@ -63,7 +63,8 @@ impl Reserve {
         }
     }
 
-    fn give_up(&self, why: &str) {
+    /// Takes the disk for full, and gives up what was kept for then.
+    pub(super) fn give_up(&self, why: &str) {
         let mut full = self.lock();
         if full.is_none() {
             tracing::error!(
@@ -113,7 +114,7 @@ impl Reserve {
 }
 
 /// What an error says of a full disk.
-fn told_full(error: &StoreError) -> Option<String> {
+pub(super) fn told_full(error: &StoreError) -> Option<String> {
     use std::io::ErrorKind::{QuotaExceeded, StorageFull};
     match error {
         StoreError::Database(sqlx::Error::Database(error)) => error

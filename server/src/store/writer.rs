@@ -21,7 +21,7 @@ use super::clock::Clock;
 use super::collector::Garbage;
 use super::error::{Result, StoreError};
 use super::people::Actor;
-use super::reserve::Reserve;
+use super::reserve::{Reserve, told_full};
 use super::supervision::{Restarts, caught, until_done};
 
 /// Commands in one commit; beyond this, the first of them would wait too long for the last.
@@ -56,6 +56,8 @@ pub(super) struct Change {
     pub(super) last_trouble: i64,
     /// Who makes the change, where somebody does.
     pub(super) actor: Option<Arc<Actor>>,
+    /// Why the disk is taken for full, where a command has found it so.
+    full: Option<String>,
     effects: Effects,
 }
 
@@ -155,6 +157,7 @@ impl Writer {
             clock,
             last_trouble: i64::MIN,
             actor: None,
+            full: None,
             effects: Effects::default(),
         };
         tokio::spawn(run(change, database, waiting, announcements, guards));
@@ -182,6 +185,7 @@ impl Writer {
                     };
                 }
                 let result = command(change).await;
+                change.full = result.as_ref().err().and_then(told_full);
                 CommandEnd {
                     stays: result.is_ok(),
                     deliver: Box::new(move || drop(answer.send(result))),
@@ -218,7 +222,10 @@ async fn run(
                 if !is_usable {
                     guards.restarts.writer.fetch_add(1, Ordering::Relaxed);
                 }
-                let _ = guards.reserve.note(error);
+                match change.full.take() {
+                    Some(why) => guards.reserve.give_up(&why),
+                    None => _ = guards.reserve.note(error),
+                }
                 is_usable
             }
             Err(_) => false,
@@ -272,6 +279,10 @@ async fn commit(
         statement(change, "SAVEPOINT command").await?;
         change.now = change.clock.now();
         let CommandEnd { stays, deliver } = command(change).await;
+        if change.full.is_some() {
+            // the database may have undone the whole transaction by itself: nothing of it is kept
+            return Err(StoreError::Full);
+        }
         if !stays {
             statement(change, "ROLLBACK TO command").await?;
         }

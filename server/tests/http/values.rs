@@ -159,12 +159,12 @@ async fn what_is_no_pointer_is_refused_in_a_sentence() {
         ("where=/name%3Dx", "is not /spec/"),
         ("where=/spec/a%3Cb", "only numbers are less or more"),
         ("sort=seed12", "is not /spec/"),
-        ("sort=/spec/a,/spec/b", "1 … 1 values"),
+        ("sort=/spec/a,/spec/b", "sort: 2 values, of at most 1"),
         ("show=/spec", "is not /spec/"),
         ("show=/spec/a%22b", "without quotes"),
     ] {
         let answer = lab.get(&format!("/v1/jobs?{query}")).await;
-        let problem = answer.problem(400, "bad-request");
+        let problem = answer.problem(422, "invalid-request");
         let detail = problem["detail"].as_str().expect("a sentence");
         assert!(detail.contains(words), "{query}: {detail}");
     }

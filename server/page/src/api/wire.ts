@@ -6590,7 +6590,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The cursor is not one of this server */
+            /** @description The cursor is not one of this server; what `where`, `sort` or `show` ask for is no value of a job */
             422: {
                 headers: {
                     [name: string]: unknown;

@@ -1,4 +1,7 @@
 //! `GET /v1/jobs`.
+use std::fmt::Display;
+use std::str::FromStr;
+
 use axum::extract::{Query, State};
 use axum::http::HeaderMap;
 use axum::response::Response;
@@ -9,16 +12,18 @@ use utoipa::openapi::Ref;
 use uuid::Uuid;
 
 use super::super::AppState;
-use super::super::bounded::{Listed, Number, Text};
+use super::super::bounded::{Number, Text};
 use super::super::conditional::EntityTag;
 use super::super::permit::{Permit, Read};
-use super::super::problem::Result;
+use super::super::problem::{ApiError, Result};
 use crate::access::{Identity, Sight, Whose};
-use crate::store::pointer::{Condition, Order, Pointer};
-use crate::store::{JobFilter, Wanted};
+use crate::store::{JobFilter, StoreError, Wanted};
 
 /// Jobs on a page unless asked otherwise.
 const PAGE: u32 = 50;
+/// Conditions that hold together, at most, and values of specs shown.
+const MOST_CONDITIONS: usize = 10;
+const MOST_SHOWN: usize = 12;
 
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
@@ -60,14 +65,14 @@ pub(in crate::http) struct ListQuery {
     /// 20 000 jobs that pass the rest, and says where it stopped.
     #[serde(rename = "where")]
     #[param(value_type = String, required = false, min_length = 1, max_length = 2000)]
-    conditions: Option<Listed<Condition, 10>>,
+    conditions: Option<Text<1, 2000>>,
     /// Sorts by a result (`/summary/max_force`) or a value of the spec (`/spec/seed`), falling with `-`
     /// before it; the newest 20 000 that pass the rest.
-    #[param(value_type = String, required = false, min_length = 6, max_length = 201)]
-    sort: Option<Listed<Order, 1>>,
+    #[param(value_type = String, required = false, min_length = 1, max_length = 201)]
+    sort: Option<Text<1, 201>>,
     /// Values of specs to show, such as `/spec/seed,/spec/test/max_strain`.
-    #[param(value_type = String, required = false, min_length = 6, max_length = 2000)]
-    show: Option<Listed<Pointer, 12>>,
+    #[param(value_type = String, required = false, min_length = 1, max_length = 2000)]
+    show: Option<Text<1, 2000>>,
     /// Only your own jobs, those in projects of your groups, or what others share with you.
     #[param(schema_with = whose_schema, required = false)]
     whose: Option<Part>,
@@ -100,7 +105,7 @@ fn whose_schema() -> utoipa::openapi::schema::Object {
     responses((status = 200, description = "A page of jobs, without their specs",
                body = ref("#/components/schemas/JobViewPage"), headers(("ETag" = String))),
               (status = 304, description = "No job has changed"),
-              (status = 422, description = "The cursor is not one of this server")))]
+              (status = 422, description = "The cursor is not one of this server; what `where`, `sort` or `show` ask for is no value of a job")))]
 pub(super) async fn list(
     State(state): State<AppState>,
     permit: Permit<Read>,
@@ -126,14 +131,39 @@ pub(super) async fn list(
         project: query.project,
     };
     let wanted = Wanted {
-        conditions: query.conditions.map_or_else(Vec::new, |Listed(all)| all),
-        order: query.sort.and_then(|Listed(all)| all.into_iter().next()),
-        shown: query.show.map_or_else(Vec::new, |Listed(all)| all),
+        conditions: listed(
+            "where",
+            query.conditions.map(|Text(text)| text),
+            MOST_CONDITIONS,
+        )?,
+        order: listed("sort", query.sort.map(|Text(text)| text), 1)?.pop(),
+        shown: listed("show", query.show.map(|Text(text)| text), MOST_SHOWN)?,
     };
     let page = state
         .store
         .jobs_wanted(&filter, &wanted, cursor.as_deref(), limit);
     Ok(tag.json(&page.await?))
+}
+
+/// Values of a parameter, separated by commas.
+fn listed<T: FromStr<Err: Display>>(
+    name: &str,
+    text: Option<String>,
+    most: usize,
+) -> Result<Vec<T>> {
+    let refused = |why: String| ApiError::from(StoreError::Invalid(format!("{name}: {why}")));
+    let Some(text) = text else {
+        return Ok(Vec::new());
+    };
+    let values = text.split(',').map(|part| part.trim().parse::<T>());
+    let values: Vec<T> = values
+        .collect::<std::result::Result<_, _>>()
+        .map_err(|error| refused(error.to_string()))?;
+    if values.len() > most {
+        let count = values.len();
+        return Err(refused(format!("{count} values, of at most {most}")));
+    }
+    Ok(values)
 }
 
 /// What the caller sees of what it asks for, and what names the state of the list for it.

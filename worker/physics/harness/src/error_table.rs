@@ -45,9 +45,6 @@ pub struct Likeness<'a> {
 }
 
 impl ErrorTable {
-    /// Code of the warning of a job at the edge of what was measured.
-    pub const AT_EDGE: &'static str = "errors_at_edge";
-
     /// Reads a table that is shipped with the engine.
     ///
     /// # Errors
@@ -87,7 +84,7 @@ impl ErrorTable {
         };
         if let (true, Some(edge)) = (has_any, job.traits.iter().find(is_edge)) {
             report.warnings.push(Warning {
-                code: Self::AT_EDGE.to_owned(),
+                code: "errors_at_edge".to_owned(),
                 detail: format!(
                     "errors of results are of the edge of what was measured: {}",
                     self.place(*edge)
@@ -126,8 +123,14 @@ impl ErrorTable {
 
     fn place(&self, (name, value): (&str, f64)) -> String {
         let [least, most] = self.range.get(name).copied().unwrap_or([f64::NAN; 2]);
+        // four digits that tell something
         let told = |value: f64| {
-            let digits = if value >= 100.0 { 0 } else { 3 };
+            let before = if value > 0.0 {
+                value.log10().floor() as i32 + 1
+            } else {
+                1
+            };
+            let digits = usize::try_from(4 - before).unwrap_or(0);
             format!("{value:.digits$}")
         };
         let [value, least, most] = [value, least, most].map(told);
@@ -207,7 +210,7 @@ mod tests {
         for bonds in [99.0, 10_001.0, f64::NAN] {
             let (errors, words, warnings) = told(bonds, 100.0, 0.01);
             assert_eq!((errors, warnings), ([None, None], 0));
-            assert!(words.unwrap().contains("100.0000 to 10000.0000"));
+            assert!(words.unwrap().contains("100.0 to 10000 was measured"));
         }
         // 3 % of two decades is a factor of 1.15
         for (bonds, warnings) in [

@@ -1,7 +1,7 @@
 //! Results of a calibration, and whether to believe them.
 use loadframe_api::{Quantity, Report};
 use loadframe_harness::{
-    ErrorTable, ReportBuilder, SimulationError,
+    ReportBuilder, SimulationError,
     plan::{joint_warnings, mean, values, worst_quality},
 };
 
@@ -45,7 +45,7 @@ pub(super) fn report(
     report.quality.extend(worst_quality(&reports, of_specimens));
     let mut warnings = joint_warnings(spec.seed, "specimens of the best trial", &reports);
     // its results have errors of their own
-    warnings.retain(|warning| warning.code != ErrorTable::AT_EDGE);
+    warnings.retain(|warning| warning.code != "errors_at_edge");
     report.warnings.extend(warnings);
     report.work = trials.work().clone();
     Ok(report)
