@@ -81,7 +81,9 @@ fn a_scratch_folder_that_was_removed_is_made_anew() {
     let scratch = folder.to_str().unwrap();
     let _worker = Worker::start_with(&server, &server.url, "worker", &["--scratch", scratch]);
     until("the worker has its folder", || {
-        Path::new(&folder).read_dir().ok()?.next().map(|_| ())
+        // it has started when its folder is locked
+        let mut entries = Path::new(&folder).read_dir().ok()?.flatten();
+        entries.find(|entry| entry.path().join("lock").exists())
     });
     std::fs::remove_dir_all(&folder).unwrap();
     let id = server.client.submit(&with_seed(TINY, 1));
@@ -100,7 +102,9 @@ fn a_scratch_folder_that_cannot_be_made_again_sends_the_job_on() {
     let scratch = folder.to_str().unwrap();
     let _worker = Worker::start_with(&server, &server.url, "worker", &["--scratch", scratch]);
     until("the worker has its folder", || {
-        Path::new(&folder).read_dir().ok()?.next().map(|_| ())
+        // it has started when its folder is locked
+        let mut entries = Path::new(&folder).read_dir().ok()?.flatten();
+        entries.find(|entry| entry.path().join("lock").exists())
     });
     std::fs::remove_dir_all(&folder).unwrap();
     // a file in the place of the folder: nothing can be made in it
