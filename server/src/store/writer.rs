@@ -207,11 +207,13 @@ async fn run(
 ) {
     let mut batch = Vec::with_capacity(LARGEST_BATCH);
     while waiting.recv_many(&mut batch, LARGEST_BATCH).await > 0 {
-        let committing = commit(&mut change, batch.drain(..));
+        let mut answers = Vec::new();
+        let committing = commit(&mut change, batch.drain(..), &mut answers);
         let committed = caught("writer", &guards.restarts.writer, committing).await;
-        // the answers are dropped where it failed, which tells every caller that nothing was kept
+        // the answers are dropped where it failed, which tells every caller that nothing was kept; that the
+        // disk is full has to be known by then
         let is_usable = match committed {
-            Ok(Ok((effects, answers))) => {
+            Ok(Ok(effects)) => {
                 announcements.announce(effects);
                 answers.into_iter().for_each(|deliver| deliver());
                 continue;
@@ -263,13 +265,13 @@ fn is_broken(error: &StoreError) -> bool {
     }
 }
 
-/// Runs the commands in one transaction.
+/// Runs the commands in one transaction; `answers` are theirs, for when it is safe.
 async fn commit(
     change: &mut Change,
     batch: impl Iterator<Item = Command>,
-) -> Result<(Effects, Vec<Deliver>)> {
+    answers: &mut Vec<Deliver>,
+) -> Result<Effects> {
     let mut effects = Effects::default();
-    let mut answers = Vec::new();
     let start = Instant::now();
     statement(change, "BEGIN IMMEDIATE").await?;
     if start.elapsed() > LONG_WAIT {
@@ -279,6 +281,7 @@ async fn commit(
         statement(change, "SAVEPOINT command").await?;
         change.now = change.clock.now();
         let CommandEnd { stays, deliver } = command(change).await;
+        answers.push(deliver);
         if change.full.is_some() {
             // the database may have undone the whole transaction by itself: nothing of it is kept
             return Err(StoreError::Full);
@@ -293,10 +296,9 @@ async fn commit(
             effects.queued |= made.queued;
             effects.garbage.extend(made.garbage);
         }
-        answers.push(deliver);
     }
     statement(change, "COMMIT").await?;
-    Ok((effects, answers))
+    Ok(effects)
 }
 
 async fn statement(change: &mut Change, sql: &'static str) -> Result<()> {
