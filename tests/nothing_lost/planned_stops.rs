@@ -98,6 +98,10 @@ fn sigterm_hands_the_job_on_and_costs_no_attempt() {
     for stop in 1..=STOPS {
         let mut worker =
             Worker::start_through(&scene.server, &relay.url, &format!("worker-{stop}"));
+        // a job keeps its progress between attempts: this one goes on once it has what the last one left
+        until("the worker has the checkpoint", || {
+            (resumed.load(Relaxed) + 1 >= stop as u64).then_some(())
+        });
         scene.computes(stop);
         worker.process.signal(Signal::SIGTERM);
         let status = until("the worker has ended", || worker.process.ended());
