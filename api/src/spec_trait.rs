@@ -14,6 +14,9 @@ pub trait Spec: Studied + Sized + Serialize + for<'de> Deserialize<'de> + JsonSc
     /// Results that its jobs may have, list by list.
     const RESULTS: &'static [&'static [Named]];
 
+    /// Whether a job that is stopped leaves a checkpoint to go on from.
+    const IS_RESUMABLE: bool;
+
     /// Reports what its JSON Schema cannot say, with pointers relative to the spec.
     fn check(&self, violations: &mut Violations);
 

@@ -44,14 +44,6 @@ macro_rules! kinds {
 
 list_of_kinds!(kinds);
 
-impl JobKind {
-    /// Whether a job of this kind that is stopped leaves a checkpoint to go on from; the field of a unit
-    /// cell is solved in one go.
-    pub fn is_resumable(self) -> bool {
-        !matches!(self, Self::CompositeCell)
-    }
-}
-
 /// An example job of a kind.
 #[derive(Clone, Copy, Debug)]
 pub struct Example {

@@ -30,6 +30,11 @@ macro_rules! specs {
             pub(crate) fn results(self) -> &'static [&'static [Named]] {
                 match self { $(Self::$kind => <$spec as Spec>::RESULTS,)+ }
             }
+
+            /// Whether a job of this kind that is stopped leaves a checkpoint to go on from.
+            pub fn is_resumable(self) -> bool {
+                match self { $(Self::$kind => <$spec as Spec>::IS_RESUMABLE,)+ }
+            }
         }
 
         impl JobSpec {

@@ -13,6 +13,7 @@ where
     A: Apparatus + Serialize + DeserializeOwned + JsonSchema,
 {
     const RESULTS: &'static [&'static [Named]] = &[RESULTS, scene::RESULTS];
+    const IS_RESUMABLE: bool = true;
 
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);

@@ -15,6 +15,7 @@ const MOST_REALISATIONS: &str = "16";
 impl Spec for Calibrate {
     // they have the names of its parameters
     const RESULTS: &'static [&'static [Named]] = &[];
+    const IS_RESUMABLE: bool = true;
 
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);

@@ -6,6 +6,7 @@ use crate::{Calibration, Earlier, Estimate, Violations};
 
 impl Spec for CompositeBending {
     const RESULTS: &'static [&'static [Named]] = &[RESULTS];
+    const IS_RESUMABLE: bool = true;
 
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);

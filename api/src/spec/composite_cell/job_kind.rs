@@ -6,6 +6,8 @@ use crate::{Calibration, Estimate, Violations};
 
 impl Spec for CompositeCell {
     const RESULTS: &'static [&'static [Named]] = &[RESULTS];
+    /// The field of a cell is solved in one go.
+    const IS_RESUMABLE: bool = false;
 
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);

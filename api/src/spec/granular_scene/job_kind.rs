@@ -6,6 +6,7 @@ use crate::{Calibration, Estimate, Violations};
 
 impl Spec for GranularScene {
     const RESULTS: &'static [&'static [Named]] = &[RESULTS];
+    const IS_RESUMABLE: bool = true;
 
     fn check(&self, violations: &mut Violations) {
         checks::check(self, violations);

@@ -16,6 +16,7 @@ where
     T: Shearing + Serialize + DeserializeOwned + JsonSchema,
 {
     const RESULTS: &'static [&'static [Named]] = &[T::RESULTS, scene::RESULTS];
+    const IS_RESUMABLE: bool = true;
 
     fn check(&self, violations: &mut Violations) {
         self.test.check(violations);
