@@ -3,6 +3,8 @@
 mod scene;
 
 mod loading;
+mod sleepers;
+mod tamping;
 
 use loadframe_api::{
     JobSpec, Report, Submission, SubmissionError, Violation,
@@ -284,6 +286,37 @@ fn breakable_grains_tell_their_fragments_at_four_moments() {
     let crushed = |moment: &str| value(&report, &format!("mass_in_single_spheres_{moment}"));
     assert!(crushed("poured") <= 0.0);
     assert!(crushed("end") >= crushed("peak") && crushed("peak") > 0.0);
+    // the mass curve over the size of fragments ends at the mass of the bed
+    let sizes = record.table("fragment_sizes.csv");
+    let mass: f64 = sizes.iter().map(|size| size[2]).sum();
+    let bed = value(&report, "total_mass");
+    assert!((mass / bed - 1.0).abs() < 1e-12, "{mass} {bed}");
+    let last = &sizes[sizes.len() - 1];
+    assert!((last[3] - 1.0).abs() < 1e-12, "{last:?}");
+    assert!((sizes[0][2] / bed - crushed("end")).abs() < 1e-12 && sizes[0][0] < 1.5);
+}
+
+/// Members that overlap, bonds that rest where they just touch: the thesis raises cohesion at first.
+#[test]
+fn grains_that_are_made_inside_themselves_stay_whole_when_cohesion_is_raised_at_first() {
+    let mut job = small_oedometer();
+    job["spec"]["grains"] = json!({"shape": {"breakable": {"filled": {"shape": {"ellipsoid":
+        {"semi_axes_m": [0.024, 0.024, 0.024]}}, "member_radius_m": 0.0085, "spacing_m": 0.0165,
+        "lattice": "simple_cubic"}}}});
+    let aggregate = &mut job["spec"]["materials"]["aggregate"];
+    aggregate["normal_cohesion_pa"] = json!(3e6);
+    aggregate["shear_cohesion_pa"] = json!(3e6);
+    // a touch of load alone
+    job["spec"]["test"] = json!({"smallest_force_n": 5, "peak_force_n": 10});
+    let whole = |laws: Value| {
+        let mut job = job.clone();
+        job["spec"]["laws"] = laws;
+        value(&run(&job).0, "mass_in_whole_grains_before_loading")
+    };
+    let torn = whole(json!({"bond_rest_length": "touching"}));
+    assert!(torn < 0.5, "{torn}");
+    let kept = whole(json!({"bond_rest_length": "touching", "raised_cohesion": 1000}));
+    assert!(kept > 0.9, "{kept}");
 }
 
 #[test]
