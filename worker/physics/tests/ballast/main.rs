@@ -296,27 +296,25 @@ fn breakable_grains_tell_their_fragments_at_four_moments() {
     assert!((sizes[0][2] / bed - crushed("end")).abs() < 1e-12 && sizes[0][0] < 1.5);
 }
 
-/// Members that overlap, bonds that rest where they just touch: the thesis raises cohesion at first.
 #[test]
-fn grains_that_are_made_inside_themselves_stay_whole_when_cohesion_is_raised_at_first() {
-    let mut job = small_oedometer();
-    job["spec"]["grains"] = json!({"shape": {"breakable": {"filled": {"shape": {"ellipsoid":
-        {"semi_axes_m": [0.024, 0.024, 0.024]}}, "member_radius_m": 0.0085, "spacing_m": 0.0165,
-        "lattice": "simple_cubic"}}}});
+fn cohesion_is_raised_until_the_last_grains_have_been_poured() {
+    let mut job = json!({"kind": "ballast_box", "spec": small_oedometer()["spec"]});
+    job["spec"]["apparatus"] = json!({});
+    job["spec"]["laws"] = json!({"raised_cohesion": 1000});
     let aggregate = &mut job["spec"]["materials"]["aggregate"];
     aggregate["normal_cohesion_pa"] = json!(3e6);
-    aggregate["shear_cohesion_pa"] = json!(3e6);
-    // a touch of load alone
-    job["spec"]["test"] = json!({"smallest_force_n": 5, "peak_force_n": 10});
-    let whole = |laws: Value| {
-        let mut job = job.clone();
-        job["spec"]["laws"] = laws;
-        value(&run(&job).0, "mass_in_whole_grains_before_loading")
+    let JobSpec::BallastBox(spec) = submission(&job).expect("a valid job") else {
+        panic!("another kind");
     };
-    let torn = whole(json!({"bond_rest_length": "touching"}));
-    assert!(torn < 0.5, "{torn}");
-    let kept = whole(json!({"bond_rest_length": "touching", "raised_cohesion": 1000}));
-    assert!(kept > 0.9, "{kept}");
+    let script = spec.script();
+    let raised = script.scene.laws.raised_cohesion.expect("it is raised");
+    assert_eq!(raised.factor.to_bits(), 1000.0_f64.to_bits());
+    let (before, after) = script.phases.split_at(raised.until_stage);
+    assert_eq!(before.last(), Some(&Phase::Pour));
+    assert!(!after.contains(&Phase::Pour), "{after:?}");
+    job["spec"]["materials"]["aggregate"]["normal_cohesion_pa"] = json!(0);
+    let violations = submission(&job).expect_err("there is nothing to raise");
+    assert_eq!(violations[0].pointer, "/spec/laws/raised_cohesion");
 }
 
 #[test]
