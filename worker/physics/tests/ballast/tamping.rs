@@ -10,7 +10,6 @@ const AMPLITUDE: f64 = 1e-3;
 /// An oedometer that is only tamped.
 fn tamped(by: &str) -> Value {
     let mut job = small_oedometer();
-    job["spec"]["materials"]["aggregate"]["youngs_modulus_pa"] = json!(1e7);
     // three whole swings, for two and a half are asked for
     job["spec"]["preparation"] = json!({"compaction": null, "tamping": {"by": by,
         "frequency_hz": FREQUENCY, "amplitude_m": AMPLITUDE, "time_s": 0.1}});
