@@ -1,4 +1,5 @@
 //! What an apparatus brings to a test.
+use super::super::granular_scene::DegreeOfFreedom;
 use super::{Loading, Materials, Script};
 use crate::Violations;
 
@@ -9,6 +10,15 @@ pub struct Walls {
     pub base: &'static str,
     /// Around it.
     pub sides: &'static [&'static str],
+}
+
+/// How a sleeper is free to tilt, and where its rail stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tilting {
+    /// Degrees of freedom that stay held.
+    pub held: Vec<DegreeOfFreedom>,
+    /// Place of the rail's foot from the sleeper's middle [m].
+    pub rail: [f64; 3],
 }
 
 /// A cylinder, a box, a track bed: walls, layers of grains, and the wall that loads them.
@@ -46,6 +56,11 @@ pub trait Apparatus: Clone + Default {
 
     /// Mass of the loading wall [kg].
     fn loading_mass(&self, materials: &Materials) -> f64;
+
+    /// How its sleeper tilts, if it does.
+    fn tilting(&self) -> Option<Tilting> {
+        None
+    }
 
     /// What the schema cannot say about its dimensions, with pointers relative to the spec.
     fn check(&self, violations: &mut Violations);

@@ -3,9 +3,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    super::granular_scene::{Axis, Volume},
-    Apparatus, Layer, Loading, Materials, Script, Walls,
-    checks::check_shell,
+    super::granular_scene::{Axis, DegreeOfFreedom, Volume},
+    Apparatus, Layer, Loading, Materials, Script, Tilting, Walls,
+    checks::{check_shell, check_tilting},
     materials::{RUBBER, STEEL},
 };
 use crate::{Violation, Violations};
@@ -29,7 +29,7 @@ pub struct BoxTest {
     pub sleeper: Sleeper,
 }
 
-/// A sleeper: a rigid box that is free along z, and rests with its weight from when it is placed, also
+/// A sleeper: a rigid box that is free along z, and to tilt if asked for, and rests with its weight from when it is placed, also
 /// while the bed is compacted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -48,6 +48,14 @@ pub struct Sleeper {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-4, max = 1.0), extend("x-unit" = "m"))]
     pub member_radius_m: Option<f64>,
+    /// Whether it is free to turn about x and y from when it is placed. Only one of spheres can.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub tilts: bool,
+    /// Where the rail stands on a sleeper that tilts and passes the load on, from the middle of its top
+    /// along x and y; left out, in the middle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(inner(inner(range(min = -100.0, max = 100.0))), extend("x-unit" = "m"))]
+    pub rail_m: Option<[f64; 2]>,
 }
 
 impl Default for Sleeper {
@@ -59,6 +67,8 @@ impl Default for Sleeper {
             height_m: 0.15,
             mass_kg: 34.0,
             member_radius_m: None,
+            tilts: false,
+            rail_m: None,
         }
     }
 }
@@ -116,6 +126,7 @@ impl Apparatus for BoxTest {
             [high[0], high[1], start + sleeper.height_m],
         ];
         script.sleeper(corners, STEEL, sleeper.mass_kg, sleeper.member_radius_m);
+        script.tilt(self.tilting());
         script.pour(&below);
         script.cut(self.height_below_m);
         script.place(self.sleeper.mass_kg);
@@ -155,6 +166,16 @@ impl Apparatus for BoxTest {
         self.sleeper.mass_kg
     }
 
+    fn tilting(&self) -> Option<Tilting> {
+        use DegreeOfFreedom as D;
+        let sleeper = &self.sleeper;
+        let [x, y] = sleeper.rail_m.unwrap_or_default();
+        sleeper.tilts.then(|| Tilting {
+            held: vec![D::X, D::Y, D::Rz],
+            rail: [x, y, 0.5 * sleeper.height_m],
+        })
+    }
+
     fn check(&self, violations: &mut Violations) {
         let too_large = |field: &str, value: f64, allowed: f64, what: &str| {
             (value > allowed).then(|| {
@@ -189,6 +210,12 @@ impl Apparatus for BoxTest {
             "/apparatus/sleeper/member_radius_m",
             [sleeper.length_m, sleeper.width_m, sleeper.height_m],
             sleeper.member_radius_m,
+        ));
+        violations.extend(check_tilting(
+            ["/apparatus/sleeper/tilts", "/apparatus/sleeper/rail_m"],
+            (sleeper.tilts, sleeper.member_radius_m.is_some()),
+            sleeper.rail_m,
+            [sleeper.length_m, sleeper.width_m],
         ));
     }
 }

@@ -1,7 +1,7 @@
 //! What the JSON Schema cannot say of a test.
 use super::{
     super::granular_scene::{Clump, MOST_MEMBERS, check_grain},
-    Apparatus, Ballast,
+    Apparatus, Ballast, Tamper,
     shapes::shell_members,
 };
 use crate::{Violation, Violations, spec_trait::Spec as _};
@@ -39,14 +39,57 @@ pub(super) fn check_shell(
     })
 }
 
+/// Finds what a sleeper cannot do that tilts, or a rail where it does not; `pointers` are those of the two
+/// fields, `sides` those of its top along x and y [m].
+pub(super) fn check_tilting(
+    [tilts, rail]: [&str; 2],
+    (does_tilt, is_of_spheres): (bool, bool),
+    rail_m: Option<[f64; 2]>,
+    sides: [f64; 2],
+) -> Option<Violation> {
+    if does_tilt && !is_of_spheres {
+        let detail = "a sleeper of flat faces does not tilt, one of spheres does";
+        let violation = Violation::new(tilts, "not_together", detail).value(true);
+        return Some(violation.allowed("false, or a radius of spheres for the sleeper"));
+    }
+    let place = rail_m?;
+    if !does_tilt {
+        let detail = "a sleeper that does not tilt does not feel where its rail stands";
+        let violation = Violation::new(rail, "not_together", detail).value(place.to_vec());
+        return Some(violation.allowed("none, or a sleeper that tilts").unit("m"));
+    }
+    let halves = sides.map(|side| 0.5 * side);
+    (0..2)
+        .any(|axis| place[axis].abs() > halves[axis])
+        .then(|| {
+            let violation = Violation::new(rail, "too_large", "the rail stands beside its sleeper");
+            let [x, y] = halves;
+            let violation = violation.value(place.to_vec());
+            violation
+                .allowed(format!("within ±{x} along x and ±{y} along y"))
+                .unit("m")
+        })
+}
+
 pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
     spec.apparatus.check(violations);
     check_load(spec, violations);
+    violations.extend(check_mat(spec));
+    if let (Some(edge), true) = (spec.output.void_cell_m, A::IS_OEDOMETER) {
+        let detail = "an oedometer has no sleeper below which voids could be";
+        violations.push(
+            Violation::new("/output/void_cell_m", "not_together", detail)
+                .value(edge)
+                .allowed("none; /output/slices tells its porosity over height")
+                .unit("m"),
+        );
+    }
     check_shape(spec, violations);
     if !violations.is_empty() {
         return;
     }
     check_machine(spec, violations);
+    violations.extend(check_tamping(spec));
     if !violations.is_empty() {
         // its scene would have no such wall
         return;
@@ -108,6 +151,34 @@ fn check_load<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
             break;
         }
     }
+}
+
+/// The layer below the bed is given in one way, where there is one.
+fn check_mat<A: Apparatus>(spec: &Ballast<A>) -> Option<Violation> {
+    let mat = spec.materials.mat?;
+    let (code, detail, allowed) = if spec.materials.rubber.is_some() {
+        let detail = "the layer below is given by its modulus or by its stiffness";
+        ("not_both", detail, "exactly one of: rubber, mat")
+    } else if A::IS_OEDOMETER {
+        let detail = "an oedometer stands on steel";
+        ("not_together", detail, "none; a box or a rail bed has one")
+    } else {
+        return None;
+    };
+    let violation = Violation::new("/materials/mat/contact_stiffness_n_per_m", code, detail);
+    let violation = violation.value(mat.contact_stiffness_n_per_m);
+    Some(violation.allowed(allowed).unit("N/m"))
+}
+
+/// A sleeper of spheres is a body, which does not follow a sine.
+fn check_tamping<A: Apparatus>(spec: &Ballast<A>) -> Option<Violation> {
+    let tamping = spec.preparation.tamping?;
+    (tamping.by == Tamper::Plate && spec.script().body.is_some()).then(|| {
+        let detail = "a sleeper of flat faces beats the bed, not one of spheres";
+        Violation::new("/preparation/tamping/by", "not_together", detail)
+            .value("plate")
+            .allowed("\"base\", or a sleeper without a radius of spheres")
+    })
 }
 
 /// A sleeper of spheres is a body, and stages end by forces on walls.
@@ -183,6 +254,15 @@ fn pointer_in_test(pointer: &str) -> String {
         if let Some(rest) = pointer.strip_prefix(scene) {
             return format!("{test}{rest}");
         }
+    }
+    if pointer.starts_with("/record/voids") {
+        return "/output/void_cell_m".to_owned();
+    }
+    if pointer.starts_with("/laws/raised_cohesion") {
+        return "/laws/raised_cohesion".to_owned();
+    }
+    if pointer.starts_with("/planes/") && pointer.ends_with("/contact_stiffness_n_per_m") {
+        return "/materials/mat/contact_stiffness_n_per_m".to_owned();
     }
     if pointer.starts_with("/materials/") || pointer.starts_with("/laws/") {
         return pointer.to_owned();

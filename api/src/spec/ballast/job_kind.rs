@@ -31,7 +31,7 @@ where
 
     fn curve_columns(&self) -> Vec<String> {
         let is_breakable = matches!(self.grains.shape, Grain::Breakable(_));
-        let names = curve_columns(is_breakable).into_iter();
+        let names = curve_columns(self.apparatus.tilting().is_some(), is_breakable).into_iter();
         names.map(str::to_owned).collect()
     }
 

@@ -32,14 +32,14 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use super::granular_scene::{BondRestLength, ContactFriction, ContactLaw};
 
 pub use accuracy::{Accuracy, Knobs};
-pub use apparatus::{Apparatus, Walls};
+pub use apparatus::{Apparatus, Tilting, Walls};
 pub use box_test::{BoxTest, Sleeper};
 pub use grains::Grains;
 pub use loading::{Block, Loading};
-pub use materials::Materials;
+pub use materials::{Mat, Materials};
 pub use oedometer::{Oedometer, Section};
 pub use output::Output;
-pub use preparation::{Compaction, Preparation};
+pub use preparation::{Compaction, Preparation, Tamper, Tamping};
 pub use railbed::Railbed;
 pub use script::{BED, Course, Layer, Load, Phase, Script, Slice};
 
@@ -98,6 +98,11 @@ pub struct Laws {
     /// Of the bonds of breakable grains.
     #[serde(skip_serializing_if = "BondRestLength::is_initial")]
     pub bond_rest_length: BondRestLength,
+    /// What cohesions are multiplied with until the last grains have been poured, as the source does so
+    /// that bonds which rest where spheres just touch are not torn by the overlaps they are made with.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1.0, max = 1e9), extend("x-unit" = "1"))]
+    pub raised_cohesion: Option<f64>,
 }
 
 impl Default for Laws {
@@ -107,12 +112,13 @@ impl Default for Laws {
             local_damping: 0.3,
             contact_friction: ContactFriction::Renewed,
             bond_rest_length: BondRestLength::Initial,
+            raised_cohesion: None,
         }
     }
 }
 
 /// Columns of the curve.
-fn curve_columns(is_breakable: bool) -> Vec<&'static str> {
+fn curve_columns(tilts: bool, is_breakable: bool) -> Vec<&'static str> {
     let mut columns = vec![
         "time_s",
         "force_kn",
@@ -139,6 +145,9 @@ fn curve_columns(is_breakable: bool) -> Vec<&'static str> {
         "side_vertical_force_kn",
         "side_normal_force_kn",
     ];
+    if tilts {
+        columns.extend(["tilt_rad", "turn_about_x_rad", "turn_about_y_rad"]);
+    }
     if is_breakable {
         columns.push("broken_bonds");
     }

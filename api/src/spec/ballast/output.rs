@@ -16,6 +16,11 @@ pub struct Output {
     /// Slices across z in which porosity is measured.
     #[schemars(range(min = 1, max = 100))]
     pub slices: u32,
+    /// Given, porosity is mapped below the sleeper in cells about as wide, before the cycles and after
+    /// them: `void_map.csv`. Cells smaller than grains tell where these are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-4, max = 100.0), extend("x-unit" = "m"))]
+    pub void_cell_m: Option<f64>,
 }
 
 impl Default for Output {
@@ -24,6 +29,7 @@ impl Default for Output {
             rows_per_cycle: 200,
             snapshots: 0,
             slices: 5,
+            void_cell_m: None,
         }
     }
 }

@@ -22,6 +22,43 @@ pub struct Preparation {
     pub longest_settling_s: f64,
     /// `null` leaves a bed as it was poured.
     pub compaction: Option<Compaction>,
+    /// A wall that swings up and down, after the bed has been shaken, if it is; left out, none does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tamping: Option<Tamping>,
+}
+
+/// A wall beats the bed, or shakes it from below: about the place it is at, z goes by A (cos 2πft − 1) for
+/// the wall that loads, which lifts off where the bed does not follow, and by A sin 2πft for the base. It
+/// does whole swings, so that it ends where it began; what loads comes down on the bed after that.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Tamping {
+    #[serde(default)]
+    pub by: Tamper,
+    /// f.
+    #[schemars(range(min = 0.1, max = 1e4), extend("x-unit" = "Hz"))]
+    pub frequency_hz: f64,
+    /// A: the wall that loads goes 2A down into the bed.
+    #[schemars(range(min = 1e-7, max = 1.0), extend("x-unit" = "m"))]
+    pub amplitude_m: f64,
+    /// Up to a whole number of swings.
+    #[schemars(range(min = 1e-3, max = 1e3), extend("x-unit" = "s"))]
+    pub time_s: f64,
+    /// What tan φ is multiplied with meanwhile.
+    #[serde(default = "unchanged")]
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "1"))]
+    pub friction_factor: f64,
+}
+
+/// What swings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Tamper {
+    /// The wall that loads: a plate, or a sleeper with flat faces.
+    #[default]
+    Plate,
+    /// The wall below the bed: a vibrating table without its sides.
+    Base,
 }
 
 /// Shaking along x and y in turn, or along other axes, while grains slide more easily.
@@ -50,6 +87,7 @@ impl Default for Preparation {
             unbalanced_force_ratio: 0.03,
             longest_settling_s: 2.0,
             compaction: Some(Compaction::default()),
+            tamping: None,
         }
     }
 }
@@ -67,6 +105,10 @@ impl Default for Compaction {
             friction_factor: 0.1,
         }
     }
+}
+
+fn unchanged() -> f64 {
+    1.0
 }
 
 fn is_across(axes: &[Axis]) -> bool {

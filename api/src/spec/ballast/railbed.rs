@@ -3,9 +3,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    super::granular_scene::{Axis, Material, Volume},
-    Apparatus, Layer, Loading, Materials, Script, Walls,
-    checks::check_shell,
+    super::granular_scene::{Axis, DegreeOfFreedom, Material, Volume},
+    Apparatus, Layer, Loading, Materials, Script, Tilting, Walls,
+    checks::{check_shell, check_tilting},
     materials::{AGGREGATE, CONCRETE, RUBBER},
 };
 use crate::{Violation, Violations, surface::rectangle};
@@ -37,6 +37,15 @@ pub struct Railbed {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-4, max = 1.0), extend("x-unit" = "m"))]
     pub sleeper_member_radius_m: Option<f64>,
+    /// Whether the sleeper is free to move along the track and to turn about x from when it is placed;
+    /// the plane of symmetry holds the rest. Only one of spheres can.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub sleeper_tilts: bool,
+    /// Where the rail stands on a sleeper that tilts and passes the load on, from the middle of its
+    /// half's top along x and y; left out, in the middle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(inner(inner(range(min = -100.0, max = 100.0))), extend("x-unit" = "m"))]
+    pub rail_m: Option<[f64; 2]>,
     /// Ballast beyond the sleeper's end, at its top.
     #[schemars(range(min = 0.0, max = 100.0), extend("x-unit" = "m"))]
     pub shoulder_m: f64,
@@ -55,6 +64,8 @@ impl Default for Railbed {
             sleeper_width_m: 0.3,
             sleeper_height_m: 0.22,
             sleeper_member_radius_m: None,
+            sleeper_tilts: false,
+            rail_m: None,
             shoulder_m: 0.4,
             slope: 1.5,
         }
@@ -153,6 +164,7 @@ impl Apparatus for Railbed {
         let density = script.scene.materials[CONCRETE].density_kg_per_m3;
         let mass = density * self.sleeper_volume();
         script.sleeper(corners, CONCRETE, mass, self.sleeper_member_radius_m);
+        script.tilt(self.tilting());
         // compacted to fill the form, and again around the sleeper
         script.pour(&below);
         script.compact();
@@ -193,6 +205,16 @@ impl Apparatus for Railbed {
         concrete.map_or(0.0, |concrete| concrete.density_kg_per_m3) * self.sleeper_volume()
     }
 
+    fn tilting(&self) -> Option<Tilting> {
+        use DegreeOfFreedom as D;
+        let [x, y] = self.rail_m.unwrap_or_default();
+        self.sleeper_tilts.then(|| Tilting {
+            // the other half would turn about z the other way
+            held: vec![D::X, D::Ry, D::Rz],
+            rail: [x, y, 0.5 * self.sleeper_height_m],
+        })
+    }
+
     fn check(&self, violations: &mut Violations) {
         if self.sleeper_width_m > self.sleeper_spacing_m {
             let detail = "the sleeper is wider than the distance of sleepers";
@@ -211,6 +233,12 @@ impl Apparatus for Railbed {
                 self.sleeper_height_m,
             ],
             self.sleeper_member_radius_m,
+        ));
+        violations.extend(check_tilting(
+            ["/apparatus/sleeper_tilts", "/apparatus/rail_m"],
+            (self.sleeper_tilts, self.sleeper_member_radius_m.is_some()),
+            self.rail_m,
+            [self.half_sleeper_length_m, self.sleeper_width_m],
         ));
     }
 }

@@ -6,7 +6,7 @@ mod loads;
 use std::collections::BTreeMap;
 
 use super::super::granular_scene::{Generate, GranularScene, Region, Settle, Volume};
-use super::{Compaction, Walls, materials::AGGREGATE};
+use super::{Compaction, Tamping, Walls, materials::AGGREGATE};
 
 /// What a stage of a test does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +14,7 @@ pub enum Phase {
     Pour,
     Settle,
     Compact,
+    Tamp,
     Cut,
     Place,
     Stiffen,
@@ -73,10 +74,14 @@ pub struct Script {
     pub wall: String,
     /// Its number when it is a body: a sleeper of spheres.
     pub body: Option<u32>,
+    /// Place of the rail from the middle of a sleeper that tilts [m].
+    pub rail: Option<[f64; 3]>,
     /// Height of its lower face at the start [m].
     pub wall_height: f64,
     /// Walls below and around the bed.
     pub walls: Walls,
+    /// Middle of the rectangle around that area, x and y [m].
+    pub middle: [f64; 2],
     /// Area under it [m²].
     pub loaded_area: f64,
     /// What each stage of the load is, by number of the stage.
@@ -91,6 +96,7 @@ pub struct Script {
     largest_diameter: f64,
     settle: Settle,
     compaction: Option<Compaction>,
+    tamping: Option<Tamping>,
     overfill: f64,
 }
 
@@ -125,6 +131,7 @@ impl Phase {
             Self::Pour => "pour",
             Self::Settle => "settle",
             Self::Compact => "compact",
+            Self::Tamp => "tamp",
             Self::Cut => "cut",
             Self::Place => "place",
             Self::Stiffen => "stiffen",

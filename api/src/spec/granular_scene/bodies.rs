@@ -98,6 +98,12 @@ pub struct Plane {
     pub facing: i8,
     /// Name of a material.
     pub material: String,
+    /// K that the plane brings to each of its contacts, in place of the E l of its material, and Kν in
+    /// place of E l ν: what presses a rigid body into it by u has the force K u, whatever its radius,
+    /// as with walls of PFC and the rubber of [Lim2004]. Not under `hertz_mindlin`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-6, max = 1e15), extend("x-unit" = "N/m"))]
+    pub contact_stiffness_n_per_m: Option<f64>,
 }
 
 /// A coordinate axis.

@@ -112,6 +112,23 @@ impl<'a> Known<'a> {
         })
     }
 
+    /// That a body of this number is a clump, which has an orientation.
+    pub(super) fn check_clump(&self, pointer: String, number: u32) -> Option<Violation> {
+        let known = self.check_body(pointer.clone(), number);
+        known.or_else(|| {
+            let mut first = 0;
+            let body = self.spec.bodies.iter().find(|body| {
+                first += body.numbers();
+                (number as usize) < first
+            });
+            body.is_none_or(|body| body.clump.is_none()).then(|| {
+                let detail = "the turning of a sphere is not followed";
+                let violation = Violation::new(pointer, "not_a_clump", detail).value(number);
+                violation.allowed("the number of a clump of /bodies")
+            })
+        })
+    }
+
     /// That there is a body of this number.
     fn check_body(&self, pointer: String, number: u32) -> Option<Violation> {
         (number as usize >= self.bodies).then(|| {
@@ -200,6 +217,10 @@ pub(super) fn check_drive(
         if let Some(force) = &body.force {
             let swings = [force.peak_force_n.is_some(), force.period_s.is_some()];
             violations.extend(check_swing(&format!("{pointer}/force"), swings));
+            if force.at_m.is_some() {
+                let pointer = format!("{pointer}/force/at_m");
+                violations.extend(known.check_clump(pointer, body.body));
+            }
         }
     }
 }

@@ -176,6 +176,10 @@ fn check_recorded(spec: &GranularScene, violations: &mut Violations) {
         let pointer = format!("/record/walls/{index}");
         violations.extend(known.check_wall(pointer, name));
     }
+    for (index, body) in spec.record.turns.iter().enumerate() {
+        let pointer = format!("/record/turns/{index}");
+        violations.extend(known.check_clump(pointer, *body));
+    }
     for (index, name) in spec.record.normal_forces.iter().enumerate() {
         let pointer = format!("/record/normal_forces/{index}");
         violations.extend(known.check_wall(pointer, name));
@@ -191,6 +195,7 @@ fn check_recorded(spec: &GranularScene, violations: &mut Violations) {
                 )),
         );
     }
+    super::voids::check(spec, violations);
     let (first, stages) = (spec.record.from_stage, spec.stages.len());
     if first >= stages {
         let detail = "there is no such stage";
@@ -224,6 +229,17 @@ fn check_recorded_bodies(spec: &GranularScene, count: usize, violations: &mut Vi
 /// proportional to it.
 fn check_laws(spec: &GranularScene, violations: &mut Violations) {
     if spec.laws.contact == ContactLaw::HertzMindlin {
+        let planes = spec.planes.iter().enumerate();
+        let sprung =
+            planes.filter_map(|(index, plane)| Some((index, plane.contact_stiffness_n_per_m?)));
+        violations.extend(sprung.map(|(index, stiffness)| {
+            let pointer = format!("/planes/{index}/contact_stiffness_n_per_m");
+            let detail = "a contact of Hertz has no stiffness of its own";
+            Violation::new(pointer, "not_together", detail)
+                .value(stiffness)
+                .allowed("\"linear\" or \"logarithmic\" contacts")
+                .unit("N/m")
+        }));
         let stages = spec.stages.iter().enumerate();
         let stiffen = stages.filter(|(_, stage)| matches!(stage, Stage::Stiffen(_)));
         violations.extend(stiffen.map(|(index, _)| {
@@ -236,6 +252,7 @@ fn check_laws(spec: &GranularScene, violations: &mut Violations) {
             .allowed("\"linear\" or \"logarithmic\" contacts")
         }));
     }
+    violations.extend(check_raised_cohesion(spec));
     if !spec.materials.values().any(Material::is_cohesive) {
         return;
     }
@@ -281,6 +298,28 @@ fn check_laws(spec: &GranularScene, violations: &mut Violations) {
         let detail = "contacts that may be bonded do not resist rolling";
         Violation::new(pointer, "not_together", detail).allowed("none in a scene with cohesion")
     }));
+}
+
+/// What is raised is there, and is set back.
+fn check_raised_cohesion(spec: &GranularScene) -> Option<Violation> {
+    let raised = spec.laws.raised_cohesion?;
+    let pointer = "/laws/raised_cohesion";
+    if !spec.materials.values().any(Material::has_cohesion) {
+        let detail = "no material has cohesion";
+        let violation = Violation::new(format!("{pointer}/factor"), "not_together", detail);
+        return Some(
+            violation.value(raised.factor).allowed(
+                "none, or a material with normal_cohesion_pa or shear_cohesion_pa above 0",
+            ),
+        );
+    }
+    let last = spec.stages.len().saturating_sub(1);
+    (raised.until_stage > last).then(|| {
+        let detail = "cohesions would never be set back";
+        Violation::new(format!("{pointer}/until_stage"), "no_such_stage", detail)
+            .value(raised.until_stage)
+            .allowed(format!("1 … {last}"))
+    })
 }
 
 fn check_time_step(spec: &GranularScene, violations: &mut Violations) {

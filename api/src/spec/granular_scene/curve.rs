@@ -50,7 +50,7 @@ const REGION: [&str; 10] = [
 
 impl GranularScene {
     /// Columns of the curve: place in the run, recorded planes, walls and driven bodies, normal
-    /// forces, readings, regions.
+    /// forces, turns, readings, regions.
     pub fn curve_columns(&self) -> Vec<String> {
         let place = PLACE.map(str::to_owned);
         let planes = self.record.planes.iter().flat_map(|plane| {
@@ -70,6 +70,9 @@ impl GranularScene {
         });
         let pressed = self.record.normal_forces.iter();
         let pressed = pressed.map(|name| format!("{name}_normal_force_n"));
+        let turns = self.record.turns.iter();
+        let turns = turns
+            .flat_map(|body| ["x", "y", "z"].map(|axis| format!("body_{body}_turn_{axis}_rad")));
         let regions = self.record.regions.iter().flat_map(|region| {
             let name = &region.name;
             REGION.map(|column| format!("{name}_{column}"))
@@ -80,6 +83,7 @@ impl GranularScene {
             .chain(planes)
             .chain(driven)
             .chain(pressed)
+            .chain(turns)
             .chain(READINGS.map(str::to_owned))
             .chain(regions)
             .chain(bonds)

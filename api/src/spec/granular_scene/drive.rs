@@ -177,13 +177,18 @@ pub struct BodyVelocity {
     pub along: Vec<Axis>,
 }
 
-/// A force on a body's centre of mass beside its weight: on a sleeper.
+/// A force on a body beside its weight: on a sleeper.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyForce {
     /// At the start of the stage.
     #[schemars(inner(range(min = -1e15, max = 1e15)), extend("x-unit" = "N"))]
     pub force_n: [f64; 3],
+    /// Where it acts on a clump, from its centre of mass as it lies at the start; the place turns with
+    /// the clump, the force does not. Left out, at the centre of mass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(inner(inner(range(min = -1e6, max = 1e6))), extend("x-unit" = "m"))]
+    pub at_m: Option<[f64; 3]>,
     /// As of a wall's force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(inner(inner(range(min = -1e15, max = 1e15))), extend("x-unit" = "N"))]

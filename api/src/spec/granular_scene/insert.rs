@@ -29,7 +29,8 @@ pub struct Insert {
 }
 
 /// Takes out bodies whose centre of mass is beyond a height, at once. Bonded spheres go or stay
-/// together, and what is fixed along the axis stays. Others keep their numbers.
+/// together; what is fixed along the axis, or is driven or set down by a stage, stays. Others keep their
+/// numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cut {

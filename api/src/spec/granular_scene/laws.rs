@@ -72,9 +72,26 @@ pub struct Laws {
     pub local_damping: Option<f64>,
     pub convention: Convention,
     pub bond_rest_length: BondRestLength,
+    /// Cohesion that is higher at first; left out, it is that of the materials all the time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub raised_cohesion: Option<RaisedCohesion>,
     /// Whether a change of friction by a stage reaches contacts that exist.
     #[serde(skip_serializing_if = "ContactFriction::is_renewed")]
     pub contact_friction: ContactFriction,
+}
+
+/// Cohesion that is multiplied until a stage begins: bonds that rest where their spheres just touch
+/// (`bond_rest_length`: `touching`) are not torn by the overlaps they are made with. From that stage on
+/// every bond has the strength of its material. Source: [Dubina2014] 4.5.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RaisedCohesion {
+    /// What c_N and c_T of all materials are multiplied with.
+    #[schemars(range(min = 1.0, max = 1e9), extend("x-unit" = "1"))]
+    pub factor: f64,
+    /// The stage, from 0, with which cohesions are set back.
+    #[schemars(range(min = 1, max = 1000))]
+    pub until_stage: usize,
 }
 
 /// The friction of contacts when a stage changes it (`friction_factor`).
@@ -220,6 +237,13 @@ impl super::GranularScene {
             let mut materials = self.materials.values();
             materials.any(|material| material.damping_ratios()[way] > 0.0)
         })
+    }
+
+    /// What cohesions are multiplied with during a stage, from 0.
+    pub fn cohesion_factor(&self, stage: usize) -> f64 {
+        let raised = self.laws.raised_cohesion;
+        let raised = raised.filter(|raised| stage < raised.until_stage);
+        raised.map_or(1.0, |raised| raised.factor)
     }
 
     /// λ_D, given or not.

@@ -50,6 +50,7 @@ mod study;
 mod supply_checks;
 mod touching;
 mod vibrate;
+mod voids;
 
 use std::{borrow::Cow, collections::BTreeMap};
 
@@ -69,7 +70,7 @@ pub use import::{Import, ImportError, ImportFormat};
 pub use insert::{Cut, Insert};
 pub use laws::{
     AutomaticTimeStep, BondRestLength, ContactFriction, ContactLaw, Convention, Laws, Material,
-    TimeStep,
+    RaisedCohesion, TimeStep,
 };
 pub use parallel_bond::ParallelBond;
 pub use place::Place;
@@ -84,6 +85,7 @@ pub use stiffen::Stiffen;
 pub(crate) use supply_checks::check_grain;
 pub use touching::Touching;
 pub use vibrate::Vibrate;
+pub use voids::VoidMap;
 
 /// A scene of bodies in contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -167,6 +169,7 @@ impl GranularScene {
                 convention: Convention::Loadframe,
                 bond_rest_length: BondRestLength::Initial,
                 contact_friction: ContactFriction::Renewed,
+                raised_cohesion: None,
             },
             time_step_s: TimeStep::default(),
             allow_unstable: false,

@@ -2,7 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Region;
+use super::{Region, VoidMap};
 
 /// What is written, and how often. A row that names a step holds the state after that step; its
 /// contacts are those whose forces moved the bodies in that step.
@@ -37,10 +37,18 @@ pub struct Record {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 1000))]
     pub normal_forces: Vec<String>,
+    /// Clumps of `bodies` whose turn since the start goes to `curve.csv`: as a vector along the axis, as
+    /// long as the angle.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 1000))]
+    pub turns: Vec<u32>,
     /// Boxes in which the scene is measured for `curve.csv`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 100))]
     pub regions: Vec<Region>,
+    /// A map of porosity at the ends of stages.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voids: Option<VoidMap>,
     /// Whether contacts go to `contacts.csv`.
     pub contacts: bool,
     /// Steps between snapshots for ParaView; 0 writes none.
@@ -61,7 +69,9 @@ impl Default for Record {
             planes: Vec::new(),
             walls: Vec::new(),
             normal_forces: Vec::new(),
+            turns: Vec::new(),
             regions: Vec::new(),
+            voids: None,
             contacts: false,
             snapshot_every_steps: 0,
         }

@@ -45,6 +45,19 @@ impl Material {
     }
 }
 
+impl Partner<'_> {
+    /// What it brings to the springs along and across the normal [N/m].
+    fn stiffnesses(&self) -> [f64; 2] {
+        match self.own_stiffness {
+            Some(stiffness) => [stiffness, stiffness * self.material.stiffness_ratio],
+            None => [
+                self.material.normal_stiffness(self.radius),
+                self.material.shear_stiffness(self.radius),
+            ],
+        }
+    }
+}
+
 impl Body {
     /// Whether no force moves the body at all.
     pub fn is_held(&self) -> bool {
@@ -67,9 +80,22 @@ struct Partner<'a> {
     body: usize,
     material: &'a Material,
     radius: f64,
+    /// K of a plane that gives it [N/m], in place of its material's.
+    own_stiffness: Option<f64>,
     /// 1/r [1/m]; 0 for a plane.
     curvature: f64,
     /// 1/m [1/kg]; 0 for one that does not move.
+    inverse_mass: f64,
+}
+
+/// A wall, likewise.
+struct Wall<'a> {
+    material: &'a Material,
+    /// Radius that it takes, over that of the sphere that touches it.
+    radius_ratio: f64,
+    /// K that it brings by itself [N/m].
+    stiffness: Option<f64>,
+    /// 1/m [1/kg]; 0 for one that stands.
     inverse_mass: f64,
 }
 
@@ -134,12 +160,13 @@ impl GranularScene {
         }
         let walls = self.distinct_walls(plates);
         for sphere in extremes_of_each_material(&spheres) {
-            for (material, radius_ratio, inverse_mass) in &walls {
+            for wall in &walls {
                 let wall = Partner {
-                    material,
+                    material: wall.material,
+                    own_stiffness: wall.stiffness,
                     curvature: 0.0,
-                    inverse_mass: *inverse_mass,
-                    radius: radius_ratio * sphere.radius,
+                    inverse_mass: wall.inverse_mass,
+                    radius: wall.radius_ratio * sphere.radius,
                     ..*sphere
                 };
                 offer(self.critical_step(sphere, &wall, speed), sphere.body, None);
@@ -148,19 +175,26 @@ impl GranularScene {
         smallest
     }
 
-    /// Materials of walls, ratios of radii, and 1/m [1/kg], each once; `plates` as above.
-    fn distinct_walls(&self, plates: &[f64]) -> Vec<(&Material, f64, f64)> {
-        let planes = self.planes.iter().map(|plane| (&plane.material, 1.0));
+    /// Walls that differ, each once; `plates` as above.
+    fn distinct_walls(&self, plates: &[f64]) -> Vec<Wall<'_>> {
+        let planes = self.planes.iter();
+        let planes = planes.map(|plane| (&plane.material, 1.0, plane.contact_stiffness_n_per_m));
         let ratio = self.laws.facet_radius_ratio();
-        let facets = self.facets.iter().map(|mesh| (&mesh.material, ratio));
+        let facets = self.facets.iter().map(|mesh| (&mesh.material, ratio, None));
         let inverse_masses = plates.iter().copied().chain(std::iter::repeat(0.0));
         let walls = planes.chain(facets).zip(inverse_masses);
         let mut seen = BTreeSet::new();
-        let walls = walls.filter(|((name, ratio), inverse_mass)| {
-            seen.insert((*name, ratio.to_bits(), inverse_mass.to_bits()))
+        let walls = walls.filter(|((name, ratio, stiffness), inverse_mass)| {
+            let numbers = [*ratio, *inverse_mass].map(f64::to_bits);
+            seen.insert((*name, numbers, stiffness.map(f64::to_bits)))
         });
-        let walls = walls.filter_map(|((name, ratio), inverse_mass)| {
-            Some((self.materials.get(name)?, ratio, inverse_mass))
+        let walls = walls.filter_map(|((name, radius_ratio, stiffness), inverse_mass)| {
+            Some(Wall {
+                material: self.materials.get(name)?,
+                radius_ratio,
+                stiffness,
+                inverse_mass,
+            })
         });
         walls.collect()
     }
@@ -180,6 +214,7 @@ impl GranularScene {
                 body: number + place,
                 material,
                 radius,
+                own_stiffness: None,
                 curvature: 1.0 / radius,
                 inverse_mass: if body.is_movable() { 1.0 / mass } else { 0.0 },
             });
@@ -286,12 +321,8 @@ fn extremes_of_each_material<'p, 'a>(spheres: &'p [Partner<'a>]) -> Vec<&'p Part
 
 /// K_N and K_T [N/m].
 fn linear_stiffness(a: &Partner<'_>, b: &Partner<'_>) -> [f64; 2] {
-    [Material::normal_stiffness, Material::shear_stiffness].map(|stiffness| {
-        series_stiffness(
-            stiffness(a.material, a.radius),
-            stiffness(b.material, b.radius),
-        )
-    })
+    let [first, second] = [a.stiffnesses(), b.stiffnesses()];
+    [0, 1].map(|way: usize| series_stiffness(first[way], second[way]))
 }
 
 /// Tangents k_N and k_T [N/m] where an impact stops; k_T/k_N = 4 G*/E*.

@@ -63,6 +63,11 @@ impl Studied for GranularScene {
                 for material in self.materials.values_mut() {
                     material.youngs_modulus_pa *= number;
                 }
+                let planes = self.planes.iter_mut();
+                for stiffness in planes.filter_map(|plane| plane.contact_stiffness_n_per_m.as_mut())
+                {
+                    *stiffness *= number;
+                }
             }
             "density" if number > 0.0 && number.is_finite() => {
                 for material in self.materials.values_mut() {

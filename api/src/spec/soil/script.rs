@@ -155,6 +155,7 @@ impl Script {
     pub(super) fn plane(&mut self, name: &str, axis: Axis, at: [f64; 2], material: &str) {
         let [position_m, facing] = at;
         self.scene.planes.push(Plane {
+            contact_stiffness_n_per_m: None,
             name: name.to_owned(),
             axis,
             position_m,

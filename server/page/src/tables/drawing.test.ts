@@ -136,3 +136,14 @@ test("what a file lacks is not drawn, and a file of words is a table only", () =
   expect(drawingOf(known("oedometer.csv"), parseCsv("void_ratio\n0.7\n"))).toBeNull();
   expect(drawingOf(known("preparation.csv"), parseCsv("stage,phase\n1,pour\n"))).toBeNull();
 });
+
+test("the mass curve over the size of fragments is told in per cent", () => {
+  const sizes = parseCsv("members,fragments,mass_kg,mass_share_up_to\n1,40,0.4,0.25\n13,9,1.2,1\n");
+  const drawing = drawingOf(known("fragment_sizes.csv"), sizes);
+  expect(drawing?.values.slice(0, 2)).toEqual([
+    [1, 13],
+    [25, 100],
+  ]);
+  expect(drawing?.columns[1]).toMatchObject({ label: "Finer by mass", unit: "%" });
+  expect(drawing?.columns[2]).toMatchObject({ unit: "kg" });
+});

@@ -84,6 +84,16 @@ export const TABLES: FileTable[] = [
     rearrange: massCurves,
   },
   {
+    file: "fragment_sizes.csv",
+    title: "Mass by size of fragment, at the end",
+    about: "Share of the mass in fragments of at most so many spheres, size by size.",
+    over: "members",
+    lines: ["mass_share_up_to"],
+    more: ["mass_kg", "fragments"],
+    style: { isLogarithmic: true, hasPoints: true },
+    restsAt: "first",
+  },
+  {
     file: "fragments.csv",
     title: "Fragments over time",
     about: "Shares of the mass by the number of spheres in a fragment.",

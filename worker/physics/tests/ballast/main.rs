@@ -3,6 +3,8 @@
 mod scene;
 
 mod loading;
+mod sleepers;
+mod tamping;
 
 use loadframe_api::{
     JobSpec, Report, Submission, SubmissionError, Violation,
@@ -284,6 +286,35 @@ fn breakable_grains_tell_their_fragments_at_four_moments() {
     let crushed = |moment: &str| value(&report, &format!("mass_in_single_spheres_{moment}"));
     assert!(crushed("poured") <= 0.0);
     assert!(crushed("end") >= crushed("peak") && crushed("peak") > 0.0);
+    // the mass curve over the size of fragments ends at the mass of the bed
+    let sizes = record.table("fragment_sizes.csv");
+    let mass: f64 = sizes.iter().map(|size| size[2]).sum();
+    let bed = value(&report, "total_mass");
+    assert!((mass / bed - 1.0).abs() < 1e-12, "{mass} {bed}");
+    let last = &sizes[sizes.len() - 1];
+    assert!((last[3] - 1.0).abs() < 1e-12, "{last:?}");
+    assert!((sizes[0][2] / bed - crushed("end")).abs() < 1e-12 && sizes[0][0] < 1.5);
+}
+
+#[test]
+fn cohesion_is_raised_until_the_last_grains_have_been_poured() {
+    let mut job = json!({"kind": "ballast_box", "spec": small_oedometer()["spec"]});
+    job["spec"]["apparatus"] = json!({});
+    job["spec"]["laws"] = json!({"raised_cohesion": 1000});
+    let aggregate = &mut job["spec"]["materials"]["aggregate"];
+    aggregate["normal_cohesion_pa"] = json!(3e6);
+    let JobSpec::BallastBox(spec) = submission(&job).expect("a valid job") else {
+        panic!("another kind");
+    };
+    let script = spec.script();
+    let raised = script.scene.laws.raised_cohesion.expect("it is raised");
+    assert_eq!(raised.factor.to_bits(), 1000.0_f64.to_bits());
+    let (before, after) = script.phases.split_at(raised.until_stage);
+    assert_eq!(before.last(), Some(&Phase::Pour));
+    assert!(!after.contains(&Phase::Pour), "{after:?}");
+    job["spec"]["materials"]["aggregate"]["normal_cohesion_pa"] = json!(0);
+    let violations = submission(&job).expect_err("there is nothing to raise");
+    assert_eq!(violations[0].pointer, "/spec/laws/raised_cohesion");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! A bond carries what it should and breaks at its strength, in pull and in shear.
 use serde_json::{Value, json};
 
-use super::{assert_close, contact, run};
+use super::{assert_close, codes, contact, determinism::assert_resumes, one, run, sphere};
 
 const RADIUS: f64 = 0.01;
 const STEP: f64 = 1e-6;
@@ -111,4 +111,66 @@ fn a_loaded_bond_below_its_strength_holds() {
     let (report, _) = run(&driven(0.002, [0.05, 0.0, 0.0], 1000));
     assert_eq!(report.summary["broken_bonds"].value, Some(0.0));
     assert_eq!(report.summary["contacts"].value, Some(1.0));
+}
+
+/// Two spheres whose bond rests where they just touch, made 4 a_N/K inside each other: they are thrown
+/// apart, come to rest, and are pulled apart.
+fn pressed_together(raised: Option<f64>) -> Value {
+    let mut spec = driven(0.0, [0.0; 3], 1);
+    let overlap = 4.0 * NORMAL_STRENGTH / NORMAL_STIFFNESS;
+    spec["bodies"] = json!([
+        sphere("stone", RADIUS, [0.0; 3], [0.0; 3]),
+        sphere(
+            "stone",
+            RADIUS,
+            [2.0 * RADIUS - overlap, 0.0, 0.0],
+            [0.0; 3]
+        )
+    ]);
+    spec["laws"] = json!({"bond_rest_length": "touching", "local_damping": 0.3});
+    if let Some(factor) = raised {
+        spec["laws"]["raised_cohesion"] = json!({"factor": factor, "until_stage": 1});
+    }
+    let pull = |body: u32, velocity: f64| json!({"body": body, "velocity": {"velocity_m_per_s": [velocity, 0, 0]}});
+    spec["stages"] = json!([{"run": {"steps": 4000}},
+        {"drive": {"bodies": [pull(0, -0.05), pull(1, 0.05)], "steps": 2000}}]);
+    spec
+}
+
+#[test]
+fn cohesion_that_is_raised_at_first_holds_an_overlap_and_is_set_back() {
+    // the swing keeps (1 − λ)/(1 + λ) = 0.54 of 4 a_N: 2.2 a_N tear what is not raised
+    let broken = |spec: &Value| run(spec).0.summary["broken_bonds"].value;
+    let mut spec = pressed_together(None);
+    spec["stages"] = json!([spec["stages"][0]]);
+    assert_eq!(broken(&spec), Some(1.0));
+    let (report, record) = run(&pressed_together(Some(3.0)));
+    let rows = record.table("contacts.csv");
+    let pulls = |from: f64, to: f64| {
+        let rows = rows.iter().filter(|row| row[13] > 0.5);
+        let rows = rows.filter(|row| row[0] > from && row[0] <= to);
+        rows.map(|row| -row[7]).fold(0.0, f64::max)
+    };
+    let first = pulls(0.0, 4000.0);
+    assert!(
+        first > NORMAL_STRENGTH && first < 3.0 * NORMAL_STRENGTH,
+        "{first}"
+    );
+    // at rest when it is set back; then 0.1 N a step more until it has a_N
+    assert_close(pulls(4000.0, 6000.0), NORMAL_STRENGTH, 0.15);
+    assert_eq!(report.summary["broken_bonds"].value, Some(1.0));
+    assert_resumes(&pressed_together(Some(3.0)), 2);
+}
+
+#[test]
+fn what_cannot_be_raised_or_is_never_set_back_is_refused() {
+    let mut spec = pressed_together(Some(3.0));
+    spec["laws"]["raised_cohesion"]["until_stage"] = json!(2);
+    let pointer = "/spec/laws/raised_cohesion/until_stage";
+    assert_eq!(codes(&spec), one(pointer, "no_such_stage"));
+    let mut spec = pressed_together(Some(3.0));
+    spec["materials"]["stone"]["normal_cohesion_pa"] = json!(0);
+    spec["materials"]["stone"]["shear_cohesion_pa"] = json!(0);
+    let pointer = "/spec/laws/raised_cohesion/factor";
+    assert_eq!(codes(&spec), one(pointer, "not_together"));
 }

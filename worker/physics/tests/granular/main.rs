@@ -20,6 +20,7 @@ mod friction;
 mod impacts;
 mod judgement;
 mod laws;
+mod mats;
 mod moving_walls;
 mod observables;
 mod peers;
@@ -34,6 +35,7 @@ mod shear_dashpot;
 mod soil;
 mod specimens;
 mod stages;
+mod voids;
 
 use loadframe_api::{JobSpec, Report, Submission, SubmissionError, Violation};
 use loadframe_physics::{Ending, SimulationError, Uninterrupted};

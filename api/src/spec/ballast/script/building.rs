@@ -1,11 +1,18 @@
 //! What an apparatus adds to a script: walls, layers of grains, the wall that loads.
+use std::f64::consts::FRAC_PI_2;
+
 use super::super::curve_columns;
 use super::{
     super::super::granular_scene::{
-        Arrangement, Axis, Body, Clump, Cut, DegreeOfFreedom, FacetMesh, Generate, Grain, Insert,
-        Place, Plane, Run, Settle, Stage, Stiffen, Vibrate,
+        Arrangement, Axis, Body, Clump, Cut, DegreeOfFreedom, Drive, FacetMesh, Generate, Grain,
+        Insert, Place, Plane, RaisedCohesion, Run, Settle, Sine, Stage, Stiffen, Vibrate,
+        WallDrive,
     },
-    super::{materials::AGGREGATE, shapes::shell},
+    super::{Tamper, Tilting},
+    super::{
+        materials::{AGGREGATE, RUBBER},
+        shapes::shell,
+    },
     BED, GRAVITY, Layer, Phase, Script, Slice,
 };
 use crate::surface::{Triangle, cuboid};
@@ -41,12 +48,21 @@ impl Script {
     ) {
         let [position_m, facing] = at;
         self.scene.planes.push(Plane {
+            contact_stiffness_n_per_m: None,
             name: name.to_owned(),
             axis,
             position_m,
             facing: if facing < 0.0 { -1 } else { 1 },
             material: material.to_owned(),
         });
+    }
+
+    /// Gives what lies on rubber its stiffness under a grain [N/m].
+    pub(super) fn lay_on_mat(&mut self, stiffness: f64) {
+        let planes = self.scene.planes.iter_mut();
+        for plane in planes.filter(|plane| plane.material == RUBBER) {
+            plane.contact_stiffness_n_per_m = Some(stiffness);
+        }
     }
 
     /// Adds a wall of triangles.
@@ -103,6 +119,18 @@ impl Script {
         });
         self.body = Some(0);
         self.loads("body_0", lower[2]);
+    }
+
+    /// Lets the sleeper of spheres tilt.
+    pub(in crate::spec::ballast) fn tilt(&mut self, tilting: Option<Tilting>) {
+        let body = self.body.map(|body| body as usize);
+        let body = body.and_then(|body| self.scene.bodies.get_mut(body));
+        if let (Some(body), Some(Tilting { mut held, rail })) = (body, tilting) {
+            // z is let go when it is set down
+            held.push(DegreeOfFreedom::Z);
+            body.fixed = held;
+            self.rail = Some(rail);
+        }
     }
 
     /// Height of the column in which a layer is poured [m].
@@ -177,7 +205,51 @@ impl Script {
             };
             self.add(Phase::Compact, Stage::Vibrate(vibrate));
         }
+        self.tamp();
         self.rest();
+    }
+
+    /// Beats the bed with the wall that loads, once that has been set down, or with its base.
+    fn tamp(&mut self) {
+        let Some(tamping) = self.tamping else { return };
+        let period = tamping.frequency_hz.recip();
+        let amplitude_m = [0.0, 0.0, tamping.amplitude_m];
+        // down from where it is and back, or about where it is
+        let (wall, phase_rad) = match tamping.by {
+            Tamper::Plate if !self.phases.contains(&Phase::Place) => return,
+            Tamper::Plate => (self.wall.as_str(), FRAC_PI_2),
+            Tamper::Base => (self.walls.base, 0.0),
+        };
+        let swing = WallDrive {
+            sine: Some(Sine {
+                amplitude_m,
+                frequency_hz: tamping.frequency_hz,
+                phase_rad,
+            }),
+            ..WallDrive::of(wall)
+        };
+        // a hair less than a swing is round-off
+        let swings = (tamping.time_s / period - 1e-9).ceil().max(1.0);
+        let drive = Drive {
+            walls: vec![swing],
+            bodies: Vec::new(),
+            // nobody asks of a bed that is beaten whether it is close to rest
+            flow: true,
+            friction_factor: tamping.friction_factor,
+            until: None,
+            steps: None,
+            time_s: Some(swings * period),
+        };
+        self.add(Phase::Tamp, Stage::Drive(drive));
+    }
+
+    /// Multiplies cohesions until the last grains have been poured.
+    pub(super) fn raise_cohesion(&mut self, factor: Option<f64>) {
+        let last = self.phases.iter().rposition(|phase| *phase == Phase::Pour);
+        self.scene.laws.raised_cohesion = factor.map(|factor| RaisedCohesion {
+            factor,
+            until_stage: last.map_or(1, |last| last + 1),
+        });
     }
 
     /// Takes out what stands above a height [m].
@@ -249,6 +321,6 @@ impl Script {
 
     /// Names of the curve's columns.
     pub fn columns(&self) -> Vec<&'static str> {
-        curve_columns(self.is_breakable())
+        curve_columns(self.rail.is_some(), self.is_breakable())
     }
 }

@@ -2,7 +2,7 @@
 use std::collections::BTreeMap;
 
 use super::{
-    super::super::granular_scene::{Generate, GranularScene, Record, Settle},
+    super::super::granular_scene::{Generate, GranularScene, Record, Settle, VoidMap},
     super::{Apparatus, Ballast, Knobs, Materials, materials::AGGREGATE},
     GRAVITY, Phase, Script, Slice,
 };
@@ -26,6 +26,11 @@ impl<A: Apparatus> Ballast<A> {
         let materials = self.resolved_materials();
         let mut script = self.opening(&knobs, &materials);
         self.apparatus.set_up(&mut script);
+        if let Some(mat) = &materials.mat {
+            let softened = knobs.stiffness * self.softening();
+            script.lay_on_mat(softened * mat.contact_stiffness_n_per_m);
+        }
+        script.raise_cohesion(self.laws.raised_cohesion);
         script.stiffen(1.0 / self.softening());
         script.slice(self.output.slices, self.apparatus.bed_height());
         self.load(&mut script, &materials);
@@ -38,8 +43,7 @@ impl<A: Apparatus> Ballast<A> {
         let softened = knobs.stiffness * self.softening();
         let materials: BTreeMap<_, _> = materials
             .named()
-            .map(|(name, material)| {
-                let mut material = material.clone();
+            .map(|(name, mut material)| {
                 material.youngs_modulus_pa *= softened;
                 (name.to_owned(), material)
             })
@@ -59,8 +63,13 @@ impl<A: Apparatus> Ballast<A> {
             phases: Vec::new(),
             wall: String::new(),
             body: None,
+            rail: None,
             wall_height: 0.0,
             walls: self.apparatus.walls(),
+            middle: {
+                let [low, high] = self.apparatus.footprint();
+                [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]))
+            },
             loaded_area: self.apparatus.loaded_area(),
             loads: BTreeMap::new(),
             weight: 0.0,
@@ -81,6 +90,7 @@ impl<A: Apparatus> Ballast<A> {
                 time_s: Some(preparation.longest_settling_s),
             },
             compaction: preparation.compaction.clone(),
+            tamping: preparation.tamping,
             overfill: preparation.overfill,
         }
     }
@@ -95,6 +105,10 @@ impl<A: Apparatus> Ballast<A> {
             .fold(f64::INFINITY, f64::min);
         let every = (shortest / (f64::from(rows) * step)).floor().max(1.0) as u64;
         let snapshots = self.output.snapshots;
+        let voids = self
+            .output
+            .void_cell_m
+            .map(|edge| self.void_map(script, edge));
         let regions = script.slices.iter().chain([&script.bed]);
         script.scene.record = Record {
             every_steps: every,
@@ -106,6 +120,8 @@ impl<A: Apparatus> Ballast<A> {
                 .chain(script.walls.sides)
                 .map(|name| (*name).to_owned())
                 .collect(),
+            // only a body of spheres tilts
+            turns: script.rail.and(script.body).into_iter().collect(),
             normal_forces: script
                 .walls
                 .sides
@@ -115,11 +131,30 @@ impl<A: Apparatus> Ballast<A> {
             regions: regions
                 .map(|slice| slice.region(self.apparatus.footprint()))
                 .collect(),
+            voids,
             snapshot_every_steps: match snapshots {
                 0 => 0,
                 _ => every * u64::from(rows.div_ceil(snapshots)),
             },
             ..Record::default()
         };
+    }
+
+    /// The bed below the sleeper in cells about as wide as this [m], before the load and after it.
+    fn void_map(&self, script: &Script, edge: f64) -> VoidMap {
+        let [low, high] = self.apparatus.footprint();
+        let top = self.apparatus.bed_height();
+        let (low_m, high_m) = ([low[0], low[1], 0.0], [high[0], high[1], top]);
+        let cells = |axis: usize| ((high_m[axis] - low_m[axis]) / edge).round().max(1.0) as u32;
+        VoidMap {
+            low_m,
+            high_m,
+            cells: [0, 1, 2].map(cells),
+            material: Some(AGGREGATE.to_owned()),
+            at_ends_of: vec![
+                script.stages_before(Phase::Load).saturating_sub(1),
+                script.scene.stages.len().saturating_sub(1),
+            ],
+        }
     }
 }

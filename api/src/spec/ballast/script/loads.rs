@@ -117,6 +117,7 @@ impl Script {
             velocity: None,
             force: Some(BodyForce {
                 force_n,
+                at_m: self.rail,
                 peak_force_n,
                 period_s,
             }),

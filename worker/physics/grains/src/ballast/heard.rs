@@ -23,6 +23,8 @@ pub(super) struct Row {
     pub(super) stress: [f64; 6],
     /// Of the bed on the base, downward, and on all sides, downward and along their normals [N].
     pub(super) on_walls: [f64; 3],
+    /// Turn of a sleeper that tilts since it hung level, as a vector along the axis [rad].
+    pub(super) turn: Option<[f64; 3]>,
     /// Where in the cycles it is, if it is in any.
     pub(super) place: Option<Place>,
     /// Height of the loading wall where the present cycle began, and the lowest in it so far [m].
@@ -54,6 +56,22 @@ pub(super) struct Heard<'a> {
 }
 
 impl Row {
+    /// Angle between a sleeper's top and the level [rad], if it tilts: with the turn θ about n,
+    /// sin²(tilt/2) = sin²(θ/2) (1 − n_z²).
+    pub(super) fn tilt(&self) -> Option<f64> {
+        let [x, y, z] = self.turn?;
+        let across = x.hypot(y);
+        let angle = across.hypot(z);
+        let share = if angle > 0.0 { across / angle } else { 0.0 };
+        Some(2.0 * ((0.5 * angle).sin() * share).asin())
+    }
+
+    /// Height of the loading wall's lower face [m] at a place from its middle, x and y [m].
+    pub(super) fn face_at(&self, [x, y]: [f64; 2]) -> f64 {
+        let [about_x, about_y, _] = self.turn.unwrap_or_default();
+        self.height + about_x * y - about_y * x
+    }
+
     /// Way of the loading wall downward from a height [m].
     pub(super) fn displacement(&self, start: f64) -> f64 {
         start - self.height

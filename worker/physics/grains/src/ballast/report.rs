@@ -83,6 +83,24 @@ pub(super) fn report(
             );
         }
     }
+    if heard.script.rail.is_some() {
+        let tilt = |row: Option<&Row>| row.and_then(Row::tilt).unwrap_or(f64::NAN);
+        for (name, row, words) in [
+            (
+                "tilt_before_loading",
+                heard.last_before_loading(),
+                "Angle between the sleeper's top and the level before the cycles.",
+            ),
+            (
+                "tilt_at_peak",
+                heard.peak_row(),
+                "The same at the largest force.",
+            ),
+            ("tilt_at_end", heard.rows.last(), "The same at the end."),
+        ] {
+            report.result(name, tilt(row), "rad", words);
+        }
+    }
     report.result(
         "peak_force",
         of(first, |cycle| cycle.peak_force),

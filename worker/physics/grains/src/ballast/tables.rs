@@ -35,6 +35,9 @@ pub(super) fn curve_row(heard: &Heard<'_>, row: &Row, start: (f64, f64)) -> Vec<
     values.push(0.5 * (xx + yy) / zz);
     values.push(1e3 * row.displacement(heard.set_down));
     values.extend(row.on_walls.map(|force| 1e-3 * force));
+    if let (Some(tilt), Some([x, y, _])) = (row.tilt(), row.turn) {
+        values.extend([tilt, x, y]);
+    }
     values.extend(row.broken_bonds);
     values
 }
@@ -77,7 +80,7 @@ pub(super) fn write(
     })
 }
 
-fn table(
+pub(super) fn table(
     recorder: &mut dyn Recorder,
     name: &str,
     columns: &[&str],

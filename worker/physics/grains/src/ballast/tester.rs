@@ -11,9 +11,9 @@ use super::{
     cycles,
     heard::{Heard, Row},
     moments::Moments,
-    oedometer, report, tables,
+    oedometer, report, tables, voids,
 };
-use crate::output::fragments::FragmentRow;
+use crate::output::journal::Journal;
 
 /// Places of what is read in a row of the scene.
 #[derive(Debug, Default)]
@@ -33,6 +33,8 @@ struct Places {
     sides: [Vec<usize>; 2],
     /// Of the slices, and of the bed.
     porosities: Vec<usize>,
+    /// About x, y, z, of a sleeper that tilts.
+    turn: Option<[usize; 3]>,
     broken_bonds: Option<usize>,
 }
 
@@ -91,6 +93,7 @@ impl<'a> Tester<'a> {
             mean_stress: values[places.mean_stress] / fill,
             stress: places.stress.map(|place| values[place] / fill),
             on_walls: self.on_walls(values),
+            turn: places.turn.map(|places| places.map(|place| values[place])),
             place: None,
             cycle_start: f64::NAN,
             lowest: f64::NAN,
@@ -107,21 +110,17 @@ impl<'a> Tester<'a> {
         [-values[self.places.base], -sum(vertical), sum(normal)]
     }
 
-    /// Makes files and the report of the test, given the scene's report and what became of its
-    /// breakable grains.
+    /// Makes files and the report of the test, given the scene's report and what its run kept.
     ///
     /// # Errors
     /// Of the recorder.
-    pub(super) fn conclude(
-        &mut self,
-        scene: Report,
-        fragments: &[FragmentRow],
-    ) -> io::Result<Report> {
+    pub(super) fn conclude(&mut self, scene: Report, journal: &Journal) -> io::Result<Report> {
         let heard = &self.heard;
         let cycles = cycles::of(heard);
         let oedometer = oedometer::of(heard);
-        let moments = Moments::of(heard, fragments);
+        let moments = Moments::of(heard, &journal.fragments);
         tables::write(heard, &cycles, oedometer.as_ref(), &moments, self.recorder)?;
+        voids::write(heard, &journal.voids, self.recorder)?;
         Ok(report::report(
             heard,
             scene,
@@ -182,6 +181,11 @@ impl Decorator for Tester<'_> {
             porosities: slices
                 .map(|slice| known(&format!("{}_porosity", slice.name)))
                 .collect(),
+            turn: self
+                .heard
+                .script
+                .rail
+                .map(|_| ["x", "y", "z"].map(|axis| known(&format!("{wall}_turn_{axis}_rad")))),
             broken_bonds: place("broken_bonds"),
         };
         self.heard.clear();
@@ -203,8 +207,8 @@ impl Decorator for Tester<'_> {
         name: &str,
         write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
     ) -> io::Result<()> {
-        // the test has a curve of its own
-        if name == "curve.csv" {
+        // the test has a curve of its own, and a map that knows of the sleeper
+        if name == "curve.csv" || name == "voids.csv" {
             return Ok(());
         }
         self.recorder.file(name, write)

@@ -13,7 +13,9 @@ pub(crate) struct Surface {
     /// ρ [kg/m³].
     pub(crate) density: f64,
     /// E [Pa].
-    pub(super) youngs_modulus: f64,
+    youngs_modulus: f64,
+    /// K of a plane that has one of its own [N/m].
+    own_stiffness: Option<f64>,
     /// ν, k_T/k_N of linear springs.
     pub(super) stiffness_ratio: f64,
     poisson_ratio: f64,
@@ -91,6 +93,7 @@ impl Surface {
         Self {
             density: material.density_kg_per_m3,
             youngs_modulus: material.youngs_modulus_pa,
+            own_stiffness: None,
             stiffness_ratio: material.stiffness_ratio,
             poisson_ratio: material.poisson_ratio(),
             friction: material.friction_angle().tan(),
@@ -101,10 +104,25 @@ impl Surface {
         }
     }
 
+    /// That of a plane which brings this stiffness to its contacts [N/m].
+    pub(crate) fn of_stiffness(self, stiffness: f64) -> Self {
+        Self {
+            own_stiffness: Some(stiffness),
+            ..self
+        }
+    }
+
+    /// The spring along the normal that it brings to a contact at this radius [N/m]: E 2r, or its own.
+    pub(super) fn stiffness(&self, radius: f64) -> f64 {
+        self.own_stiffness
+            .unwrap_or(self.youngs_modulus * 2.0 * radius)
+    }
+
     /// The same with `factor` times the modulus.
     pub(crate) fn stiffened(&self, factor: f64) -> Self {
         Self {
             youngs_modulus: factor * self.youngs_modulus,
+            own_stiffness: self.own_stiffness.map(|stiffness| factor * stiffness),
             bond: self.bond.map(|bond| ParallelBond {
                 youngs_modulus_pa: factor * bond.youngs_modulus_pa,
                 ..bond

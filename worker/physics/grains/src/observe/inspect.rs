@@ -1,4 +1,6 @@
 //! Bodies that a run must tell of: not finite, too fast, gone.
+use nalgebra::UnitQuaternion;
+
 use crate::{
     numbers::{Vector, rows::Row},
     scene::model::DrivenBody,
@@ -35,6 +37,13 @@ impl Engine {
             Some(particles.centres[place].vector())
         });
         centre.unwrap_or(driven.start) - driven.start
+    }
+
+    /// Rotation of a clump since the start; `None` of what is no clump, or not there.
+    pub(crate) fn turn_of(&self, body: u32) -> Option<UnitQuaternion<f64>> {
+        let mut clumps = self.state.clumps.iter();
+        let clump = clumps.find(|clump| clump.body == body)?;
+        Some(clump.orientation * self.model.orientations[body as usize].inverse())
     }
 
     /// The first body whose state is not finite, and what of it.

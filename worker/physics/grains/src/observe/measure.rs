@@ -23,6 +23,7 @@ use crate::{
         solid_share::{Cuboid, sphere_volume_within},
         sphere,
     },
+    motion::clump::Clump,
     numbers::Vector,
     step::engine::Engine,
 };
@@ -223,14 +224,36 @@ impl Engine {
         let clumps = self.state.clumps.iter();
         let clumps = clumps.filter(|clump| self.is_of(only, clump.first as usize));
         let clumps = clumps.map(|clump| {
-            let whole: f64 = clump
-                .members()
-                .map(|member| sphere::volume(particles.centres[member].0[3]))
-                .sum();
-            let union = clump.mass / self.density(clump.first as usize);
+            let [union, whole] = self.union_and_members(clump);
             clump.members().map(share).sum::<f64>() * union / whole
         });
         spheres + clumps.sum::<f64>()
+    }
+
+    /// Volume of a clump's union and of its members together [m³].
+    fn union_and_members(&self, clump: &Clump) -> [f64; 2] {
+        let radii = (clump.members()).map(|member| self.state.particles.centres[member].0[3]);
+        let whole: f64 = radii.map(sphere::volume).sum();
+        [clump.mass / self.density(clump.first as usize), whole]
+    }
+
+    /// Every particle that counts as solid, of all bodies or those of one surface, with the part of its
+    /// volume that does: of a clump's member its share of the union.
+    pub(crate) fn solid_spheres(&self, only: Option<usize>, see: &mut dyn FnMut(usize, f64)) {
+        let particles = &self.state.particles;
+        for (particle, owner) in particles.owners.iter().enumerate() {
+            if self.model.sphere_inertias[*owner as usize] > 0.0 && self.is_of(only, particle) {
+                see(particle, 1.0);
+            }
+        }
+        for clump in &self.state.clumps {
+            if self.is_of(only, clump.first as usize) {
+                let [union, whole] = self.union_and_members(clump);
+                clump
+                    .members()
+                    .for_each(|member| see(member, union / whole));
+            }
+        }
     }
 
     /// Σ w F ⊗ l [J], its symmetric part.

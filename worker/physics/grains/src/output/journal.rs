@@ -40,6 +40,8 @@ pub(crate) struct Journal {
     pub(crate) bonds: Vec<[u32; 2]>,
     /// Rows of `broken_bonds.csv`.
     pub(crate) breaks: Vec<f64>,
+    /// Stages at whose ends the map of voids was measured, with the solid volume in each cell [m³].
+    pub(crate) voids: Vec<(usize, Vec<f64>)>,
     /// Batches of the present stage, and grains that came in with them.
     pub(crate) batches: u64,
     pub(crate) supplied: usize,

@@ -1,6 +1,6 @@
 //! What a run keeps and leaves behind.
 //!
-//! The [`journal`] is filled on the way: rows of [`tables`], [`fragments`] and [`breaks`], the worst
+//! The [`journal`] is filled on the way: rows of [`tables`], [`fragments`] and [`breaks`], maps of [`voids`], the worst
 //! that was seen. A [`snapshot`] is written at once. At the end the tables become files ([`table`](self::table)) and
 //! the [`report`] says whether to believe them, [`warnings`](self::warnings) what would help, and [`errors`] how wrong energies may be. Below: [`observe`](crate::observe).
 pub(crate) mod breaks;
@@ -11,4 +11,5 @@ pub(crate) mod report;
 pub(crate) mod snapshot;
 mod table;
 pub(crate) mod tables;
+pub(crate) mod voids;
 mod warnings;

@@ -89,6 +89,10 @@ pub(crate) fn curve_row(
         let number = engine.wall(name).unwrap_or(usize::MAX);
         row.push(pressed(engine, number, contacts));
     }
+    for body in &spec.record.turns {
+        let turn = engine.turn_of(*body);
+        row.extend(turn.unwrap_or_default().scaled_axis().iter());
+    }
     let reading = &journal.last;
     row.extend([
         reading.kinetic,

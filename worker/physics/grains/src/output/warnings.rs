@@ -106,12 +106,28 @@ fn servo(spec: &GranularScene, journal: &Journal) -> String {
     )
 }
 
+/// The field of a material's modulus.
+fn modulus(material: &str) -> String {
+    format!("/materials/{material}/youngs_modulus_pa")
+}
+
 /// For contacts that were pressed too far.
 fn harder(spec: &GranularScene, journal: &Journal) -> String {
-    let materials = spec.materials.iter();
+    // contacts with planes that have a stiffness of their own do not know the modulus of their material
+    let softer = spec
+        .planes
+        .iter()
+        .position(|plane| plane.contact_stiffness_n_per_m.is_some());
+    let softer = softer.map(|plane| format!(", /planes/{plane}/contact_stiffness_n_per_m"));
+    let softer = softer.unwrap_or_default();
+    let is_felt = |name: &String| {
+        let mut sprung = spec.planes.iter().filter(|plane| plane.material == *name);
+        !sprung.any(|plane| plane.contact_stiffness_n_per_m.is_some())
+    };
+    let materials = spec.materials.iter().filter(|(name, _)| is_felt(name));
     let softest = materials
         .min_by(|(_, a), (_, b)| a.youngs_modulus_pa.total_cmp(&b.youngs_modulus_pa))
-        .map_or("", |(name, _)| name);
+        .map_or(String::new(), |(name, _)| modulus(name));
     let stage = journal.worst_stages[0];
     let load = match spec.stages.get(stage) {
         Some(Stage::LoadPlane(load)) => {
@@ -128,7 +144,7 @@ fn harder(spec: &GranularScene, journal: &Journal) -> String {
         _ => String::new(),
     };
     format!(
-        "it was so in stage {}; choose a higher /materials/{softest}/youngs_modulus_pa{load}",
+        "it was so in stage {}; choose a higher {softest}{softer}{load}",
         stage + 1
     )
 }
@@ -209,9 +225,12 @@ fn through_walls(spec: &GranularScene, engine: &Engine) -> Option<String> {
     let planes = spec.planes.len();
     let told = through.iter().take(LISTED).map(|(wall, through)| {
         let wall = *wall as usize;
-        let material = match wall.checked_sub(planes) {
-            None => &spec.planes[wall].material,
-            Some(mesh) => &spec.facets[mesh].material,
+        let harder = match wall.checked_sub(planes) {
+            None if spec.planes[wall].contact_stiffness_n_per_m.is_some() => {
+                format!("/planes/{wall}/contact_stiffness_n_per_m")
+            }
+            None => modulus(&spec.planes[wall].material),
+            Some(mesh) => modulus(&spec.facets[mesh].material),
         };
         let name = engine.name_of((engine.model.masses.len() + wall) as u32);
         let times = match through.passages {
@@ -219,8 +238,7 @@ fn through_walls(spec: &GranularScene, engine: &Engine) -> Option<String> {
             count => format!("{count} times"),
         };
         format!(
-            "{name} {times}, first body {} in step {} (choose a higher \
-             /materials/{material}/youngs_modulus_pa)",
+            "{name} {times}, first body {} in step {} (choose a higher {harder})",
             through.body, through.step
         )
     });

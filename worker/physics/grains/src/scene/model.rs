@@ -1,6 +1,6 @@
 //! From spec to model: what a scene is made of, resolved and in SI, and the state it starts from.
 use loadframe_api::spec::granular_scene::{
-    Body, BondRestLength, ContactFriction, Convention, GranularScene, Material, Touching,
+    Body, BondRestLength, ContactFriction, Convention, GranularScene, Material, Plane, Touching,
 };
 use nalgebra::UnitQuaternion;
 
@@ -22,7 +22,7 @@ pub(crate) const NO_GRAIN: u32 = u32::MAX;
 /// What stays as it is during a run.
 #[derive(Clone, Debug)]
 pub(crate) struct Model {
-    /// By number of material, in the order of names.
+    /// By number of material, in the order of names, then those of planes with a stiffness of their own.
     pub(crate) surfaces: Vec<Surface>,
     /// The same as the spec has them.
     pub(crate) first_surfaces: Vec<Surface>,
@@ -32,6 +32,8 @@ pub(crate) struct Model {
     pub(crate) is_viscous: bool,
     /// Whether a bond rests where it is made, and not where its spheres just touch.
     pub(crate) bonds_rest_as_made: bool,
+    /// What cohesions are multiplied with now.
+    pub(crate) cohesion_factor: f64,
     /// Whether contacts keep the friction that they began with.
     pub(crate) keeps_friction: bool,
     pub(crate) gravity: Vector,
@@ -92,9 +94,18 @@ impl Model {
     pub(crate) fn new(spec: &GranularScene, specimen: &Specimen<'_>) -> Self {
         let names: Vec<&String> = spec.materials.keys().collect();
         let number = |name: &String| names.binary_search(&name).unwrap_or_default();
+        let mut surfaces: Vec<Surface> = spec.materials.values().map(Surface::new).collect();
+        let mut surface_of = |plane: &Plane| {
+            let material = number(&plane.material);
+            let Some(stiffness) = plane.contact_stiffness_n_per_m else {
+                return material;
+            };
+            surfaces.push(surfaces[material].of_stiffness(stiffness));
+            surfaces.len() - 1
+        };
         let planes = spec.planes.iter().map(|plane| PlaneModel {
             name: plane.name.clone(),
-            surface: number(&plane.material),
+            surface: surface_of(plane),
             face: Face {
                 axis: plane.axis.index(),
                 facing: f64::from(plane.facing),
@@ -107,14 +118,15 @@ impl Model {
                 || material.is_cohesive()
                 || material.rolling().is_felt()
         };
+        let planes = planes.collect();
         let first_box = first_box(spec, specimen);
-        let surfaces: Vec<Surface> = spec.materials.values().map(Surface::new).collect();
         Self {
             surfaces: surfaces.clone(),
             first_surfaces: surfaces,
             is_rough: spec.materials.values().any(rough),
             is_viscous: spec.is_viscous().contains(&true) || spec.resists_rolling(),
             keeps_friction: spec.laws.contact_friction == ContactFriction::Kept,
+            cohesion_factor: spec.cohesion_factor(0),
             bonds_rest_as_made: spec.laws.bond_rest_length == BondRestLength::Initial,
             gravity: Vector::from(spec.gravity_m_per_s2),
             damping: spec.local_damping(),
@@ -122,7 +134,7 @@ impl Model {
                 Convention::Loadframe => Rotation::Splitting,
                 Convention::Yade => Rotation::Fincham,
             },
-            planes: planes.collect(),
+            planes,
             facets: Facets::new(spec),
             masses: Vec::new(),
             is_movable: Vec::new(),

@@ -140,8 +140,10 @@ impl Runner<'_> {
                     self.drive_wall(stage, wall, time);
                 }
                 self.engine.loads.clear();
-                let loads = drive.bodies.iter().filter_map(|drive| load_on(drive, time));
-                self.engine.loads.extend(loads);
+                for drive in &drive.bodies {
+                    let load = self.engine.load_on(drive, time);
+                    self.engine.loads.extend(load);
+                }
             }
             _ => {}
         }
@@ -171,14 +173,6 @@ impl Runner<'_> {
     }
 }
 
-fn load_on(drive: &BodyDrive, time: f64) -> Option<BodyLoad> {
-    let force = drive.force.as_ref()?;
-    Some(BodyLoad {
-        body: drive.body,
-        force: Vector::from(force.force_at(time)),
-    })
-}
-
 /// A vector along an axis.
 fn along(axis: usize, value: f64) -> Point {
     let mut vector = [0.0; 3];
@@ -192,6 +186,21 @@ fn are_among(axes: &[Axis]) -> [bool; 3] {
 }
 
 impl Engine {
+    /// The force on a body at a time [s] of the stage.
+    fn load_on(&self, drive: &BodyDrive, time: f64) -> Option<BodyLoad> {
+        let load = drive.force.as_ref()?;
+        let force = Vector::from(load.force_at(time));
+        let torque = load.at_m.and_then(|place| {
+            let arm = self.turn_of(drive.body)? * Vector::from(place);
+            Some(arm.cross(&force))
+        });
+        Some(BodyLoad {
+            body: drive.body,
+            force,
+            torque,
+        })
+    }
+
     /// Holds a body to a velocity [m/s] along some axes, and leaves the others to its spec.
     fn hold(&mut self, driven: &DrivenBody, held: [bool; 3], velocity: Point) {
         let state = &mut self.state;

@@ -51,7 +51,10 @@ impl Engine {
             moments[fragment] += mass * centre;
         }
         let mut taken = vec![false; count];
-        let held = self.held_along(cut.axis.index());
+        // a sleeper that stands out of its bed is no grain
+        let driven = self.model.driven.iter().map(|driven| driven.body);
+        let mut held = self.held_along(cut.axis.index());
+        held.extend(driven);
         for (body, ..) in self.present_bodies() {
             let fragment = fragments.of_body(body) as usize;
             taken[body as usize] =

@@ -4,7 +4,7 @@ use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError
 use loadframe_numerics::Team;
 
 use super::runner::Runner;
-use crate::output::{errors, fragments, journal::Journal, report, snapshot, tables};
+use crate::output::{errors, fragments, journal::Journal, report, snapshot, tables, voids};
 
 /// Runs the scene of `spec`; returns its journal as well, for tests in terms of their own.
 pub(crate) fn run(
@@ -29,6 +29,7 @@ pub(crate) fn run(
     while let Some(stage) = spec.stages.get(runner.journal.stage) {
         runner.begin_drives(stage);
         runner.rub(stage);
+        runner.raise_cohesion();
         runner.begin_step();
         if let Stage::Cut(cut) = stage {
             runner.cut(cut, recorder)?;
@@ -70,6 +71,7 @@ pub(crate) fn run(
         runner.end_supply(stage);
         runner.end_stiffening(stage);
         runner.note_servos();
+        voids::look(spec, &runner.engine, &mut runner.journal);
         runner.journal.is_settled = false;
         runner.journal.stage += 1;
         runner.journal.stage_steps = 0;
@@ -79,6 +81,7 @@ pub(crate) fn run(
     if !runner.engine.model.grains.is_empty() {
         fragments::write_sizes(&runner.engine, &runner.journal.bonds, recorder)?;
     }
+    voids::write(spec, &runner.journal, recorder)?;
     let has_walls = runner.engine.wall_count() > 0;
     snapshot::write_series(&runner.journal, has_walls, recorder)?;
     recorder.progress(1.0, "finished");

@@ -1,4 +1,4 @@
-//! Moduli that change while the bodies move.
+//! Moduli that change while the bodies move, and cohesions that were higher at first.
 use loadframe_api::spec::granular_scene::Stage;
 
 use super::runner::Runner;
@@ -26,7 +26,27 @@ impl Engine {
     }
 }
 
+impl Engine {
+    /// Sets what cohesions are multiplied with, of bonds that there are and of those that are made.
+    fn raise_cohesion(&mut self, factor: f64) {
+        let old = std::mem::replace(&mut self.state.cohesion_factor, factor);
+        if old.to_bits() == factor.to_bits() {
+            return;
+        }
+        self.model.cohesion_factor = factor;
+        let mut memories = self.memories();
+        memories.renew_strengths(&self.model, &self.state.particles);
+        self.list_with(&memories);
+    }
+}
+
 impl Runner<'_> {
+    /// Cohesions of the present stage; to be called as it begins.
+    pub(crate) fn raise_cohesion(&mut self) {
+        let factor = self.spec.cohesion_factor(self.journal.stage);
+        self.engine.raise_cohesion(factor);
+    }
+
     /// Moduli before the next step of a stage, and the step that goes with them.
     pub(crate) fn stiffen(&mut self, stage: &Stage) {
         let done = self.journal.stage_steps;

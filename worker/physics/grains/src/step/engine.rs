@@ -70,6 +70,7 @@ impl Engine {
             poses: vec![Pose::default(); model.facets.meshes.len()],
             friction_factor: 1.0,
             stiffness_factor: 1.0,
+            cohesion_factor: model.cohesion_factor,
             ..State::default()
         };
         let mut engine = Self {
@@ -94,6 +95,7 @@ impl Engine {
     /// Goes on from `state`, with the lists of its patches.
     pub(crate) fn resume(&mut self, state: State, contact_lists: Vec<Box<dyn Lists>>) {
         self.model.stiffen(state.stiffness_factor);
+        self.model.cohesion_factor = state.cohesion_factor;
         self.state = state;
         self.contact_lists = contact_lists;
         self.halos = vec![Wrenches::default(); self.state.patches.len()];

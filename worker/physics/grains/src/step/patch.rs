@@ -73,12 +73,14 @@ pub(crate) struct Bodies<'a> {
     pub(crate) owners: &'a [u32],
 }
 
-/// A force on a body's centre of mass beside its weight.
+/// A force on a body beside its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BodyLoad {
     pub(crate) body: u32,
     /// [N].
     pub(crate) force: Vector,
+    /// About the centre of mass of a clump, where it acts elsewhere [N m].
+    pub(crate) torque: Option<Vector>,
 }
 
 impl Patch {
@@ -132,9 +134,10 @@ impl Patch {
             let mut turns = Turns::new(drive.time_step);
             let mut is_turning = [false; LANES];
             for (lane, clump) in clumps.iter_mut().enumerate() {
-                let [mut force, torque] = clump.wrench(&self.wrenches, bodies.centres, first);
+                let [mut force, mut torque] = clump.wrench(&self.wrenches, bodies.centres, first);
                 for load in loads.iter().filter(|load| load.body == clump.body) {
                     force += load.force;
+                    torque += load.torque.unwrap_or_default();
                 }
                 is_turning[lane] = clump.advance(drive, rotation, force, torque);
                 turns.set(lane, clump);

@@ -50,4 +50,6 @@ pub(crate) struct State {
     pub(super) friction_factor: f64,
     /// What every modulus is multiplied with.
     pub(crate) stiffness_factor: f64,
+    /// What cohesions are multiplied with.
+    pub(crate) cohesion_factor: f64,
 }

@@ -100,7 +100,7 @@ impl Linear {
     /// k_N and k_T of two springs in series, and dashpots that give the restitutions they are asked for
     /// in every impact and every swing (see [`super::viscous`]).
     pub(super) fn between(a: &Side, b: &Side) -> Springs {
-        let [first, second] = [a, b].map(|side| side.surface.youngs_modulus * 2.0 * side.radius);
+        let [first, second] = [a, b].map(|side| side.surface.stiffness(side.radius));
         let [first_ratio, second_ratio] = [a, b].map(|side| side.surface.stiffness_ratio);
         let normal = series_stiffness(first, second);
         let shear = series_stiffness(first * first_ratio, second * second_ratio);

@@ -75,6 +75,16 @@ struct Part {
 /// rounded.
 const BOND_REACH: f64 = 1e-6;
 
+/// Strengths of a bond of two particles as cohesions are now [N]; `None` when it would not hold.
+fn strength_between(model: &Model, particles: &Particles, pair: [usize; 2]) -> Option<[f64; 2]> {
+    let [first, second] = pair.map(|particle| {
+        let surface = model.surfaces[usize::from(particles.surfaces[particle])];
+        (surface, particles.centres[particle].0[3])
+    });
+    let strength = bond_strength(first, second)?;
+    Some(strength.map(|strength| model.cohesion_factor * strength))
+}
+
 impl Part {
     fn of(lists: &dyn Lists, particles: &Particles) -> Self {
         let mut part = Self::default();
@@ -197,6 +207,21 @@ impl Memories {
         }
     }
 
+    /// Cohesions have changed: bonds have the strengths of today.
+    pub(crate) fn renew_strengths(&mut self, model: &Model, particles: &Particles) {
+        let places = self.places(particles);
+        let pairs = self.pairs.iter_mut();
+        for (numbers, past) in pairs.flat_map(|pairs| pairs.numbers.iter().zip(&mut pairs.pasts)) {
+            let [Some(a), Some(b)] = numbers.map(|number| places[number as usize]) else {
+                continue;
+            };
+            if past.bond.is_intact {
+                let strength = strength_between(model, particles, [a as usize, b as usize]);
+                past.bond.strength = strength.unwrap_or_default();
+            }
+        }
+    }
+
     /// The place of each particle by its number; one that was taken out has none.
     fn places(&self, particles: &Particles) -> Vec<Option<u32>> {
         let mut places = vec![None; self.starts.len()];
@@ -267,9 +292,7 @@ impl Memories {
         }
         let [one, other] = [a, b].map(|particle| &particles.centres[particle]);
         let radii = [one, other].map(|sphere| sphere.0[3]);
-        let surfaces =
-            [a, b].map(|particle| model.surfaces[usize::from(particles.surfaces[particle])]);
-        let strength = bond_strength((surfaces[0], radii[0]), (surfaces[1], radii[1]))?;
+        let strength = strength_between(model, particles, [a, b])?;
         let overlap = one.overlap(other);
         if overlap < -BOND_REACH * radii[0].min(radii[1]) {
             return None;
