@@ -7,6 +7,7 @@ use ipnet::IpNet;
 use loadframe_api::Limits;
 
 use crate::connections::{ConnectionLimits, TlsFiles};
+use crate::mail::Mailer;
 use crate::single_sign_on::SingleSignOn;
 use crate::store::StoreOptions;
 
@@ -32,6 +33,8 @@ pub struct ServeConfig {
     pub single_sign_on: Option<Arc<SingleSignOn>>,
     /// Networks of private addresses that webhooks may lead to.
     pub webhook_networks: Vec<IpNet>,
+    /// The server's e-mail, where it has any.
+    pub mailer: Option<Arc<Mailer>>,
     /// Names besides `localhost`, `127.0.0.1` and `[::1]` under which an open server answers.
     pub allowed_hosts: Vec<String>,
     /// How many connections there may be, and how long clients may take.
@@ -64,6 +67,7 @@ impl ServeConfig {
             plain_sign_in: false,
             single_sign_on: None,
             webhook_networks: Vec::new(),
+            mailer: None,
             allowed_hosts: Vec::new(),
             connections: ConnectionLimits::default(),
             tls: None,

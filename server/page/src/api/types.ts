@@ -29,6 +29,7 @@ export type JobEvent = Schemas["Event"];
 export type JobLinks = Schemas["JobLinks"];
 export type Kind = Schemas["KindView"];
 export type LogLine = Schemas["LogLine"];
+export type Mail = Schemas["MailView"];
 export type MeasuredReading = Schemas["MeasuredReading"];
 export type Outcome = Schemas["Outcome"];
 export type Person = Schemas["PersonView"];

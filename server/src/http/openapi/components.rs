@@ -5,7 +5,7 @@ use loadframe_api::comparison::{
 };
 use loadframe_api::people::{
     Acceptance, Allowance, AuditEntry, CallerView, DiskUse, GroupView, HandOver, InvitationMade,
-    InvitationView, NewGroup, NewInvitation, NewProject, NewShare, NewToken, NewWebhook,
+    InvitationView, MailVerification, MailView, NewGroup, NewInvitation, NewMail, NewProject, NewShare, NewToken, NewWebhook,
     PasswordChange, PersonChanges, PersonLimits, PersonView, ProjectChanges, ProjectView,
     RetentionRule, RetentionView, SessionView, ShareMade, ShareView, SignIn, SignInBegun,
     SignInWays, TokenMade, TokenView, TrashView, WebhookMade, WebhookView,
@@ -68,8 +68,8 @@ pub(super) fn schemas() -> Map<String, Value> {
 fn bodies() -> Map<String, Value> {
     body_schemas(|generator: &mut SchemaGenerator| {
         add!(generator: JobChanges, Envelope, SignIn, PasswordChange, NewInvitation, Acceptance,
-            HandOver, NewGroup, NewProject, NewShare, NewToken, NewWebhook, PersonChanges,
-            PersonLimits, ProjectChanges, RetentionRule, NewComparison, ComparisonChanges,
+            HandOver, NewGroup, NewProject, NewShare, NewToken, NewWebhook, NewMail,
+            MailVerification, PersonChanges, PersonLimits, ProjectChanges, RetentionRule, NewComparison, ComparisonChanges,
             MeasuredCurve, ClaimRequest, ProgressReport, CompleteRequest, FailRequest,
             FaultRequest, ReleaseRequest, AllocationReport, DirectRequest, DirectEnd);
     })
@@ -86,6 +86,7 @@ fn answers() -> Map<String, Value> {
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
             Page<AuditEntry>, Backlog, Page<ReportedAllocations>, WaitingView, Allowance,
             SignInWays, SignInBegun, RetentionView, Page<DiskUse>, Page<TrashView>, Page<FieldView>, WebhookMade, Page<WebhookView>,
+            MailView, Page<MailView>,
             Differences, Curves, MeasuredReading, ComparisonView, Page<ComparisonView>);
     });
     for schema in schemas.values_mut() {

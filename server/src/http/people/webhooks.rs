@@ -53,7 +53,7 @@ async fn create(
             .ask_of_project(&state.store, Action::Change, project);
         asked.await?;
     }
-    state.addresses.look_up(&new.url).await.map_err(|error| {
+    state.ways.addresses.look_up(&new.url).await.map_err(|error| {
         let violation = Violation::new("/url", "address", error.to_string())
             .value(new.url.clone())
             .allowed("an address of http or https in the open internet");
