@@ -7,6 +7,8 @@ use crate::store::people::{Due, DueEvent};
 const NAMED: usize = 20;
 /// Longest name in a line [characters].
 const LONGEST_NAME: usize = 80;
+/// Longest reason in a line [characters].
+const LONGEST_REASON: usize = 300;
 
 /// Subject and text.
 #[derive(Debug, PartialEq, Eq)]
@@ -39,10 +41,10 @@ pub(super) fn digest(due: &Due, address: &str) -> Written {
             Some((_, count)) => *count += 1,
             None => counts.push((word, 1)),
         }
-        lines.push((sentence, link(event, address)));
+        lines.push((sentence + &why(event), link(event, address)));
     }
-    let subject = match &lines[..] {
-        [(sentence, _)] => format!("loadframe: {sentence}"),
+    let subject = match &due.events[..] {
+        [event] => format!("loadframe: {}", sentence(event).1),
         _ => {
             let counts = counts.iter().map(|(word, count)| format!("{count} {word}"));
             format!("loadframe: {}", counts.collect::<Vec<_>>().join(", "))
@@ -56,13 +58,16 @@ pub(super) fn digest(due: &Due, address: &str) -> Written {
     if lines.len() > NAMED {
         let _ = writeln!(text, "… and {} more.\n", lines.len() - NAMED);
     }
-    let _ = writeln!(text, "-- \nYou asked for this on the page Account of {address}\nIt ends there, too.");
+    let _ = writeln!(
+        text,
+        "-- \nYou asked for this on the page Account of {address}\nIt ends there, too."
+    );
     Written { subject, text }
 }
 
 /// The word by which events are counted, and the event in a sentence.
 fn sentence(event: &DueEvent) -> (&'static str, String) {
-    let word = |name: &str| plain(event.about[name].as_str().unwrap_or(""));
+    let word = |name: &str| plain(event.about[name].as_str().unwrap_or(""), LONGEST_NAME);
     let job = match word("name") {
         name if name.is_empty() => "a job".to_owned(),
         name => name,
@@ -74,10 +79,24 @@ fn sentence(event: &DueEvent) -> (&'static str, String) {
         "quota" => {
             let number = |name: &str| event.about[name].as_f64().unwrap_or(0.0);
             let (used, limit) = (number("used_gb"), number("limit_gb"));
-            ("at a limit", format!("your files take {used:.2} GB of {limit:.2} GB"))
+            (
+                "at a limit",
+                format!("your files take {used:.2} GB of {limit:.2} GB"),
+            )
         }
         _ if word("outcome") == "cancelled" => ("cancelled", format!("{job} was cancelled")),
         _ => ("succeeded", format!("{job} has succeeded")),
+    }
+}
+
+/// Why it did not succeed, where that is known.
+fn why(event: &DueEvent) -> String {
+    let reason = event.about["reason"].as_str().unwrap_or("");
+    match event.event.as_str() {
+        "failed" | "quarantined" if !reason.is_empty() => {
+            format!(": {}", plain(reason, LONGEST_REASON))
+        }
+        _ => String::new(),
     }
 }
 
@@ -92,10 +111,10 @@ fn link(event: &DueEvent, address: &str) -> String {
     }
 }
 
-/// A name that begins no line and no header of its own.
-fn plain(name: &str) -> String {
-    let seen = name.chars().map(|c| if c.is_control() { ' ' } else { c });
-    seen.take(LONGEST_NAME).collect()
+/// A text that begins no line and no header of its own.
+fn plain(text: &str, longest: usize) -> String {
+    let seen = text.chars().map(|c| if c.is_control() { ' ' } else { c });
+    seen.take(longest).collect()
 }
 
 #[cfg(test)]
@@ -112,9 +131,14 @@ mod tests {
     fn ended(number: i64, name: &str, outcome: &str) -> DueEvent {
         DueEvent {
             number,
-            event: if outcome == "failed" { "failed" } else { "ended" }.to_owned(),
+            event: if outcome == "failed" {
+                "failed"
+            } else {
+                "ended"
+            }
+            .to_owned(),
             at: Timestamp(0),
-            about: json!({ "job": "7", "name": name, "outcome": outcome }),
+            about: json!({ "job": "7", "name": name, "outcome": outcome, "reason": "no\nequilibrium" }),
         }
     }
 
@@ -122,7 +146,12 @@ mod tests {
     fn one_event_is_a_sentence_and_many_are_counted() {
         let one = digest(&due(vec![ended(1, "Strip 3", "failed")]), "https://lab/");
         assert_eq!(one.subject, "loadframe: Strip 3 has failed");
-        assert!(one.text.contains("Strip 3 has failed\n  https://lab/jobs/7\n"), "{}", one.text);
+        assert!(
+            one.text
+                .contains("Strip 3 has failed: no equilibrium\n  https://lab/jobs/7\n"),
+            "{}",
+            one.text
+        );
         let many = (0..30).map(|n| ended(n, "s", if n < 2 { "failed" } else { "succeeded" }));
         let many = digest(&due(many.collect()), "https://lab/");
         assert_eq!(many.subject, "loadframe: 2 failed, 28 succeeded");
@@ -132,8 +161,15 @@ mod tests {
 
     #[test]
     fn a_name_begins_no_header() {
-        let written = digest(&due(vec![ended(1, "a\r\nBcc: b@c.org", "failed")]), "https://lab/");
-        assert!(!written.subject.contains(['\r', '\n']), "{}", written.subject);
+        let written = digest(
+            &due(vec![ended(1, "a\r\nBcc: b@c.org", "failed")]),
+            "https://lab/",
+        );
+        assert!(
+            !written.subject.contains(['\r', '\n']),
+            "{}",
+            written.subject
+        );
         assert!(!written.text.contains("\nBcc"), "{}", written.text);
     }
 }

@@ -15,7 +15,7 @@ use lettre::{AsyncSmtpTransport, AsyncTransport, Message, Tokio1Executor};
 
 pub use settings::{MailSettings, MailSettingsError, Security};
 
-use crate::store::people::{Due, VERIFY};
+use crate::store::people::Due;
 
 /// The server answers each step in this time, or not,
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -96,8 +96,7 @@ impl Mailer {
 
     /// Hands over what is due.
     pub(crate) async fn send(&self, due: &Due) -> Result<(), SendError> {
-        let is_first = due.events.iter().any(|event| event.event == VERIFY);
-        let written = match is_first {
+        let written = match due.is_question() {
             true => message::verification(due, &self.address),
             false => message::digest(due, &self.address),
         };
@@ -135,6 +134,8 @@ fn told(error: &lettre::transport::smtp::Error, secret: &str) -> String {
 /// Whether this is an address of e-mail that something can be sent to.
 pub(crate) fn is_address(text: &str) -> bool {
     // one without a dot in its domain is of this machine alone
-    let has_domain = text.rsplit_once('@').is_some_and(|(_, domain)| domain.contains('.'));
+    let has_domain = text
+        .rsplit_once('@')
+        .is_some_and(|(_, domain)| domain.contains('.'));
     has_domain && text.parse::<lettre::Address>().is_ok()
 }

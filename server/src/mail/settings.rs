@@ -108,7 +108,11 @@ impl MailSettings {
                 Err(wrong("user", user, allowed))
             }
             (Some(user), None) => Err(wrong("user", user, "`password_file` goes with it")),
-            (None, Some(path)) => Err(wrong("password_file", path.display(), "`user` goes with it")),
+            (None, Some(path)) => Err(wrong(
+                "password_file",
+                path.display(),
+                "`user` goes with it",
+            )),
             _ => Ok(settings),
         }
     }
@@ -121,7 +125,13 @@ impl MailSettings {
         let parts = self.server.rsplit_once(':');
         let parts = parts.and_then(|(host, port)| Some((host, port.parse::<u16>().ok()?)));
         let parts = parts.filter(|(host, port)| !host.is_empty() && *port > 0);
-        parts.ok_or_else(|| wrong("server", &self.server, "a name and a port, such as smtp.example.org:587"))
+        parts.ok_or_else(|| {
+            wrong(
+                "server",
+                &self.server,
+                "a name and a port, such as smtp.example.org:587",
+            )
+        })
     }
 
     /// Who writes.
@@ -130,7 +140,13 @@ impl MailSettings {
     /// [`MailSettingsError::Field`].
     pub(super) fn sender(&self) -> Result<Mailbox, MailSettingsError> {
         let sender = self.from.parse();
-        sender.map_err(|_| wrong("from", &self.from, "an address, such as Loadframe <lab@example.org>"))
+        sender.map_err(|_| {
+            wrong(
+                "from",
+                &self.from,
+                "an address, such as Loadframe <lab@example.org>",
+            )
+        })
     }
 }
 
@@ -150,16 +166,31 @@ mod tests {
             "user": "lab", "password_file": "/etc/loadframe/mail", "address": "https://lab.example.org" }"#;
         let settings = read(text).expect("settings");
         assert_eq!(settings.security, Security::Starttls);
-        assert_eq!(settings.host_and_port().expect("both"), ("smtp.example.org", 587));
+        assert_eq!(
+            settings.host_and_port().expect("both"),
+            ("smtp.example.org", 587)
+        );
     }
 
     #[test]
     fn each_mistake_is_named() {
         for (text, words) in [
-            (r#"{ "server": "smtp", "from": "a@b.org", "address": "https://c.org" }"#, "server is \"smtp\""),
-            (r#"{ "server": "a:25", "from": "nobody", "address": "https://c.org" }"#, "from is \"nobody\""),
-            (r#"{ "server": "a:25", "from": "a@b.org", "address": "ftp://c.org" }"#, "address is"),
-            (r#"{ "server": "a:25", "from": "a@b.org", "address": "https://c.org", "user": "x" }"#, "password_file"),
+            (
+                r#"{ "server": "smtp", "from": "a@b.org", "address": "https://c.org" }"#,
+                "server is \"smtp\"",
+            ),
+            (
+                r#"{ "server": "a:25", "from": "nobody", "address": "https://c.org" }"#,
+                "from is \"nobody\"",
+            ),
+            (
+                r#"{ "server": "a:25", "from": "a@b.org", "address": "ftp://c.org" }"#,
+                "address is",
+            ),
+            (
+                r#"{ "server": "a:25", "from": "a@b.org", "address": "https://c.org", "user": "x" }"#,
+                "password_file",
+            ),
             (
                 r#"{ "server": "a:25", "security": "none", "from": "a@b.org", "address": "https://c.org", "user": "x",
                     "password_file": "/p" }"#,

@@ -17,7 +17,7 @@ use super::refused;
 use super::webhooks::{Channel, Key, QUIET_MAIL, once_each};
 
 /// The event of the first e-mail, which asks for its address.
-pub const VERIFY: &str = "verify";
+pub(super) const VERIFY: &str = "verify";
 /// Addresses of a person.
 const MOST: i64 = 10;
 /// Addresses that a person asks to write to in a day: each gets an e-mail that nobody there asked for.

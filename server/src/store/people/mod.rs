@@ -32,7 +32,6 @@ pub use callers::AccessState;
 pub use identities::{Admission, Arrival, Identity};
 pub use retention::ANNOUNCED;
 pub use sessions::NewSession;
-pub use mails::VERIFY;
 pub(super) use webhooks::WEBHOOK_KEY;
 pub use webhooks::{Channel, Due, DueEvent};
 

@@ -16,7 +16,7 @@ use super::super::Store;
 use super::super::encoding::{json, parsed, variant, wire_name};
 use super::super::error::{Result, StoreError};
 use super::super::row::row;
-use super::mails::link_secret;
+use super::mails::{VERIFY, link_secret};
 use super::refused;
 
 /// Events that come in this time after the first go in one message [ms].
@@ -110,6 +110,11 @@ impl WebhookRow {
 }
 
 impl Due {
+    /// Whether it is the e-mail that asks for its address.
+    pub(crate) fn is_question(&self) -> bool {
+        self.events.iter().any(|event| event.event == VERIFY)
+    }
+
     /// An e-mail to be written, for tests of what it says.
     #[cfg(test)]
     pub(crate) fn of_mail(address: &str, secret: &str, events: Vec<DueEvent>) -> Self {
@@ -305,8 +310,8 @@ impl Store {
     ) -> Result<()> {
         let (id, failures) = (due.id, due.failures);
         let next_at = match due.channel {
-            Channel::Webhook => 0,
-            Channel::Mail => now.as_millis() + BETWEEN_MAILS,
+            Channel::Mail if !due.is_question() => now.as_millis() + BETWEEN_MAILS,
+            _ => 0,
         };
         let last = due.events.last().map_or(0, |event| event.number);
         self.write_from_reserve(move |change| {
