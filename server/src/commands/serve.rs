@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use clap::Args;
 use ipnet::IpNet;
+use loadframe_api::{JobSpec, Preview};
 use loadframe_server::connections::{ConnectionLimits, TlsFiles};
 use loadframe_server::mail::{MailError, MailSettings, Mailer};
 use loadframe_server::single_sign_on::SingleSignOn;
@@ -147,11 +148,17 @@ impl ServerOptions {
             single_sign_on: single_sign_on.map(Arc::new),
             webhook_networks: self.webhook_networks.clone(),
             mailer,
+            preview: Some(draw_specimen),
             allowed_hosts: self.allowed_hosts.clone(),
             connections: ConnectionLimits::with_places(self.connections.into()),
             tls: None,
         })
     }
+}
+
+/// The specimen of a spec, drawn by the engine.
+fn draw_specimen(spec: &JobSpec) -> Result<Preview, String> {
+    loadframe_run::preview(spec).map_err(|error| chain(&error))
 }
 
 pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {

@@ -12,6 +12,7 @@ use super::checks::Checks;
 use super::events::announcements::Announcements;
 use super::worker::reports::Reports;
 use crate::ServeConfig;
+use crate::config::DrawSpecimen;
 use crate::store::Store;
 use crate::telling::Ways;
 use crate::webhooks::Addresses;
@@ -32,6 +33,7 @@ pub struct AppState {
     pub stopping: CancellationToken,
     pub(crate) access: Arc<Access>,
     pub(crate) ways: Ways,
+    pub(super) preview: Option<DrawSpecimen>,
     pub(super) bodies: BodyBudget,
     pub(super) checks: Checks,
     pub(super) archives: Arc<Semaphore>,
@@ -53,6 +55,7 @@ impl AppState {
                 addresses: Addresses::new(config.webhook_networks.clone()),
                 mailer: config.mailer.clone(),
             },
+            preview: config.preview,
             bodies: BodyBudget::default(),
             checks: Checks::default(),
             archives: Arc::new(Semaphore::new(ARCHIVES_AT_ONCE)),

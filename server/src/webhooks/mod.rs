@@ -28,7 +28,11 @@ pub(crate) enum SendError {
     Refused(u16),
 }
 
-pub(crate) async fn send(addresses: &Addresses, due: &Due, now: Timestamp) -> Result<(), SendError> {
+pub(crate) async fn send(
+    addresses: &Addresses,
+    due: &Due,
+    now: Timestamp,
+) -> Result<(), SendError> {
     let to = addresses.look_up(&due.address).await?;
     let body = message::body(due, now);
     let unreachable = |error: reqwest::Error| {

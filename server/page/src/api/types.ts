@@ -32,6 +32,7 @@ export type LogLine = Schemas["LogLine"];
 export type Mail = Schemas["MailView"];
 export type MeasuredReading = Schemas["MeasuredReading"];
 export type Outcome = Schemas["Outcome"];
+export type Preview = Schemas["Preview"];
 export type Person = Schemas["PersonView"];
 export type PersonLimits = Schemas["PersonLimits"];
 export type PointsReady = Schemas["PointsReady"];

@@ -121,7 +121,9 @@ async fn told(group: &Group, minutes: i64) -> usize {
         mailer: group.lab.state.ways().mailer.clone(),
         ..Ways::default()
     };
-    tell(&group.lab.store, &ways, now).await.expect("the store answers")
+    tell(&group.lab.store, &ways, now)
+        .await
+        .expect("the store answers")
 }
 
 async fn asked(group: &Group, by: &Somebody, address: &str, events: Value) -> Value {
@@ -133,13 +135,18 @@ async fn asked(group: &Group, by: &Somebody, address: &str, events: Value) -> Va
 
 /// The secret of the link in an e-mail.
 fn secret_in(message: &str) -> String {
-    let (_, link) = message.split_once("https://lab.example.org/mail#").expect("a link");
+    let (_, link) = message
+        .split_once("https://lab.example.org/mail#")
+        .expect("a link");
     link.lines().next().expect("a line").trim().to_owned()
 }
 
 async fn verify(group: &Group, by: &Somebody, secret: &str) -> u16 {
     let body = json!({ "secret": secret }).to_string();
-    group.send(by, "POST", "/v1/mails/verify", &body).await.status
+    group
+        .send(by, "POST", "/v1/mails/verify", &body)
+        .await
+        .status
 }
 
 async fn end(group: &Group, by: &Somebody, project: Uuid) -> Uuid {
@@ -161,9 +168,21 @@ async fn nothing_is_sent_before_the_address_is_verified_and_then_together() {
     let first = postbox.take();
     assert_eq!(first.len(), 1);
     assert!(first[0].contains("To: anna@example.org"), "{}", first[0]);
-    assert!(first[0].contains("Subject: loadframe: confirm this address"), "{}", first[0]);
-    assert!(first[0].contains("Auto-Submitted: auto-generated"), "{}", first[0]);
-    assert_eq!(told(&group, 60).await, 0, "what happened before is told to nobody");
+    assert!(
+        first[0].contains("Subject: loadframe: confirm this address"),
+        "{}",
+        first[0]
+    );
+    assert!(
+        first[0].contains("Auto-Submitted: auto-generated"),
+        "{}",
+        first[0]
+    );
+    assert_eq!(
+        told(&group, 60).await,
+        0,
+        "what happened before is told to nobody"
+    );
     let secret = secret_in(&first[0]);
     // what was sent for Anna is no use to Bert, and a part of it none to anybody
     assert_eq!(verify(&group, bert, &secret).await, 404);
@@ -180,8 +199,15 @@ async fn nothing_is_sent_before_the_address_is_verified_and_then_together() {
     assert_eq!(told(&group, 0).await, 0, "more may end in the next minute");
     assert_eq!(told(&group, 2).await, 1);
     let digest = postbox.take().remove(0);
-    assert!(digest.contains("Subject: loadframe: 30 cancelled"), "{digest}");
-    assert_eq!(digest.matches("https://lab.example.org/jobs/").count(), 20, "{digest}");
+    assert!(
+        digest.contains("Subject: loadframe: 30 cancelled"),
+        "{digest}"
+    );
+    assert_eq!(
+        digest.matches("https://lab.example.org/jobs/").count(),
+        20,
+        "{digest}"
+    );
     // the next one not before five minutes later
     end(&group, anna, project).await;
     assert_eq!(told(&group, 4).await, 0);
@@ -189,13 +215,21 @@ async fn nothing_is_sent_before_the_address_is_verified_and_then_together() {
     assert!(postbox.take()[0].contains("was cancelled"));
 
     let id = id_of(&listed["items"][0]);
-    let removed = group.send(bert, "DELETE", &format!("/v1/mails/{id}"), "").await;
+    let removed = group
+        .send(bert, "DELETE", &format!("/v1/mails/{id}"), "")
+        .await;
     removed.problem(404, "not-found");
-    let removed = group.send(anna, "DELETE", &format!("/v1/mails/{id}"), "").await;
+    let removed = group
+        .send(anna, "DELETE", &format!("/v1/mails/{id}"), "")
+        .await;
     assert_eq!(removed.status, 204);
     end(&group, anna, project).await;
     assert_eq!(told(&group, 30).await, 0);
-    assert_eq!(verify(&group, anna, &secret).await, 404, "its link is over with it");
+    assert_eq!(
+        verify(&group, anna, &secret).await,
+        404,
+        "its link is over with it"
+    );
 }
 
 #[tokio::test]
@@ -207,7 +241,10 @@ async fn what_the_server_does_not_take_is_tried_again_and_told_why() {
     let error = async || {
         let listed = group.get(anna, "/v1/mails").await.json();
         let mail = listed["items"][0].clone();
-        (mail["failures"].clone(), mail["last_error"].as_str().unwrap_or("").to_owned())
+        (
+            mail["failures"].clone(),
+            mail["last_error"].as_str().unwrap_or("").to_owned(),
+        )
     };
     for (minutes, mood, failures, words) in [
         (0, Mood::Refuses, 1, "no such mailbox"),
@@ -237,9 +274,19 @@ async fn what_cannot_be_an_address_or_is_one_too_many_is_refused() {
         let body = json!({ "address": address, "events": ["ended"] }).to_string();
         group.send(anna, "POST", "/v1/mails", &body).await
     };
-    for wrong in ["anna", "anna@", "@example.org", "a b@example.org", "anna@localhost", "a@b.org\r\nBcc: c@d.org"] {
+    for wrong in [
+        "anna",
+        "anna@",
+        "@example.org",
+        "a b@example.org",
+        "anna@localhost",
+        "a@b.org\r\nBcc: c@d.org",
+    ] {
         let problem = ask(wrong).await.problem(422, "invalid-request");
-        assert_eq!(problem["violations"][0]["pointer"], "/address", "{wrong}: {problem}");
+        assert_eq!(
+            problem["violations"][0]["pointer"], "/address",
+            "{wrong}: {problem}"
+        );
     }
     for number in 0..10 {
         assert_eq!(ask(&format!("a{number}@example.org")).await.status, 201);
@@ -250,5 +297,11 @@ async fn what_cannot_be_an_address_or_is_one_too_many_is_refused() {
     let body = json!({ "address": "a@example.org", "events": ["ended"] }).to_string();
     let answer = none.send(&none.anna, "POST", "/v1/mails", &body).await;
     let problem = answer.problem(409, "conflict");
-    assert!(problem["detail"].as_str().expect("a sentence").contains("--mail"), "{problem}");
+    assert!(
+        problem["detail"]
+            .as_str()
+            .expect("a sentence")
+            .contains("--mail"),
+        "{problem}"
+    );
 }
