@@ -25,7 +25,8 @@ const server = createServer((socket) => {
       text = text.slice(end + 2);
       if (message !== null && line !== ".") message.push(line);
       else if (message !== null) {
-        postbox.taken.push(message.join("\n"));
+        // long lines are broken after "=" (RFC 2045)
+        postbox.taken.push(message.join("\n").replaceAll("=\n", ""));
         message = null;
         say("250 taken");
       } else if (/^DATA/i.test(line)) {

@@ -32,7 +32,7 @@ async function seen(page) {
 
 const isAt = (page, frame) =>
   page.waitForFunction(
-    (frame) => document.querySelector("[data-testid=viewport]").dataset.frame === String(frame),
+    (frame) => document.querySelector("[data-testid=viewport]")?.dataset.frame === String(frame),
     frame,
   );
 
@@ -170,7 +170,7 @@ test("a specimen is seen before its job is submitted, and drawn again for every 
     await isAccessible(page, "a specimen");
 
     // another number of rows is another fabric
-    await page.locator('[id="field/spec/fabric/lattice/rows"]').fill("12");
+    await page.locator('[id="field/spec/fabric/lattice/rows"]').fill("13");
     await page.waitForFunction(
       (known) => document.querySelector("[data-testid=inventory]").innerText !== known,
       fabric,
@@ -202,7 +202,7 @@ test("a specimen that is too large for a picture is told so", () =>
     "/submit",
     async (page) => {
       await writes(page, "nonwoven_tensile_quick");
-      await page.locator('[id="field/spec/fabric/lattice/rows"]').fill("5000");
+      await page.locator('[id="field/spec/fabric/lattice/rows"]').fill("5001");
       await page.waitForSelector("[data-testid=estimate][data-ready=false]");
       await page.waitForSelector("[data-testid=estimate][data-ready=true]");
       await part(page, "show-specimen").press("Enter");

@@ -51,7 +51,7 @@ async fn what_is_no_job_or_too_large_is_refused_with_the_number() {
         problem["violations"][0]["pointer"],
         "/spec/fabric/lattice/rows"
     );
-    job["spec"]["fabric"]["lattice"]["rows"] = json!(1000);
+    job["spec"]["fabric"]["lattice"]["rows"] = json!(1001);
     job["spec"]["fabric"]["lattice"]["points_per_row"] = json!(1000);
     let problem = lab.post(PATH, &job.to_string()).await;
     let problem = problem.problem(422, "invalid-request");

@@ -66,7 +66,9 @@ impl Postbox {
         while let Some(line) = lines.next_line().await? {
             let answer = match (&mut message, line.as_str()) {
                 (Some(text), ".") => {
-                    self.taken.lock().expect("taken").push(std::mem::take(text));
+                    // long lines are broken after "=" (RFC 2045)
+                    let whole = std::mem::take(text).replace("=\n", "");
+                    self.taken.lock().expect("taken").push(whole);
                     message = None;
                     "250 taken"
                 }
