@@ -28,6 +28,7 @@ mod message;
 mod outcome;
 pub mod people;
 mod plain;
+mod preview;
 mod problem;
 mod results;
 mod schema;
@@ -66,6 +67,7 @@ pub use outcome::{
     Provenance, QualityCheck, Quantity, Report, Tenth, Warning,
 };
 pub use plain::{csv_cell, printable};
+pub use preview::{Extent, Preview, PreviewFile};
 pub use problem::{Problem, Violation};
 pub use results::{result_names, result_units};
 pub use schema::{answer_schemas, body_schemas};

@@ -8,8 +8,9 @@ use crate::allocations::AllocationReport;
 use crate::comparison::{ComparisonChanges, NewComparison};
 use crate::json::{parse, typed};
 use crate::people::{
-    Acceptance, HandOver, NewGroup, NewInvitation, NewProject, NewShare, NewToken, NewWebhook,
-    PasswordChange, PersonChanges, PersonLimits, ProjectChanges, RetentionRule, SignIn,
+    Acceptance, HandOver, MailVerification, NewGroup, NewInvitation, NewMail, NewProject, NewShare,
+    NewToken, NewWebhook, PasswordChange, PersonChanges, PersonLimits, ProjectChanges,
+    RetentionRule, SignIn,
 };
 use crate::schema::Checker;
 use crate::spec::calibrate::MeasuredCurve;
@@ -62,6 +63,8 @@ messages!(
     AllocationReport,
     RetentionRule,
     NewWebhook,
+    NewMail,
+    MailVerification,
     NewComparison,
     ComparisonChanges,
     MeasuredCurve,

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::calibration::{Calibration, Estimate};
 use crate::earlier::Earlier;
 use crate::outcome::Tenth;
+use crate::preview::Extent;
 use crate::results::Named;
 use crate::study::Knob;
 use crate::violations::Violations;
@@ -29,6 +30,9 @@ pub trait Spec: Studied + Sized + Serialize + for<'de> Deserialize<'de> + JsonSc
 
     /// What the job will take on a machine of the measured speed.
     fn estimate(&self, calibration: &Calibration) -> Estimate;
+
+    /// About how much there is to draw of its specimen; of repeats, of one.
+    fn extent(&self) -> Extent;
 
     /// What `changed` buys and costs in place of this spec: a part of an error becomes a tenth, for
     /// the time at which both are estimated. `None` where there is no such time.

@@ -4,11 +4,15 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use ipnet::IpNet;
-use loadframe_api::Limits;
+use loadframe_api::{JobSpec, Limits, Preview};
 
 use crate::connections::{ConnectionLimits, TlsFiles};
+use crate::mail::Mailer;
 use crate::single_sign_on::SingleSignOn;
 use crate::store::StoreOptions;
+
+/// Draws the specimen of a spec, or says why there is none.
+pub type DrawSpecimen = fn(&JobSpec) -> Result<Preview, String>;
 
 /// Everything `loadframe serve` and `loadframe lab` can choose.
 #[derive(Clone, Debug)]
@@ -32,6 +36,10 @@ pub struct ServeConfig {
     pub single_sign_on: Option<Arc<SingleSignOn>>,
     /// Networks of private addresses that webhooks may lead to.
     pub webhook_networks: Vec<IpNet>,
+    /// The server's e-mail, where it has any.
+    pub mailer: Option<Arc<Mailer>>,
+    /// What draws specimens before their jobs are submitted: the engine, which this library does not know.
+    pub preview: Option<DrawSpecimen>,
     /// Names besides `localhost`, `127.0.0.1` and `[::1]` under which an open server answers.
     pub allowed_hosts: Vec<String>,
     /// How many connections there may be, and how long clients may take.
@@ -64,6 +72,8 @@ impl ServeConfig {
             plain_sign_in: false,
             single_sign_on: None,
             webhook_networks: Vec::new(),
+            mailer: None,
+            preview: None,
             allowed_hosts: Vec::new(),
             connections: ConnectionLimits::default(),
             tls: None,

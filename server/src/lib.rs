@@ -4,14 +4,17 @@
 //! The road of a request: [`serve`] binds the address, [`connections`] accepts within limits and hands
 //! every request to the router of [`http`]; its layers count, protect and authenticate; a handler reads the request with the
 //! vocabulary of `loadframe-api` and asks the [`store`], which alone knows SQL and files.
+//! What happens is told by [`telling`], through [`webhooks`] and [`mail`].
 pub mod access;
 pub mod config;
 pub mod connections;
 pub mod http;
+pub mod mail;
 pub mod queue;
 mod serve;
 pub mod single_sign_on;
 pub mod store;
+pub mod telling;
 pub mod webhooks;
 
 pub use config::ServeConfig;

@@ -10,7 +10,7 @@ use crate::config::{SHUTDOWN_GRACE, ServeConfig};
 use crate::connections::{Listening, Tls, TlsError};
 use crate::http::{self, AppState};
 use crate::store::{Store, StoreError};
-use crate::webhooks;
+use crate::telling;
 
 /// Wait before a task that ended is started again.
 const BEFORE_RESTART: Duration = Duration::from_secs(1);
@@ -79,9 +79,9 @@ pub async fn serve(
     let retaining = keep_up("applying rules of projects", move || {
         ordered.clone().keep_retaining()
     });
-    let (told, addresses) = (state.store.clone(), state.addresses.clone());
-    let telling = keep_up("telling webhooks", move || {
-        webhooks::keep_telling(told.clone(), addresses.clone())
+    let (told, ways) = (state.store.clone(), state.ways.clone());
+    let telling = keep_up("telling what happens", move || {
+        telling::keep_telling(told.clone(), ways.clone())
     });
     let announcer = state.clone();
     let announcing = keep_up("announcing", move || announcer.announce());

@@ -32,7 +32,7 @@ async function seen(page) {
 
 const isAt = (page, frame) =>
   page.waitForFunction(
-    (frame) => document.querySelector("[data-testid=viewport]").dataset.frame === String(frame),
+    (frame) => document.querySelector("[data-testid=viewport]")?.dataset.frame === String(frame),
     frame,
   );
 
@@ -150,3 +150,63 @@ test("a sheet of paper shows its fibres, its bonds, and which of them broke", ()
     await picture(page, "paper-sheet");
     await isAccessible(page, "sheet of paper");
   }));
+
+/** Opens the Submit page with an example whose spec is valid. */
+async function writes(page, name) {
+  await part(page, "example").selectOption(name);
+  await page.waitForSelector("[data-testid=estimate][data-ready=true]");
+}
+
+test("a specimen is seen before its job is submitted, and drawn again for every other spec", () =>
+  visit("/submit", async (page) => {
+    await writes(page, "nonwoven_tensile_quick");
+    await part(page, "show-specimen").press("Enter");
+    await isAt(page, 0);
+    const fabric = await part(page, "inventory").innerText();
+    assert.match(fabric, /^[\d\s]+bonds\.$/u);
+    assert.match(await part(page, "specimen-shows").innerText(), /not strained yet/);
+    const first = await seen(page);
+    await picture(page, "specimen-fabric");
+    await isAccessible(page, "a specimen");
+
+    // another number of rows is another fabric
+    await page.locator('[id="field/spec/fabric/lattice/rows"]').fill("13");
+    await page.waitForFunction(
+      (known) => document.querySelector("[data-testid=inventory]").innerText !== known,
+      fabric,
+    );
+    assert.notEqual(await seen(page), first);
+    // a name is not part of the specimen
+    const asked = [];
+    page.on("request", (request) => request.url().endsWith("/v1/jobs/preview") && asked.push(request));
+    await page.locator('[id="field/name"]').fill("Another name");
+    await page.waitForFunction(() => sessionStorage.getItem("loadframe-draft")?.includes("Another name"));
+    await page.waitForSelector("[data-testid=estimate][data-ready=true]");
+    assert.equal(asked.length, 0);
+
+    await writes(page, "ballast_oedometer");
+    await page.waitForFunction(() => /Pouring/.test(document.querySelector("[data-testid=specimen-shows]").innerText));
+    assert.match(await part(page, "inventory").innerText(), /spheres/);
+    await picture(page, "specimen-ballast");
+    // flat ones are looked at face on
+    await writes(page, "composite_bending");
+    await page.waitForFunction(() => /section/.test(document.querySelector("[data-testid=specimen-shows]").innerText));
+    assert.equal(await part(page, "cells-by").inputValue(), "fibre_share");
+    await picture(page, "specimen-section");
+    await page.setViewportSize(PHONE);
+    await fitsThePhone(page, "a specimen");
+  }));
+
+test("a specimen that is too large for a picture is told so", () =>
+  visit(
+    "/submit",
+    async (page) => {
+      await writes(page, "nonwoven_tensile_quick");
+      await page.locator('[id="field/spec/fabric/lattice/rows"]').fill("5001");
+      await page.waitForSelector("[data-testid=estimate][data-ready=false]");
+      await page.waitForSelector("[data-testid=estimate][data-ready=true]");
+      await part(page, "show-specimen").press("Enter");
+      assert.match(await part(page, "specimen-error").innerText(), /too much for a picture.*at most 200000/i);
+    },
+    { expected: /422/ },
+  ));

@@ -4,6 +4,7 @@ use serde_json::Value;
 use super::JobKind;
 use crate::calibration::{Calibration, Estimate};
 use crate::digest::sha256_hex;
+use crate::preview::Extent;
 use crate::results::Named;
 use crate::spec;
 use crate::spec_trait::{Spec, Studied};
@@ -51,6 +52,11 @@ macro_rules! specs {
             /// What the job will take.
             pub fn estimate(&self, calibration: &Calibration) -> Estimate {
                 match self { $(Self::$kind(spec) => spec.estimate(calibration),)+ }
+            }
+
+            /// About how much there is to draw of its specimen.
+            pub fn extent(&self) -> Extent {
+                match self { $(Self::$kind(spec) => spec.extent(),)+ }
             }
 
             /// Names of the columns of its curve, in order; the last ones may be missing where what

@@ -5,6 +5,7 @@
 mod accounts;
 mod audit;
 mod limits;
+mod mails;
 mod order;
 mod projects;
 mod sign_in;
@@ -21,6 +22,7 @@ pub use accounts::{
 };
 pub use audit::AuditEntry;
 pub use limits::{Allowance, PersonLeft, PersonLimits, PersonUse};
+pub use mails::{MailVerification, MailView, NewMail};
 pub use order::{Deleted, DiskUse, FileKind, FilesOfJobs, RetentionRule, RetentionView, TrashView};
 pub use projects::{
     GroupView, NewGroup, NewProject, NewShare, ProjectChanges, ProjectView, ShareMade, ShareView,

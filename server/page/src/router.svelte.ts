@@ -10,6 +10,7 @@ export type Route =
   | { view: "people" }
   | { view: "trash" }
   | { view: "invitation" }
+  | { view: "mail" }
   | { view: "shared" }
   | { view: "refused"; query: URLSearchParams }
   | { view: "unknown" };
@@ -24,7 +25,8 @@ function read(): Route {
   if (first === "jobs" && id !== undefined && more.length === 0) return { view: "job", id };
   if (first === "compare" && more.length === 0) return { view: "compare", id: id ?? null, query };
   if (first === "submit" && id === undefined) return { view: "submit", query };
-  if (id === undefined && (first === "account" || first === "people" || first === "trash")) return { view: first };
+  if (id === undefined && (first === "account" || first === "people" || first === "trash" || first === "mail"))
+    return { view: first };
   if (id === undefined && (first === "invitation" || first === "shared")) return { view: first };
   if (id === undefined && first === "sign-in") return { view: "refused", query };
   return { view: "unknown" };

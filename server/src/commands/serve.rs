@@ -6,7 +6,9 @@ use std::time::Duration;
 
 use clap::Args;
 use ipnet::IpNet;
+use loadframe_api::{JobSpec, Preview};
 use loadframe_server::connections::{ConnectionLimits, TlsFiles};
+use loadframe_server::mail::{MailError, MailSettings, Mailer};
 use loadframe_server::single_sign_on::SingleSignOn;
 use loadframe_server::store::StoreOptions;
 use loadframe_server::{ServeConfig, ServeError, serve};
@@ -44,6 +46,9 @@ pub(crate) struct ServerOptions {
     /// A network of private addresses that webhooks may lead to, such as 10.0.0.0/24
     #[arg(long = "webhook-network", value_name = "NETWORK")]
     webhook_networks: Vec<IpNet>,
+    /// File that says which server sends e-mail (see the guide, "Share in a group")
+    #[arg(long, value_name = "FILE")]
+    mail: Option<PathBuf>,
     /// A further name under which a server without tokens answers
     #[arg(long = "allow-host", value_name = "NAME")]
     allowed_hosts: Vec<String>,
@@ -114,6 +119,13 @@ impl ServerOptions {
         let single_sign_on = single_sign_on
             .transpose()
             .map_err(|error| Failure::new(Code::Usage, chain(&error)))?;
+        let mailer = self.mail.as_deref().map(|path| {
+            let settings = MailSettings::read(path).map_err(MailError::from)?;
+            Mailer::new(&settings).map(Arc::new)
+        });
+        let mailer = mailer
+            .transpose()
+            .map_err(|error: MailError| Failure::new(Code::Usage, chain(&error)))?;
         Ok(ServeConfig {
             listen: self.listen.clone(),
             store: StoreOptions {
@@ -135,11 +147,18 @@ impl ServerOptions {
             plain_sign_in: self.plain_sign_in,
             single_sign_on: single_sign_on.map(Arc::new),
             webhook_networks: self.webhook_networks.clone(),
+            mailer,
+            preview: Some(draw_specimen),
             allowed_hosts: self.allowed_hosts.clone(),
             connections: ConnectionLimits::with_places(self.connections.into()),
             tls: None,
         })
     }
+}
+
+/// The specimen of a spec, drawn by the engine.
+fn draw_specimen(spec: &JobSpec) -> Result<Preview, String> {
+    loadframe_run::preview(spec).map_err(|error| chain(&error))
 }
 
 pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {

@@ -12,7 +12,9 @@ use super::checks::Checks;
 use super::events::announcements::Announcements;
 use super::worker::reports::Reports;
 use crate::ServeConfig;
+use crate::config::DrawSpecimen;
 use crate::store::Store;
+use crate::telling::Ways;
 use crate::webhooks::Addresses;
 
 /// Archives written at once, each until it has a piece to send: compressing takes a core each.
@@ -30,8 +32,8 @@ pub struct AppState {
     /// Cancelled when the server stops: whatever waits must end its wait.
     pub stopping: CancellationToken,
     pub(crate) access: Arc<Access>,
-    /// Where webhooks may lead.
-    pub(crate) addresses: Addresses,
+    pub(crate) ways: Ways,
+    pub(super) preview: Option<DrawSpecimen>,
     pub(super) bodies: BodyBudget,
     pub(super) checks: Checks,
     pub(super) archives: Arc<Semaphore>,
@@ -49,7 +51,11 @@ impl AppState {
             limits: config.limits,
             stopping: CancellationToken::new(),
             access: Arc::new(Access::new(config, address)),
-            addresses: Addresses::new(config.webhook_networks.clone()),
+            ways: Ways {
+                addresses: Addresses::new(config.webhook_networks.clone()),
+                mailer: config.mailer.clone(),
+            },
+            preview: config.preview,
             bodies: BodyBudget::default(),
             checks: Checks::default(),
             archives: Arc::new(Semaphore::new(ARCHIVES_AT_ONCE)),
@@ -57,6 +63,11 @@ impl AppState {
             announcements: Announcements::default(),
             allocations: Reports::default(),
         }
+    }
+
+    /// How people and machines are told what happens.
+    pub fn ways(&self) -> &Ways {
+        &self.ways
     }
 
     /// Announces new events to all who follow, until dropped.

@@ -31,6 +31,7 @@ migrations! {
     13 "late checkpoints" "0013_late_checkpoints.sql",
     14 "trash" "0014_trash.sql",
     15 "limits are told" "0015_limits_are_told.sql",
+    16 "mails" "0016_mails.sql",
 }
 
 pub(super) fn migrations() -> Migrator {

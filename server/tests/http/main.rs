@@ -14,6 +14,7 @@ mod kinds;
 mod openapi;
 mod page;
 mod people;
+mod preview;
 mod service;
 mod support;
 mod tls;

@@ -5,6 +5,7 @@
 //! environment or a global: the same spec and seed give the same bytes on any number of threads.
 
 mod calibrate;
+mod preview;
 
 use loadframe_api::JobSpec;
 use loadframe_composite::{bending, cell};
@@ -17,6 +18,7 @@ pub use loadframe_harness::{
     SimulationError, Uninterrupted, Unrecorded, Welch, csv,
 };
 pub use nonwoven::calibration_spec;
+pub use preview::preview;
 
 /// Runs the simulation of `spec`.
 ///

@@ -10,7 +10,7 @@
 //! whole of it for a folder somebody keeps; a worker's destination is its server.
 //!
 //! A [`StopSwitch`] ends a run early. [`Engine`] is the build that computes, as whoever composes
-//! the executable names it. [`calibrate`] and [`free_memory_mb`] measure the machine.
+//! the executable names it. [`preview`] draws a specimen without its test. [`calibrate`] and [`free_memory_mb`] measure the machine.
 mod calibration;
 mod cost;
 mod directory;
@@ -19,6 +19,7 @@ mod eta;
 mod execute;
 mod machine;
 mod outcome;
+mod preview;
 mod recording;
 mod result_files;
 mod saved_run;
@@ -35,6 +36,7 @@ pub use machine::{
     available_threads, free_disk_mb, free_memory_mb, host_name, resident_memory_mb,
     thread_processor_time_s,
 };
+pub use preview::preview;
 pub use recording::{Destination, Progress};
 pub use result_files::sha256_of_file;
 pub use saved_run::{SavedRun, SavedRunError};

@@ -6,7 +6,7 @@ use super::super::granular_scene::{Grain, results as scene};
 use super::{Apparatus, Ballast, checks, curve_columns, estimate, results::RESULTS};
 use crate::results::Named;
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violations};
+use crate::{Calibration, Estimate, Extent, Violations};
 
 impl<A> Spec for Ballast<A>
 where
@@ -27,6 +27,10 @@ where
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
         estimate::estimate(self, calibration)
+    }
+
+    fn extent(&self) -> Extent {
+        self.script().scene.extent()
     }
 
     fn curve_columns(&self) -> Vec<String> {

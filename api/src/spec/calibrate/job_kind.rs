@@ -2,7 +2,7 @@
 use super::{Calibrate, Template, checks};
 use crate::results::Named;
 use crate::spec_trait::{Spec, Studied};
-use crate::{Calibration, Estimate, Violations, study::Knob};
+use crate::{Calibration, Estimate, Extent, Violations, study::Knob};
 
 /// Megabytes a trial leaves in memory and files, besides its results.
 const TRIAL_MB: f64 = 1e-3;
@@ -46,6 +46,18 @@ impl Spec for Calibrate {
             disk_mb: 1.0 + kept,
             calibrated: false,
         }
+    }
+
+    /// That of the job whose parameters are sought.
+    fn extent(&self) -> Extent {
+        let inner = self.job.read().ok();
+        inner.map_or(
+            Extent {
+                parts: 0.0,
+                what: "parts",
+            },
+            |inner| inner.extent(),
+        )
     }
 
     /// Those of the job it calibrates.

@@ -2,7 +2,7 @@
 use super::{CompositeBending, checks, estimate, results::RESULTS};
 use crate::results::Named;
 use crate::spec_trait::Spec;
-use crate::{Calibration, Earlier, Estimate, Violations};
+use crate::{Calibration, Earlier, Estimate, Extent, Violations};
 
 impl Spec for CompositeBending {
     const RESULTS: &'static [&'static [Named]] = &[RESULTS];
@@ -25,6 +25,13 @@ impl Spec for CompositeBending {
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
         estimate::estimate(self, calibration)
+    }
+
+    fn extent(&self) -> Extent {
+        Extent {
+            parts: self.particles() as f64,
+            what: "cells",
+        }
     }
 
     fn curve_columns(&self) -> Vec<String> {

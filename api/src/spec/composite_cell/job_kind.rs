@@ -2,7 +2,7 @@
 use super::{Accuracy, CompositeCell, checks, estimate, results::RESULTS};
 use crate::results::Named;
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violations};
+use crate::{Calibration, Estimate, Extent, Violations};
 
 impl Spec for CompositeCell {
     const RESULTS: &'static [&'static [Named]] = &[RESULTS];
@@ -19,6 +19,14 @@ impl Spec for CompositeCell {
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
         estimate::estimate(self, calibration)
+    }
+
+    fn extent(&self) -> Extent {
+        let [columns, rows] = self.cells().map(f64::from);
+        Extent {
+            parts: columns * rows,
+            what: "cells",
+        }
     }
 
     /// It has no curve.

@@ -2,7 +2,7 @@
 use super::{ContactLaw, GranularScene, checks, estimate, results::RESULTS};
 use crate::results::Named;
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violations};
+use crate::{Calibration, Estimate, Extent, Violations};
 
 impl Spec for GranularScene {
     const RESULTS: &'static [&'static [Named]] = &[RESULTS];
@@ -24,6 +24,13 @@ impl Spec for GranularScene {
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
         estimate::estimate(self, calibration)
+    }
+
+    fn extent(&self) -> Extent {
+        Extent {
+            parts: self.particles() as f64,
+            what: "particles",
+        }
     }
 
     fn curve_columns(&self) -> Vec<String> {

@@ -2,7 +2,7 @@
 use super::{CURVE_COLUMNS, HISTORY_COLUMNS, NonwovenTensile, checks, estimate, results::RESULTS};
 use crate::results::Named;
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violations};
+use crate::{Calibration, Estimate, Extent, Violations};
 
 impl Spec for NonwovenTensile {
     const RESULTS: &'static [&'static [Named]] = &[RESULTS];
@@ -18,6 +18,13 @@ impl Spec for NonwovenTensile {
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
         estimate::estimate(self, calibration)
+    }
+
+    fn extent(&self) -> Extent {
+        Extent {
+            parts: self.fabric.bonds() as f64,
+            what: "bonds",
+        }
     }
 
     fn curve_columns(&self) -> Vec<String> {

@@ -5,7 +5,7 @@ use super::expected::{
 };
 use super::{BondsAt, Level, PaperTensile, SingleFibre, SingleFibreLoad, Specimen};
 use crate::fibre::divide;
-use crate::{Calibration, Estimate};
+use crate::{Calibration, Estimate, Extent};
 
 /// One entry of a block of two rings in a factor, in evaluations of one bond, and the constants of
 /// the fibre, which are measured on 40 segments.
@@ -49,6 +49,41 @@ const CELL_MB: f64 = 120e-6;
 const EVENT_MB: f64 = 300e-6;
 /// Reading the spec and writing the files [s].
 const START_S: f64 = 0.02;
+/// Points are laid in the time in which a tenth as many parts are built and drawn.
+const POINTS_OF_A_PART: f64 = 10.0;
+
+pub(super) fn extent(spec: &PaperTensile) -> Extent {
+    let (drawn, laid) = match &spec.specimen {
+        Specimen::SingleFibre(fibre) => {
+            // along, around and across from every point
+            let springs = 4.0 * rings(spec, fibre) * f64::from(spec.model.points_on_ring);
+            let what = "springs";
+            return Extent {
+                parts: springs,
+                what,
+            };
+        }
+        Specimen::Explicit(sheet) => {
+            let points: usize = sheet.fibres.iter().map(|f| f.centre_line_um.len()).sum();
+            ((points + sheet.bonds.len()) as f64, 0.0)
+        }
+        Specimen::Sheet(sheet) => {
+            let expected = sheet.expected(spec);
+            (expected.nodes + expected.bonds, expected.points)
+        }
+    };
+    let by_points = laid / POINTS_OF_A_PART;
+    if by_points > drawn {
+        return Extent {
+            parts: by_points,
+            what: "parts, by the points that its fibres are laid in",
+        };
+    }
+    Extent {
+        parts: drawn,
+        what: "segments and bonds",
+    }
+}
 
 pub(super) fn estimate(spec: &PaperTensile, calibration: &Calibration) -> Estimate {
     match &spec.specimen {
@@ -131,10 +166,9 @@ fn of_sheet(
     }
 }
 
-fn of_fibre(spec: &PaperTensile, fibre: &SingleFibre, calibration: &Calibration) -> Estimate {
-    let points_on_ring = f64::from(spec.model.points_on_ring);
-    let rings = spec
-        .pulp_of(fibre)
+/// Rings of points that a fibre is divided into.
+fn rings(spec: &PaperTensile, fibre: &SingleFibre) -> f64 {
+    spec.pulp_of(fibre)
         .and_then(|pulp| {
             let (section, elasticity) = (pulp.section().ok()?, pulp.elasticity().ok()?);
             let division = spec.model.division();
@@ -146,7 +180,12 @@ fn of_fibre(spec: &PaperTensile, fibre: &SingleFibre, calibration: &Calibration)
             )
             .ok()
         })
-        .map_or(0.0, |divided| divided.segments as f64 + 1.0);
+        .map_or(0.0, |divided| divided.segments as f64 + 1.0)
+}
+
+fn of_fibre(spec: &PaperTensile, fibre: &SingleFibre, calibration: &Calibration) -> Estimate {
+    let points_on_ring = f64::from(spec.model.points_on_ring);
+    let rings = rings(spec, fibre);
     let steps = f64::from(spec.accuracy.knobs().load_steps);
     let factors = match fibre.load {
         SingleFibreLoad::Pull => NEWTON_ROUNDS * steps,

@@ -2,7 +2,7 @@
 use super::{PaperTensile, SHEET_CURVE, Specimen, checks, estimate, results::RESULTS};
 use crate::results::Named;
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violations};
+use crate::{Calibration, Estimate, Extent, Violations};
 
 impl Spec for PaperTensile {
     const RESULTS: &'static [&'static [Named]] = &[RESULTS];
@@ -19,6 +19,10 @@ impl Spec for PaperTensile {
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
         estimate::estimate(self, calibration)
+    }
+
+    fn extent(&self) -> Extent {
+        estimate::extent(self)
     }
 
     fn curve_columns(&self) -> Vec<String> {

@@ -6,7 +6,7 @@ use super::super::granular_scene::results as scene;
 use super::{Shearing, Soil};
 use crate::results::Named;
 use crate::spec_trait::Spec;
-use crate::{Calibration, Estimate, Violation, Violations};
+use crate::{Calibration, Estimate, Extent, Violation, Violations};
 
 /// The largest grain over the narrowest side of a specimen, at most: wider ones measure the walls.
 const LARGEST_GRAIN: f64 = 0.25;
@@ -46,6 +46,10 @@ where
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
         self.script().scene.estimate(calibration)
+    }
+
+    fn extent(&self) -> Extent {
+        self.script().scene.extent()
     }
 
     fn curve_columns(&self) -> Vec<String> {

@@ -135,6 +135,14 @@ export function scalarsOf(data: Values[]): Scalars[] {
     }));
 }
 
+/** Those that are not the same everywhere. */
+export function tellingScalars(all: Scalars[]): Scalars[] {
+  return all.filter(({ values }) => {
+    for (let place = 1; place < values.length; place++) if (values[place] !== values[0]) return true;
+    return false;
+  });
+}
+
 /** The one that tells most when nobody has chosen: pieces, where grains break. */
 export function usualScalars(all: Scalars[]): string {
   const known = [

@@ -35,6 +35,8 @@ export interface Shown {
   cellsBy: Scalars | undefined;
   hasWalls: boolean;
   hasLines: boolean;
+  /** Whether the view is taken anew when what is seen has another place or size. */
+  follows: boolean;
 }
 
 export class Viewport {
@@ -47,6 +49,8 @@ export class Viewport {
   #aspect = 1;
   /** Made for the first picture, and kept for all that follow. */
   #view: View | undefined;
+  /** What the view was made for. */
+  #bounds = "";
 
   /** Throws where the browser has no WebGL. */
   constructor(canvas: HTMLCanvasElement, isFlat: boolean) {
@@ -65,7 +69,7 @@ export class Viewport {
     this.#draw();
   }
 
-  show({ picture, spheresBy, linesBy, cellsBy, hasWalls, hasLines }: Shown): void {
+  show({ picture, spheresBy, linesBy, cellsBy, hasWalls, hasLines, follows }: Shown): void {
     this.#clear();
     const { spheres, walls, lines, cells } = picture;
     if (spheres) this.#content.add(spheresOf(spheres, spheresBy));
@@ -74,23 +78,32 @@ export class Viewport {
     if (lines && hasLines) this.#content.add(linesOf(lines, linesBy));
     // Walls may be far larger than what they hold.
     const seen = spheres ?? cells ?? lines ?? walls;
-    if (!this.#view && seen) this.#place(seen);
+    if (seen && (!this.#view || follows)) this.#place(seen);
     this.#draw();
   }
 
   dispose(): void {
     this.#clear();
-    this.#view?.controls.dispose();
+    this.#leave();
     this.#renderer.dispose();
   }
 
   #place(seen: PolyData): void {
     const bounds = boundsOf(seen);
-    if (!bounds) return;
+    if (!bounds || JSON.stringify(bounds) === this.#bounds) return;
+    this.#bounds = JSON.stringify(bounds);
+    this.#leave();
     this.#view = viewOf(bounds, this.#isFlat, this.#aspect, this.#canvas);
     this.#view.camera.add(this.#sun);
     this.#scene.add(this.#view.camera);
     this.#view.controls.addEventListener("change", () => this.#draw());
+  }
+
+  #leave(): void {
+    if (!this.#view) return;
+    this.#view.controls.dispose();
+    this.#scene.remove(this.#view.camera);
+    this.#view = undefined;
   }
 
   #clear(): void {

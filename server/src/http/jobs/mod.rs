@@ -2,6 +2,7 @@
 mod edit;
 mod fields;
 mod list;
+mod preview;
 mod submit;
 
 use axum::Json;
@@ -28,6 +29,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
         .routes(routes!(submit::create, list::list))
         .routes(routes!(read, edit::edit, delete))
         .routes(routes!(fields::fields))
+        .routes(routes!(preview::preview))
         .routes(routes!(waiting))
         .routes(routes!(cancel))
         .routes(routes!(pause))

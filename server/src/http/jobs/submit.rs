@@ -173,7 +173,7 @@ async fn project_of(state: &AppState, call: &Call, named: Option<Uuid>) -> Resul
 }
 
 /// Checks the body, with the results of the jobs that it refers to.
-async fn read(
+pub(super) async fn read(
     state: &AppState,
     call: &Call,
     body: JsonBody,

@@ -5,10 +5,10 @@ use loadframe_api::comparison::{
 };
 use loadframe_api::people::{
     Acceptance, Allowance, AuditEntry, CallerView, DiskUse, GroupView, HandOver, InvitationMade,
-    InvitationView, NewGroup, NewInvitation, NewProject, NewShare, NewToken, NewWebhook,
-    PasswordChange, PersonChanges, PersonLimits, PersonView, ProjectChanges, ProjectView,
-    RetentionRule, RetentionView, SessionView, ShareMade, ShareView, SignIn, SignInBegun,
-    SignInWays, TokenMade, TokenView, TrashView, WebhookMade, WebhookView,
+    InvitationView, MailVerification, MailView, NewGroup, NewInvitation, NewMail, NewProject,
+    NewShare, NewToken, NewWebhook, PasswordChange, PersonChanges, PersonLimits, PersonView,
+    ProjectChanges, ProjectView, RetentionRule, RetentionView, SessionView, ShareMade, ShareView,
+    SignIn, SignInBegun, SignInWays, TokenMade, TokenView, TrashView, WebhookMade, WebhookView,
 };
 use loadframe_api::spec::calibrate::MeasuredCurve;
 use loadframe_api::worker::{
@@ -17,8 +17,8 @@ use loadframe_api::worker::{
 };
 use loadframe_api::{
     CurveView, Envelope, Event, FieldView, FileEntry, JobChanges, JobKind, JobView, LogLine,
-    Outcome, Page, Problem, Timestamp, WaitingView, WorkerView, answer_schemas, body_schemas,
-    kind_schema,
+    Outcome, Page, Preview, Problem, Timestamp, WaitingView, WorkerView, answer_schemas,
+    body_schemas, kind_schema,
 };
 use loadframe_client::direct::{DirectEnd, DirectRequest, DirectUpload};
 use schemars::SchemaGenerator;
@@ -68,8 +68,8 @@ pub(super) fn schemas() -> Map<String, Value> {
 fn bodies() -> Map<String, Value> {
     body_schemas(|generator: &mut SchemaGenerator| {
         add!(generator: JobChanges, Envelope, SignIn, PasswordChange, NewInvitation, Acceptance,
-            HandOver, NewGroup, NewProject, NewShare, NewToken, NewWebhook, PersonChanges,
-            PersonLimits, ProjectChanges, RetentionRule, NewComparison, ComparisonChanges,
+            HandOver, NewGroup, NewProject, NewShare, NewToken, NewWebhook, NewMail,
+            MailVerification, PersonChanges, PersonLimits, ProjectChanges, RetentionRule, NewComparison, ComparisonChanges,
             MeasuredCurve, ClaimRequest, ProgressReport, CompleteRequest, FailRequest,
             FaultRequest, ReleaseRequest, AllocationReport, DirectRequest, DirectEnd);
     })
@@ -78,7 +78,7 @@ fn bodies() -> Map<String, Value> {
 /// What the service writes.
 fn answers() -> Map<String, Value> {
     let mut schemas = answer_schemas(|generator: &mut SchemaGenerator| {
-        add!(generator: Problem, Timestamp, JobKind, JobView, Page<JobView>, DryRun,
+        add!(generator: Problem, Timestamp, JobKind, JobView, Page<JobView>, DryRun, Preview,
             CurveView, Page<FileEntry>, Outcome, Page<LogLine>, Event,
             KindView, Page<KindView>, Page<ExampleView>, Page<WorkerView>, Health, VersionView,
             Lease, HeartbeatAnswer, UploadedPart, DirectUpload, CallerView, PersonView, Page<PersonView>,
@@ -86,6 +86,7 @@ fn answers() -> Map<String, Value> {
             GroupView, Page<GroupView>, ProjectView, Page<ProjectView>, ShareMade, Page<ShareView>,
             Page<AuditEntry>, Backlog, Page<ReportedAllocations>, WaitingView, Allowance,
             SignInWays, SignInBegun, RetentionView, Page<DiskUse>, Page<TrashView>, Page<FieldView>, WebhookMade, Page<WebhookView>,
+            MailView, Page<MailView>,
             Differences, Curves, MeasuredReading, ComparisonView, Page<ComparisonView>);
     });
     for schema in schemas.values_mut() {

@@ -7,6 +7,7 @@ mod audit;
 mod groups;
 mod invitations;
 mod limits;
+mod mails;
 mod projects;
 mod retention;
 mod sessions;
@@ -39,6 +40,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
         .merge(projects::router())
         .merge(retention::router())
         .merge(webhooks::router())
+        .merge(mails::router())
         .merge(shares::router())
         .merge(audit::router())
 }

@@ -12,6 +12,7 @@ mod identities;
 mod invitations;
 mod limits;
 mod listing;
+mod mails;
 mod projects;
 mod retention;
 mod secret;
@@ -32,7 +33,7 @@ pub use identities::{Admission, Arrival, Identity};
 pub use retention::ANNOUNCED;
 pub use sessions::NewSession;
 pub(super) use webhooks::WEBHOOK_KEY;
-pub use webhooks::{Due, DueEvent};
+pub use webhooks::{Channel, Due, DueEvent};
 
 /// Longest name of a person, group, project or token [characters].
 const LONGEST_NAME: usize = 60;

@@ -1,23 +1,30 @@
-//! Webhooks, and the outbox of what they are to be told. The outbox is written by triggers of the
-//! database, in the transaction of the change that it tells of.
+//! Webhooks, and the outbox of what they and addresses of e-mail ([`super::mails`], rows of the same table)
+//! are to be told. The outbox is written by triggers of the database, in the transaction of the change that
+//! it tells of.
 use std::io::Write;
 
 use hmac::{Hmac, KeyInit, Mac};
 use loadframe_api::Timestamp;
 use loadframe_api::people::{Named, NewWebhook, WebhookEvent, WebhookMade, WebhookView};
 use rand::Rng;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::Sha256;
 use uuid::Uuid;
 
 use super::super::Store;
-use super::super::encoding::{json, parsed};
+use super::super::encoding::{json, parsed, variant, wire_name};
 use super::super::error::{Result, StoreError};
 use super::super::row::row;
+use super::mails::{VERIFY, link_secret};
 use super::refused;
 
 /// Events that come in this time after the first go in one message [ms].
 const QUIET: i64 = 10_000;
+/// The same of e-mail, which is read by people,
+pub(super) const QUIET_MAIL: i64 = 60_000;
+/// who get the next one this long after the last at the earliest [ms].
+const BETWEEN_MAILS: i64 = 300_000;
 /// Events of a message.
 const LONGEST: u32 = 500;
 /// Messages prepared at once.
@@ -35,11 +42,25 @@ pub(in super::super) const WEBHOOK_KEY: &str = "webhook-key";
 /// What a secret begins with, so that people and secret scanners know it.
 const PREFIX: &str = "lfw_";
 
+/// Key that secrets follow from.
+pub(super) type Key = [u8; 32];
+
+/// How somebody is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Channel {
+    Webhook,
+    Mail,
+}
+
 /// A message that is due.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Due {
     pub id: Uuid,
-    pub url: String,
+    pub channel: Channel,
+    /// A URL, or an address of e-mail.
+    pub address: String,
+    /// Of a webhook the key of its signatures, of e-mail what the link that verifies it ends with.
     pub secret: String,
     /// In the order in which they happened.
     pub events: Vec<DueEvent>,
@@ -88,6 +109,26 @@ impl WebhookRow {
     }
 }
 
+impl Due {
+    /// Whether it is the e-mail that asks for its address.
+    pub(crate) fn is_question(&self) -> bool {
+        self.events.iter().any(|event| event.event == VERIFY)
+    }
+
+    /// An e-mail to be written, for tests of what it says.
+    #[cfg(test)]
+    pub(crate) fn of_mail(address: &str, secret: &str, events: Vec<DueEvent>) -> Self {
+        Self {
+            id: Uuid::nil(),
+            channel: Channel::Mail,
+            address: address.to_owned(),
+            secret: secret.to_owned(),
+            events,
+            failures: 0,
+        }
+    }
+}
+
 impl Store {
     /// Makes a webhook of `person`, whose address was looked at.
     ///
@@ -96,16 +137,12 @@ impl Store {
     pub async fn create_webhook(&self, person: Uuid, new: NewWebhook) -> Result<WebhookMade> {
         let id = Uuid::now_v7();
         let secret = secret_of(&self.webhook_key()?, id);
-        let mut events: Vec<WebhookEvent> = Vec::new();
-        for event in new.events {
-            if !events.contains(&event) {
-                events.push(event);
-            }
-        }
+        let events = once_each(new.events);
         self.write(move |change| {
             Box::pin(async move {
                 let count: i64 = sqlx::query_scalar(
-                    "SELECT COUNT(*) FROM webhooks WHERE person = ? AND removed_at IS NULL",
+                    "SELECT COUNT(*) FROM webhooks
+                     WHERE person = ? AND channel = 'webhook' AND removed_at IS NULL",
                 )
                 .bind(person)
                 .fetch_one(&mut change.connection)
@@ -151,7 +188,8 @@ impl Store {
                     w.failures, w.last_error,
                     (SELECT COUNT(*) FROM outbox o WHERE o.webhook = w.id) AS waiting
              FROM webhooks w LEFT JOIN projects p ON p.id = w.project
-             WHERE w.person = ? AND w.removed_at IS NULL ORDER BY w.created_at DESC, w.id",
+             WHERE w.person = ? AND w.channel = 'webhook' AND w.removed_at IS NULL
+             ORDER BY w.created_at DESC, w.id",
         )
         .bind(person)
         .fetch_all(self.reads())
@@ -164,56 +202,71 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`].
     pub async fn remove_webhook(&self, person: Uuid, id: Uuid) -> Result<()> {
+        self.end_telling(person, id, Channel::Webhook).await
+    }
+
+    /// Ends a webhook, or e-mail to an address.
+    pub(super) async fn end_telling(&self, person: Uuid, id: Uuid, channel: Channel) -> Result<()> {
+        let word = wire_name(&channel)?;
         self.write(move |change| {
             Box::pin(async move {
                 let removed = sqlx::query(
-                    "UPDATE webhooks SET removed_at = ? WHERE id = ? AND person = ? AND removed_at IS NULL",
+                    "UPDATE webhooks SET removed_at = ?
+                     WHERE id = ? AND person = ? AND channel = ? AND removed_at IS NULL",
                 )
                 .bind(change.now.as_millis())
                 .bind(id)
                 .bind(person)
+                .bind(&word)
                 .execute(&mut change.connection)
                 .await?;
                 if removed.rows_affected() == 0 {
-                    return Err(StoreError::NotFound(format!("webhook {id}")));
+                    let what = match channel {
+                        Channel::Webhook => "webhook",
+                        Channel::Mail => "address",
+                    };
+                    return Err(StoreError::NotFound(format!("{what} {id}")));
                 }
                 sqlx::query("DELETE FROM outbox WHERE webhook = ?")
                     .bind(id)
                     .execute(&mut change.connection)
                     .await?;
-                change.audit("webhook.removed", Some(id), "").await
+                change.audit(&format!("{word}.removed"), Some(id), "").await
             })
         })
         .await
     }
 
-    /// Messages that are due: of webhooks that are not waiting after a failure and whose person still holds
+    /// Messages that are due: to webhooks and addresses that are not waiting after a failure and whose person still holds
     /// what they are about, once all that happens at the same time is there.
     ///
     /// # Errors
     /// The database's, the file system's.
     pub async fn due_messages(&self, now: Timestamp) -> Result<Vec<Due>> {
-        let webhooks: Vec<(Uuid, String, i64)> = sqlx::query_as(
-            "SELECT w.id, w.url, w.failures FROM webhooks w JOIN people p ON p.id = w.person
+        let told: Vec<(Uuid, String, String, i64)> = sqlx::query_as(
+            "SELECT w.id, w.channel, w.url, w.failures FROM webhooks w JOIN people p ON p.id = w.person
              WHERE w.removed_at IS NULL AND p.left_at IS NULL AND w.next_at <= ?1
                AND (w.project IS NULL OR p.role = 'administrator' OR EXISTS (
                     SELECT 1 FROM projects r WHERE r.id = w.project AND (r.person = w.person
                         OR (p.role = 'member' AND EXISTS (SELECT 1 FROM members m
                             WHERE m.team = r.team AND m.person = w.person)))))
-               AND (SELECT MIN(o.number) FROM outbox o WHERE o.webhook = w.id AND o.at <= ?2) IS NOT NULL
+               AND (SELECT MIN(o.number) FROM outbox o WHERE o.webhook = w.id 
+                    AND o.at <= CASE w.channel WHEN 'mail' THEN ?4 ELSE ?2 END) IS NOT NULL
              ORDER BY w.next_at, w.id LIMIT ?3",
         )
         .bind(now.as_millis())
         .bind(now.as_millis() - QUIET)
         .bind(AT_ONCE)
+        .bind(now.as_millis() - QUIET_MAIL)
         .fetch_all(self.reads())
         .await?;
-        if webhooks.is_empty() {
+        if told.is_empty() {
             return Ok(Vec::new());
         }
         let key = self.webhook_key()?;
-        let mut due = Vec::with_capacity(webhooks.len());
-        for (id, url, failures) in webhooks {
+        let mut due = Vec::with_capacity(told.len());
+        for (id, channel, address, failures) in told {
+            let channel: Channel = variant(&channel)?;
             let rows: Vec<(i64, String, i64, String)> = sqlx::query_as(
                 "SELECT number, event, at, body FROM outbox WHERE webhook = ? ORDER BY number LIMIT ?",
             )
@@ -231,10 +284,14 @@ impl Store {
                 })
             };
             due.push(Due {
-                secret: secret_of(&key, id),
+                secret: match channel {
+                    Channel::Webhook => secret_of(&key, id),
+                    Channel::Mail => link_secret(&key, id),
+                },
                 events: rows.into_iter().map(event).collect::<Result<_>>()?,
                 id,
-                url,
+                channel,
+                address,
                 failures,
             });
         }
@@ -252,6 +309,10 @@ impl Store {
         now: Timestamp,
     ) -> Result<()> {
         let (id, failures) = (due.id, due.failures);
+        let next_at = match due.channel {
+            Channel::Mail if !due.is_question() => now.as_millis() + BETWEEN_MAILS,
+            _ => 0,
+        };
         let last = due.events.last().map_or(0, |event| event.number);
         self.write_from_reserve(move |change| {
             Box::pin(async move {
@@ -270,9 +331,10 @@ impl Store {
                     .rows_affected();
                 let Some(error) = error else {
                     sqlx::query(
-                        "UPDATE webhooks SET failures = 0, next_at = 0, told_at = ?, last_error = NULL
+                        "UPDATE webhooks SET failures = 0, next_at = ?, told_at = ?, last_error = NULL
                          WHERE id = ?",
                     )
+                    .bind(next_at)
                     .bind(now.as_millis())
                     .bind(id)
                     .execute(&mut change.connection)
@@ -299,9 +361,9 @@ impl Store {
         .await
     }
 
-    /// The key that secrets of webhooks follow from: in a file of its own, so that a copy of the database
+    /// The key that secrets of webhooks and links to addresses follow from: in a file of its own, so that a copy of the database
     /// signs nothing.
-    fn webhook_key(&self) -> Result<[u8; 32]> {
+    pub(super) fn webhook_key(&self) -> Result<Key> {
         let path = self.options().data.join(WEBHOOK_KEY);
         let failed = |error: std::io::Error| StoreError::file(&path)(error);
         for _ in 0..2 {
@@ -333,6 +395,17 @@ impl Store {
     }
 }
 
+/// The events that were chosen, each once.
+pub(super) fn once_each(chosen: Vec<WebhookEvent>) -> Vec<WebhookEvent> {
+    let mut events: Vec<WebhookEvent> = Vec::new();
+    for event in chosen {
+        if !events.contains(&event) {
+            events.push(event);
+        }
+    }
+    events
+}
+
 /// Ids as everywhere else: the database writes their bytes as digits alone, and nothing for none.
 fn with_ids(mut about: Value) -> Value {
     let Some(fields) = about.as_object_mut() else {
@@ -357,7 +430,7 @@ fn with_ids(mut about: Value) -> Value {
 }
 
 /// HMAC-SHA256 of the webhook's id under the key.
-fn secret_of(key: &[u8; 32], id: Uuid) -> String {
+fn secret_of(key: &Key, id: Uuid) -> String {
     use base64::Engine;
     use base64::engine::general_purpose::URL_SAFE_NO_PAD;
     let mac = Hmac::<Sha256>::new_from_slice(key).map(|mut mac| {

@@ -4,6 +4,7 @@ mod comparing;
 pub(crate) mod group;
 mod issuer;
 mod limits;
+mod mails;
 mod matrix;
 mod order;
 mod proxy;

@@ -9,7 +9,8 @@ use ipnet::IpNet;
 use loadframe_api::Timestamp;
 use loadframe_api::people::{PersonChanges, Visibility};
 use loadframe_server::store::UserAction;
-use loadframe_server::webhooks::{Addresses, SIGNATURE, tell};
+use loadframe_server::telling::{Ways, tell};
+use loadframe_server::webhooks::{Addresses, SIGNATURE};
 use serde_json::{Value, json};
 use sha2::Sha256;
 use tokio::net::TcpListener;
@@ -107,7 +108,11 @@ async fn made(
 /// Tells everything that is due so many minutes from now.
 async fn told(group: &Group, minutes: i64) -> usize {
     let now = Timestamp(Timestamp::now().as_millis() + minutes * MINUTE);
-    tell(&group.lab.store, &Addresses::new(here()), now)
+    let ways = Ways {
+        addresses: Addresses::new(here()),
+        mailer: None,
+    };
+    tell(&group.lab.store, &ways, now)
         .await
         .expect("the store answers")
 }
@@ -326,7 +331,7 @@ async fn a_private_address_is_refused_in_a_sentence() {
     end(&house, &house.anna, project).await;
     let now = Timestamp(Timestamp::now().as_millis() + MINUTE);
     assert_eq!(
-        tell(&house.lab.store, &Addresses::default(), now)
+        tell(&house.lab.store, &Ways::default(), now)
             .await
             .expect("told"),
         0

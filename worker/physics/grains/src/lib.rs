@@ -68,6 +68,18 @@ mod walls;
 use loadframe_api::spec::granular_scene::GranularScene;
 use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
 
+/// Draws the scene of `spec` as it is before its first step.
+///
+/// # Errors
+/// When there is no such scene, or the recorder fails.
+pub fn preview(
+    spec: &GranularScene,
+    threads: usize,
+    recorder: &mut dyn Recorder,
+) -> Result<(), SimulationError> {
+    stages::run::preview(spec, threads, recorder)
+}
+
 /// Runs the scene of `spec`.
 ///
 /// # Errors

@@ -80,17 +80,33 @@ pub fn run(
     }
 }
 
+/// Draws the section of `spec` before its load.
+///
+/// # Errors
+/// When there is no such section, or the recorder fails.
+pub fn preview(
+    spec: &CompositeBending,
+    recorder: &mut dyn Recorder,
+) -> Result<(), SimulationError> {
+    let model = Model::before_rollers(spec, finest(spec))?;
+    pictures::write_first(&model, recorder)
+}
+
+/// The grid that is asked for.
+fn finest(spec: &CompositeBending) -> Fineness {
+    Fineness {
+        grid: spec.grid(),
+        contact_cells: CONTACT_CELLS,
+        shrinks_to_corners: spec.shrinks_to_corners(),
+    }
+}
+
 fn test(
     spec: &CompositeBending,
     progress: Option<Progress>,
     recorded: &mut Recorded<'_, '_>,
 ) -> Result<Report, Halt> {
-    let finest = Fineness {
-        grid: spec.grid(),
-        contact_cells: CONTACT_CELLS,
-        shrinks_to_corners: spec.shrinks_to_corners(),
-    };
-    let model = Model::new(spec, finest)?;
+    let model = Model::new(spec, finest(spec))?;
     if recorded.context.checkpoint.is_none() {
         recorded.recorder.log(&model.described());
     }

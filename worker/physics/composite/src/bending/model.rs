@@ -84,6 +84,16 @@ impl<'a> Model<'a> {
         Self::refined(spec, fineness, section, &names, &places)
     }
 
+    /// The section on its grid as it is before rollers make cells at their contacts smaller.
+    pub(super) fn before_rollers(
+        spec: &'a CompositeBending,
+        fineness: Fineness,
+    ) -> Result<Self, CompositeError> {
+        let names: Vec<&String> = spec.materials.keys().collect();
+        let section = section(spec, &names)?;
+        Self::refined(spec, fineness, section, &names, &[])
+    }
+
     fn refined(
         spec: &'a CompositeBending,
         fineness: Fineness,

@@ -11,6 +11,9 @@ use crate::measure::mean_gradient;
 /// The largest displacement in pictures over the smaller side, unless a factor is asked for.
 const SHOWN: f64 = 0.1;
 
+/// The section where it does not break.
+const SECTION: &str = "snapshots/section.vtp";
+
 /// Displacements in pictures over true ones.
 pub(super) fn factor(model: &Model<'_>, tested: &Tested) -> f64 {
     model.spec.output.deformation_factor.unwrap_or_else(|| {
@@ -30,6 +33,19 @@ pub(super) fn factor(model: &Model<'_>, tested: &Tested) -> f64 {
             1.0
         }
     })
+}
+
+/// The section before its load.
+pub(super) fn write_first(
+    model: &Model<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<(), SimulationError> {
+    let shown = Shown {
+        u: &vec![0.0; model.lattice.displacements()],
+        stresses: None,
+        damage: None,
+    };
+    write_cells(model, SECTION, &shown, 1.0, recorder)
 }
 
 /// The deformed section, at the moments that count.
@@ -55,7 +71,7 @@ pub(super) fn write(
         }
         write_cracks(model, broken, factor, recorder)?;
     } else {
-        let name = "snapshots/section.vtp".to_owned();
+        let name = SECTION.to_owned();
         let u = tested.displacements_mm();
         let shown = Shown {
             u,

@@ -80,8 +80,9 @@ pub(super) fn conduct(
         strengths,
     }))
 }
+
 /// The cell that a spec describes.
-fn unit_cell(spec: &CompositeCell) -> Result<UnitCell, CompositeError> {
+pub(super) fn unit_cell(spec: &CompositeCell) -> Result<UnitCell, CompositeError> {
     let matrix = material(spec, &spec.matrix)?;
     let fibre = material(spec, &spec.fibre)?;
     match &spec.arrangement {

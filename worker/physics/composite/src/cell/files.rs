@@ -1,4 +1,6 @@
 //! Files of a cell: convergence, stiffness, what theory says, a picture, and the material it is.
+use std::io;
+
 use loadframe_api::Report;
 use loadframe_api::spec::composite_cell::CompositeCell;
 use loadframe_harness::vtk::{Array, Polygons, Series};
@@ -14,6 +16,7 @@ const ORDER: [&str; 6] = ["11", "22", "33", "23", "13", "12"];
 const PULLED: [f64; 6] = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
 /// A picture of more cells than this is drawn of every second of them along both sides, or fewer.
 const MOST_DRAWN: usize = 70_000;
+const PICTURE: &str = "snapshots/cell.vtp";
 
 /// Writes all files of one cell.
 pub(super) fn write(
@@ -94,31 +97,59 @@ fn write_companions(tested: &Tested, recorder: &mut dyn Recorder) -> Result<(), 
     Ok(())
 }
 
-/// The grid's cells with their share of fibre and their stresses under a pull across the fibres.
+/// The picture of a cell that was tested, and its series.
 fn write_picture(tested: &Tested, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
     let effective = &tested.effective;
-    let [columns, rows] = effective.grid();
+    let fields = effective.fields(&Load::Stress(PULLED))?;
+    let drawn = Drawn {
+        grid: effective.grid(),
+        pixel_mm: effective.pixel_mm(),
+        shares: &effective.fibre_shares(),
+        stresses: Some(&fields),
+    };
+    draw(&drawn, recorder)?;
+    let series = Series {
+        entries: vec![(1.0, PICTURE.to_owned())],
+    };
+    recorder.file("snapshots.pvd", &mut |out| series.write(out))?;
+    Ok(())
+}
+
+/// What is drawn of a cell.
+pub(super) struct Drawn<'a> {
+    /// Number of cells of the grid along 2 and 3, and their sides [mm].
+    pub(super) grid: [usize; 2],
+    pub(super) pixel_mm: [f64; 2],
+    /// Share of fibre in each.
+    pub(super) shares: &'a [f64],
+    /// Stresses under a pull across the fibres [MPa], once it was tested.
+    pub(super) stresses: Option<&'a [[f64; 6]]>,
+}
+
+/// The grid's cells with what is known of each.
+pub(super) fn draw(shown: &Drawn<'_>, recorder: &mut dyn Recorder) -> io::Result<()> {
+    let [columns, rows] = shown.grid;
     let mut every = 1;
     while columns * rows / (every * every) > MOST_DRAWN {
         every *= 2;
     }
     let (drawn, lines) = (columns.div_ceil(every), rows.div_ceil(every));
-    let shares = effective.fibre_shares();
-    let fields = effective.fields(&Load::Stress(PULLED))?;
     // a drawn cell is the mean of those it covers
     let mut share = vec![0.0; drawn * lines];
     let mut stress = vec![[0.0; 6]; drawn * lines];
     let mut covered = vec![0.0; drawn * lines];
-    for (cell, (held, field)) in shares.iter().zip(&fields).enumerate() {
-        let place = (cell / columns / every) * drawn + (cell % columns) / every;
-        covered[place] += 1.0;
-        share[place] += held;
-        for (sum, part) in stress[place].iter_mut().zip(field) {
+    let place = |cell: usize| (cell / columns / every) * drawn + (cell % columns) / every;
+    for (cell, held) in shown.shares.iter().enumerate() {
+        covered[place(cell)] += 1.0;
+        share[place(cell)] += held;
+    }
+    for (cell, field) in shown.stresses.iter().flat_map(|all| all.iter().enumerate()) {
+        for (sum, part) in stress[place(cell)].iter_mut().zip(field) {
             *sum += part;
         }
     }
     let mut points = Vec::with_capacity(4 * drawn * lines);
-    let pixel = effective.pixel_mm();
+    let pixel = shown.pixel_mm;
     let line =
         |axis: usize, place: usize, count: usize| pixel[axis] * (place * every).min(count) as f64;
     for j in 0..lines {
@@ -144,25 +175,22 @@ fn write_picture(tested: &Tested, recorder: &mut dyn Recorder) -> Result<(), Sim
     let names = ORDER.map(|name| format!("stress_{name}_mpa"));
     let mises: Vec<f64> = stress.iter().map(equivalent).collect();
     let mut data = vec![Array::scalars("fibre_share", &share)];
-    data.extend(
-        names
-            .iter()
-            .zip(&parts)
-            .map(|(name, part)| Array::scalars(name, part)),
-    );
-    data.push(Array::scalars("stress_mises_mpa", &mises));
+    if shown.stresses.is_some() {
+        data.extend(
+            names
+                .iter()
+                .zip(&parts)
+                .map(|(name, part)| Array::scalars(name, part)),
+        );
+        data.push(Array::scalars("stress_mises_mpa", &mises));
+    }
     let polygons = Polygons {
         points: &points,
         corners: &vec![4; drawn * lines],
         point_data: &[],
         cell_data: &data,
     };
-    recorder.file("snapshots/cell.vtp", &mut |out| polygons.write(out))?;
-    let series = Series {
-        entries: vec![(1.0, "snapshots/cell.vtp".to_owned())],
-    };
-    recorder.file("snapshots.pvd", &mut |out| series.write(out))?;
-    Ok(())
+    recorder.file(PICTURE, &mut |out| polygons.write(out))
 }
 
 /// The equivalent stress of [vonMises1913].

@@ -36,6 +36,23 @@ pub fn run(
     Ok(ending)
 }
 
+/// Draws the first cell of `spec`.
+///
+/// # Errors
+/// When there is no such cell, or the recorder fails.
+pub fn preview(spec: &CompositeCell, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
+    let cell = conduct::unit_cell(spec)?;
+    let grid = spec.cells().map(|count| count as usize);
+    let drawn = files::Drawn {
+        grid,
+        pixel_mm: [0, 1].map(|axis| cell.size_mm[axis] / grid[axis] as f64),
+        shares: &cell.fibre_shares(grid)?,
+        stresses: None,
+    };
+    files::draw(&drawn, recorder)?;
+    Ok(())
+}
+
 fn run_one(
     spec: &CompositeCell,
     context: RunContext<'_>,

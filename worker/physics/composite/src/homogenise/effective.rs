@@ -232,9 +232,7 @@ impl Effective {
     /// Share of fibre in every pixel, those along 2 in sequence.
     #[must_use]
     pub fn fibre_shares(&self) -> Vec<f64> {
-        (0..self.pixels.count())
-            .map(|pixel| self.pixels.fibre_share(pixel))
-            .collect()
+        self.pixels.fibre_shares()
     }
 
     /// Mean stress of every pixel [MPa] under a load, those along 2 in sequence; order 11, 22, 33,
@@ -318,5 +316,14 @@ impl UnitCell {
         let (phases, notes) = self.checked(grid)?;
         let pixels = Pixels::new(self, grid, phases);
         Effective::of(pixels, self.fraction(), notes)
+    }
+
+    /// Share of fibre in every pixel of such a grid, those along 2 in sequence.
+    ///
+    /// # Errors
+    /// As [`Self::effective`], before equilibrium.
+    pub fn fibre_shares(&self, grid: [usize; 2]) -> Result<Vec<f64>, CompositeError> {
+        let (phases, _) = self.checked(grid)?;
+        Ok(Pixels::new(self, grid, phases).fibre_shares())
     }
 }

@@ -96,6 +96,13 @@ impl Pixels {
         self.cuts.get((self.kind[pixel] as usize).wrapping_sub(2))
     }
 
+    /// Share of fibre in every pixel.
+    pub(super) fn fibre_shares(&self) -> Vec<f64> {
+        (0..self.count())
+            .map(|pixel| self.fibre_share(pixel))
+            .collect()
+    }
+
     /// Share of fibre in a pixel.
     pub(super) fn fibre_share(&self, pixel: usize) -> f64 {
         match self.cut(pixel) {

@@ -6,6 +6,18 @@ use loadframe_numerics::Team;
 use super::runner::Runner;
 use crate::output::{errors, fragments, journal::Journal, report, snapshot, tables, voids};
 
+/// Draws the scene of `spec` before its first step.
+pub(crate) fn preview(
+    spec: &GranularScene,
+    threads: usize,
+    recorder: &mut dyn Recorder,
+) -> Result<(), SimulationError> {
+    let mut runner = Runner::new(spec, Team::new(threads)?)?;
+    runner.engine.push_still();
+    let mut survey = runner.engine.survey(true);
+    runner.picture(recorder, &mut survey)
+}
+
 /// Runs the scene of `spec`; returns its journal as well, for tests in terms of their own.
 pub(crate) fn run(
     spec: &GranularScene,

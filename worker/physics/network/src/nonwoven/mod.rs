@@ -53,6 +53,16 @@ struct Checkpoint {
     state: State,
 }
 
+/// Draws the first specimen of `spec`, in its first direction, before it is strained.
+///
+/// # Errors
+/// When there is no such specimen, or the recorder fails.
+pub fn preview(spec: &NonwovenTensile, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
+    let specimen = Specimen::new(spec)?;
+    snapshot::take_first(&specimen, recorder)?;
+    Ok(())
+}
+
 /// Runs a single test of `spec`, in its first direction, whatever repeats it asks for.
 ///
 /// # Errors

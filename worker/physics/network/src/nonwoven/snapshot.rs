@@ -58,6 +58,20 @@ pub(super) fn take(experiment: &mut Experiment<'_>, recorder: &mut dyn Recorder)
     Ok(())
 }
 
+/// Writes the snapshot of a specimen that nothing was done to.
+pub(super) fn take_first(specimen: &Specimen, recorder: &mut dyn Recorder) -> io::Result<()> {
+    let network = &specimen.network;
+    let zeros = || vec![0.0; network.bonds.len()];
+    let fields = Fields {
+        strain: zeros(),
+        force: zeros(),
+        force_over_strength: zeros(),
+        broken: vec![0; network.bonds.len()],
+    };
+    let displacements = vec![Vector::zeros(); network.positions.len()];
+    write(&name(0), specimen, &displacements, &fields, recorder)
+}
+
 /// Writes the snapshot of the largest force, whichever steps have theirs.
 pub(super) fn take_peak(
     experiment: &Experiment<'_>,

@@ -91,6 +91,18 @@ impl<'a> Specimen<'a> {
         measure::constants(&self.divided, &self.section)
     }
 
+    /// The tube before its load.
+    pub(super) fn unloaded(&self) -> Picture {
+        let rest = unloaded(&self.tube);
+        Picture {
+            at: 0.0,
+            step: 0,
+            points_um: moved(&self.tube, &rest.displacements_um),
+            displacements_um: rest.displacements_um,
+            tensions_mn: rest.tensions_mn,
+        }
+    }
+
     /// Columns of the curve; tension, and moments that act with the turn, are positive.
     pub(super) fn columns(&self) -> &'static [&'static str] {
         self.single.load.curve_columns()

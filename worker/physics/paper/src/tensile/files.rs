@@ -1,5 +1,7 @@
 //! Files of a test of a fibre: its curve, its tube in pictures.
 use loadframe_harness::vtk::{Array, Lines, Series};
+use std::io;
+
 use loadframe_harness::{Halt, Recorder, csv};
 
 use super::fibre::{Picture, Specimen};
@@ -16,6 +18,16 @@ pub(super) fn write(
         csv::header(out, specimen.columns())?;
         curve.iter().try_for_each(|point| csv::row(out, point))
     })?;
+    write_pictures(specimen, pictures, recorder)?;
+    Ok(())
+}
+
+/// Writes the tube in these states, and the series of them.
+pub(super) fn write_pictures(
+    specimen: &Specimen<'_>,
+    pictures: &[Picture],
+    recorder: &mut dyn Recorder,
+) -> io::Result<()> {
     if pictures.is_empty() {
         return Ok(());
     }

@@ -51,6 +51,23 @@ pub fn run(
     }
 }
 
+/// Draws the first specimen of `spec` before its test.
+///
+/// # Errors
+/// When there is no such specimen, or the recorder fails.
+pub fn preview(
+    spec: &PaperTensile,
+    threads: usize,
+    recorder: &mut dyn Recorder,
+) -> Result<(), SimulationError> {
+    let Specimen::SingleFibre(single) = &spec.specimen else {
+        return sheet::preview(spec, threads, recorder);
+    };
+    let specimen = fibre::Specimen::new(spec, single)?;
+    files::write_pictures(&specimen, &[specimen.unloaded()], recorder)?;
+    Ok(())
+}
+
 /// Warns of pulps whose coarseness and wall contradict one another.
 fn warn_of_contradictions(report: &mut ReportBuilder, spec: &PaperTensile) {
     let contradicted = spec.pulp.iter().filter_map(|pulp| {

@@ -80,6 +80,20 @@ pub(super) fn run(
     test_specimens(&Repeats(spec), Fingerprint::of(spec)?, context, recorder)
 }
 
+/// Draws the first sheet of `spec`, for the first of its directions.
+///
+/// # Errors
+/// When there is no such sheet, or the recorder fails.
+pub(super) fn preview(
+    spec: &PaperTensile,
+    threads: usize,
+    recorder: &mut dyn Recorder,
+) -> Result<(), SimulationError> {
+    let specimen = Specimen::new(spec, &Team::new(threads)?)?;
+    pictures::unheld(&specimen, recorder)?;
+    Ok(())
+}
+
 /// Runs a single test of `spec`, whatever repeats it asks for; of both directions the first.
 fn run_one(
     spec: &PaperTensile,

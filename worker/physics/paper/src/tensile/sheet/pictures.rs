@@ -26,7 +26,12 @@ pub(super) fn start(
     specimen: &Specimen,
     recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
-    take(START, course.pull.as_ref(), specimen, &[], recorder)
+    take(START, Some(course.pull.as_ref()), specimen, &[], recorder)
+}
+
+/// The sheet before it is held.
+pub(super) fn unheld(specimen: &Specimen, recorder: &mut dyn Recorder) -> io::Result<()> {
+    take(START, None, specimen, &[], recorder)
 }
 
 /// The sheet at its largest force, if there was one, and at the end; and the series of all.
@@ -41,10 +46,10 @@ pub(super) fn rest(
     let mut entries = vec![(0.0, START.to_owned())];
     if let Some(peak) = peak {
         let gone = &records[..course.kept.broken_at_peak.min(records.len())];
-        take(PEAK, peak, specimen, gone, recorder)?;
+        take(PEAK, Some(peak), specimen, gone, recorder)?;
         entries.push((peak.elongation_um() / length_um, PEAK.to_owned()));
     }
-    take(END, course.pull.as_ref(), specimen, records, recorder)?;
+    take(END, Some(course.pull.as_ref()), specimen, records, recorder)?;
     // players want times that grow, and the end may be the fall from the largest force
     let last = entries.last().map_or(0.0, |(at, _)| *at);
     let end = course.pull.elongation_um() / length_um;
@@ -55,14 +60,14 @@ pub(super) fn rest(
 
 fn take(
     name: &str,
-    pull: &dyn Pulling,
+    pull: Option<&dyn Pulling>,
     specimen: &Specimen,
     gone: &[Record],
     recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
     let network = &specimen.network;
     let displacements: Vec<[f64; 3]> = (0..network.nodes())
-        .map(|node| pull.displacement_um(node))
+        .map(|node| pull.map_or([0.0; 3], |pull| pull.displacement_um(node)))
         .collect();
     let points: Vec<[f64; 3]> = displacements
         .iter()
@@ -87,20 +92,28 @@ fn take(
     let ends: Vec<[u32; 2]> = pairs.map(|pair| pair.map(|node| node as u32)).collect();
     let zeros = || vec![0.0; segments + bonds];
     let (mut strain, mut force, mut stress) = (zeros(), zeros(), zeros());
-    for segment in 0..segments {
+    for (pull, segment) in pull
+        .iter()
+        .flat_map(|pull| (0..segments).map(move |of| (pull, of)))
+    {
         let along_mn = pull.segment_force_mn(segment);
         force[segment] = N * along_mn;
         stress[segment] = MPA * pull.segment_stress_gpa(segment);
         strain[segment] = along_mn / network.segment_stiffness_mn(segment);
     }
-    for bond in 0..bonds {
+    for (pull, bond) in pull
+        .iter()
+        .flat_map(|pull| (0..bonds).map(move |of| (pull, of)))
+    {
         let [normal, shear] = pull.bond_force_mn(bond);
         force[segments + bond] = N * normal.hypot(shear);
     }
     let parts = (0..segments)
         .map(Broken::Segment)
         .chain((0..bonds).map(Broken::Bond));
-    let broken: Vec<u8> = parts.map(|part| u8::from(pull.is_broken(part))).collect();
+    let broken: Vec<u8> = parts
+        .map(|part| u8::from(pull.is_some_and(|pull| pull.is_broken(part))))
+        .collect();
     let mut modes = vec![0_u8; segments + bonds];
     for record in gone {
         let mode = record

@@ -1,0 +1,72 @@
+//! A specimen drawn before its job is submitted.
+use std::io::{self, Write};
+
+use loadframe_api::{JobSpec, Preview, PreviewFile};
+use loadframe_physics::{Recorder, SimulationError};
+
+/// Bytes of all files together: pictures of any part that is drawn have far fewer.
+const LARGEST: usize = 64_000_000;
+
+/// Pictures of the specimen of `spec` before its test, made on this thread.
+///
+/// # Errors
+/// When there is no such specimen, or its pictures are too large.
+pub fn preview(spec: &JobSpec) -> Result<Preview, SimulationError> {
+    let mut album = Album::default();
+    let shows = loadframe_physics::preview(spec, 1, &mut album)?;
+    Ok(Preview {
+        shows,
+        files: album.files,
+    })
+}
+
+/// Keeps pictures in memory, and nothing else.
+#[derive(Debug, Default)]
+struct Album {
+    files: Vec<PreviewFile>,
+    bytes: usize,
+}
+
+impl Recorder for Album {
+    fn columns(&mut self, _names: &[&str]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn point(&mut self, _values: &[f64]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn file(
+        &mut self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        if !name.ends_with(".vtp") {
+            return Ok(());
+        }
+        let mut content = Vec::new();
+        write(&mut content)?;
+        self.bytes += content.len();
+        if self.bytes > LARGEST {
+            let words = format!("its pictures take more than {LARGEST} bytes");
+            return Err(io::Error::other(words));
+        }
+        self.files.push(PreviewFile {
+            name: name.to_owned(),
+            content,
+        });
+        Ok(())
+    }
+
+    fn progress(&mut self, _fraction: f64, _phase: &str) {}
+
+    fn log(&mut self, _message: &str) {}
+
+    fn checkpoint_due(&self) -> bool {
+        false
+    }
+
+    fn checkpoint(&mut self, _bytes: &[u8]) -> io::Result<()> {
+        Ok(())
+    }
+}
