@@ -1,7 +1,7 @@
 //! Specimens drawn before their jobs are submitted.
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
-use loadframe_api::{JobKind, JobSpec, Preview, Submission};
+use loadframe_api::{JobKind, JobSpec, Preview};
 use serde_json::{Value, json};
 
 use crate::people::group::Group;
@@ -73,47 +73,4 @@ async fn who_may_not_submit_is_shown_nothing_and_a_server_without_an_engine_says
     assert_eq!(drawn.status, 200, "{drawn:?}");
     let without = Lab::open().await.post(PATH, body).await;
     without.problem(409, "conflict");
-}
-
-/// A number of the header of a picture.
-fn count(picture: &[u8], name: &str) -> f64 {
-    let header = String::from_utf8_lossy(&picture[..picture.len().min(4000)]);
-    let (_, rest) = header
-        .split_once(&format!("{name}=\""))
-        .expect("the header has it");
-    let (number, _) = rest.split_once('"').expect("a number");
-    number.parse().expect("a number")
-}
-
-/// Specs foretell how much is drawn within this factor: where the bound of 200 000 parts stops a picture is as
-/// certain.
-const FORETOLD: f64 = 2.5;
-
-#[test]
-fn first_examples_are_drawn_about_as_large_as_their_specs_foretell() {
-    for kind in JobKind::ALL {
-        let body = kind.examples()[0].body.as_bytes();
-        let spec = Submission::from_slice(body).expect("an example").spec;
-        let preview = loadframe_run::preview(&spec).expect("a specimen");
-        let of_bodies = preview.files.iter();
-        let of_bodies = of_bodies.filter(|file| !file.name.contains("walls_"));
-        let parts = of_bodies.map(|file| {
-            let names = ["NumberOfPoints", "NumberOfLines", "NumberOfPolys"];
-            let [points, lines, polygons] = names.map(|name| count(&file.content, name));
-            // every polygon has corners of its own
-            if polygons > 0.0 {
-                polygons
-            } else {
-                points.max(lines)
-            }
-        });
-        let parts = parts.fold(0.0, f64::max);
-        let extent = spec.extent();
-        let ratio = parts / extent.parts;
-        println!("{kind}: {parts} drawn, {extent:?}");
-        assert!(
-            (1.0 / FORETOLD..=FORETOLD).contains(&ratio),
-            "{kind}: {parts} drawn, {extent:?}"
-        );
-    }
 }
