@@ -176,25 +176,6 @@ test("a specimen is seen before its job is submitted, and drawn again for every 
       fabric,
     );
     assert.notEqual(await seen(page), first);
-    // a name is not part of the specimen
-    const asked = [];
-    page.on("request", (request) => request.url().endsWith("/v1/jobs/preview") && asked.push(request));
-    await page.locator('[id="field/name"]').fill("Another name");
-    await page.waitForFunction(() => sessionStorage.getItem("loadframe-draft")?.includes("Another name"));
-    await page.waitForSelector("[data-testid=estimate][data-ready=true]");
-    assert.equal(asked.length, 0);
-
-    await writes(page, "ballast_oedometer");
-    await page.waitForFunction(() => /Pouring/.test(document.querySelector("[data-testid=specimen-shows]").innerText));
-    assert.match(await part(page, "inventory").innerText(), /spheres/);
-    await picture(page, "specimen-ballast");
-    // flat ones are looked at face on
-    await writes(page, "composite_bending");
-    await page.waitForFunction(() => /section/.test(document.querySelector("[data-testid=specimen-shows]").innerText));
-    assert.equal(await part(page, "cells-by").inputValue(), "fibre_share");
-    await picture(page, "specimen-section");
-    await page.setViewportSize(PHONE);
-    await fitsThePhone(page, "a specimen");
   }));
 
 test("a specimen that is too large for a picture is told so", () =>

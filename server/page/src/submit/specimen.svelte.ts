@@ -1,6 +1,6 @@
 // The specimen of the job being written: asked for once somebody wants to see it, and again for every other spec.
 import { complaintsOf, request } from "../api/client";
-import type { Preview } from "../api/types";
+import type { Job, Preview } from "../api/types";
 import { subjectOf, type Subject } from "../snapshots/subject";
 
 /** The bytes of a text in base64. */
@@ -8,11 +8,15 @@ export function bytesOf(base64: string): ArrayBuffer {
   return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0)).buffer;
 }
 
+interface JobBody {
+  kind: Job["kind"];
+  spec: Record<string, unknown>;
+}
+
 /** What the specimen of a body is of: of a job that calibrates another, that of the other. */
 export function subjectOfBody(body: string): Subject {
-  const { kind, spec } = JSON.parse(body) as { kind: string; spec: Record<string, unknown> };
-  if (kind !== "calibrate") return subjectOf({ kind, spec });
-  return subjectOf(spec["job"] as { kind: string; spec: Record<string, unknown> });
+  const job = JSON.parse(body) as JobBody;
+  return subjectOf(job.kind === "calibrate" ? (job.spec["job"] as JobBody) : job);
 }
 
 export class Specimen {
