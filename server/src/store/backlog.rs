@@ -2,6 +2,7 @@
 use loadframe_api::allocations::{Backlog, BacklogClass};
 
 use super::Store;
+use super::database::{query_as, query_scalar};
 use super::encoding::json;
 use super::error::Result;
 
@@ -23,10 +24,10 @@ impl Store {
             .collect();
         let mut snapshot = self.reads().begin().await?;
         let waiting: Option<i64> =
-            sqlx::query_scalar("SELECT SUM(jobs) FROM job_counts WHERE state = 'queued'")
-                .fetch_one(&mut *snapshot)
+            query_scalar("SELECT SUM(jobs) FROM job_counts WHERE state = 'queued'")
+                .fetch_one(&mut snapshot)
                 .await?;
-        let classes: Vec<(f64, i64, f64, f64)> = sqlx::query_as(
+        let classes: Vec<(f64, i64, f64, f64)> = query_as(
             "SELECT CAST(class AS REAL), COUNT(*), MAX(wall), SUM(wall) FROM (
                 SELECT COALESCE((SELECT MIN(value) FROM json_each(?1) WHERE value >= memory),
                                 (SELECT MAX(value) FROM json_each(?1))) AS class, wall
@@ -38,7 +39,7 @@ impl Store {
         )
         .bind(json(&bounds)?)
         .bind(MOST_JOBS)
-        .fetch_all(&mut *snapshot)
+        .fetch_all(&mut snapshot)
         .await?;
         let class =
             |(memory_mb, jobs, longest_wall_s, total_wall_s): (f64, i64, f64, f64)| BacklogClass {

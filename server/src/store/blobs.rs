@@ -10,7 +10,6 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use sqlx::SqlitePool;
 use tempfile::TempPath;
 use tokio::io::{AsyncRead, AsyncWriteExt};
 use tokio::sync::{OwnedRwLockReadGuard, RwLock, mpsc, oneshot};
@@ -19,6 +18,7 @@ use uuid::Uuid;
 use super::arriving::{Arriving, Incoming, SMALLEST_PART};
 use super::bucket::Found;
 use super::collector::{Collector, Faults, Garbage};
+use super::database::Pool;
 use super::disk::{blocking, hexadecimal};
 use super::error::{Loss, Result, StoreError};
 use super::storage::{Content, Storage};
@@ -259,7 +259,7 @@ impl Blobs {
     /// The collector of this folder.
     pub(super) fn collector(
         &self,
-        reads: SqlitePool,
+        reads: Pool,
         wait: Duration,
         is_behind: bool,
         restarts: Arc<Restarts>,

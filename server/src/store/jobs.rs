@@ -9,9 +9,9 @@ use serde::Deserialize;
 use uuid::Uuid;
 
 use super::Store;
+use super::database::{query_as, query_scalar, row};
 use super::encoding::{json, parsed, variant};
 use super::error::{Result, StoreError};
-use super::row::row;
 
 /// Ids as a JSON array, for `unhex` in a statement.
 pub(super) fn hex_names(ids: &[Uuid]) -> Result<String> {
@@ -205,15 +205,15 @@ impl Store {
     /// [`StoreError::NotFound`].
     pub async fn job(&self, id: Uuid) -> Result<JobView> {
         let mut connection = self.reads().acquire().await?;
-        let row: Option<JobRow> = sqlx::query_as(select_jobs!("jobs j WHERE j.id = ?"))
+        let row: Option<JobRow> = query_as(select_jobs!("jobs j WHERE j.id = ?"))
             .bind(id)
-            .fetch_optional(&mut *connection)
+            .fetch_optional(&mut connection)
             .await?;
         let row = row.ok_or_else(|| StoreError::NotFound(format!("job {id}")))?;
         // a spec never changes, so it need not be of the same moment
-        let spec: Option<String> = sqlx::query_scalar("SELECT json FROM specs WHERE job = ?")
+        let spec: Option<String> = query_scalar("SELECT json FROM specs WHERE job = ?")
             .bind(row.seq)
-            .fetch_optional(&mut *connection)
+            .fetch_optional(&mut connection)
             .await?;
         let mut view = row.view()?;
         view.spec = match spec {
@@ -229,7 +229,7 @@ impl Store {
     /// [`StoreError::NotFound`].
     pub async fn job_version(&self, id: Uuid) -> Result<u64> {
         // the place in the queue changes with the others' steps
-        let version: Option<i64> = sqlx::query_scalar(
+        let version: Option<i64> = query_scalar(
             "SELECT CASE status WHEN 'queued'
                 THEN MAX((SELECT MAX(seq) FROM events WHERE type = 'job'),
                     COALESCE((SELECT MAX(seq) FROM events WHERE type = 'deleted'), 0))
@@ -248,7 +248,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn jobs_version(&self) -> Result<u64> {
-        let version: Option<i64> = sqlx::query_scalar("SELECT MAX(seq) FROM events")
+        let version: Option<i64> = query_scalar("SELECT MAX(seq) FROM events")
             .fetch_one(self.lookups())
             .await?;
         Ok(version.unwrap_or_default().unsigned_abs())
@@ -256,7 +256,7 @@ impl Store {
 
     /// Jobs by id, in any order; those that are gone are left out.
     pub(super) async fn jobs_by_id(&self, ids: &[Uuid]) -> Result<Vec<JobView>> {
-        let rows: Vec<JobRow> = sqlx::query_as(select_jobs!(
+        let rows: Vec<JobRow> = query_as(select_jobs!(
             "jobs j WHERE j.id IN (SELECT unhex(value) FROM json_each(?))"
         ))
         .bind(hex_names(ids)?)

@@ -5,10 +5,9 @@
 //! or tag asked for, these are walked; else what is searched for; else the tag; else the status,
 //! outcome and kind; and without any of them the jobs themselves.
 use loadframe_api::{JobKind, JobView, Page, Timestamp};
-use sqlx::sqlite::SqliteConnection;
-use sqlx::{QueryBuilder, Sqlite};
 use uuid::Uuid;
 
+use super::database::{Builder, Connection};
 use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
 use super::jobs::{JobRow, SELECT_JOBS, hex_names, readable};
@@ -70,8 +69,6 @@ enum Walk {
     Text,
 }
 
-type Query = QueryBuilder<Sqlite>;
-
 impl Store {
     /// Jobs that pass the filter, newest first; `cursor` is the `next` of the page before.
     ///
@@ -89,7 +86,7 @@ impl Store {
             // a page of what one sees is merged from that of each part
             Some(sight) if !sight.everything && filter.narrows_nothing_else() => {
                 let newest = self.newest_seen(sight, before.unwrap_or(i64::MAX), limit + 1);
-                let mut query = Query::new(SELECT_JOBS);
+                let mut query = Builder::new(SELECT_JOBS);
                 query.push("jobs j WHERE j.seq IN (SELECT value FROM json_each(");
                 query.push_bind(json(&newest.await?)?);
                 query.push(")) ORDER BY j.seq DESC");
@@ -118,10 +115,10 @@ impl Store {
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
-        let mut query = words.statement("SELECT j.seq FROM ", walk, before, limit);
+        let query = words.statement("SELECT j.seq FROM ", walk, before, limit);
         Ok(query
             .build_query_scalar()
-            .fetch_all(&mut *connection)
+            .fetch_all(&mut connection)
             .await?)
     }
 
@@ -135,8 +132,8 @@ impl Store {
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
-        let mut query = words.statement(SELECT_JOBS, walk, before, limit);
-        Ok(query.build_query_as().fetch_all(&mut *connection).await?)
+        let query = words.statement(SELECT_JOBS, walk, before, limit);
+        Ok(query.build_query_as().fetch_all(&mut connection).await?)
     }
 }
 
@@ -191,16 +188,16 @@ impl Words {
 
     /// Finds out where numbers bound a page: numbers are given in the order of submission, but for a
     /// clock that was set. Few after a moment are soon found; so are those before it, unless many are not.
-    async fn bound(&mut self, connection: &mut SqliteConnection) -> Result<()> {
+    async fn bound(&mut self, connection: &mut Connection) -> Result<()> {
         let after = "SELECT COUNT(*) FROM (SELECT 1 FROM jobs WHERE created_at > ";
         let from = "SELECT COUNT(*) FROM (SELECT 1 FROM jobs WHERE created_at >= ";
         if let Some(moment) = &mut self.after {
-            let mut query = Query::new(after);
+            let mut query = Builder::new(after);
             query.push_bind(moment.at);
             moment.bounds_numbers = is_few(query, PASSED_OVER, connection).await?;
         }
         if let Some(moment) = &mut self.before {
-            let mut query = Query::new(from);
+            let mut query = Builder::new(from);
             query.push_bind(moment.at);
             moment.bounds_numbers = !is_few(query, PASSED_OVER, connection).await?;
         }
@@ -208,14 +205,14 @@ impl Words {
     }
 
     /// What to walk.
-    async fn walk(&self, connection: &mut SqliteConnection) -> Result<Walk> {
+    async fn walk(&self, connection: &mut Connection) -> Result<Walk> {
         let has_state = self.status.is_some() || self.outcome.is_some() || self.kind.is_some();
         let is_found = self.text.as_ref().is_some_and(Text::is_indexed);
         if !is_found && self.tag.is_none() {
             return Ok(Walk::Jobs);
         }
         if has_state {
-            let mut query = Query::new("SELECT COUNT(*) FROM (SELECT 1 FROM jobs j WHERE TRUE");
+            let mut query = Builder::new("SELECT COUNT(*) FROM (SELECT 1 FROM jobs j WHERE TRUE");
             self.push_state(&mut query);
             if is_few(query, FEW, connection).await? {
                 return Ok(Walk::Jobs);
@@ -225,7 +222,7 @@ impl Words {
             Some(_) if !is_found => Ok(Walk::Tag),
             Some(tag) => {
                 let mut query =
-                    Query::new("SELECT COUNT(*) FROM (SELECT 1 FROM job_tags WHERE tag = ");
+                    Builder::new("SELECT COUNT(*) FROM (SELECT 1 FROM job_tags WHERE tag = ");
                 query.push_bind(tag.clone());
                 let few = is_few(query, FEW, connection).await?;
                 Ok(if few { Walk::Tag } else { Walk::Text })
@@ -235,8 +232,8 @@ impl Words {
     }
 
     /// The statement for a page of `limit` jobs before number `before`; `select` says what of them.
-    fn statement(&self, select: &str, walk: Walk, before: Option<i64>, limit: u32) -> Query {
-        let mut query = Query::new(select);
+    fn statement(&self, select: &str, walk: Walk, before: Option<i64>, limit: u32) -> Builder {
+        let mut query = Builder::new(select);
         let number = match walk {
             Walk::Jobs => {
                 query.push("jobs j WHERE TRUE");
@@ -293,7 +290,7 @@ impl Words {
     }
 
     /// What the caller may see, and the project asked for.
-    fn push_sight(&self, query: &mut Query) {
+    fn push_sight(&self, query: &mut Builder) {
         if let Some(sight) = &self.sight {
             if !sight.everything {
                 query.push(" AND (j.owner = ").push_bind(sight.owner);
@@ -317,7 +314,7 @@ impl Words {
         }
     }
 
-    fn push_state(&self, query: &mut Query) {
+    fn push_state(&self, query: &mut Builder) {
         if let Some(status) = &self.status {
             query.push(" AND j.status = ").push_bind(status.clone());
         }
@@ -331,7 +328,7 @@ impl Words {
 }
 
 /// Whether the rows of a count that is still open are no more than `few`.
-async fn is_few(mut query: Query, few: i64, connection: &mut SqliteConnection) -> Result<bool> {
+async fn is_few(mut query: Builder, few: i64, connection: &mut Connection) -> Result<bool> {
     query.push(" LIMIT ").push_bind(few + 1).push(")");
     let count: i64 = query.build_query_scalar().fetch_one(connection).await?;
     Ok(count <= few)
@@ -364,7 +361,7 @@ impl Text {
     }
 
     /// The condition on a job that is at hand.
-    fn push(&self, query: &mut Query) {
+    fn push(&self, query: &mut Builder) {
         match (&self.phrase, self.ids) {
             (Some(phrase), None) => {
                 query.push(" AND EXISTS (SELECT 1 FROM job_texts x WHERE x.rowid = j.seq AND x.job_texts MATCH ");

@@ -7,6 +7,8 @@
 //! a folder). Where `files.json` says so ([`where_files`]), `blobs/` and `set-aside/` are in a [`bucket`]
 //! instead; only [`storage`] knows.
 //!
+//! Which database it is, only [`database`] knows, through which every statement goes.
+//!
 //! A change goes `Store::…` → [`writer`] (one connection, group commit) → the command's method on
 //! [`writer::Change`] → for steps of a job's lifecycle [`state`], which asks [`crate::queue`] → events →
 //! commit → answer. Reads go to pools of connections that cannot write, beside it: one for lists and
@@ -34,6 +36,7 @@ mod clock;
 mod collector;
 mod compared;
 mod curve;
+mod database;
 mod directly;
 mod disk;
 mod encoding;
@@ -48,7 +51,6 @@ mod lease;
 mod list;
 mod log;
 mod machines;
-mod migrations;
 mod open;
 pub mod people;
 mod place;
@@ -56,7 +58,6 @@ pub mod pointer;
 mod private;
 mod pulses;
 mod reserve;
-mod row;
 mod scrub;
 mod search;
 mod state;
@@ -76,7 +77,6 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use loadframe_api::Timestamp;
-use sqlx::SqlitePool;
 use tokio::sync::watch;
 
 pub use backup::{BackupReport, backup, backup_from, restore, restore_to};
@@ -84,6 +84,7 @@ use blobs::Blobs;
 pub use bucket::{BucketKeys, BucketSettings};
 pub use clock::Clock;
 pub use compared::{Compared, CurvePart};
+use database::Pool;
 use error::Result;
 pub(crate) use error::chain;
 pub use error::{Loss, StoreError};
@@ -109,9 +110,9 @@ struct Inner {
     writer: Writer,
     reserve: Arc<Reserve>,
     restarts: Arc<Restarts>,
-    reads: SqlitePool,
+    reads: Pool,
     /// For what a worker or a health check waits for, and who a caller is: never behind a list.
-    lookups: SqlitePool,
+    lookups: Pool,
     blobs: Blobs,
     /// Heartbeats that are not written down yet.
     pulses: Arc<Pulses>,
@@ -142,11 +143,11 @@ impl Store {
         self.0.last_event.clone()
     }
 
-    fn reads(&self) -> &SqlitePool {
+    fn reads(&self) -> &Pool {
         &self.0.reads
     }
 
-    fn lookups(&self) -> &SqlitePool {
+    fn lookups(&self) -> &Pool {
         &self.0.lookups
     }
 

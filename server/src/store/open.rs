@@ -2,19 +2,13 @@
 use std::fs::{File, TryLockError};
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
 
-use sqlx::ConnectOptions;
-use sqlx::migrate::MigrateError;
-use sqlx::sqlite::{
-    SqliteConnectOptions, SqliteConnection, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous,
-};
 use tokio::sync::{mpsc, watch};
 
 use super::blobs::Blobs;
+use super::database::{Connection, Database, query_scalar};
 use super::error::{Result, StoreError};
 use super::identity::{Opening, identify, refuse_new_beside_files};
-use super::migrations::migrations;
 use super::people::AccessState;
 use super::place::refuse_network;
 use super::private::{private_database, private_folder};
@@ -29,10 +23,6 @@ use super::{Inner, Store, StoreOptions};
 const READERS: u32 = 4;
 /// Reads at once that take a moment.
 const LOOKUPS: u32 = 3;
-/// How long a statement waits for another process, such as a token command, to finish writing.
-const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
-/// The write-ahead log is cut back to this [bytes] after a burst.
-const LOG_KEPT: &str = "67108864";
 
 impl Store {
     /// Opens the store of a server, which has the folder for itself: brings the schema up to date,
@@ -79,28 +69,16 @@ impl Store {
     async fn prepare(
         options: &StoreOptions,
         is_server: bool,
-    ) -> Result<(SqliteConnectOptions, SqliteConnection, bool)> {
+    ) -> Result<(Database, Connection, bool)> {
         let storage = Storage::of(&options.data, &options.files)?;
         // commands on tokens and people have no business with a bucket, and often no keys
         let knows_files = is_server || storage.bucket().is_none();
         if knows_files {
             refuse_new_beside_files(&options.data, &storage).await?;
         }
-        let database = SqliteConnectOptions::new()
-            .filename(options.data.join("loadframe.db"))
-            .create_if_missing(true)
-            .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Full)
-            .foreign_keys(true)
-            .busy_timeout(BUSY_TIMEOUT)
-            .pragma("journal_size_limit", LOG_KEPT)
-            .disable_statement_logging();
+        let database = Database::in_folder(&options.data);
         let mut connection = database.connect().await?;
-        // `run` makes this future one that the compiler cannot see to be `Send`
-        migrations()
-            .run_direct(None, &mut connection, false)
-            .await
-            .map_err(newer)?;
+        connection.migrate().await?;
         let opening = if is_server {
             Opening::Server
         } else {
@@ -122,21 +100,15 @@ impl Store {
     async fn start(
         options: StoreOptions,
         lock: Option<File>,
-        database: SqliteConnectOptions,
-        mut connection: SqliteConnection,
+        database: Database,
+        mut connection: Connection,
         is_behind: bool,
     ) -> Result<Self> {
-        let last: Option<i64> = sqlx::query_scalar("SELECT MAX(seq) FROM events")
+        let last: Option<i64> = query_scalar("SELECT MAX(seq) FROM events")
             .fetch_one(&mut connection)
             .await?;
-        let reading = database.clone().pragma("query_only", "on");
-        let pool = |connections| {
-            SqlitePoolOptions::new()
-                .max_connections(connections)
-                .test_before_acquire(false)
-                .connect_with(reading.clone())
-        };
-        let (reads, lookups) = (pool(READERS).await?, pool(LOOKUPS).await?);
+        let reads = database.reading(READERS).await?;
+        let lookups = database.reading(LOOKUPS).await?;
         private_database(&options.data);
         let access = AccessState::read(&lookups).await?;
         tokio::spawn(access.clone().keep_fresh(lookups.clone()));
@@ -179,18 +151,6 @@ impl Store {
             }),
             None,
         ))
-    }
-}
-
-/// What a step of the schema that this version does not know means.
-fn newer(error: MigrateError) -> StoreError {
-    let known = migrations().iter().map(|step| step.version).max();
-    match error {
-        MigrateError::VersionMissing(found) => StoreError::Newer {
-            found,
-            known: known.unwrap_or_default(),
-        },
-        error => error.into(),
     }
 }
 

@@ -12,13 +12,12 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use loadframe_api::Timestamp;
-use sqlx::ConnectOptions;
-use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
 
 use super::clock::Clock;
 use super::collector::Garbage;
+use super::database::{self, Connection, Database, query};
 use super::error::{Result, StoreError};
 use super::people::Actor;
 use super::reserve::{Reserve, told_full};
@@ -47,7 +46,7 @@ struct CommandEnd {
 
 /// The change that commands work on: the connection, and what is to follow the commit.
 pub(super) struct Change {
-    pub(super) connection: SqliteConnection,
+    pub(super) connection: Connection,
     clock: Clock,
     /// The moment at which the command happens.
     pub(super) now: Timestamp,
@@ -93,18 +92,8 @@ impl EventType {
 impl Change {
     /// Notes that a job has changed. Its number becomes the version of the job.
     pub(super) async fn event(&mut self, job: i64, id: Uuid, kind: EventType) -> Result<()> {
-        // two statements in one go: every statement is a way to the connection's thread and back
-        let event = sqlx::query(
-            "INSERT OR REPLACE INTO events (job, type, at) VALUES (?1, ?2, ?3);
-             UPDATE jobs SET version = last_insert_rowid(), updated_at = ?3 WHERE seq = ?4",
-        )
-        .bind(id)
-        .bind(kind.name())
-        .bind(self.now.as_millis())
-        .bind(job)
-        .execute(&mut self.connection)
-        .await?
-        .last_insert_rowid();
+        let at = self.now.as_millis();
+        let event = self.connection.event(job, id, kind.name(), at).await?;
         self.effects.last_event = u64::try_from(event).ok();
         Ok(())
     }
@@ -144,8 +133,8 @@ pub(super) struct Guards {
 impl Writer {
     /// Starts the task; it ends when the last writer is dropped.
     pub(super) fn start(
-        connection: SqliteConnection,
-        database: SqliteConnectOptions,
+        connection: Connection,
+        database: Database,
         clock: Clock,
         announcements: Announcements,
         guards: Guards,
@@ -200,7 +189,7 @@ impl Writer {
 
 async fn run(
     mut change: Change,
-    database: SqliteConnectOptions,
+    database: Database,
     mut waiting: mpsc::Receiver<Command>,
     announcements: Announcements,
     guards: Guards,
@@ -251,18 +240,9 @@ fn chain(error: &dyn std::error::Error) -> String {
     causes.join(": ")
 }
 
-/// Whether the connection itself has failed: it is not there any more, or its disk does not read or write
-/// (`SQLITE_IOERR`, `SQLITE_CORRUPT`, `SQLITE_NOTADB`; the low byte of a code is its class).
+/// Whether the connection itself has failed.
 fn is_broken(error: &StoreError) -> bool {
-    const CLASSES: [u32; 3] = [10, 11, 26];
-    match error {
-        StoreError::Database(sqlx::Error::Database(error)) => {
-            let code = error.code().and_then(|code| code.parse::<u32>().ok());
-            code.is_some_and(|code| CLASSES.contains(&(code & 0xff)))
-        }
-        StoreError::Database(_) => true,
-        _ => false,
-    }
+    matches!(error, StoreError::Database(error) if database::is_broken(error))
 }
 
 /// Runs the commands in one transaction; `answers` are theirs, for when it is safe.
@@ -273,7 +253,7 @@ async fn commit(
 ) -> Result<Effects> {
     let mut effects = Effects::default();
     let start = Instant::now();
-    statement(change, "BEGIN IMMEDIATE").await?;
+    change.connection.begin_writing().await?;
     if start.elapsed() > LONG_WAIT {
         change.last_trouble = change.clock.now().as_millis();
     }
@@ -302,7 +282,7 @@ async fn commit(
 }
 
 async fn statement(change: &mut Change, sql: &'static str) -> Result<()> {
-    sqlx::query(sql).execute(&mut change.connection).await?;
+    query(sql).execute(&mut change.connection).await?;
     Ok(())
 }
 

@@ -2,6 +2,7 @@
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::query_scalar;
 use super::super::error::Result;
 use super::super::jobs::hex_names;
 use crate::access::Sight;
@@ -20,7 +21,7 @@ impl Store {
     ) -> Result<Vec<i64>> {
         // a link to one job, or to those of a comparison
         if !sight.jobs.is_empty() {
-            let seq = sqlx::query_scalar(
+            let seq = query_scalar(
                 "SELECT seq FROM jobs WHERE id IN (SELECT unhex(value) FROM json_each(?)) AND seq < ?
                  ORDER BY seq DESC LIMIT ?",
             )
@@ -35,7 +36,7 @@ impl Store {
         let projects: Vec<Uuid> = seen_projects
             .filter(|project| !sight.not_in.contains(project))
             .collect();
-        let mut seen: Vec<i64> = sqlx::query_scalar(
+        let mut seen: Vec<i64> = query_scalar(
             "WITH RECURSIVE seen(project, seq) AS (
                 SELECT unhex(value), (SELECT MAX(j.seq) FROM jobs j
                     WHERE j.project = unhex(value) AND j.seq < ?1 AND j.owner IS NOT ?4)

@@ -3,9 +3,9 @@ use loadframe_api::people::{DiskUse, FileKind, Named};
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query_as, row};
 use super::super::encoding::variant;
 use super::super::error::Result;
-use super::super::row::row;
 
 row! {
     struct UseRow {
@@ -26,7 +26,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn disk_use(&self) -> Result<Vec<DiskUse>> {
-        let rows: Vec<UseRow> = sqlx::query_as(
+        let rows: Vec<UseRow> = query_as(
             "SELECT NULLIF(u.person, x'') AS person, o.name AS person_name,
                     NULLIF(u.project, x'') AS project, p.name AS project_name, u.kind, u.files, u.bytes
              FROM (SELECT person, project, kind, files, bytes FROM disk_use WHERE files > 0

@@ -11,9 +11,9 @@ use sha2::Sha256;
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query, query_as, query_scalar, row};
 use super::super::encoding::{json, parsed};
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::refused;
 
 /// Events that come in this time after the first go in one message [ms].
@@ -104,7 +104,7 @@ impl Store {
         }
         self.write(move |change| {
             Box::pin(async move {
-                let count: i64 = sqlx::query_scalar(
+                let count: i64 = query_scalar(
                     "SELECT COUNT(*) FROM webhooks WHERE person = ? AND removed_at IS NULL",
                 )
                 .bind(person)
@@ -120,7 +120,7 @@ impl Store {
                         "at most 50 of a person",
                     ));
                 }
-                sqlx::query(
+                query(
                     "INSERT INTO webhooks (id, person, project, url, events, created_at)
                      VALUES (?, ?, ?, ?, ?, ?)",
                 )
@@ -146,7 +146,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn webhooks(&self, person: Uuid) -> Result<Vec<WebhookView>> {
-        let rows: Vec<WebhookRow> = sqlx::query_as(
+        let rows: Vec<WebhookRow> = query_as(
             "SELECT w.id, w.url, w.events, w.project, p.name AS project_name, w.created_at, w.told_at,
                     w.failures, w.last_error,
                     (SELECT COUNT(*) FROM outbox o WHERE o.webhook = w.id) AS waiting
@@ -166,7 +166,7 @@ impl Store {
     pub async fn remove_webhook(&self, person: Uuid, id: Uuid) -> Result<()> {
         self.write(move |change| {
             Box::pin(async move {
-                let removed = sqlx::query(
+                let removed = query(
                     "UPDATE webhooks SET removed_at = ? WHERE id = ? AND person = ? AND removed_at IS NULL",
                 )
                 .bind(change.now.as_millis())
@@ -177,7 +177,7 @@ impl Store {
                 if removed.rows_affected() == 0 {
                     return Err(StoreError::NotFound(format!("webhook {id}")));
                 }
-                sqlx::query("DELETE FROM outbox WHERE webhook = ?")
+                query("DELETE FROM outbox WHERE webhook = ?")
                     .bind(id)
                     .execute(&mut change.connection)
                     .await?;
@@ -193,7 +193,7 @@ impl Store {
     /// # Errors
     /// The database's, the file system's.
     pub async fn due_messages(&self, now: Timestamp) -> Result<Vec<Due>> {
-        let webhooks: Vec<(Uuid, String, i64)> = sqlx::query_as(
+        let webhooks: Vec<(Uuid, String, i64)> = query_as(
             "SELECT w.id, w.url, w.failures FROM webhooks w JOIN people p ON p.id = w.person
              WHERE w.removed_at IS NULL AND p.left_at IS NULL AND w.next_at <= ?1
                AND (w.project IS NULL OR p.role = 'administrator' OR EXISTS (
@@ -214,7 +214,7 @@ impl Store {
         let key = self.webhook_key()?;
         let mut due = Vec::with_capacity(webhooks.len());
         for (id, url, failures) in webhooks {
-            let rows: Vec<(i64, String, i64, String)> = sqlx::query_as(
+            let rows: Vec<(i64, String, i64, String)> = query_as(
                 "SELECT number, event, at, body FROM outbox WHERE webhook = ? ORDER BY number LIMIT ?",
             )
             .bind(id)
@@ -262,14 +262,14 @@ impl Store {
                         now.as_millis() - GIVEN_UP,
                     ),
                 };
-                let removed = sqlx::query(statement)
+                let removed = query(statement)
                     .bind(id)
                     .bind(until)
                     .execute(&mut change.connection)
                     .await?
                     .rows_affected();
                 let Some(error) = error else {
-                    sqlx::query(
+                    query(
                         "UPDATE webhooks SET failures = 0, next_at = 0, told_at = ?, last_error = NULL
                          WHERE id = ?",
                     )
@@ -285,7 +285,7 @@ impl Store {
                 };
                 let doublings = u32::try_from(failures.clamp(0, 20)).unwrap_or(20);
                 let wait = (FIRST_WAIT << doublings).min(LONGEST_WAIT);
-                sqlx::query(
+                query(
                     "UPDATE webhooks SET failures = failures + 1, next_at = ?, last_error = ? WHERE id = ?",
                 )
                 .bind(now.as_millis() + wait)

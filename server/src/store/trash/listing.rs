@@ -4,9 +4,9 @@ use loadframe_api::{JobKind, Page, Timestamp};
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query_as, row};
 use super::super::encoding::variant;
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::missing;
 
 /// Longest page.
@@ -79,7 +79,7 @@ impl Store {
             TrashSight::Everything => None,
             TrashSight::Of(person) => Some(person),
         };
-        let mut rows: Vec<TrashRow> = sqlx::query_as(
+        let mut rows: Vec<TrashRow> = query_as(
             "SELECT d.*, o.name AS owner_name, p.name AS project_name
              FROM (SELECT * FROM (SELECT 'job' AS what, id, name, kind, owner, project, deleted_at,
                         deleted_by, 1 AS jobs, files, bytes
@@ -127,7 +127,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`].
     pub async fn in_trash(&self, id: Uuid) -> Result<(Deleted, Option<Uuid>)> {
-        let row: Option<(String, Option<Uuid>)> = sqlx::query_as(
+        let row: Option<(String, Option<Uuid>)> = query_as(
             "SELECT 'job', owner FROM trash WHERE id = ?1 AND deleted_at > ?2
                 AND NOT (with_project AND EXISTS (SELECT 1 FROM projects x
                     WHERE x.id = trash.project AND x.deleted_at IS NOT NULL))

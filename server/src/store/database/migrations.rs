@@ -3,12 +3,14 @@
 //! Listed here instead of by `sqlx::migrate!`, whose crate of macros brings a second SQLite and a
 //! second of everything below it into every build.
 use sqlx::SqlSafeStr;
-use sqlx::migrate::{Migration, MigrationType, Migrator};
+use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
+
+use super::super::error::StoreError;
 
 macro_rules! migrations {
     ($($version:literal $description:literal $file:literal,)+) => {
         const FILES: &[(i64, &str, &str)] = &[
-            $(($version, $description, include_str!(concat!("../../../migrations/", $file))),)+
+            $(($version, $description, include_str!(concat!("../../../../migrations/", $file))),)+
         ];
         #[cfg(test)]
         const NAMES: &[&str] = &[$($file),+];
@@ -47,6 +49,18 @@ pub(super) fn migrations() -> Migrator {
     Migrator::with_migrations(migrations.collect())
 }
 
+/// What a step of the schema that this version does not know means.
+pub(super) fn newer(migrations: &Migrator, error: MigrateError) -> StoreError {
+    let known = migrations.iter().map(|step| step.version).max();
+    match error {
+        MigrateError::VersionMissing(found) => StoreError::Newer {
+            found,
+            known: known.unwrap_or_default(),
+        },
+        error => error.into(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -56,7 +70,8 @@ mod tests {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../migrations");
         let files = std::fs::read_dir(folder).expect("the folder is in the repository");
         let files = files.map(|file| file.expect("its entries can be read").file_name());
-        let mut files: Vec<_> = files.collect();
+        let is_step = |name: &std::ffi::OsString| name.as_encoded_bytes().ends_with(b".sql");
+        let mut files: Vec<_> = files.filter(is_step).collect();
         files.sort();
         assert_eq!(files, NAMES);
     }
