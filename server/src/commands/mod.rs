@@ -6,6 +6,7 @@
 mod autoscale;
 mod backup;
 mod connection;
+mod database;
 mod engine;
 mod failure;
 mod fetch;

@@ -11,6 +11,7 @@ use loadframe_server::single_sign_on::SingleSignOn;
 use loadframe_server::store::StoreOptions;
 use loadframe_server::{ServeConfig, ServeError, serve};
 
+use super::database::DatabaseOptions;
 use super::failure::{Code, Failure, chain};
 use super::files::{FilesOptions, WaysOptions};
 use super::secret::TokenSource;
@@ -26,6 +27,8 @@ pub(crate) struct ServerOptions {
     /// Folder of the database and the files
     #[arg(long, value_name = "DIR", default_value = "loadframe-data")]
     data: PathBuf,
+    #[command(flatten)]
+    database: DatabaseOptions,
     #[command(flatten)]
     files: FilesOptions,
     #[command(flatten)]
@@ -117,6 +120,7 @@ impl ServerOptions {
         Ok(ServeConfig {
             listen: self.listen.clone(),
             store: StoreOptions {
+                database: self.database.place()?,
                 files: self.ways.of(self.files.place()?),
                 lease: Duration::from_secs_f64(self.lease_s),
                 job_time_limit: self.job_time_limit_s.map(Duration::from_secs_f64),

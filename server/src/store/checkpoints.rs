@@ -262,7 +262,7 @@ impl Change {
     /// Carries the files of a checkpoint over to an attempt.
     pub(super) async fn carry_over(&mut self, attempt: i64, from: &CheckpointRow) -> Result<()> {
         query(
-            "INSERT OR REPLACE INTO attempt_files (attempt, name, bytes, sha256)
+            "INSERT INTO attempt_files (attempt, name, bytes, sha256)
              SELECT ?, name, bytes, sha256 FROM checkpoint_files WHERE checkpoint = ?",
         )
         .bind(attempt)

@@ -103,21 +103,21 @@ impl Change {
         let at_limit: Vec<Uuid> = at_limit.map(|standing| standing.person).collect();
         // in the order of the key, so that lines of lower priorities are not even read
         let mut rows = query_as(
-            "SELECT l.priority, l.owner, l.needs, l.kind,
+            "SELECT f.priority, f.owner, f.needs, f.kind, f.head
+             FROM (SELECT l.priority, l.owner, l.needs, l.kind,
                 (SELECT b.seq FROM jobs b INDEXED BY jobs_waiting_alike
                  WHERE b.status = 'queued' AND b.priority = l.priority
-                    AND b.owner IS NULLIF(l.owner, x'') AND b.kind = l.kind AND b.needs = l.needs
+                    AND b.owner IS NOT DISTINCT FROM NULLIF(l.owner, x'') AND b.kind = l.kind AND b.needs = l.needs
                     AND (?1 OR NOT EXISTS (SELECT 1 FROM job_faults f
                          WHERE f.job = b.seq AND f.host = ?2))
                  ORDER BY b.seq LIMIT 1) AS head
-             FROM waiting_lines l CROSS JOIN needs n ON n.id = l.needs
-             WHERE l.kind IN (SELECT value FROM json_each(?3))
+             FROM waiting_lines l CROSS JOIN needs n
+             WHERE n.id = l.needs AND l.kind IN (SELECT value FROM json_each(?3))
                 AND n.memory_mb <= COALESCE(?4, n.memory_mb) AND n.disk_mb <= COALESCE(?5, n.disk_mb)
                 AND n.core_s <= COALESCE(?6, n.core_s) AND n.threads <= ?7
                 AND n.release <= COALESCE(?8, n.release)
-                AND l.owner NOT IN (SELECT unhex(value) FROM json_each(?9))
-                AND head IS NOT NULL
-             ORDER BY l.priority DESC",
+                AND l.owner NOT IN (SELECT unhex(value) FROM json_each(?9))) f
+             WHERE f.head IS NOT NULL ORDER BY f.priority DESC",
         )
         .bind(with_faults)
         .bind(&worker.host)
@@ -150,7 +150,8 @@ impl Change {
             "SELECT p.id, p.use_level, p.most_running, COALESCE(r.jobs, 0), COALESCE(r.core_s, 0.0)
              FROM people p LEFT JOIN
                 (SELECT j.owner, COUNT(*) AS jobs,
-                        SUM(MAX(?1 - a.started_at, ?2) * a.threads / 1000.0) AS core_s
+                        CAST(SUM(CASE WHEN ?1 - a.started_at > ?2 THEN ?1 - a.started_at ELSE ?2 END
+                            * a.threads / 1000.0) AS DOUBLE PRECISION) AS core_s
                  FROM attempts a JOIN jobs j ON j.seq = a.job
                  WHERE a.ended_at IS NULL GROUP BY j.owner) r ON r.owner = p.id",
         )

@@ -112,7 +112,7 @@ impl Change {
     async fn unused_lease(&mut self, worker: Uuid, lease: i64) -> Result<Option<i64>> {
         let attempt = query_scalar(
             "UPDATE attempts SET lease_until = ?1
-             WHERE worker = ?2 AND ended_at IS NULL AND heard = 0 RETURNING seq",
+             WHERE worker = ?2 AND ended_at IS NULL AND heard = FALSE RETURNING seq",
         )
         .bind(self.now.as_millis() + lease)
         .bind(worker)
@@ -145,8 +145,8 @@ impl Change {
             "INSERT INTO attempts (seq, id, token, job, number, worker, worker_name, host, started_at,
                                    lease_until, resumed_wall_s, engine, threads)
              -- a number that no attempt in the trash has, either
-             VALUES (1 + MAX(COALESCE((SELECT MAX(seq) FROM attempts), 0),
-                             COALESCE((SELECT MAX(seq) FROM trashed_attempts), 0)),
+             VALUES (1 + (SELECT COALESCE(MAX(last), 0) FROM (SELECT MAX(seq) AS last FROM attempts
+                     UNION ALL SELECT MAX(seq) FROM trashed_attempts) all_attempts),
                      ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)
              RETURNING seq",
         )

@@ -13,7 +13,7 @@ use loadframe_api::Timestamp;
 use serde::{Deserialize, Serialize};
 use tokio::sync::{RwLock, mpsc, oneshot};
 
-use super::database::{Pool, query_scalar};
+use super::database::{Pool, Sharing, query_scalar};
 use super::encoding::{json, parsed};
 use super::error::Result;
 use super::millis;
@@ -56,6 +56,7 @@ enum Waits {
 pub(super) struct Collector {
     pub(super) storage: Storage,
     pub(super) in_use: Arc<RwLock<()>>,
+    pub(super) sharing: Sharing,
     pub(super) faults: Arc<Faults>,
     pub(super) reads: Pool,
     /// How long a file without a row waits.
@@ -94,11 +95,12 @@ impl Collector {
         let waiting = waiting(&self.storage).await?;
         names.retain(|name| !waiting.contains_key(name));
         for names in names.chunks(NAMES_AT_ONCE) {
-            // nobody stores a file meanwhile
+            // nobody stores a file meanwhile, here or on another server
             let alone = self.in_use.write().await;
+            let alone_of_all = self.sharing.removing_files().await?;
             let unnamed = unnamed(&self.reads, names).await?;
             self.storage.remove(unnamed).await?;
-            drop(alone);
+            drop((alone, alone_of_all));
         }
         Ok(())
     }
@@ -111,6 +113,7 @@ impl Collector {
         let (mut still, mut removed) = (BTreeMap::new(), 0);
         for names in names.chunks(NAMES_AT_ONCE) {
             let alone = self.in_use.write().await;
+            let alone_of_all = self.sharing.removing_files().await?;
             let mut over = Vec::new();
             for name in unnamed(&self.reads, names).await? {
                 let first = if self.is_behind {
@@ -127,7 +130,7 @@ impl Collector {
             }
             removed += over.len();
             self.storage.remove(over).await?;
-            drop(alone);
+            drop((alone, alone_of_all));
         }
         if still != known {
             keep_waiting(&self.storage, &still).await?;

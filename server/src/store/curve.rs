@@ -70,8 +70,8 @@ impl Change {
         for rows in rows.chunks(full) {
             let count = i64::try_from(rows.len()).unwrap_or(i64::MAX);
             query(
-                "INSERT OR REPLACE INTO curve_blocks (attempt, first, count, data)
-                 VALUES (?, ?, ?, ?)",
+                "INSERT INTO curve_blocks (attempt, first, count, data) VALUES (?, ?, ?, ?)
+                 ON CONFLICT (attempt, first) DO UPDATE SET count = excluded.count, data = excluded.data",
             )
             .bind(attempt.seq)
             .bind(first)

@@ -206,7 +206,7 @@ impl Change {
                 .await?;
         self.garbage(replaced);
         query(
-            "INSERT OR REPLACE INTO attempt_files (attempt, name, bytes, sha256)
+            "INSERT INTO attempt_files (attempt, name, bytes, sha256)
              VALUES (?, ?, ?, ?)",
         )
         .bind(attempt.seq)

@@ -129,11 +129,14 @@ pub(super) async fn identify(
     let starts = own.starts.max(before) + i64::from(opening == Opening::Server);
     let mark = Mark { starts, ..own };
     if named != Some(mark) {
-        query("INSERT OR REPLACE INTO store (only, id, starts) VALUES (1, ?, ?)")
-            .bind(mark.store)
-            .bind(mark.starts)
-            .execute(connection)
-            .await?;
+        query(
+            r#"INSERT INTO store ("only", id, starts) VALUES (1, ?1, ?2)
+               ON CONFLICT ("only") DO UPDATE SET id = ?1, starts = ?2"#,
+        )
+        .bind(mark.store)
+        .bind(mark.starts)
+        .execute(connection)
+        .await?;
     }
     if folder != Some(mark) {
         mark.write(storage).await?;

@@ -32,18 +32,20 @@ macro_rules! select_jobs {
                 j.threads, j.owner, (SELECT name FROM people o WHERE o.id = j.owner) AS owner_name,
                 j.project, (SELECT name FROM projects p WHERE p.id = j.project) AS project_name,
                 (SELECT summary FROM results r WHERE r.job = j.seq) AS summary,
-                CASE j.status WHEN 'queued' THEN 1
+                CASE j.status WHEN 'queued' THEN CAST(1
                     + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
                        WHERE w.bits = 18 AND w.priority > j.priority)
-                    + (SELECT own.jobs + COALESCE((SELECT SUM(MIN(o.jobs, own.jobs + CASE
+                    + (SELECT own.jobs + COALESCE((SELECT SUM(CASE WHEN o.jobs <= own.jobs THEN o.jobs
+                            ELSE own.jobs + CASE WHEN CASE
                             WHEN COALESCE(p.use_level, -1e9) <> COALESCE(m.use_level, -1e9)
                             THEN COALESCE(p.use_level, -1e9) < COALESCE(m.use_level, -1e9)
                             ELSE (SELECT b.seq FROM jobs b INDEXED BY jobs_waiting
                                   WHERE b.status = 'queued' AND b.priority = j.priority
-                                    AND b.owner IS NULLIF(o.owner, x'') ORDER BY b.seq LIMIT 1)
+                                    AND b.owner IS NOT DISTINCT FROM NULLIF(o.owner, x'') ORDER BY b.seq LIMIT 1)
                                 < (SELECT b.seq FROM jobs b INDEXED BY jobs_waiting
                                    WHERE b.status = 'queued' AND b.priority = j.priority
-                                     AND b.owner IS j.owner ORDER BY b.seq LIMIT 1) END))
+                                     AND b.owner IS NOT DISTINCT FROM j.owner ORDER BY b.seq LIMIT 1) END
+                            THEN 1 ELSE 0 END END)
                         FROM (SELECT w.owner, SUM(w.jobs) AS jobs FROM waiting_counts w
                               WHERE w.bits = 18 AND w.priority = j.priority
                                 AND w.owner <> COALESCE(j.owner, x'') GROUP BY w.owner) o
@@ -63,9 +65,9 @@ macro_rules! select_jobs {
                              AND w.block >= j.seq >> 12 << 6 AND w.block < j.seq >> 6)
                         + (SELECT COUNT(*) FROM jobs b INDEXED BY jobs_waiting
                            WHERE b.status = 'queued' AND b.priority = j.priority
-                             AND b.owner IS j.owner
+                             AND b.owner IS NOT DISTINCT FROM j.owner
                              AND b.seq >= j.seq >> 6 << 6 AND b.seq < j.seq) AS jobs LIMIT 1) own)
-                END AS position,
+                AS BIGINT) END AS position,
                 (SELECT json_group_array(json_object('number', number, 'worker', worker_name,
                     'host', host, 'started_at', started_at, 'ended_at', ended_at,
                     'end_reason', end_reason, 'engine', engine) ORDER BY number)
@@ -231,8 +233,8 @@ impl Store {
         // the place in the queue changes with the others' steps
         let version: Option<i64> = query_scalar(
             "SELECT CASE status WHEN 'queued'
-                THEN MAX((SELECT MAX(seq) FROM events WHERE type = 'job'),
-                    COALESCE((SELECT MAX(seq) FROM events WHERE type = 'deleted'), 0))
+                THEN (SELECT MAX(last) FROM (SELECT MAX(seq) AS last FROM events WHERE type = 'job'
+                    UNION ALL SELECT MAX(seq) FROM events WHERE type = 'deleted') steps)
                 ELSE version END
              FROM jobs WHERE id = ?",
         )

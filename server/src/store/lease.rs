@@ -75,7 +75,7 @@ impl Change {
     /// [`StoreError::LeaseLost`] when the lease is not held.
     pub(super) async fn extend(&mut self, key: LeaseKey, lease: i64) -> Result<LeasedAttempt> {
         let attempt: LeasedAttempt = query_as(
-            "UPDATE attempts SET lease_until = ?, heard = 1
+            "UPDATE attempts SET lease_until = ?, heard = TRUE
              WHERE id = ? AND token = ? AND ended_at IS NULL
              RETURNING seq, token, number, worker, worker_name, host, engine, ended_at, ended_by,
                        columns, points, log_lines,

@@ -7,7 +7,7 @@
 use loadframe_api::{JobKind, JobView, Page, Timestamp};
 use uuid::Uuid;
 
-use super::database::{Builder, Connection};
+use super::database::{Builder, Connection, Texts};
 use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
 use super::jobs::{JobRow, SELECT_JOBS, hex_names, readable};
@@ -58,6 +58,7 @@ struct Text {
     phrase: Option<String>,
     /// First and last id that begin so, if enough of it is given.
     ids: Option<[Uuid; 2]>,
+    texts: &'static Texts,
 }
 
 /// What a page walks.
@@ -87,7 +88,7 @@ impl Store {
             Some(sight) if !sight.everything && filter.narrows_nothing_else() => {
                 let newest = self.newest_seen(sight, before.unwrap_or(i64::MAX), limit + 1);
                 let mut query = Builder::new(SELECT_JOBS);
-                query.push("jobs j WHERE j.seq IN (SELECT value FROM json_each(");
+                query.push("jobs j WHERE j.seq IN (SELECT CAST(value AS BIGINT) FROM json_each(");
                 query.push_bind(json(&newest.await?)?);
                 query.push(")) ORDER BY j.seq DESC");
                 query.build_query_as().fetch_all(self.reads()).await?
@@ -111,7 +112,7 @@ impl Store {
             let before = before.unwrap_or(i64::MAX);
             return self.newest_seen(sight, before, limit).await;
         }
-        let mut words = Words::of(filter)?;
+        let mut words = Words::of(filter, self.reads().texts())?;
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
@@ -128,7 +129,7 @@ impl Store {
         before: Option<i64>,
         limit: u32,
     ) -> Result<Vec<JobRow>> {
-        let mut words = Words::of(filter)?;
+        let mut words = Words::of(filter, self.reads().texts())?;
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
@@ -165,7 +166,7 @@ pub(super) fn page_of(mut rows: Vec<JobRow>, limit: u32) -> Page<JobView> {
 }
 
 impl Words {
-    fn of(filter: &JobFilter) -> Result<Self> {
+    fn of(filter: &JobFilter, texts: &'static Texts) -> Result<Self> {
         let projects = |of: fn(&Sight) -> &Vec<Uuid>| {
             let named = filter.sight.as_ref().map(of);
             hex_names(named.map_or(&[], Vec::as_slice))
@@ -175,7 +176,7 @@ impl Words {
             outcome: filter.outcome.as_ref().map(wire_name).transpose()?,
             kind: filter.kind.map(JobKind::name),
             tag: filter.tag.clone(),
-            text: filter.q.as_deref().map(Text::of),
+            text: filter.q.as_deref().map(|typed| Text::of(typed, texts)),
             after: filter.created_after.map(Moment::of),
             before: filter.created_before.map(Moment::of),
             seen_projects: projects(|sight| &sight.projects)?,
@@ -241,13 +242,13 @@ impl Words {
             }
             // CROSS: in this order
             Walk::Tag => {
-                query.push("job_tags t CROSS JOIN jobs j ON j.seq = t.job WHERE t.tag = ");
+                query.push("job_tags t CROSS JOIN jobs j WHERE j.seq = t.job AND t.tag = ");
                 query.push_bind(self.tag.clone());
                 "t.job"
             }
             Walk::Text => {
                 query.push(
-                    "job_texts t CROSS JOIN jobs j ON j.seq = t.rowid WHERE t.job_texts MATCH ",
+                    "job_texts t CROSS JOIN jobs j WHERE j.seq = t.rowid AND t.job_texts MATCH ",
                 );
                 query.push_bind(self.text.as_ref().and_then(|text| text.phrase.clone()));
                 "t.rowid"
@@ -306,7 +307,9 @@ impl Words {
                 query.push_bind(self.unseen_projects.clone()).push(")))");
             }
             if let Some(person) = sight.not_of {
-                query.push(" AND j.owner IS NOT ").push_bind(person);
+                query
+                    .push(" AND j.owner IS DISTINCT FROM ")
+                    .push_bind(person);
             }
         }
         if let Some(project) = self.project {
@@ -329,7 +332,7 @@ impl Words {
 
 /// Whether the rows of a count that is still open are no more than `few`.
 async fn is_few(mut query: Builder, few: i64, connection: &mut Connection) -> Result<bool> {
-    query.push(" LIMIT ").push_bind(few + 1).push(")");
+    query.push(" LIMIT ").push_bind(few + 1).push(") few");
     let count: i64 = query.build_query_scalar().fetch_one(connection).await?;
     Ok(count <= few)
 }
@@ -344,14 +347,17 @@ impl Moment {
 }
 
 impl Text {
-    fn of(typed: &str) -> Self {
+    fn of(typed: &str, texts: &'static Texts) -> Self {
         let typed = typed.to_lowercase();
         // a text of the database's index ends at its first zero
-        let is_found = typed.chars().count() >= SHORTEST_FOUND && !typed.contains('\0');
+        let is_found = texts.has_index_of_texts
+            && typed.chars().count() >= SHORTEST_FOUND
+            && !typed.contains('\0');
         Self {
             phrase: is_found.then(|| format!("\"{}\"", typed.replace('"', "\"\""))),
             ids: ids_beginning_with(&typed),
             typed,
+            texts,
         }
     }
 
@@ -378,11 +384,16 @@ impl Text {
                     .push_bind(last)
                     .push(")");
             }
-            (None, _) => {
+            (None, ids) => {
                 query.push(" AND (FALSE");
+                if let Some([first, last]) = ids {
+                    query.push(" OR j.id BETWEEN ").push_bind(first);
+                    query.push(" AND ").push_bind(last);
+                }
+                let folded = self.texts.folded;
                 for column in ["j.name", "j.notes", "j.tags"] {
-                    query.push(format!(" OR instr(lower({column}), "));
-                    query.push_bind(self.typed.clone()).push(")");
+                    query.push(format!(" OR instr({folded}({column}), "));
+                    query.push_bind(self.typed.clone()).push(") > 0");
                 }
                 query.push(")");
             }
@@ -424,7 +435,12 @@ mod tests {
 
     #[test]
     fn whatever_is_typed_is_one_phrase() {
-        let phrase = |typed: &str| Text::of(typed).phrase;
+        const TEXTS: Texts = Texts {
+            newest_seen: "",
+            folded: "lower",
+            has_index_of_texts: true,
+        };
+        let phrase = |typed: &str| Text::of(typed, &TEXTS).phrase;
         assert_eq!(
             phrase("Wet\" OR \"dry").as_deref(),
             Some("\"wet\"\" or \"\"dry\"")

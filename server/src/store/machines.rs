@@ -89,7 +89,8 @@ impl Change {
             "INSERT INTO machines (host, worker_name, faults, until, code, reason)
              VALUES (?1, ?2, 1, ?3 + ?4, ?5, ?6)
              ON CONFLICT (host, worker_name) DO UPDATE SET
-                faults = faults + 1, until = ?3 + (?4 << MIN(faults, ?7)), code = ?5, reason = ?6",
+                faults = machines.faults + 1, until = ?3 + ?4 * (1 << CAST(CASE
+                    WHEN machines.faults < ?7 THEN machines.faults ELSE ?7 END AS INTEGER)), code = ?5, reason = ?6",
         )
         .bind(&attempt.host)
         .bind(&attempt.worker_name)

@@ -84,7 +84,8 @@ use blobs::Blobs;
 pub use bucket::{BucketKeys, BucketSettings};
 pub use clock::Clock;
 pub use compared::{Compared, CurvePart};
-use database::Pool;
+pub use database::{DatabaseAddress, DatabasePlace};
+use database::{Pool, Sharing};
 use error::Result;
 pub(crate) use error::chain;
 pub use error::{Loss, StoreError};
@@ -119,6 +120,7 @@ struct Inner {
     last_event: watch::Receiver<u64>,
     queued: watch::Receiver<u64>,
     access: Arc<AccessState>,
+    sharing: Sharing,
     /// Held as long as the store is open, by a server's store.
     _lock: Option<File>,
 }
@@ -204,6 +206,11 @@ impl Store {
     /// Why the disk is taken for full, if it is.
     pub fn full(&self) -> Option<String> {
         self.0.reserve.full()
+    }
+
+    /// Does some work that never ends on one server of the database at a time.
+    pub async fn as_duty(&self, name: &'static str, work: impl Future<Output = ()>) {
+        self.0.sharing.as_duty(name, work).await;
     }
 
     /// Looks whether a disk that was full has room again, until dropped.

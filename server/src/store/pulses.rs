@@ -107,19 +107,21 @@ impl Change {
     /// rows of attempts with the moment of each.
     async fn extend_all(&mut self, pulses: &str, lease: i64) -> Result<()> {
         query(
-            "UPDATE attempts SET lease_until = MAX(lease_until, (p.value ->> 1) + ?2)
-             FROM json_each(?1) p WHERE seq = p.value ->> 0 AND ended_at IS NULL",
+            "UPDATE attempts SET lease_until = p.at + ?2
+             FROM (SELECT CAST(json_extract(value, '$[0]') AS BIGINT) AS attempt,
+                          CAST(json_extract(value, '$[1]') AS BIGINT) AS at FROM json_each(?1)) p
+             WHERE seq = p.attempt AND ended_at IS NULL AND lease_until < p.at + ?2",
         )
         .bind(pulses)
         .bind(lease)
         .execute(&mut self.connection)
         .await?;
         query(
-            "UPDATE workers SET last_seen_at = MAX(last_seen_at, heard.at)
-             FROM (SELECT a.worker, MAX(p.value ->> 1) AS at
-                   FROM json_each(?1) p JOIN attempts a ON a.seq = p.value ->> 0
+            "UPDATE workers SET last_seen_at = heard.at
+             FROM (SELECT a.worker, MAX(CAST(json_extract(p.value, '$[1]') AS BIGINT)) AS at
+                   FROM json_each(?1) p JOIN attempts a ON a.seq = CAST(json_extract(p.value, '$[0]') AS BIGINT)
                    GROUP BY a.worker) heard
-             WHERE workers.id = heard.worker",
+             WHERE id = heard.worker AND last_seen_at < heard.at",
         )
         .bind(pulses)
         .execute(&mut self.connection)

@@ -60,7 +60,7 @@ impl Content {
                 UNION SELECT sha256, bytes FROM checkpoints WHERE sha256 > ?1
                 UNION SELECT sha256, bytes FROM trashed_attempt_files WHERE sha256 > ?1
                 UNION SELECT sha256, bytes FROM trashed_checkpoint_files WHERE sha256 > ?1
-                UNION SELECT sha256, bytes FROM trashed_checkpoints WHERE sha256 > ?1)
+                UNION SELECT sha256, bytes FROM trashed_checkpoints WHERE sha256 > ?1) contents
              ORDER BY sha256 LIMIT ?2",
         );
         let all = all.bind(last).bind(FILES_AT_ONCE);

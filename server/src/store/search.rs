@@ -160,7 +160,7 @@ impl Store {
         conditions: &[Condition],
         order: Option<&Order>,
     ) -> Result<Vec<Key>> {
-        let mut query = Builder::new("SELECT n.value, ");
+        let mut query = Builder::new("SELECT n.seq, ");
         match order {
             Some(order) => {
                 // whole numbers as well
@@ -177,19 +177,26 @@ impl Store {
                 query.push("NULL, NULL");
             }
         }
-        query.push(" FROM json_each(").push_bind(json(&numbers)?);
-        query.push(") n WHERE TRUE");
+        query.push(" FROM (SELECT key, CAST(value AS BIGINT) AS seq FROM json_each(");
+        query.push_bind(json(&numbers)?);
+        query.push(")) n WHERE TRUE");
         for condition in conditions {
             query.push(" AND ");
             let sign = condition.comparison.sql();
             match &condition.operand {
                 Operand::Number(number) => {
+                    query.push("CAST(");
                     push_value(&mut query, &condition.pointer, "'integer', 'real'");
-                    query.push(format!(" {sign} ")).push_bind(*number);
+                    query
+                        .push(format!(" AS DOUBLE PRECISION) {sign} "))
+                        .push_bind(*number);
                 }
                 Operand::Truth(truth) => {
+                    query.push("CAST(");
                     push_value(&mut query, &condition.pointer, "'true', 'false'");
-                    query.push(format!(" {sign} ")).push_bind(*truth);
+                    query
+                        .push(format!(" AS BOOLEAN) {sign} "))
+                        .push_bind(*truth);
                 }
                 Operand::Text(text) => {
                     push_value(&mut query, &condition.pointer, "'text'");
@@ -213,7 +220,7 @@ impl Store {
     /// These jobs, in this order.
     async fn rows(&self, numbers: &[i64]) -> Result<Vec<JobRow>> {
         let mut query = Builder::new(SELECT_JOBS);
-        query.push("jobs j WHERE j.seq IN (SELECT value FROM json_each(");
+        query.push("jobs j WHERE j.seq IN (SELECT CAST(value AS BIGINT) FROM json_each(");
         query.push_bind(json(&numbers)?).push("))");
         let mut rows: Vec<JobRow> = query.build_query_as().fetch_all(self.reads()).await?;
         let places = numbers.iter().enumerate();
@@ -284,7 +291,7 @@ impl Store {
     }
 }
 
-/// The value of the job `n.value` at the pointer, where it is of one of these types; else nothing.
+/// The value of the job `n.seq` at the pointer, where it is of one of these types; else nothing.
 fn push_value(query: &mut Builder, pointer: &Pointer, types: &str) {
     let (table, column) = match pointer.root() {
         Root::Spec => ("specs", "json"),
@@ -293,7 +300,7 @@ fn push_value(query: &mut Builder, pointer: &Pointer, types: &str) {
     query.push(format!("(SELECT json_extract(v.{column}, "));
     query.push_bind(pointer.path().to_owned());
     query.push(format!(
-        ") FROM {table} v WHERE v.job = n.value AND octet_length(v.{column}) <= "
+        ") FROM {table} v WHERE v.job = n.seq AND octet_length(v.{column}) <= "
     ));
     query.push_bind(LONGEST_SPEC);
     query.push(format!(" AND json_type(v.{column}, "));

@@ -271,7 +271,8 @@ impl Change {
         // the change that does nothing lets RETURNING see the row that is there
         let id = query_scalar(
             "INSERT INTO needs (memory_mb, disk_mb, core_s, threads, release) VALUES (?, ?, ?, ?, ?)
-             ON CONFLICT DO UPDATE SET release = excluded.release RETURNING id",
+             ON CONFLICT (memory_mb, disk_mb, core_s, threads, release)
+                DO UPDATE SET release = excluded.release RETURNING id",
         )
         .bind(needs.memory_mb)
         .bind(needs.disk_mb)

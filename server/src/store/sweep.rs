@@ -256,7 +256,10 @@ impl Change {
             for (statement, word) in [
                 ("DELETE FROM idempotency_keys WHERE created_at < ?", None),
                 ("DELETE FROM workers WHERE last_seen_at < ?", None),
-                ("DELETE FROM machines WHERE MAX(until, worked_at) < ?", None),
+                (
+                    "DELETE FROM machines WHERE until < ?1 AND worked_at < ?1",
+                    None,
+                ),
                 (
                     "DELETE FROM events WHERE at < ? AND type = ?",
                     Some(deleted),

@@ -71,7 +71,7 @@ impl Change {
              VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?9, ?10, ?11, ?12, ?13)
              ON CONFLICT (id) DO UPDATE SET bond_evaluations_per_s = ?6, last_seen_at = ?7,
                 memory_mb = ?10, disk_mb = ?11, ends_at = ?12
-             WHERE last_seen_at < ?8",
+             WHERE workers.last_seen_at < ?8",
         )
         .bind(worker.worker_id)
         .bind(&worker.name)
@@ -118,7 +118,7 @@ impl Store {
             "SELECT w.id, w.name, w.host, w.threads, w.engine_version, w.memory_mb, w.disk_mb, w.ends_at,
                     w.last_seen_at,
                     (SELECT j.id FROM attempts a JOIN jobs j ON j.seq = a.job
-                     WHERE a.worker = w.id AND a.ended_at IS NULL) AS job,
+                     WHERE a.worker = w.id AND a.ended_at IS NULL LIMIT 1) AS job,
                     m.until, m.faults, m.code, m.reason
              FROM workers w LEFT JOIN machines m
                 ON m.host = w.host AND m.worker_name = w.name AND m.until > ?
@@ -157,7 +157,7 @@ impl Store {
             "SELECT bond_evaluations_per_s FROM workers WHERE bond_evaluations_per_s IS NOT NULL
              ORDER BY last_seen_at >= ?1 DESC,
                 CASE WHEN last_seen_at >= ?1 THEN bond_evaluations_per_s ELSE -last_seen_at END
-             LIMIT 1 OFFSET (SELECT MAX(COUNT(*) - 1, 0) / 2 FROM workers
+             LIMIT 1 OFFSET (SELECT CASE WHEN COUNT(*) > 1 THEN (COUNT(*) - 1) / 2 ELSE 0 END FROM workers
                 WHERE bond_evaluations_per_s IS NOT NULL AND last_seen_at >= ?1)",
         )
         .bind(self.alive_since())
@@ -195,13 +195,13 @@ impl Store {
                      WHERE status = 'queued' ORDER BY created_at LIMIT 1),
                     (SELECT COUNT(*) FROM workers WHERE last_seen_at >= ?),
                     (SELECT COUNT(*) FROM attempts WHERE end_reason = 'lost'),
-                    (SELECT COALESCE(SUM(bytes), 0) FROM (
+                    (SELECT CAST(COALESCE(SUM(bytes), 0) AS BIGINT) FROM (
                         SELECT sha256, bytes FROM attempt_files
                         UNION SELECT sha256, bytes FROM checkpoint_files
                         UNION SELECT sha256, bytes FROM checkpoints
                         UNION SELECT sha256, bytes FROM trashed_attempt_files
                         UNION SELECT sha256, bytes FROM trashed_checkpoint_files
-                        UNION SELECT sha256, bytes FROM trashed_checkpoints))",
+                        UNION SELECT sha256, bytes FROM trashed_checkpoints) contents)",
         )
         .bind(self.alive_since())
         .fetch_one(self.reads())

@@ -4,6 +4,9 @@
 //! commands that are waiting, runs each in a savepoint of its own inside one transaction, commits
 //! once, and only then answers. A command alone does not wait for company.
 //!
+//! Of several servers on one database each has such a task, and one writes at a time; what it commits, it
+//! tells the others.
+//!
 //! A command that panics, or a connection that fails, costs the transaction: the connection is opened anew,
 //! as often as it takes, and the task goes on.
 use std::pin::Pin;
@@ -17,7 +20,7 @@ use uuid::Uuid;
 
 use super::clock::Clock;
 use super::collector::Garbage;
-use super::database::{self, Connection, Database, query};
+use super::database::{self, Connection, Database, News, query, raise};
 use super::error::{Result, StoreError};
 use super::people::Actor;
 use super::reserve::{Reserve, told_full};
@@ -120,6 +123,8 @@ pub(super) struct Writer {
 pub(super) struct Announcements {
     pub(super) last_event: watch::Sender<u64>,
     pub(super) queued: watch::Sender<u64>,
+    /// This server's name for others on its database.
+    pub(super) server: Uuid,
     pub(super) garbage: mpsc::UnboundedSender<Garbage>,
 }
 
@@ -197,7 +202,12 @@ async fn run(
     let mut batch = Vec::with_capacity(LARGEST_BATCH);
     while waiting.recv_many(&mut batch, LARGEST_BATCH).await > 0 {
         let mut answers = Vec::new();
-        let committing = commit(&mut change, batch.drain(..), &mut answers);
+        let committing = commit(
+            &mut change,
+            batch.drain(..),
+            &mut answers,
+            announcements.server,
+        );
         let committed = caught("writer", &guards.restarts.writer, committing).await;
         // the answers are dropped where it failed, which tells every caller that nothing was kept; that the
         // disk is full has to be known by then
@@ -250,10 +260,13 @@ async fn commit(
     change: &mut Change,
     batch: impl Iterator<Item = Command>,
     answers: &mut Vec<Deliver>,
+    server: Uuid,
 ) -> Result<Effects> {
     let mut effects = Effects::default();
     let start = Instant::now();
-    change.connection.begin_writing().await?;
+    if let Some(moment) = change.connection.begin_writing().await? {
+        change.clock.follow(moment);
+    }
     if start.elapsed() > LONG_WAIT {
         change.last_trouble = change.clock.now().as_millis();
     }
@@ -277,7 +290,16 @@ async fn commit(
             effects.garbage.extend(made.garbage);
         }
     }
-    statement(change, "COMMIT").await?;
+    if effects.last_event.is_some() || effects.queued {
+        let (last_event, queued) = (effects.last_event, effects.queued);
+        let news = News {
+            server,
+            last_event,
+            queued,
+        };
+        change.connection.tell(news).await?;
+    }
+    change.connection.commit().await?;
     Ok(effects)
 }
 
@@ -289,7 +311,8 @@ async fn statement(change: &mut Change, sql: &'static str) -> Result<()> {
 impl Announcements {
     fn announce(&self, effects: Effects) {
         if let Some(event) = effects.last_event {
-            self.last_event.send_replace(event);
+            // another server may have made later ones by now
+            raise(&self.last_event, event);
         }
         if effects.queued {
             self.queued.send_modify(|count| *count += 1);

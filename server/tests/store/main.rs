@@ -3,6 +3,8 @@
 mod backlog;
 mod claims;
 mod curves;
+#[path = "../shared/database.rs"]
+mod database;
 mod endings;
 mod events;
 mod faults;

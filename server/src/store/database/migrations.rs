@@ -1,4 +1,4 @@
-//! The database's history: every file of `migrations/`, in order.
+//! The history of each database: every file of `migrations/` for SQLite, and of `migrations/postgres/`.
 //!
 //! Listed here instead of by `sqlx::migrate!`, whose crate of macros brings a second SQLite and a
 //! second of everything below it into every build.
@@ -7,18 +7,22 @@ use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
 
 use super::super::error::StoreError;
 
-macro_rules! migrations {
-    ($($version:literal $description:literal $file:literal,)+) => {
-        const FILES: &[(i64, &str, &str)] = &[
-            $(($version, $description, include_str!(concat!("../../../../migrations/", $file))),)+
-        ];
-        #[cfg(test)]
-        const NAMES: &[&str] = &[$($file),+];
+/// A step: its version, what it is about, its file and the text of it.
+type Step = (i64, &'static str, &'static str, &'static str);
+
+macro_rules! steps {
+    ($folder:literal: $($version:literal $description:literal $file:literal,)+) => {
+        &[$((
+            $version,
+            $description,
+            $file,
+            include_str!(concat!("../../../../migrations/", $folder, $file)),
+        ),)+]
     };
 }
 
 // A description is kept with the checksum of its file in every database: neither ever changes.
-migrations! {
+const SQLITE: &[Step] = steps! { "":
     1 "jobs" "0001_jobs.sql",
     2 "events workers tokens" "0002_events_workers_tokens.sql",
     3 "store" "0003_store.sql",
@@ -33,18 +37,27 @@ migrations! {
     13 "late checkpoints" "0013_late_checkpoints.sql",
     14 "trash" "0014_trash.sql",
     15 "limits are told" "0015_limits_are_told.sql",
+};
+
+const POSTGRES: &[Step] = steps! { "postgres/":
+    1 "words" "0001_words.sql",
+    2 "tables" "0002_tables.sql",
+    3 "triggers" "0003_triggers.sql",
+};
+
+pub(super) fn of_sqlite() -> Migrator {
+    migrator(SQLITE)
 }
 
-pub(super) fn migrations() -> Migrator {
-    let migrations = FILES.iter().map(|(version, description, sql)| {
+pub(super) fn of_postgres() -> Migrator {
+    migrator(POSTGRES)
+}
+
+fn migrator(steps: &[Step]) -> Migrator {
+    let migrations = steps.iter().map(|(version, description, _, text)| {
         let kind = MigrationType::Simple;
-        Migration::new(
-            *version,
-            (*description).into(),
-            kind,
-            sql.into_sql_str(),
-            false,
-        )
+        let text = text.into_sql_str();
+        Migration::new(*version, (*description).into(), kind, text, false)
     });
     Migrator::with_migrations(migrations.collect())
 }
@@ -67,18 +80,21 @@ mod tests {
 
     #[test]
     fn every_file_is_listed() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../migrations");
-        let files = std::fs::read_dir(folder).expect("the folder is in the repository");
-        let files = files.map(|file| file.expect("its entries can be read").file_name());
-        let is_step = |name: &std::ffi::OsString| name.as_encoded_bytes().ends_with(b".sql");
-        let mut files: Vec<_> = files.filter(is_step).collect();
-        files.sort();
-        assert_eq!(files, NAMES);
+        for (folder, steps) in [("", SQLITE), ("/postgres", POSTGRES)] {
+            let folder = format!("{}/../migrations{folder}", env!("CARGO_MANIFEST_DIR"));
+            let files = std::fs::read_dir(folder).expect("the folder is in the repository");
+            let files = files.map(|file| file.expect("its entries can be read").file_name());
+            let is_step = |name: &std::ffi::OsString| name.as_encoded_bytes().ends_with(b".sql");
+            let mut files: Vec<_> = files.filter(is_step).collect();
+            files.sort();
+            let names: Vec<_> = steps.iter().map(|(_, _, name, _)| *name).collect();
+            assert_eq!(files, names);
+        }
     }
 
     #[test]
     fn checksums_are_those_of_databases_in_use() {
-        let migrator = migrations();
+        let migrator = of_sqlite();
         let first_bytes: Vec<String> = migrator
             .iter()
             .map(|migration| {

@@ -2,9 +2,13 @@
 //!
 //! A [`Database`] gives a [`Connection`] for the writer and [`Pool`]s of such as only read. Statements
 //! ([`statement`]) are written once, in words that every database understands, with [`value`]s of a few
-//! types; where there are no such words, the texts of each are side by side in its file ([`sqlite`]) and
-//! have a name here. The history of the schema: [`migrations`].
+//! types; where there are no such words, the texts of each are in its file ([`sqlite`], [`postgres`]) and
+//! have a name here. The history of the schema: [`migrations`]. What servers on one database tell each
+//! other, and keep each other from: [`sharing`].
 mod migrations;
+mod place;
+mod postgres;
+mod sharing;
 mod sqlite;
 mod statement;
 mod value;
@@ -12,11 +16,14 @@ mod value;
 use std::path::Path;
 
 use sqlx::pool::PoolConnection;
+use sqlx::postgres::{PgDatabaseError, PgPool, Postgres};
 use sqlx::sqlite::{Sqlite, SqliteConnectOptions, SqliteError, SqlitePool};
 use sqlx::{ConnectOptions, Transaction};
 use uuid::Uuid;
 
 use super::error::{Result, StoreError};
+pub use place::{DatabaseAddress, DatabasePlace};
+pub(super) use sharing::{Held, News, Sharing, raise};
 pub(super) use sqlite::FILE;
 pub(super) use statement::{Builder, query, query_as, query_scalar};
 pub(super) use value::{FromRow, Row, row};
@@ -25,23 +32,39 @@ pub(super) use value::{FromRow, Row, row};
 #[derive(Clone, Debug)]
 pub(super) enum Database {
     Sqlite(SqliteConnectOptions),
+    Postgres(DatabaseAddress),
 }
 
 /// A connection, for one statement after the other.
 #[derive(Debug)]
 pub(super) enum Connection {
     Sqlite(Link<Sqlite>),
+    Postgres(Link<Postgres>),
 }
 
 /// Connections that only read, for whoever comes.
 #[derive(Clone, Debug)]
 pub(super) enum Pool {
     Sqlite(SqlitePool),
+    Postgres(PgPool),
 }
 
 /// Where a statement is run.
 pub(super) enum On<'c> {
     Sqlite(sqlite::On<'c>),
+    Postgres(postgres::On<'c>),
+}
+
+/// What is said to each in words of its own.
+#[derive(Debug)]
+pub(super) struct Texts {
+    /// Numbers of the newest ?6 jobs before ?1 in the projects ?2 but for those of ?4, and those of ?3 but for
+    /// projects ?5; newest first, with some twice.
+    pub(super) newest_seen: &'static str,
+    /// The function that makes letters small.
+    pub(super) folded: &'static str,
+    /// Whether texts can be found by the index `job_texts`.
+    pub(super) has_index_of_texts: bool,
 }
 
 /// How a connection is held.
@@ -69,6 +92,9 @@ impl<'c> From<&'c mut Connection> for On<'c> {
     fn from(connection: &'c mut Connection) -> Self {
         match connection {
             Connection::Sqlite(link) => Self::Sqlite(sqlite::On::Connection(link.connection())),
+            Connection::Postgres(link) => {
+                Self::Postgres(postgres::On::Connection(link.connection()))
+            }
         }
     }
 }
@@ -77,14 +103,34 @@ impl<'c> From<&'c Pool> for On<'c> {
     fn from(pool: &'c Pool) -> Self {
         match pool {
             Pool::Sqlite(pool) => Self::Sqlite(sqlite::On::Pool(pool)),
+            Pool::Postgres(pool) => Self::Postgres(postgres::On::Pool(pool)),
         }
     }
 }
 
 impl Database {
-    /// The one in a data folder, made where there is none.
-    pub(super) fn in_folder(data: &Path) -> Self {
-        Self::Sqlite(sqlite::in_folder(data))
+    /// The one at this place; in the data folder it is made where there is none.
+    pub(super) fn at(place: &DatabasePlace, data: &Path) -> Self {
+        match place {
+            DatabasePlace::Folder => Self::Sqlite(sqlite::in_folder(data)),
+            DatabasePlace::Server(address) => Self::Postgres(address.clone()),
+        }
+    }
+
+    /// Whether other servers may be on it.
+    pub(super) fn is_shared(&self) -> bool {
+        matches!(self, Self::Postgres(_))
+    }
+
+    /// What servers on it share beside its rows.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn sharing(&self) -> Result<Sharing> {
+        match self {
+            Self::Sqlite(_) => Ok(Sharing::Alone),
+            Self::Postgres(address) => Ok(Sharing::among(&address.0).await?),
+        }
     }
 
     /// One in a file that is there.
@@ -99,6 +145,7 @@ impl Database {
     pub(super) async fn connect(&self) -> Result<Connection> {
         Ok(match self {
             Self::Sqlite(database) => Connection::Sqlite(Link::Own(database.connect().await?)),
+            Self::Postgres(address) => Connection::Postgres(Link::Own(address.0.connect().await?)),
         })
     }
 
@@ -109,11 +156,22 @@ impl Database {
     pub(super) async fn reading(&self, connections: u32) -> Result<Pool> {
         Ok(match self {
             Self::Sqlite(database) => Pool::Sqlite(sqlite::reading(database, connections).await?),
+            Self::Postgres(address) => {
+                Pool::Postgres(postgres::reading(&address.0, connections).await?)
+            }
         })
     }
 }
 
 impl Pool {
+    /// What is said to it in words of its own.
+    pub(super) fn texts(&self) -> &'static Texts {
+        match self {
+            Self::Sqlite(_) => &sqlite::TEXTS,
+            Self::Postgres(_) => &postgres::TEXTS,
+        }
+    }
+
     /// A connection, until it is dropped.
     ///
     /// # Errors
@@ -121,6 +179,7 @@ impl Pool {
     pub(super) async fn acquire(&self) -> sqlx::Result<Connection> {
         Ok(match self {
             Self::Sqlite(pool) => Connection::Sqlite(Link::Pooled(pool.acquire().await?)),
+            Self::Postgres(pool) => Connection::Postgres(Link::Pooled(pool.acquire().await?)),
         })
     }
 
@@ -131,6 +190,10 @@ impl Pool {
     pub(super) async fn begin(&self) -> sqlx::Result<Connection> {
         Ok(match self {
             Self::Sqlite(pool) => Connection::Sqlite(Link::Snapshot(pool.begin().await?)),
+            Self::Postgres(pool) => {
+                let snapshot = pool.begin_with(postgres::SNAPSHOT).await?;
+                Connection::Postgres(Link::Snapshot(snapshot))
+            }
         })
     }
 }
@@ -141,24 +204,50 @@ impl Connection {
     /// # Errors
     /// [`StoreError::Newer`], and the database's.
     pub(super) async fn migrate(&mut self) -> Result<()> {
-        let migrations = migrations::migrations();
+        let migrations = match self {
+            Self::Sqlite(_) => migrations::of_sqlite(),
+            Self::Postgres(_) => migrations::of_postgres(),
+        };
         // `run` makes this future one that the compiler cannot see to be `Send`
         let run = match self {
             Self::Sqlite(link) => migrations.run_direct(None, link.connection(), false).await,
+            Self::Postgres(link) => migrations.run_direct(None, link.connection(), false).await,
         };
         run.map_err(|error| migrations::newer(&migrations, error))
     }
 
     /// Begins a transaction that writes: nobody else writes until its end, and it sees all that was written
-    /// before.
+    /// before. Tells the moment by the database's clock [ms since 1970], where that may be another than this
+    /// machine's.
     ///
     /// # Errors
     /// The database's.
-    pub(super) async fn begin_writing(&mut self) -> Result<()> {
-        let text = match self {
-            Self::Sqlite(_) => sqlite::BEGIN,
-        };
-        query(text).execute(self).await?;
+    pub(super) async fn begin_writing(&mut self) -> Result<Option<i64>> {
+        if let Self::Postgres(link) = self {
+            return Ok(Some(postgres::begin_writing(link.connection()).await?));
+        }
+        query(sqlite::BEGIN).execute(self).await?;
+        Ok(None)
+    }
+
+    /// Ends a transaction; it stays.
+    ///
+    /// # Errors
+    /// The database's; what was written is then undone.
+    pub(super) async fn commit(&mut self) -> Result<()> {
+        query("COMMIT").execute(self).await?;
+        Ok(())
+    }
+
+    /// Tells other servers on the database something, when the transaction stays.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn tell(&mut self, news: News) -> Result<()> {
+        if let Self::Postgres(_) = self {
+            let told = query(postgres::TELL).bind(news.to_string());
+            told.execute(self).await?;
+        }
         Ok(())
     }
 
@@ -170,10 +259,12 @@ impl Connection {
     pub(super) async fn event(&mut self, row: i64, id: Uuid, kind: &str, at: i64) -> Result<i64> {
         let text = match self {
             Self::Sqlite(_) => sqlite::EVENT,
+            Self::Postgres(_) => postgres::EVENT,
         };
         let event = query(text).bind(id).bind(kind).bind(at).bind(row);
         match self {
             Self::Sqlite(_) => Ok(event.execute(self).await?.last_number),
+            Self::Postgres(_) => Ok(event.fetch_one(self).await?.get(0)?),
         }
     }
 
@@ -184,6 +275,7 @@ impl Connection {
     pub(super) async fn has_had_jobs(&mut self) -> Result<bool> {
         let text = match self {
             Self::Sqlite(_) => sqlite::HAS_HAD_JOBS,
+            Self::Postgres(_) => postgres::HAS_HAD_JOBS,
         };
         Ok(query_scalar(text).fetch_one(self).await?)
     }
@@ -195,32 +287,27 @@ impl Connection {
     pub(super) async fn columns(&mut self, table: &str) -> Result<Vec<String>> {
         let text = match self {
             Self::Sqlite(_) => sqlite::COLUMNS,
+            Self::Postgres(_) => postgres::COLUMNS,
         };
         Ok(query_scalar(text).bind(table).fetch_all(self).await?)
     }
 
-    /// Copies the database as it is at one moment to a file.
+    /// Copies the database, which is in a file, as it is at one moment to another.
     ///
     /// # Errors
     /// The database's.
     pub(super) async fn copy_to(&mut self, file: &Path) -> Result<()> {
-        let text = match self {
-            Self::Sqlite(_) => sqlite::COPY,
-        };
         let name = file.to_string_lossy().into_owned();
-        query(text).bind(name).execute(self).await?;
+        query(sqlite::COPY).bind(name).execute(self).await?;
         Ok(())
     }
 
-    /// Reads all of the database.
+    /// Reads all of the database, which is in a file.
     ///
     /// # Errors
     /// [`StoreError::Corrupt`] when it is damaged, and the database's.
     pub(super) async fn require_sound(&mut self) -> Result<()> {
-        let text = match self {
-            Self::Sqlite(_) => sqlite::CHECK,
-        };
-        let sound: String = query_scalar(text).fetch_one(self).await?;
+        let sound: String = query_scalar(sqlite::CHECK).fetch_one(self).await?;
         match sound.as_str() {
             "ok" => Ok(()),
             _ => Err(StoreError::corrupt("database")(sound)),
@@ -235,7 +322,8 @@ impl Connection {
         use sqlx::Connection;
         match self {
             Self::Sqlite(Link::Own(connection)) => connection.close().await?,
-            Self::Sqlite(_) => {}
+            Self::Postgres(Link::Own(connection)) => connection.close().await?,
+            Self::Sqlite(_) | Self::Postgres(_) => {}
         }
         Ok(())
     }
@@ -244,8 +332,11 @@ impl Connection {
 /// What an error says of a full disk.
 pub(super) fn told_full(error: &sqlx::Error) -> Option<String> {
     let error = error.as_database_error()?;
-    let of_sqlite = error.try_downcast_ref::<SqliteError>();
-    of_sqlite.and_then(sqlite::told_full)
+    if let Some(error) = error.try_downcast_ref::<SqliteError>() {
+        return sqlite::told_full(error);
+    }
+    let of_postgres = error.try_downcast_ref::<PgDatabaseError>();
+    of_postgres.and_then(postgres::told_full)
 }
 
 /// Whether the connection itself has failed: it is not there any more, or its disk does not read or write.
@@ -253,6 +344,9 @@ pub(super) fn is_broken(error: &sqlx::Error) -> bool {
     let Some(error) = error.as_database_error() else {
         return true;
     };
-    let of_sqlite = error.try_downcast_ref::<SqliteError>();
-    of_sqlite.is_some_and(sqlite::is_broken)
+    if let Some(error) = error.try_downcast_ref::<SqliteError>() {
+        return sqlite::is_broken(error);
+    }
+    let of_postgres = error.try_downcast_ref::<PgDatabaseError>();
+    of_postgres.is_some_and(postgres::is_broken)
 }

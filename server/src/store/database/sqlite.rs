@@ -11,9 +11,9 @@ use sqlx::sqlite::{
 };
 use sqlx::{Arguments, ConnectOptions, SqlStr};
 
-use super::Link;
 use super::statement::Done;
 use super::value::{Row, Value};
+use super::{Link, Texts};
 
 /// The file of the database in its data folder.
 pub(in super::super) const FILE: &str = "loadframe.db";
@@ -45,6 +45,30 @@ pub(super) const COLUMNS: &str = "SELECT name FROM pragma_table_info(?)";
 pub(super) const COPY: &str = "VACUUM INTO ?";
 /// Whether all of it can be read and fits together: then `ok`.
 pub(super) const CHECK: &str = "PRAGMA integrity_check";
+
+/// Texts of its own.
+pub(super) const TEXTS: Texts = Texts {
+    // merged by a recursion that always goes on from the largest number it has, a step of one search in an
+    // index each
+    newest_seen: "WITH RECURSIVE seen(project, seq) AS (
+                SELECT unhex(value), (SELECT MAX(j.seq) FROM jobs j
+                    WHERE j.project = unhex(value) AND j.seq < ?1 AND j.owner IS DISTINCT FROM ?4)
+                FROM json_each(?2)
+                UNION ALL
+                SELECT NULL, (SELECT MAX(j.seq) FROM jobs j WHERE j.owner = ?3 AND j.seq < ?1
+                    AND (j.project IS NULL OR j.project NOT IN (SELECT unhex(value) FROM json_each(?5))))
+                UNION ALL
+                SELECT project, CASE WHEN project IS NULL
+                    THEN (SELECT MAX(j.seq) FROM jobs j WHERE j.owner = ?3 AND j.seq < seen.seq
+                        AND (j.project IS NULL OR j.project NOT IN (SELECT unhex(value) FROM json_each(?5))))
+                    ELSE (SELECT MAX(j.seq) FROM jobs j WHERE j.project = seen.project
+                        AND j.seq < seen.seq AND j.owner IS DISTINCT FROM ?4) END
+                FROM seen WHERE seq IS NOT NULL
+                ORDER BY 2 DESC)
+             SELECT seq FROM seen WHERE seq IS NOT NULL LIMIT ?6",
+    folded: "lower",
+    has_index_of_texts: true,
+};
 
 /// The database in a data folder.
 pub(super) fn in_folder(data: &Path) -> SqliteConnectOptions {

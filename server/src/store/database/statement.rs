@@ -9,7 +9,7 @@ use futures_util::stream::{BoxStream, TryStreamExt};
 use sqlx::{AssertSqlSafe, SqlSafeStr, SqlStr};
 
 use super::value::{Bind, Column, FromRow, Row, Value};
-use super::{Connection, On, sqlite};
+use super::{Connection, On, postgres, sqlite};
 
 /// A statement that is run for what it does.
 #[derive(Debug)]
@@ -67,6 +67,7 @@ impl Query {
         let Self { text, values } = self;
         match on.into() {
             On::Sqlite(on) => sqlite::execute(on, text, values).await,
+            On::Postgres(on) => postgres::execute(on, text, values).await,
         }
     }
 
@@ -74,13 +75,20 @@ impl Query {
         let Self { text, values } = self;
         match on.into() {
             On::Sqlite(on) => sqlite::fetch_all(on, text, values).await,
+            On::Postgres(on) => postgres::fetch_all(on, text, values).await,
         }
+    }
+
+    pub(super) async fn fetch_one(self, on: impl Into<On<'_>>) -> sqlx::Result<Row> {
+        let row = self.fetch_optional(on).await?;
+        row.ok_or(sqlx::Error::RowNotFound)
     }
 
     async fn fetch_optional(self, on: impl Into<On<'_>>) -> sqlx::Result<Option<Row>> {
         let Self { text, values } = self;
         match on.into() {
             On::Sqlite(on) => sqlite::fetch_optional(on, text, values).await,
+            On::Postgres(on) => postgres::fetch_optional(on, text, values).await,
         }
     }
 
@@ -88,6 +96,7 @@ impl Query {
         let Self { text, values } = self;
         match connection {
             Connection::Sqlite(link) => sqlite::fetch(link, text, values),
+            Connection::Postgres(link) => postgres::fetch(link, text, values),
         }
     }
 }

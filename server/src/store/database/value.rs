@@ -1,8 +1,9 @@
 //! What goes into statements and comes out of their rows, in the few types that every database has.
+use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
 use uuid::Uuid;
 
-use super::sqlite;
+use super::{postgres, sqlite};
 
 /// A value that is bound to a place of a statement; `None` is null, of that type.
 #[derive(Clone, Debug)]
@@ -72,12 +73,13 @@ impl<T: Bind + Clone> Bind for &T {
 #[derive(Debug)]
 pub(in super::super) enum Row {
     Sqlite(SqliteRow),
+    Postgres(PgRow),
 }
 
 /// A type that a column is read as.
-pub(in super::super) trait Column: sqlite::Column {}
+pub(in super::super) trait Column: sqlite::Column + postgres::Column {}
 
-impl<T: sqlite::Column> Column for T {}
+impl<T: sqlite::Column + postgres::Column> Column for T {}
 
 impl Row {
     /// The value in a column, by its place from 0 on.
@@ -87,6 +89,7 @@ impl Row {
     pub(in super::super) fn get<T: Column>(&self, place: usize) -> sqlx::Result<T> {
         match self {
             Self::Sqlite(row) => sqlite::Column::read(row, place),
+            Self::Postgres(row) => postgres::Column::read(row, place),
         }
     }
 
@@ -98,6 +101,7 @@ impl Row {
         use sqlx::{Column, Row};
         match self {
             Self::Sqlite(row) => Ok(row.try_column(name)?.ordinal()),
+            Self::Postgres(row) => Ok(row.try_column(name)?.ordinal()),
         }
     }
 }

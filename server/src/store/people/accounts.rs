@@ -200,7 +200,7 @@ impl Store {
                     .bind(id)
                     .execute(&mut change.connection)
                     .await?;
-                query("DELETE FROM sessions WHERE person = ? AND id IS NOT ?")
+                query("DELETE FROM sessions WHERE person = ? AND id IS DISTINCT FROM ?")
                     .bind(id)
                     .bind(kept)
                     .execute(&mut change.connection)

@@ -114,7 +114,7 @@ impl Store {
 
 impl Change {
     pub(super) async fn add_member(&mut self, group: Uuid, person: Uuid) -> Result<()> {
-        query("INSERT OR IGNORE INTO members (team, person) VALUES (?, ?)")
+        query("INSERT INTO members (team, person) VALUES (?, ?) ON CONFLICT DO NOTHING")
             .bind(group)
             .bind(person)
             .execute(&mut self.connection)

@@ -80,7 +80,7 @@ async fn allowance(connection: &mut Connection, person: Uuid, now: i64) -> Resul
     let limits = PersonRow::of(connection, person).await?.view()?.limits;
     let (level, bytes, queued_ms, running): (Option<f64>, i64, i64, u32) = query_as(
         "SELECT p.use_level, p.file_bytes,
-            (SELECT COALESCE(SUM(core_ms), 0) FROM waiting_lines WHERE owner = p.id),
+            (SELECT CAST(COALESCE(SUM(core_ms), 0) AS BIGINT) FROM waiting_lines WHERE owner = p.id),
             (SELECT COUNT(*) FROM attempts a JOIN jobs j ON j.seq = a.job
              WHERE a.ended_at IS NULL AND j.owner = p.id)
          FROM people p WHERE p.id = ?",

@@ -96,7 +96,7 @@ impl Store {
         check(&asked)?;
         let before = |days: Option<u32>| days.map(|days| now.as_millis() - i64::from(days) * DAY);
         let would_remove = query_as(
-            "SELECT COUNT(DISTINCT j.seq), COUNT(*), COALESCE(SUM(f.bytes), 0)
+            "SELECT COUNT(DISTINCT j.seq), COUNT(*), CAST(COALESCE(SUM(f.bytes), 0) AS BIGINT)
              FROM jobs j JOIN attempts a ON a.job = j.seq JOIN attempt_files f ON f.attempt = a.seq
              WHERE j.project = ?1 AND f.removed_at IS NULL
                AND ((f.kind = 'snapshots' AND j.cleared < 1 AND j.finished_at < ?2)
@@ -108,7 +108,7 @@ impl Store {
         .fetch_one(&mut snapshot)
         .await?;
         let (jobs, files, bytes, since): (i64, i64, i64, Option<i64>) = query_as(
-            "SELECT COUNT(DISTINCT j.seq), COUNT(*), COALESCE(SUM(f.bytes), 0), MIN(f.removed_at)
+            "SELECT COUNT(DISTINCT j.seq), COUNT(*), CAST(COALESCE(SUM(f.bytes), 0) AS BIGINT), MIN(f.removed_at)
              FROM attempt_files f JOIN attempts a ON a.seq = f.attempt JOIN jobs j ON j.seq = a.job
              WHERE f.removed_at IS NOT NULL AND j.project = ?",
         )
@@ -140,9 +140,10 @@ impl Store {
                 } else {
                     let now = change.now.as_millis();
                     query(
-                        "INSERT OR REPLACE INTO retention
-                            (project, snapshots_days, curves_days, set_at, in_force_at)
-                         VALUES (?, ?, ?, ?, ?)",
+                        "INSERT INTO retention (project, snapshots_days, curves_days, set_at, in_force_at)
+                         VALUES (?1, ?2, ?3, ?4, ?5)
+                         ON CONFLICT (project) DO UPDATE SET snapshots_days = ?2, curves_days = ?3,
+                            set_at = ?4, in_force_at = ?5",
                     )
                     .bind(project)
                     .bind(rule.snapshots_days)

@@ -32,10 +32,11 @@ impl Store {
              FROM (SELECT person, project, kind, files, bytes FROM disk_use WHERE files > 0
                    UNION ALL
                    SELECT COALESCE(j.owner, x''), COALESCE(j.project, x''), 'checkpoints', COUNT(*),
-                          SUM(c.bytes)
+                          CAST(SUM(c.bytes) AS BIGINT)
                    FROM checkpoints c JOIN jobs j ON j.seq = c.job GROUP BY 1, 2
                    UNION ALL
-                   SELECT COALESCE(owner, x''), COALESCE(project, x''), 'trash', SUM(files), SUM(bytes)
+                   SELECT COALESCE(owner, x''), COALESCE(project, x''), 'trash', CAST(SUM(files) AS BIGINT),
+                          CAST(SUM(bytes) AS BIGINT)
                    FROM trash WHERE bytes > 0 GROUP BY 1, 2) u
              LEFT JOIN people o ON o.id = u.person LEFT JOIN projects p ON p.id = u.project
              ORDER BY u.bytes DESC, u.person, u.project, u.kind",
