@@ -17,6 +17,7 @@ mod matched;
 mod recovery;
 mod requests;
 mod safety;
+mod shared;
 mod submissions;
 mod sweeping;
 mod tokens;

@@ -145,7 +145,9 @@ impl Database {
     pub(super) async fn connect(&self) -> Result<Connection> {
         Ok(match self {
             Self::Sqlite(database) => Connection::Sqlite(Link::Own(database.connect().await?)),
-            Self::Postgres(address) => Connection::Postgres(Link::Own(address.0.connect().await?)),
+            Self::Postgres(address) => {
+                Connection::Postgres(Link::Own(postgres::connect(&address.0).await?))
+            }
         })
     }
 
@@ -337,6 +339,13 @@ pub(super) fn told_full(error: &sqlx::Error) -> Option<String> {
     }
     let of_postgres = error.try_downcast_ref::<PgDatabaseError>();
     of_postgres.and_then(postgres::told_full)
+}
+
+/// Whether it is because of a text that the database cannot keep.
+pub(super) fn refuses_text(error: &sqlx::Error) -> bool {
+    let error = error.as_database_error();
+    let of_postgres = error.and_then(|error| error.try_downcast_ref::<PgDatabaseError>());
+    of_postgres.is_some_and(postgres::refuses_text)
 }
 
 /// Whether the connection itself has failed: it is not there any more, or its disk does not read or write.

@@ -13,7 +13,7 @@ use sqlx::postgres::{
     PgArguments, PgConnectOptions, PgConnection, PgDatabaseError, PgPool, PgPoolOptions, PgRow,
     Postgres,
 };
-use sqlx::{Arguments, AssertSqlSafe, SqlSafeStr, SqlStr, TypeInfo, ValueRef};
+use sqlx::{Arguments, AssertSqlSafe, ConnectOptions, SqlSafeStr, SqlStr, TypeInfo, ValueRef};
 use uuid::Uuid;
 
 use super::statement::Done;
@@ -62,10 +62,24 @@ pub(super) const TEXTS: Texts = Texts {
     folded: "folded",
     has_index_of_texts: false,
 };
-/// Classes of errors: the server could not be reached or is going down, or its disk failed.
-const BROKEN: [&str; 3] = ["08", "57P", "58"];
+/// A writer that stands still in a transaction for longer keeps all other servers from writing: its machine may
+/// be gone, and the database ends it.
+const STANDSTILL: &str = "10s";
+/// Classes of errors: the server could not be reached or is going down, its disk failed, or it has ended a
+/// connection that stood still.
+const BROKEN: [&str; 4] = ["08", "57P", "58", "25P03"];
+/// `character_not_in_repertoire` and `untranslatable_character`: a text holds a zero byte.
+const NO_TEXT: [&str; 2] = ["22021", "22P05"];
 /// `disk_full`.
 const FULL: &str = "53100";
+
+/// A connection that writes.
+pub(super) async fn connect(database: &PgConnectOptions) -> sqlx::Result<PgConnection> {
+    let database = database
+        .clone()
+        .options([("idle_in_transaction_session_timeout", STANDSTILL)]);
+    database.connect().await
+}
 
 /// Begins a transaction that may write; tells the moment by the database's clock [ms since 1970].
 pub(super) async fn begin_writing(connection: &mut PgConnection) -> sqlx::Result<i64> {
@@ -295,6 +309,11 @@ pub(super) fn fetch(
 /// What an error says of a full disk of the database's.
 pub(super) fn told_full(error: &PgDatabaseError) -> Option<String> {
     (error.code() == FULL).then(|| error.message().to_owned())
+}
+
+/// Whether the database cannot keep a text.
+pub(super) fn refuses_text(error: &PgDatabaseError) -> bool {
+    NO_TEXT.contains(&error.code())
 }
 
 /// Whether the connection has failed.

@@ -16,8 +16,15 @@ use super::postgres::CHANNEL;
 
 /// Connections for locks that are held a moment, one for every file that is being stored.
 const FOR_FILES: u32 = 16;
+/// Longest time that storing a file, or removing some, may take: whoever is not heard of for longer has lost
+/// the lock.
+const FILES_TAKE: &str = "15min";
+/// How long the removal of files waits for those who store some, who wait behind it.
+const REMOVAL_WAITS: &str = "SET LOCAL lock_timeout = '5s'";
 /// Connections for what one server does for all, and for listening.
 const FOR_DUTIES: u32 = 8;
+/// When a duty is lost by who is not heard of.
+const DUTY_ENDS: &str = "30s";
 /// How often the connection that holds a duty is looked at, and the table of events without news.
 const LOOK_EVERY: Duration = Duration::from_secs(5);
 /// How long a server that waits for a duty waits before it asks again.
@@ -72,18 +79,16 @@ impl News {
 
 impl Sharing {
     pub(super) async fn among(database: &PgConnectOptions) -> sqlx::Result<Self> {
-        // a lock is held as long as it takes, whatever else is the rule there
-        let database = database
-            .clone()
-            .options([("idle_in_transaction_session_timeout", "0")]);
-        let pool = |connections| {
+        // who holds a lock says nothing meanwhile; whose machine is gone must not hold it for ever
+        let pool = |connections, silence| {
+            let options = [("idle_in_transaction_session_timeout", silence)];
             PgPoolOptions::new()
                 .max_connections(connections)
-                .connect_with(database.clone())
+                .connect_with(database.clone().options(options))
         };
         Ok(Self::Among {
-            files: pool(FOR_FILES).await?,
-            duties: pool(FOR_DUTIES).await?,
+            files: pool(FOR_FILES, FILES_TAKE).await?,
+            duties: pool(FOR_DUTIES, DUTY_ENDS).await?,
             server: Uuid::new_v4(),
         })
     }
@@ -104,18 +109,20 @@ impl Sharing {
         let Self::Among { files, .. } = self else {
             return Ok(Held(None));
         };
-        lock(files, "pg_advisory_xact_lock_shared", "files").await
+        lock(files.begin().await?, "pg_advisory_xact_lock_shared").await
     }
 
-    /// Waits until no server is storing a file, and keeps all from it.
+    /// Waits until no server is storing a file, for a while, and keeps all from it.
     ///
     /// # Errors
-    /// The database's.
+    /// The database's; what is to be removed then stays until all files are looked through.
     pub(in super::super) async fn removing_files(&self) -> sqlx::Result<Held> {
-        let Self::Among { duties, .. } = self else {
+        let Self::Among { files, .. } = self else {
             return Ok(Held(None));
         };
-        lock(duties, "pg_advisory_xact_lock", "files").await
+        let mut held = files.begin().await?;
+        sqlx::query(REMOVAL_WAITS).execute(&mut *held).await?;
+        lock(held, "pg_advisory_xact_lock").await
     }
 
     /// Does some work that never ends on one server at a time: waits until it is this one's, and stops when it
@@ -222,12 +229,10 @@ pub(in super::super) fn raise(number: &watch::Sender<u64>, to: u64) -> bool {
     })
 }
 
-async fn lock(pool: &PgPool, function: &str, name: &str) -> sqlx::Result<Held> {
-    let mut held = pool.begin().await?;
+async fn lock(mut held: Transaction<'static, Postgres>, function: &str) -> sqlx::Result<Held> {
     let text =
-        format!("SELECT {function}(hashtext('loadframe ' || $1), hashtext(current_schema()))");
+        format!("SELECT {function}(hashtext('loadframe files'), hashtext(current_schema()))");
     sqlx::query(sqlx::AssertSqlSafe(text))
-        .bind(name)
         .execute(&mut *held)
         .await?;
     Ok(Held(Some(held)))
