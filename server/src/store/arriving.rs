@@ -105,8 +105,14 @@ impl Incoming {
         let incoming = self.folder.clone();
         blocking(&self.folder, move || {
             let Some(all) = all else {
+                // folders are of servers that shared it before
                 for entry in std::fs::read_dir(incoming)? {
-                    std::fs::remove_file(entry?.path())?;
+                    let entry = entry?;
+                    if entry.file_type()?.is_dir() {
+                        std::fs::remove_dir_all(entry.path())?;
+                    } else {
+                        std::fs::remove_file(entry.path())?;
+                    }
                 }
                 return Ok(());
             };

@@ -23,7 +23,7 @@
 //!
 //! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
 //! [`collector`] removes what no row names, [`scrub`] finds what is missing or has changed, and [`backup`]
-//! copies both in the right order. That a full disk or a panic ends nothing: [`reserve`], [`supervision`].
+//! copies both in the right order; [`moving`] brings a lab from one database to another. That a full disk or a panic ends nothing: [`reserve`], [`supervision`].
 mod arriving;
 mod backlog;
 mod backup;
@@ -51,6 +51,7 @@ mod lease;
 mod list;
 mod log;
 mod machines;
+mod moving;
 mod open;
 pub mod people;
 mod place;
@@ -90,6 +91,7 @@ use error::Result;
 pub(crate) use error::chain;
 pub use error::{Loss, StoreError};
 pub use events::StoredEvent;
+pub use moving::{MoveReport, move_store};
 use people::{AccessState, Actor};
 use pulses::Pulses;
 use reserve::Reserve;

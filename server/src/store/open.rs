@@ -184,7 +184,7 @@ impl Store {
 
 /// Takes the folder for this process, or for servers that share a database; the system gives it back when
 /// the process ends, however.
-fn lock(data: &Path, database: &DatabasePlace) -> Result<File> {
+pub(super) fn lock(data: &Path, database: &DatabasePlace) -> Result<File> {
     let path = data.join("lock");
     let file = File::create(&path).map_err(StoreError::file(&path))?;
     let locked = match database {

@@ -5,7 +5,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use loadframe_server::store::{Store, StoreOptions, UserAction};
+use loadframe_api::worker::{CurveBlock, ProgressReport};
+use loadframe_server::store::trash::TrashSight;
+use loadframe_server::store::{
+    DatabasePlace, JobFilter, Store, StoreOptions, UserAction, move_store,
+};
+use serde_json::{Value, json};
 
 use crate::lab::{LONG, Lab, key, options, worker};
 
@@ -188,4 +193,109 @@ async fn a_folder_of_servers_is_not_one_of_sqlite() {
     let alone = Store::open(StoreOptions::new(lab.folder.path())).await;
     let refused = alone.expect_err("it is in use").to_string();
     assert!(refused.contains("in use"), "{refused}");
+}
+
+/// All that clients see of a lab.
+async fn picture(store: &Store) -> Value {
+    let filter = JobFilter::default();
+    let jobs = store.jobs(&filter, None, 100).await.unwrap();
+    let mut of_jobs = Vec::new();
+    for job in &jobs.items {
+        of_jobs.push(json!({
+            "job": store.job(job.id).await.unwrap(),
+            "files": store.files(job.id).await.unwrap(),
+            "log": store.log(job.id, 0).await.unwrap(),
+            "points": store.curve(job.id, 0, None).await.unwrap().points,
+        }));
+    }
+    let now = loadframe_api::Timestamp::now();
+    let trash = store.trash(TrashSight::Everything, None, 100, now).await;
+    let found = JobFilter {
+        q: Some("Wet strip".to_owned()),
+        ..filter
+    };
+    json!({
+        "jobs": of_jobs,
+        "trash": trash.unwrap().items,
+        "people": store.people().await.unwrap(),
+        "found": store.jobs(&found, None, 100).await.unwrap().items.len(),
+        "events": store.last_event().await,
+    })
+}
+
+/// Until the tasks of a store that was dropped have let go of its folder.
+async fn moved(folder: &tempfile::TempDir, server: &DatabasePlace, back: bool) -> u64 {
+    for _ in 0..100 {
+        match move_store(folder.path(), server, back).await {
+            Err(loadframe_server::store::StoreError::InUse(_)) => {
+                tokio::time::sleep(Duration::from_millis(100)).await;
+            }
+            report => return report.unwrap().rows,
+        }
+    }
+    panic!("the folder stays in use");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "needs PostgreSQL: tests/postgres store"]
+async fn a_lab_moves_to_postgresql_and_back_with_all_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = options(&folder, LONG).database;
+    let at = |database: &DatabasePlace| StoreOptions {
+        database: database.clone(),
+        ..options(&folder, LONG)
+    };
+    let in_folder = DatabasePlace::Folder;
+    let store = Store::open(at(&in_folder)).await.unwrap();
+    let lab = Lab {
+        store,
+        folder: tempfile::tempdir().unwrap(),
+    };
+    lab.submit_with("Wet strip, \u{e4}ltere Probe", 3).await;
+    let lease = lab.lease().await;
+    let report = ProgressReport {
+        progress: 0.5,
+        phase: "pulling".to_owned(),
+        eta_s: Some(1.5),
+        points: Some(CurveBlock {
+            first: 0,
+            columns: vec!["a".to_owned(), "b".to_owned()],
+            rows: vec![vec![0.1, -2e-300], vec![0.2, 3.0]],
+        }),
+        log: vec!["a line".to_owned()],
+        log_from: None,
+    };
+    lab.report(key(&lease), &report).await.unwrap();
+    lab.checkpoint_with(&lease, b"state", 1.25).await;
+    lab.finish(&lease).await;
+    let deleted = lab.submit().await;
+    lab.discard(deleted).await.unwrap();
+    lab.submit().await;
+    lab.create_first_administrator("Anna", "a long enough password")
+        .await
+        .unwrap();
+    let before = picture(&lab.store).await;
+    assert_eq!(before["found"], 1);
+    drop(lab);
+
+    let rows = moved(&folder, &server, false).await;
+    assert!(!folder.path().join("loadframe.db").exists());
+    let store = Store::open(at(&server)).await.unwrap();
+    assert_eq!(picture(&store).await, before);
+    // numbers go on where they were, and what triggers keep was not counted twice
+    assert_eq!(store.counts().await.unwrap().queued, 1);
+    let lab = Lab {
+        store,
+        folder: tempfile::tempdir().unwrap(),
+    };
+    let next = lab.submit().await;
+    assert_eq!(lab.view(next).await.position, Some(2));
+    let before = picture(&lab.store).await;
+    drop(lab);
+
+    let again = moved(&folder, &server, true).await;
+    assert!(again > rows);
+    let store = Store::open(at(&in_folder)).await.unwrap();
+    assert_eq!(picture(&store).await, before);
+    assert_eq!(store.counts().await.unwrap().queued, 2);
 }

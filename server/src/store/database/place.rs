@@ -18,7 +18,7 @@ pub enum DatabasePlace {
 
 /// How a PostgreSQL server is reached, and who asks. It may hold a password, which is shown nowhere.
 #[derive(Clone)]
-pub struct DatabaseAddress(pub(super) PgConnectOptions);
+pub struct DatabaseAddress(pub(super) Box<PgConnectOptions>);
 
 impl FromStr for DatabaseAddress {
     type Err = StoreError;
@@ -36,11 +36,8 @@ impl FromStr for DatabaseAddress {
             let sentence = "the database is named as postgres://USER:PASSWORD@HOST:PORT/DATABASE, with special characters of the password as %XX";
             StoreError::Invalid(sentence.to_owned())
         })?;
-        Ok(Self(
-            options
-                .application_name("loadframe")
-                .disable_statement_logging(),
-        ))
+        let options = options.application_name("loadframe");
+        Ok(Self(Box::new(options.disable_statement_logging())))
     }
 }
 

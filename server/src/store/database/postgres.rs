@@ -17,7 +17,7 @@ use sqlx::{Arguments, AssertSqlSafe, ConnectOptions, SqlSafeStr, SqlStr, TypeInf
 use uuid::Uuid;
 
 use super::statement::Done;
-use super::value::{Row, Value};
+use super::value::{Kind, Row, Value};
 use super::{Link, Texts};
 
 /// Takes the store in this schema of this database for a transaction, and tells the moment.
@@ -62,6 +62,11 @@ pub(super) const TEXTS: Texts = Texts {
     folded: "folded",
     has_index_of_texts: false,
 };
+/// Columns of the table ?1, other than those that follow from others, and their types.
+pub(super) const KINDS: &str =
+    "SELECT column_name::TEXT, data_type::TEXT FROM information_schema.columns
+     WHERE table_schema = current_schema() AND table_name = ? AND is_generated = 'NEVER'
+     ORDER BY ordinal_position";
 /// A writer that stands still in a transaction for longer keeps all other servers from writing: its machine may
 /// be gone, and the database ends it.
 const STANDSTILL: &str = "10s";
@@ -86,6 +91,17 @@ pub(super) async fn begin_writing(connection: &mut PgConnection) -> sqlx::Result
     let rows = sqlx::raw_sql(BEGIN).fetch_all(connection).await?;
     let moment = rows.last().ok_or(sqlx::Error::RowNotFound)?;
     sqlx::Row::try_get(moment, 0)
+}
+
+/// A type as the database names it.
+pub(super) fn kind(name: &str) -> Kind {
+    match name {
+        "bigint" | "integer" => Kind::Integer,
+        "double precision" => Kind::Real,
+        "boolean" => Kind::Boolean,
+        "bytea" => Kind::Bytes,
+        _ => Kind::Text,
+    }
 }
 
 /// Connections that cannot write.

@@ -41,6 +41,10 @@ pub(super) const HAS_HAD_JOBS: &str =
 /// Columns of the table ?1, other than those that follow from others.
 pub(super) const COLUMNS: &str = "SELECT name FROM pragma_table_info(?)";
 
+/// Brings what is in the write-ahead log into the file.
+pub(super) const SETTLE: &str = "PRAGMA wal_checkpoint(TRUNCATE)";
+/// Makes the index of texts anew.
+pub(super) const INDEX_TEXTS: &str = "INSERT INTO job_texts (job_texts) VALUES ('rebuild')";
 /// Copies the database as it is at one moment to the file ?1.
 pub(super) const COPY: &str = "VACUUM INTO ?";
 /// Whether all of it can be read and fits together: then `ok`.

@@ -92,7 +92,11 @@ impl Query {
         }
     }
 
-    fn fetch(self, connection: &mut Connection) -> BoxStream<'_, sqlx::Result<Row>> {
+    /// Rows one after the other.
+    pub(in super::super) fn fetch(
+        self,
+        connection: &mut Connection,
+    ) -> BoxStream<'_, sqlx::Result<Row>> {
         let Self { text, values } = self;
         match connection {
             Connection::Sqlite(link) => sqlite::fetch(link, text, values),
@@ -184,8 +188,13 @@ impl Builder {
 
     /// A place, and its value.
     pub(in super::super) fn push_bind(&mut self, value: impl Bind) -> &mut Self {
+        self.push_value(value.bound())
+    }
+
+    /// The same of a value that is one already.
+    pub(in super::super) fn push_value(&mut self, value: Value) -> &mut Self {
         self.text.push('?');
-        self.values.push(value.bound());
+        self.values.push(value);
         self
     }
 

@@ -15,6 +15,32 @@ pub(in super::super) enum Value {
     Bytes(Option<Vec<u8>>),
 }
 
+/// The type of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in super::super) enum Kind {
+    Integer,
+    Real,
+    Boolean,
+    Text,
+    Bytes,
+}
+
+impl Value {
+    /// Whether it is the same to the last bit.
+    pub(in super::super) fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Integer(one), Self::Integer(other)) => one == other,
+            (Self::Real(one), Self::Real(other)) => {
+                one.map(f64::to_bits) == other.map(f64::to_bits)
+            }
+            (Self::Boolean(one), Self::Boolean(other)) => one == other,
+            (Self::Text(one), Self::Text(other)) => one == other,
+            (Self::Bytes(one), Self::Bytes(other)) => one == other,
+            _ => false,
+        }
+    }
+}
+
 /// What can be bound.
 pub(in super::super) trait Bind {
     fn bound(self) -> Value;
@@ -91,6 +117,20 @@ impl Row {
             Self::Sqlite(row) => sqlite::Column::read(row, place),
             Self::Postgres(row) => postgres::Column::read(row, place),
         }
+    }
+
+    /// The value in a column, of this type.
+    ///
+    /// # Errors
+    /// When there is no such column, or it holds something else.
+    pub(in super::super) fn value(&self, place: usize, kind: Kind) -> sqlx::Result<Value> {
+        Ok(match kind {
+            Kind::Integer => Value::Integer(self.get(place)?),
+            Kind::Real => Value::Real(self.get(place)?),
+            Kind::Boolean => Value::Boolean(self.get(place)?),
+            Kind::Text => Value::Text(self.get(place)?),
+            Kind::Bytes => Value::Bytes(self.get(place)?),
+        })
     }
 
     /// The place of the column of this name.
