@@ -72,16 +72,22 @@ pub async fn serve(
     let stopping = state.stopping.clone();
     let (scrubbed, filled, ordered) = (store.clone(), store.clone(), store.clone());
     let sweeping = keep_up("sweeping", move || store.clone().keep_sweeping());
-    let scrubbing = keep_up("scrubbing", move || scrubbed.clone().keep_scrubbing());
+    // what one of several servers on a database does for all is its duty
+    let scrubbing = keep_up("scrubbing", move || {
+        as_duty(scrubbed.clone(), "scrubbing", Store::keep_scrubbing)
+    });
     let looking = keep_up("looking for room", move || {
         filled.clone().keep_looking_for_room()
     });
     let retaining = keep_up("applying rules of projects", move || {
-        ordered.clone().keep_retaining()
+        as_duty(ordered.clone(), "retaining", Store::keep_retaining)
     });
     let (told, ways) = (state.store.clone(), state.ways.clone());
     let telling = keep_up("telling what happens", move || {
-        telling::keep_telling(told.clone(), ways.clone())
+        let ways = ways.clone();
+        as_duty(told.clone(), "telling", |store| {
+            telling::keep_telling(store, ways)
+        })
     });
     let announcer = state.clone();
     let announcing = keep_up("announcing", move || announcer.announce());
@@ -125,6 +131,15 @@ pub async fn serve(
         task.abort();
     }
     Ok(())
+}
+
+/// Does some work on a store on one server of its database at a time.
+async fn as_duty<F: Future<Output = ()>>(
+    store: Store,
+    name: &'static str,
+    work: impl FnOnce(Store) -> F,
+) {
+    store.as_duty(name, work(store.clone())).await;
 }
 
 /// Runs a task that should not end, and again should it end after all, until aborted.

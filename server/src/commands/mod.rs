@@ -6,6 +6,7 @@
 mod autoscale;
 mod backup;
 mod connection;
+mod database;
 mod engine;
 mod failure;
 mod fetch;
@@ -16,6 +17,7 @@ mod kinds;
 mod lab;
 mod list;
 mod memory;
+mod move_store;
 mod people;
 mod progress;
 mod results;
@@ -95,6 +97,8 @@ enum Command {
     Backup(backup::BackupArguments),
     /// Bring a backup to an empty folder
     Restore(backup::RestoreArguments),
+    /// Copy the database of a lab to PostgreSQL, or back, and compare every value
+    MoveStore(move_store::Arguments),
     /// Hold every stored file against its SHA-256, beside a server that may be running
     Scrub(scrub::Arguments),
 }
@@ -177,6 +181,7 @@ async fn perform(command: Command) -> Result<ExitCode, Failure> {
         Command::Token(arguments) => token::perform(arguments).await,
         Command::Backup(arguments) => backup::back_up(arguments).await,
         Command::Restore(arguments) => backup::bring_back(arguments).await,
+        Command::MoveStore(arguments) => move_store::perform(arguments).await,
         Command::Scrub(arguments) => scrub::perform(arguments).await,
     }?;
     Ok(ExitCode::SUCCESS)

@@ -7,6 +7,7 @@ use clap::{Args, Subcommand};
 use loadframe_server::store::people::Actor;
 use loadframe_server::store::{Store, StoreError, StoreOptions};
 
+use super::database::DatabaseOptions;
 use super::failure::{Code, Failure};
 use super::secret::secret_in;
 use super::terminal::{print_error, print_json, print_line};
@@ -51,6 +52,8 @@ pub(crate) struct DataFolder {
     /// Data folder of the server
     #[arg(long, value_name = "DIR", default_value = "loadframe-data")]
     data: PathBuf,
+    #[command(flatten)]
+    database: DatabaseOptions,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -58,7 +61,11 @@ pub(crate) struct DataFolder {
 
 impl DataFolder {
     pub(crate) async fn store(&self) -> Result<Store, Failure> {
-        let store = Store::open_beside(StoreOptions::new(&self.data)).await;
+        let options = StoreOptions {
+            database: self.database.place()?,
+            ..StoreOptions::new(&self.data)
+        };
+        let store = Store::open_beside(options).await;
         Ok(store.map_err(refuse)?.acting(Actor::shell()))
     }
 }

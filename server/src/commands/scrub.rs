@@ -5,6 +5,7 @@ use clap::Args;
 use loadframe_server::store::{Store, StoreOptions};
 
 use super::backup::refuse_lost;
+use super::database::DatabaseOptions;
 use super::failure::Failure;
 use super::files::FilesOptions;
 use super::terminal::{print_json, print_line, size};
@@ -14,6 +15,8 @@ pub(crate) struct Arguments {
     /// Data folder of the server
     #[arg(long, value_name = "DIR", default_value = "loadframe-data")]
     data: PathBuf,
+    #[command(flatten)]
+    database: DatabaseOptions,
     #[command(flatten)]
     files: FilesOptions,
     /// End the wait of files that no job names: a server removes them within the hour
@@ -27,11 +30,13 @@ pub(crate) struct Arguments {
 pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
     let Arguments {
         data,
+        database,
         files,
         remove_unnamed,
         json,
     } = arguments;
     let options = StoreOptions {
+        database: database.place()?,
         files: files.place()?,
         ..StoreOptions::new(&data)
     };

@@ -13,6 +13,7 @@ use loadframe_server::single_sign_on::SingleSignOn;
 use loadframe_server::store::StoreOptions;
 use loadframe_server::{ServeConfig, ServeError, serve};
 
+use super::database::DatabaseOptions;
 use super::failure::{Code, Failure, chain};
 use super::files::{FilesOptions, WaysOptions};
 use super::secret::TokenSource;
@@ -28,6 +29,8 @@ pub(crate) struct ServerOptions {
     /// Folder of the database and the files
     #[arg(long, value_name = "DIR", default_value = "loadframe-data")]
     data: PathBuf,
+    #[command(flatten)]
+    database: DatabaseOptions,
     #[command(flatten)]
     files: FilesOptions,
     #[command(flatten)]
@@ -129,6 +132,7 @@ impl ServerOptions {
         Ok(ServeConfig {
             listen: self.listen.clone(),
             store: StoreOptions {
+                database: self.database.place()?,
                 files: self.ways.of(self.files.place()?),
                 lease: Duration::from_secs_f64(self.lease_s),
                 job_time_limit: self.job_time_limit_s.map(Duration::from_secs_f64),

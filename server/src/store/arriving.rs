@@ -2,7 +2,9 @@
 //!
 //! A part is named for its sender's lease and for the whole content's SHA-256. It waits among the files
 //! on their way, which a server that starts removes; who asks is then told that there is nothing.
-use std::path::PathBuf;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use sha2::{Digest, Sha256};
@@ -10,6 +12,7 @@ use tempfile::{NamedTempFile, TempPath};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use uuid::Uuid;
 
+use super::database::Sharing;
 use super::disk::{CHUNK, blocking, hashed};
 use super::error::{Result, StoreError};
 
@@ -19,10 +22,15 @@ pub(super) const SMALLEST_PART: u64 = 1 << 20;
 const PARTS_KEPT: Duration = Duration::from_secs(3600);
 const PART: &str = "part-";
 
-/// The folder of files on their way.
+/// How the folder of a server among others is known to be in use.
+const LOCK: &str = "lock";
+
+/// The folder of files on their way; servers that share a data folder have one each in it.
 #[derive(Clone, Debug)]
 pub(super) struct Incoming {
     pub(super) folder: PathBuf,
+    /// The folder of all of them, and that this one's is in use, where there are others.
+    among: Option<(PathBuf, Arc<File>)>,
 }
 
 /// A file as far as it has arrived.
@@ -63,8 +71,62 @@ impl Arriving {
 }
 
 impl Incoming {
-    pub(super) fn new(folder: PathBuf) -> Self {
-        Self { folder }
+    /// That of a server in `data`.
+    pub(super) fn of(data: &Path, sharing: &Sharing) -> Result<Self> {
+        let all = data.join("incoming");
+        let make = |folder: &Path| {
+            std::fs::create_dir_all(folder).map_err(StoreError::file(folder.to_owned()))
+        };
+        let Sharing::Among { server, .. } = sharing else {
+            make(&all)?;
+            return Ok(Self {
+                folder: all,
+                among: None,
+            });
+        };
+        let folder = all.join(server.simple().to_string());
+        make(&folder)?;
+        let path = folder.join(LOCK);
+        let lock = || -> std::io::Result<File> {
+            let file = File::create(&path)?;
+            file.lock()?;
+            Ok(file)
+        };
+        let lock = lock().map_err(StoreError::file(&path))?;
+        Ok(Self {
+            folder,
+            among: Some((all, Arc::new(lock))),
+        })
+    }
+
+    /// Removes what a crash left: of servers among others, the folders of those that are not there any more.
+    pub(super) async fn remove_left(&self) -> Result<()> {
+        let all = self.among.as_ref().map(|(all, _)| all.clone());
+        let incoming = self.folder.clone();
+        blocking(&self.folder, move || {
+            let Some(all) = all else {
+                // folders are of servers that shared it before
+                for entry in std::fs::read_dir(incoming)? {
+                    let entry = entry?;
+                    if entry.file_type()?.is_dir() {
+                        std::fs::remove_dir_all(entry.path())?;
+                    } else {
+                        std::fs::remove_file(entry.path())?;
+                    }
+                }
+                return Ok(());
+            };
+            for entry in std::fs::read_dir(all)? {
+                let folder = entry?.path();
+                let lock = File::options().write(true).open(folder.join(LOCK));
+                let is_left = lock.is_ok_and(|lock| lock.try_lock().is_ok());
+                if is_left && folder != incoming {
+                    std::fs::remove_dir_all(folder)?;
+                }
+            }
+            Ok(())
+        })
+        .await
     }
 
     pub(super) async fn begin(&self) -> Result<Arriving> {

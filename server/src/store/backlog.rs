@@ -2,6 +2,7 @@
 use loadframe_api::allocations::{Backlog, BacklogClass};
 
 use super::Store;
+use super::database::{query_as, query_scalar};
 use super::encoding::json;
 use super::error::Result;
 
@@ -23,22 +24,23 @@ impl Store {
             .collect();
         let mut snapshot = self.reads().begin().await?;
         let waiting: Option<i64> =
-            sqlx::query_scalar("SELECT SUM(jobs) FROM job_counts WHERE state = 'queued'")
-                .fetch_one(&mut *snapshot)
+            query_scalar("SELECT CAST(SUM(jobs) AS BIGINT) FROM job_counts WHERE state = 'queued'")
+                .fetch_one(&mut snapshot)
                 .await?;
-        let classes: Vec<(f64, i64, f64, f64)> = sqlx::query_as(
-            "SELECT CAST(class AS REAL), COUNT(*), MAX(wall), SUM(wall) FROM (
-                SELECT COALESCE((SELECT MIN(value) FROM json_each(?1) WHERE value >= memory),
-                                (SELECT MAX(value) FROM json_each(?1))) AS class, wall
-                FROM (SELECT COALESCE(json_extract(estimate, '$.memory_mb'), 0.0) AS memory,
-                             CAST(COALESCE(json_extract(estimate, '$.wall_s'), 0.0) AS REAL) AS wall
+        let classes: Vec<(f64, i64, f64, f64)> = query_as(
+            "SELECT class, COUNT(*), MAX(wall), SUM(wall) FROM (
+                SELECT COALESCE((SELECT MIN(CAST(value AS DOUBLE PRECISION)) FROM json_each(?1)
+                                 WHERE CAST(value AS DOUBLE PRECISION) >= memory),
+                                (SELECT MAX(CAST(value AS DOUBLE PRECISION)) FROM json_each(?1))) AS class, wall
+                FROM (SELECT CAST(COALESCE(json_extract(estimate, '$.memory_mb'), '0') AS DOUBLE PRECISION) AS memory,
+                             CAST(COALESCE(json_extract(estimate, '$.wall_s'), '0') AS DOUBLE PRECISION) AS wall
                       FROM jobs INDEXED BY jobs_waiting_since
-                      WHERE status = 'queued' ORDER BY created_at LIMIT ?2))
+                      WHERE status = 'queued' ORDER BY created_at LIMIT ?2) first) sorted
              GROUP BY class ORDER BY class",
         )
         .bind(json(&bounds)?)
         .bind(MOST_JOBS)
-        .fetch_all(&mut *snapshot)
+        .fetch_all(&mut snapshot)
         .await?;
         let class =
             |(memory_mb, jobs, longest_wall_s, total_wall_s): (f64, i64, f64, f64)| BacklogClass {

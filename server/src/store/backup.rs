@@ -7,13 +7,11 @@
 //! without it is no backup, and one that was broken off is not taken for whole. A restore goes the same
 //! way.
 use std::path::Path;
-use std::time::Duration;
 
 use serde::Serialize;
-use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
-use sqlx::{ConnectOptions, Connection};
 use tempfile::NamedTempFile;
 
+use super::database::{Connection, Database, FILE as DATABASE};
 use super::disk::{blocking, hash_of, sync_folder};
 use super::error::{Loss, Result, StoreError};
 use super::identity::Mark;
@@ -23,12 +21,9 @@ use super::storage::Storage;
 use super::types::FilesPlace;
 use super::where_files::{place_beside, record};
 
-const DATABASE: &str = "loadframe.db";
 const PARTIAL: &str = "loadframe.db.partial";
 /// Newer databases that are taken when files are missing.
 const ROUNDS: usize = 5;
-/// How long the database may be busy.
-const BUSY_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// What was copied.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -129,12 +124,8 @@ async fn require_empty(folder: &Path, files: &Storage) -> Result<()> {
     Err(StoreError::Invalid(sentence))
 }
 
-async fn connect(database: &Path) -> Result<SqliteConnection> {
-    let options = SqliteConnectOptions::new()
-        .filename(database)
-        .busy_timeout(BUSY_TIMEOUT)
-        .disable_statement_logging();
-    Ok(options.connect().await?)
+async fn connect(database: &Path) -> Result<Connection> {
+    Database::file(database).connect().await
 }
 
 /// Takes the database as it is at one moment.
@@ -143,11 +134,8 @@ async fn take(database: &Path, to: &Path) -> Result<()> {
         std::fs::remove_file(to).map_err(StoreError::file(to))?;
     }
     let mut connection = connect(database).await?;
-    sqlx::query("VACUUM INTO ?")
-        .bind(to.to_string_lossy().into_owned())
-        .execute(&mut connection)
-        .await?;
-    Ok(connection.close().await?)
+    connection.copy_to(to).await?;
+    connection.close().await
 }
 
 /// Copies the files that `database` names, other than those that are there; on their way to a bucket they
@@ -236,12 +224,7 @@ fn copy_key(from: &Path, to: &Path) -> Result<()> {
 async fn finish(data: &Path, files: &Storage) -> Result<()> {
     let partial = data.join(PARTIAL);
     let mut connection = connect(&partial).await?;
-    let sound: String = sqlx::query_scalar("PRAGMA integrity_check")
-        .fetch_one(&mut connection)
-        .await?;
-    if sound != "ok" {
-        return Err(StoreError::corrupt("database")(sound));
-    }
+    connection.require_sound().await?;
     // a database of an earlier version gets its name when a server starts on it
     if let Some(mark) = Mark::of(&mut connection).await? {
         mark.write(files).await?;

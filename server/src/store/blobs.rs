@@ -10,7 +10,6 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use sqlx::SqlitePool;
 use tempfile::TempPath;
 use tokio::io::{AsyncRead, AsyncWriteExt};
 use tokio::sync::{OwnedRwLockReadGuard, RwLock, mpsc, oneshot};
@@ -19,6 +18,7 @@ use uuid::Uuid;
 use super::arriving::{Arriving, Incoming, SMALLEST_PART};
 use super::bucket::Found;
 use super::collector::{Collector, Faults, Garbage};
+use super::database::{Held, Pool, Sharing};
 use super::disk::{blocking, hexadecimal};
 use super::error::{Loss, Result, StoreError};
 use super::storage::{Content, Storage};
@@ -37,6 +37,7 @@ pub(super) struct Blobs {
     pub(super) storage: Storage,
     pub(super) incoming: Incoming,
     in_use: Arc<RwLock<()>>,
+    sharing: Sharing,
     garbage: mpsc::UnboundedSender<Garbage>,
     pub(super) faults: Arc<Faults>,
     /// Files that were verified: when, and as which object of a bucket.
@@ -51,9 +52,9 @@ pub(super) struct Received {
     pub(super) sha256: String,
 }
 
-/// While it lives, no file is removed.
+/// While it lives, no file is removed: not by this server, and by no other on the database.
 #[derive(Debug)]
-pub(super) struct FileGuard(#[allow(dead_code)] OwnedRwLockReadGuard<()>);
+pub(super) struct FileGuard(#[allow(dead_code)] (OwnedRwLockReadGuard<()>, Held));
 
 impl Blobs {
     /// Prepares the place of files, and the folder in `data` for those on their way to it.
@@ -61,31 +62,24 @@ impl Blobs {
         data: &Path,
         storage: Storage,
         garbage: mpsc::UnboundedSender<Garbage>,
+        sharing: Sharing,
     ) -> Result<Self> {
         let blobs = Self {
             storage,
-            incoming: Incoming::new(data.join("incoming")),
+            incoming: Incoming::of(data, &sharing)?,
             in_use: Arc::default(),
+            sharing,
             garbage,
             faults: Arc::default(),
             verified: Arc::default(),
         };
-        let incoming = blobs.incoming.folder.clone();
-        blocking(data, move || std::fs::create_dir_all(&incoming)).await?;
         blobs.storage.prepare().await?;
         Ok(blobs)
     }
 
     /// Removes half-received files that a crash left, and has stored ones without a row found.
     pub(super) async fn recover(&self) -> Result<()> {
-        let incoming = self.incoming.folder.clone();
-        blocking(&self.incoming.folder, move || {
-            for entry in std::fs::read_dir(incoming)? {
-                std::fs::remove_file(entry?.path())?;
-            }
-            Ok(())
-        })
-        .await?;
+        self.incoming.remove_left().await?;
         self.look_through();
         Ok(())
     }
@@ -151,7 +145,7 @@ impl Blobs {
         } = received;
         match &self.storage {
             Storage::Folder(folder) => {
-                let guard = self.guard().await;
+                let guard = self.guard().await?;
                 // the same content may be there already, and then it is as durable as this: if it still
                 // is what its name says
                 if folder.examine(&sha256, bytes).await?.is_some() {
@@ -165,7 +159,7 @@ impl Blobs {
                 if self.verified(&sha256, bytes).await?.is_err() {
                     bucket.place_file(&sha256, bytes, &path).await?;
                 }
-                let guard = self.guard().await;
+                let guard = self.guard().await?;
                 if self.verified(&sha256, bytes).await?.is_err() {
                     bucket.place_file(&sha256, bytes, &path).await?;
                     let again = self.verified(&sha256, bytes).await?;
@@ -177,8 +171,9 @@ impl Blobs {
     }
 
     /// Keeps the collector from its work.
-    pub(super) async fn guard(&self) -> FileGuard {
-        FileGuard(self.in_use.clone().read_owned().await)
+    pub(super) async fn guard(&self) -> Result<FileGuard> {
+        let here = self.in_use.clone().read_owned().await;
+        Ok(FileGuard((here, self.sharing.storing_a_file().await?)))
     }
 
     /// Holds a stored file against its name and sets it aside if it is another; tells what is wrong.
@@ -259,7 +254,7 @@ impl Blobs {
     /// The collector of this folder.
     pub(super) fn collector(
         &self,
-        reads: SqlitePool,
+        reads: Pool,
         wait: Duration,
         is_behind: bool,
         restarts: Arc<Restarts>,
@@ -268,6 +263,7 @@ impl Blobs {
         Collector {
             storage: self.storage.clone(),
             in_use: self.in_use.clone(),
+            sharing: self.sharing.clone(),
             faults: self.faults.clone(),
             reads,
             wait,

@@ -3,14 +3,13 @@
 //! A worker goes on from the newest that its own build has made, since results come from one build. One
 //! whose bytes or files are missing or have changed is forgotten, and there is the one before.
 use loadframe_api::worker::{CheckpointInfo, CheckpointQuery};
-use sqlx::sqlite::SqliteConnection;
 use tokio::io::AsyncRead;
 
 use super::blobs::FileGuard;
+use super::database::{Connection, query, query_as, query_scalar, row};
 use super::encoding::entry;
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
-use super::row::row;
 use super::state::LifecycleRow;
 use super::storage::Content;
 use super::writer::Change;
@@ -38,12 +37,12 @@ impl CheckpointRow {
     /// The newest checkpoint of the job that a worker of the build `engine` can go on from; before the
     /// one of content `before`, if given.
     pub(super) async fn newest(
-        connection: &mut SqliteConnection,
+        connection: &mut Connection,
         job: i64,
         engine: &str,
         before: Option<&str>,
     ) -> Result<Option<Self>> {
-        let newest = sqlx::query_as(
+        let newest = query_as(
             "SELECT seq, bytes, sha256, wall_s, cpu_s FROM checkpoints
              WHERE job = ?1 AND engine IN ('', ?2) AND (?3 IS NULL OR seq <
                 (SELECT MAX(seq) FROM checkpoints WHERE job = ?1 AND sha256 = ?3))
@@ -54,9 +53,9 @@ impl CheckpointRow {
     }
 
     /// What a worker is told of it.
-    pub(super) async fn info(&self, connection: &mut SqliteConnection) -> Result<CheckpointInfo> {
+    pub(super) async fn info(&self, connection: &mut Connection) -> Result<CheckpointInfo> {
         let files: Vec<(String, i64, String)> =
-            sqlx::query_as("SELECT name, bytes, sha256 FROM checkpoint_files WHERE checkpoint = ?")
+            query_as("SELECT name, bytes, sha256 FROM checkpoint_files WHERE checkpoint = ?")
                 .bind(self.seq)
                 .fetch_all(connection)
                 .await?;
@@ -225,7 +224,7 @@ impl Store {
 impl Change {
     /// Takes from the attempt the files that it got with a checkpoint.
     async fn leave_files(&mut self, attempt: &LeasedAttempt, sha256: &str, job: i64) -> Result<()> {
-        sqlx::query(
+        query(
             "DELETE FROM attempt_files WHERE attempt = ?1 AND EXISTS (
                 SELECT 1 FROM checkpoint_files f JOIN checkpoints c ON c.seq = f.checkpoint
                 WHERE c.job = ?2 AND c.sha256 = ?3
@@ -249,7 +248,7 @@ impl Change {
         let engine = &attempt.engine;
         let from = CheckpointRow::newest(&mut self.connection, job, engine, before).await?;
         let wall_s = from.as_ref().map_or(0.0, |from| from.wall_s);
-        sqlx::query("UPDATE attempts SET resumed_wall_s = ? WHERE seq = ?")
+        query("UPDATE attempts SET resumed_wall_s = ? WHERE seq = ?")
             .bind(wall_s)
             .bind(attempt.seq)
             .execute(&mut self.connection)
@@ -262,8 +261,8 @@ impl Change {
 
     /// Carries the files of a checkpoint over to an attempt.
     pub(super) async fn carry_over(&mut self, attempt: i64, from: &CheckpointRow) -> Result<()> {
-        sqlx::query(
-            "INSERT OR REPLACE INTO attempt_files (attempt, name, bytes, sha256)
+        query(
+            "INSERT INTO attempt_files (attempt, name, bytes, sha256)
              SELECT ?, name, bytes, sha256 FROM checkpoint_files WHERE checkpoint = ?",
         )
         .bind(attempt)
@@ -280,12 +279,11 @@ impl Change {
         attempt: u32,
         engine: &str,
     ) -> Result<()> {
-        let other: Option<String> = sqlx::query_scalar(
-            "SELECT engine FROM checkpoints WHERE job = ? ORDER BY seq DESC LIMIT 1",
-        )
-        .bind(job.seq)
-        .fetch_optional(&mut self.connection)
-        .await?;
+        let other: Option<String> =
+            query_scalar("SELECT engine FROM checkpoints WHERE job = ? ORDER BY seq DESC LIMIT 1")
+                .bind(job.seq)
+                .fetch_optional(&mut self.connection)
+                .await?;
         let Some(other) = other else {
             return Ok(());
         };
@@ -299,33 +297,32 @@ impl Change {
         &mut self,
         key: LeaseKey,
         lease: i64,
-        query: &CheckpointQuery,
+        sent: &CheckpointQuery,
         bytes: u64,
     ) -> Result<CheckpointInfo> {
         let attempt = self.extend(key, lease).await?;
         let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
-        if self.is_late(&attempt, job.seq, query).await? {
-            self.garbage([query.sha256.clone()]);
+        if self.is_late(&attempt, job.seq, sent).await? {
+            self.garbage([sent.sha256.clone()]);
             return self.newest_info(&attempt, job.seq).await;
         }
-        self.forgive_if_further(job.seq, query.wall_s).await?;
-        let seq = sqlx::query(
+        self.forgive_if_further(job.seq, sent.wall_s).await?;
+        let seq: i64 = query_scalar(
             "INSERT INTO checkpoints (job, attempt, bytes, sha256, wall_s, cpu_s, engine, points)
-             VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+             VALUES (?, ?, ?, ?, ?, ?, ?, ?) RETURNING seq",
         )
         .bind(job.seq)
         .bind(attempt.seq)
         .bind(i64::try_from(bytes).unwrap_or(i64::MAX))
-        .bind(&query.sha256)
-        .bind(query.wall_s)
-        .bind(query.cpu_s)
+        .bind(&sent.sha256)
+        .bind(sent.wall_s)
+        .bind(sent.cpu_s)
         .bind(&attempt.engine)
         // a worker sends a checkpoint after all points before it
         .bind(attempt.points)
-        .execute(&mut self.connection)
-        .await?
-        .last_insert_rowid();
-        sqlx::query(
+        .fetch_one(&mut self.connection)
+        .await?;
+        query(
             "INSERT INTO checkpoint_files (checkpoint, name, bytes, sha256)
              SELECT ?, name, bytes, sha256 FROM attempt_files WHERE attempt = ?",
         )
@@ -333,7 +330,7 @@ impl Change {
         .bind(attempt.seq)
         .execute(&mut self.connection)
         .await?;
-        let oldest: Option<i64> = sqlx::query_scalar(
+        let oldest: Option<i64> = query_scalar(
             "SELECT seq FROM checkpoints WHERE job = ? ORDER BY seq DESC LIMIT 1 OFFSET ?",
         )
         .bind(job.seq)
@@ -361,7 +358,7 @@ impl Change {
         job: i64,
         query: &CheckpointQuery,
     ) -> Result<bool> {
-        let is_late = sqlx::query_scalar(
+        let is_late = query_scalar(
             "SELECT EXISTS (SELECT 1 FROM checkpoints
                             WHERE job = ? AND attempt = ? AND (wall_s > ? OR sha256 = ?))",
         )
@@ -377,11 +374,10 @@ impl Change {
     /// What has come further since may have been the machines' fault, not the job's. One that begins
     /// anew has to pass what it had before.
     async fn forgive_if_further(&mut self, job: i64, wall_s: f64) -> Result<()> {
-        let before: Option<f64> =
-            sqlx::query_scalar("SELECT MAX(wall_s) FROM checkpoints WHERE job = ?")
-                .bind(job)
-                .fetch_one(&mut self.connection)
-                .await?;
+        let before: Option<f64> = query_scalar("SELECT MAX(wall_s) FROM checkpoints WHERE job = ?")
+            .bind(job)
+            .fetch_one(&mut self.connection)
+            .await?;
         if before.is_some_and(|before| wall_s <= before) {
             return Ok(());
         }
@@ -389,7 +385,7 @@ impl Change {
             "UPDATE jobs SET losses = 0 WHERE seq = ? AND losses > 0",
             "DELETE FROM job_faults WHERE job = ?",
         ] {
-            sqlx::query(statement)
+            query(statement)
                 .bind(job)
                 .execute(&mut self.connection)
                 .await?;
@@ -399,7 +395,7 @@ impl Change {
 
     /// Removes one checkpoint of a job, or all.
     pub(super) async fn remove_checkpoints(&mut self, job: i64, one: Option<i64>) -> Result<()> {
-        let files: Vec<String> = sqlx::query_scalar(
+        let files: Vec<String> = query_scalar(
             "SELECT sha256 FROM checkpoints WHERE job = ?1 AND (?2 IS NULL OR seq = ?2)
              UNION SELECT f.sha256 FROM checkpoint_files f
                 JOIN checkpoints c ON c.seq = f.checkpoint
@@ -411,7 +407,7 @@ impl Change {
         .await?;
         if !files.is_empty() {
             self.garbage(files);
-            sqlx::query("DELETE FROM checkpoints WHERE job = ?1 AND (?2 IS NULL OR seq = ?2)")
+            query("DELETE FROM checkpoints WHERE job = ?1 AND (?2 IS NULL OR seq = ?2)")
                 .bind(job)
                 .bind(one)
                 .execute(&mut self.connection)

@@ -12,9 +12,9 @@ use futures_util::TryStreamExt;
 use loadframe_api::worker::ClaimRequest;
 use uuid::Uuid;
 
+use super::database::{query, query_as, query_scalar, row};
 use super::encoding::json;
 use super::error::Result;
-use super::row::row;
 use super::state::LifecycleRow;
 use super::writer::Change;
 use crate::queue::needs::Offer;
@@ -50,7 +50,7 @@ impl Line {
 impl Change {
     /// The job that a worker is to have next, if one fits it.
     pub(super) async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<LifecycleRow>> {
-        let is_set_aside: bool = sqlx::query_scalar(
+        let is_set_aside: bool = query_scalar(
             "SELECT EXISTS (SELECT 1 FROM machines WHERE host = ? AND worker_name = ? AND until > ?)",
         )
         .bind(&worker.host)
@@ -68,7 +68,7 @@ impl Change {
                 if self.is_left_to_a_smaller(worker, &line).await? {
                     continue;
                 }
-                let job = sqlx::query_as(
+                let job = query_as(
                     "SELECT seq, id, status, outcome, asked, losses, attempt, version
                      FROM jobs WHERE seq = ?",
                 )
@@ -102,22 +102,22 @@ impl Change {
         let at_limit = standings.iter().filter(|standing| standing.is_at_limit());
         let at_limit: Vec<Uuid> = at_limit.map(|standing| standing.person).collect();
         // in the order of the key, so that lines of lower priorities are not even read
-        let mut rows = sqlx::query_as(
-            "SELECT l.priority, l.owner, l.needs, l.kind,
+        let mut rows = query_as(
+            "SELECT f.priority, f.owner, f.needs, f.kind, f.head
+             FROM (SELECT l.priority, l.owner, l.needs, l.kind,
                 (SELECT b.seq FROM jobs b INDEXED BY jobs_waiting_alike
                  WHERE b.status = 'queued' AND b.priority = l.priority
-                    AND b.owner IS NULLIF(l.owner, x'') AND b.kind = l.kind AND b.needs = l.needs
+                    AND b.owner IS NOT DISTINCT FROM NULLIF(l.owner, x'') AND b.kind = l.kind AND b.needs = l.needs
                     AND (?1 OR NOT EXISTS (SELECT 1 FROM job_faults f
                          WHERE f.job = b.seq AND f.host = ?2))
                  ORDER BY b.seq LIMIT 1) AS head
-             FROM waiting_lines l CROSS JOIN needs n ON n.id = l.needs
-             WHERE l.kind IN (SELECT value FROM json_each(?3))
+             FROM waiting_lines l CROSS JOIN needs n
+             WHERE n.id = l.needs AND l.kind IN (SELECT value FROM json_each(?3))
                 AND n.memory_mb <= COALESCE(?4, n.memory_mb) AND n.disk_mb <= COALESCE(?5, n.disk_mb)
                 AND n.core_s <= COALESCE(?6, n.core_s) AND n.threads <= ?7
                 AND n.release <= COALESCE(?8, n.release)
-                AND l.owner NOT IN (SELECT unhex(value) FROM json_each(?9))
-                AND head IS NOT NULL
-             ORDER BY l.priority DESC",
+                AND l.owner NOT IN (SELECT unhex(value) FROM json_each(?9))) f
+             WHERE f.head IS NOT NULL ORDER BY f.priority DESC",
         )
         .bind(with_faults)
         .bind(&worker.host)
@@ -146,11 +146,12 @@ impl Change {
     /// How everybody stands; nobody where there are no people.
     pub(super) async fn standings(&mut self) -> Result<Vec<Standing>> {
         type Row = (Uuid, Option<f64>, Option<u32>, u32, f64);
-        let rows: Vec<Row> = sqlx::query_as(
+        let rows: Vec<Row> = query_as(
             "SELECT p.id, p.use_level, p.most_running, COALESCE(r.jobs, 0), COALESCE(r.core_s, 0.0)
              FROM people p LEFT JOIN
                 (SELECT j.owner, COUNT(*) AS jobs,
-                        SUM(MAX(?1 - a.started_at, ?2) * a.threads / 1000.0) AS core_s
+                        CAST(SUM(CASE WHEN ?1 - a.started_at > ?2 THEN ?1 - a.started_at ELSE ?2 END
+                            * a.threads / 1000.0) AS DOUBLE PRECISION) AS core_s
                  FROM attempts a JOIN jobs j ON j.seq = a.job
                  WHERE a.ended_at IS NULL GROUP BY j.owner) r ON r.owner = p.id",
         )
@@ -174,7 +175,7 @@ impl Change {
             return Ok(false);
         };
         let now = self.now.as_millis();
-        let is_left = sqlx::query_scalar(
+        let is_left = query_scalar(
             "SELECT EXISTS (SELECT 1 FROM workers w JOIN needs n ON n.id = ?2
                 WHERE (SELECT updated_at FROM jobs WHERE seq = ?1) > ?3
                     AND w.last_seen_at > ?4 AND w.memory_mb <= ?5 AND w.memory_mb >= n.memory_mb
@@ -203,7 +204,7 @@ impl Change {
 
     /// Charges an attempt that has ended to the person whose job it was.
     pub(super) async fn charge(&mut self, attempt: i64) -> Result<()> {
-        let found: Option<(Uuid, Option<f64>, i64, i64)> = sqlx::query_as(
+        let found: Option<(Uuid, Option<f64>, i64, i64)> = query_as(
             "SELECT p.id, p.use_level, a.started_at, a.threads
              FROM attempts a JOIN jobs j ON j.seq = a.job JOIN people p ON p.id = j.owner
              WHERE a.seq = ?",
@@ -216,7 +217,7 @@ impl Change {
         };
         let now = self.now.as_millis();
         let core_s = (now - started_at) as f64 / 1000.0 * threads as f64;
-        sqlx::query("UPDATE people SET use_level = ? WHERE id = ?")
+        query("UPDATE people SET use_level = ? WHERE id = ?")
             .bind(turns::charged(level, core_s, now))
             .bind(person)
             .execute(&mut self.connection)

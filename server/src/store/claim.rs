@@ -5,10 +5,10 @@ use serde_json::value::RawValue;
 use uuid::Uuid;
 
 use super::checkpoints::CheckpointRow;
+use super::database::{query_as, query_scalar, row};
 use super::encoding::variant;
 use super::error::{Result, StoreError};
 use super::jobs::limits;
-use super::row::row;
 use super::state::LifecycleRow;
 use super::writer::Change;
 use super::{Store, millis};
@@ -89,7 +89,7 @@ impl Change {
                 None => return Ok(None),
             },
         };
-        let claimed: ClaimedJob = sqlx::query_as(
+        let claimed: ClaimedJob = query_as(
             "SELECT a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
                     j.spec_sha256, j.seq AS job_row, a.points, j.estimate, j.overrun_factor
              FROM attempts a JOIN jobs j ON j.seq = a.job JOIN specs s ON s.job = a.job
@@ -110,9 +110,9 @@ impl Change {
 
     /// A live lease of the worker that it never used, extended.
     async fn unused_lease(&mut self, worker: Uuid, lease: i64) -> Result<Option<i64>> {
-        let attempt = sqlx::query_scalar(
+        let attempt = query_scalar(
             "UPDATE attempts SET lease_until = ?1
-             WHERE worker = ?2 AND ended_at IS NULL AND heard = 0 RETURNING seq",
+             WHERE worker = ?2 AND ended_at IS NULL AND heard = FALSE RETURNING seq",
         )
         .bind(self.now.as_millis() + lease)
         .bind(worker)
@@ -133,7 +133,7 @@ impl Change {
         self.step(job, Input::Claim, Some(why), None).await?;
         let engine = &worker.engine_version;
         let newest = CheckpointRow::newest(&mut self.connection, job.seq, engine, None).await?;
-        let number: u32 = sqlx::query_scalar(
+        let number: u32 = query_scalar(
             "UPDATE jobs SET attempt = attempt + 1, started_at = COALESCE(started_at, ?)
              WHERE seq = ? RETURNING attempt",
         )
@@ -141,13 +141,14 @@ impl Change {
         .bind(job.seq)
         .fetch_one(&mut self.connection)
         .await?;
-        let attempt = sqlx::query(
+        let attempt: i64 = query_scalar(
             "INSERT INTO attempts (seq, id, token, job, number, worker, worker_name, host, started_at,
                                    lease_until, resumed_wall_s, engine, threads)
              -- a number that no attempt in the trash has, either
-             VALUES (1 + MAX(COALESCE((SELECT MAX(seq) FROM attempts), 0),
-                             COALESCE((SELECT MAX(seq) FROM trashed_attempts), 0)),
-                     ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+             VALUES (1 + (SELECT COALESCE(MAX(last), 0) FROM (SELECT MAX(seq) AS last FROM attempts
+                     UNION ALL SELECT MAX(seq) FROM trashed_attempts) all_attempts),
+                     ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)
+             RETURNING seq",
         )
         .bind(Uuid::now_v7())
         .bind(Uuid::new_v4())
@@ -161,9 +162,8 @@ impl Change {
         .bind(newest.as_ref().map_or(0.0, |newest| newest.wall_s))
         .bind(engine)
         .bind(worker.threads)
-        .execute(&mut self.connection)
-        .await?
-        .last_insert_rowid();
+        .fetch_one(&mut self.connection)
+        .await?;
         match &newest {
             Some(newest) => {
                 self.carry_over(attempt, newest).await?;

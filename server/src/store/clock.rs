@@ -10,6 +10,9 @@ pub enum Clock {
     /// The system's.
     #[default]
     System,
+    /// The system's, as far as it is from the one of a database that servers share [ms]: theirs may differ,
+    /// and a lease that one of them gives must not look over to another.
+    Shared(Arc<AtomicI64>),
     /// One that goes as it is told [ms since 1970], for simulations.
     Told(Arc<AtomicI64>),
 }
@@ -19,7 +22,19 @@ impl Clock {
     pub fn now(&self) -> Timestamp {
         match self {
             Self::System => Timestamp::now(),
+            Self::Shared(difference) => {
+                let here = Timestamp::now().as_millis();
+                Timestamp(here + difference.load(Ordering::Relaxed))
+            }
             Self::Told(millis) => Timestamp(millis.load(Ordering::SeqCst)),
+        }
+    }
+
+    /// Takes the moment that the database has just told.
+    pub(super) fn follow(&self, moment: i64) {
+        if let Self::Shared(difference) = self {
+            let here = Timestamp::now().as_millis();
+            difference.store(moment - here, Ordering::Relaxed);
         }
     }
 }

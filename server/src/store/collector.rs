@@ -11,9 +11,9 @@ use std::time::Duration;
 
 use loadframe_api::Timestamp;
 use serde::{Deserialize, Serialize};
-use sqlx::SqlitePool;
 use tokio::sync::{RwLock, mpsc, oneshot};
 
+use super::database::{Pool, Sharing, query_scalar};
 use super::encoding::{json, parsed};
 use super::error::Result;
 use super::millis;
@@ -56,8 +56,9 @@ enum Waits {
 pub(super) struct Collector {
     pub(super) storage: Storage,
     pub(super) in_use: Arc<RwLock<()>>,
+    pub(super) sharing: Sharing,
     pub(super) faults: Arc<Faults>,
-    pub(super) reads: SqlitePool,
+    pub(super) reads: Pool,
     /// How long a file without a row waits.
     pub(super) wait: Duration,
     /// Whether what is found first waits for a person.
@@ -94,11 +95,12 @@ impl Collector {
         let waiting = waiting(&self.storage).await?;
         names.retain(|name| !waiting.contains_key(name));
         for names in names.chunks(NAMES_AT_ONCE) {
-            // nobody stores a file meanwhile
+            // nobody stores a file meanwhile, here or on another server
             let alone = self.in_use.write().await;
+            let alone_of_all = self.sharing.removing_files().await?;
             let unnamed = unnamed(&self.reads, names).await?;
             self.storage.remove(unnamed).await?;
-            drop(alone);
+            drop((alone, alone_of_all));
         }
         Ok(())
     }
@@ -111,6 +113,7 @@ impl Collector {
         let (mut still, mut removed) = (BTreeMap::new(), 0);
         for names in names.chunks(NAMES_AT_ONCE) {
             let alone = self.in_use.write().await;
+            let alone_of_all = self.sharing.removing_files().await?;
             let mut over = Vec::new();
             for name in unnamed(&self.reads, names).await? {
                 let first = if self.is_behind {
@@ -127,7 +130,7 @@ impl Collector {
             }
             removed += over.len();
             self.storage.remove(over).await?;
-            drop(alone);
+            drop((alone, alone_of_all));
         }
         if still != known {
             keep_waiting(&self.storage, &still).await?;
@@ -150,8 +153,8 @@ impl Collector {
 }
 
 /// Of these names those that no row has.
-async fn unnamed(reads: &SqlitePool, names: &[String]) -> Result<Vec<String>> {
-    let unnamed = sqlx::query_scalar(
+async fn unnamed(reads: &Pool, names: &[String]) -> Result<Vec<String>> {
+    let unnamed = query_scalar(
         "SELECT value FROM json_each(?)
          WHERE NOT EXISTS (SELECT 1 FROM attempt_files WHERE sha256 = value)
            AND NOT EXISTS (SELECT 1 FROM checkpoint_files WHERE sha256 = value)
@@ -178,7 +181,7 @@ async fn keep_waiting(storage: &Storage, waiting: &BTreeMap<String, Waits>) -> R
 }
 
 /// How many stored files no row names.
-pub(super) async fn count_unnamed(storage: &Storage, reads: &SqlitePool) -> Result<u64> {
+pub(super) async fn count_unnamed(storage: &Storage, reads: &Pool) -> Result<u64> {
     let mut count = 0;
     for names in storage.names().await?.chunks(NAMES_AT_ONCE) {
         count += unnamed(reads, names).await?.len() as u64;
@@ -187,7 +190,7 @@ pub(super) async fn count_unnamed(storage: &Storage, reads: &SqlitePool) -> Resu
 }
 
 /// Ends the wait of all files that no row names.
-pub(super) async fn release(storage: &Storage, reads: &SqlitePool) -> Result<()> {
+pub(super) async fn release(storage: &Storage, reads: &Pool) -> Result<()> {
     let mut over = BTreeMap::new();
     for names in storage.names().await?.chunks(NAMES_AT_ONCE) {
         let unnamed = unnamed(reads, names).await?.into_iter();

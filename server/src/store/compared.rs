@@ -6,10 +6,10 @@ use uuid::Uuid;
 
 use super::Store;
 use super::curve::Block;
+use super::database::{query_as, query_scalar, row};
 use super::encoding::{parsed, variant};
 use super::error::{Result, StoreError};
 use super::jobs::hex_names;
-use super::row::row;
 use crate::access::Sight;
 
 /// Blocks of a curve that are read at once: some MB.
@@ -110,7 +110,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn compared(&self, ids: &[Uuid], sight: &Sight) -> Result<Vec<Compared>> {
-        let rows: Vec<Row> = sqlx::query_as(
+        let rows: Vec<Row> = query_as(
             "SELECT j.seq, j.id, j.kind, j.name, j.tags, j.status, j.outcome, j.created_at,
                     j.spec_sha256, j.owner, j.project,
                     COALESCE((SELECT octet_length(s.json) FROM specs s WHERE s.job = j.seq), 0) AS spec_bytes,
@@ -138,7 +138,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`] when the job has been deleted since.
     pub async fn compared_spec(&self, job: &Compared) -> Result<String> {
-        let spec = sqlx::query_scalar("SELECT json FROM specs WHERE job = ?")
+        let spec = query_scalar("SELECT json FROM specs WHERE job = ?")
             .bind(job.seq)
             .fetch_optional(self.reads())
             .await?;
@@ -151,7 +151,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::Corrupt`] for blocks that cannot be read.
     pub async fn curve_part(&self, part: CurvePart) -> Result<(Vec<[f64; 2]>, CurvePart)> {
-        let blocks: Vec<Block> = sqlx::query_as(
+        let blocks: Vec<Block> = query_as(
             "SELECT first, count, data FROM curve_blocks WHERE attempt = ? AND first >= ?
              ORDER BY first LIMIT ?",
         )

@@ -5,10 +5,10 @@ use uuid::Uuid;
 
 use super::Store;
 use super::checkpoints::CheckpointRow;
+use super::database::{query, query_as, row};
 use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
-use super::row::row;
 use super::writer::Change;
 
 /// Size of a full block before compression [bytes].
@@ -69,9 +69,9 @@ impl Change {
         rows.extend_from_slice(new);
         for rows in rows.chunks(full) {
             let count = i64::try_from(rows.len()).unwrap_or(i64::MAX);
-            sqlx::query(
-                "INSERT OR REPLACE INTO curve_blocks (attempt, first, count, data)
-                 VALUES (?, ?, ?, ?)",
+            query(
+                "INSERT INTO curve_blocks (attempt, first, count, data) VALUES (?, ?, ?, ?)
+                 ON CONFLICT (attempt, first) DO UPDATE SET count = excluded.count, data = excluded.data",
             )
             .bind(attempt.seq)
             .bind(first)
@@ -81,7 +81,7 @@ impl Change {
             .await?;
             first += count;
         }
-        sqlx::query("UPDATE attempts SET columns = ?, points = ? WHERE seq = ?")
+        query("UPDATE attempts SET columns = ?, points = ? WHERE seq = ?")
             .bind(json(&block.columns)?)
             .bind(first)
             .bind(attempt.seq)
@@ -98,7 +98,7 @@ impl Change {
         attempt: i64,
         from: &CheckpointRow,
     ) -> Result<()> {
-        let longest: Option<(i64, String)> = sqlx::query_as(
+        let longest: Option<(i64, String)> = query_as(
             "SELECT a.seq, a.columns FROM attempts a JOIN attempts mine ON mine.job = a.job
              WHERE mine.seq = ? AND a.engine = mine.engine AND a.points > 0
              ORDER BY a.points DESC, a.seq DESC LIMIT 1",
@@ -109,7 +109,7 @@ impl Change {
         let Some((longest, columns)) = longest else {
             return Ok(());
         };
-        let carried = sqlx::query(
+        let carried = query(
             "INSERT INTO curve_blocks (attempt, first, count, data)
              SELECT ?1, b.first, b.count, b.data FROM curve_blocks b
              WHERE b.attempt = ?2
@@ -121,7 +121,7 @@ impl Change {
         .execute(&mut self.connection)
         .await?;
         if carried.rows_affected() > 0 {
-            sqlx::query(
+            query(
                 "UPDATE attempts SET columns = ?2,
                     points = (SELECT MAX(first + count) FROM curve_blocks WHERE attempt = ?1)
                  WHERE seq = ?1",
@@ -135,7 +135,7 @@ impl Change {
     }
 
     async fn last_block(&mut self, attempt: i64) -> Result<Option<Block>> {
-        let last = sqlx::query_as(
+        let last = query_as(
             "SELECT first, count, data FROM curve_blocks WHERE attempt = ?
              ORDER BY first DESC LIMIT 1",
         )
@@ -148,7 +148,7 @@ impl Change {
     /// Of a job's curves, keeps `result`, or else the longest: all attempts compute the same
     /// points, so that it holds all the others.
     pub(super) async fn keep_one_curve(&mut self, job: i64, result: Option<i64>) -> Result<()> {
-        sqlx::query(
+        query(
             "UPDATE attempts SET points = 0, columns = '[]'
              WHERE job = ?1 AND points > 0 AND seq <> COALESCE(?2,
                 (SELECT seq FROM attempts WHERE job = ?1 ORDER BY points DESC, seq DESC LIMIT 1))",
@@ -157,7 +157,7 @@ impl Change {
         .bind(result)
         .execute(&mut self.connection)
         .await?;
-        sqlx::query(
+        query(
             "DELETE FROM curve_blocks
              WHERE attempt IN (SELECT seq FROM attempts WHERE job = ? AND points = 0)",
         )
@@ -189,7 +189,7 @@ impl Store {
         let end = since.saturating_add(limit.unwrap_or(most)).min(most);
         // one snapshot, or an attempt could end between the two statements
         let mut snapshot = self.reads().begin().await?;
-        let curve: Curve = sqlx::query_as(
+        let curve: Curve = query_as(
             "SELECT a.seq AS attempt, COALESCE(a.number, 0) AS number,
                     COALESCE(a.columns, '[]') AS columns, j.status = 'finished' AS complete
              FROM jobs j LEFT JOIN attempts a ON a.job = j.seq
@@ -197,17 +197,17 @@ impl Store {
              WHERE j.id = ? ORDER BY a.number = r.attempt DESC, a.points DESC, a.seq DESC LIMIT 1",
         )
         .bind(id)
-        .fetch_optional(&mut *snapshot)
+        .fetch_optional(&mut snapshot)
         .await?
         .ok_or_else(|| StoreError::NotFound(format!("job {id}")))?;
-        let blocks: Vec<Block> = sqlx::query_as(
+        let blocks: Vec<Block> = query_as(
             "SELECT first, count, data FROM curve_blocks
              WHERE attempt = ? AND first + count > ? AND first < ? ORDER BY first",
         )
         .bind(curve.attempt)
         .bind(since.cast_signed())
         .bind(end.cast_signed())
-        .fetch_all(&mut *snapshot)
+        .fetch_all(&mut snapshot)
         .await?;
         drop(snapshot);
         let columns: Vec<String> = parsed(&curve.columns, "columns")?;

@@ -85,7 +85,7 @@ impl Store {
             Together::There(None) => {}
             Together::Gone => return Ok(UploadedPart { bytes: 0 }),
         }
-        let guard = self.blobs().guard().await;
+        let guard = self.blobs().guard().await?;
         // what the collector removed just before is sent again
         if self.blobs().verified(sha256, end.bytes).await?.is_err() {
             return Ok(UploadedPart { bytes: 0 });

@@ -8,6 +8,7 @@ use loadframe_api::worker::{
 use loadframe_api::{Estimate, FileEntry, JobOutcome, sha256_hex};
 use serde::Serialize;
 
+use super::database::{query, query_as};
 use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
@@ -71,7 +72,7 @@ impl Store {
             Box::pin(async move {
                 let attempt = LeasedAttempt::find(&mut change.connection, key).await?;
                 let (estimate, factor): (Option<String>, f64) =
-                    sqlx::query_as("SELECT estimate, overrun_factor FROM jobs WHERE id = ?")
+                    query_as("SELECT estimate, overrun_factor FROM jobs WHERE id = ?")
                         .bind(attempt.job)
                         .fetch_one(&mut change.connection)
                         .await?;
@@ -172,7 +173,7 @@ impl Change {
         }
         self.check_outcome(&job, request).await?;
         self.publish(&attempt, &request.files).await?;
-        sqlx::query("INSERT INTO results (job, attempt, summary, outcome) VALUES (?, ?, ?, ?)")
+        query("INSERT INTO results (job, attempt, summary, outcome) VALUES (?, ?, ?, ?)")
             .bind(job.seq)
             .bind(attempt.number)
             .bind(json(&request.outcome.summary)?)
@@ -185,7 +186,7 @@ impl Change {
     /// The outcome must be one of this job's spec.
     async fn check_outcome(&mut self, job: &LifecycleRow, request: &CompleteRequest) -> Result<()> {
         let (kind, spec_sha256): (String, String) =
-            sqlx::query_as("SELECT kind, spec_sha256 FROM jobs WHERE seq = ?")
+            query_as("SELECT kind, spec_sha256 FROM jobs WHERE seq = ?")
                 .bind(job.seq)
                 .fetch_one(&mut self.connection)
                 .await?;
@@ -204,7 +205,7 @@ impl Change {
             return Err(StoreError::Invalid(sentence));
         }
         let uploaded: Vec<(String, i64, String)> =
-            sqlx::query_as("SELECT name, bytes, sha256 FROM attempt_files WHERE attempt = ?")
+            query_as("SELECT name, bytes, sha256 FROM attempt_files WHERE attempt = ?")
                 .bind(attempt.seq)
                 .fetch_all(&mut self.connection)
                 .await?;
@@ -230,7 +231,7 @@ impl Change {
             return Ok(());
         }
         self.garbage(contents);
-        sqlx::query(
+        query(
             "DELETE FROM attempt_files
              WHERE attempt = ? AND name IN (SELECT value FROM json_each(?))",
         )

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 use serde::Serialize;
 use uuid::Uuid;
 
+use super::database;
+
 /// What the store gives, or why not.
 pub(super) type Result<T, E = StoreError> = std::result::Result<T, E>;
 
@@ -69,7 +71,7 @@ pub enum StoreError {
     Lost { job: Uuid, file: String, loss: Loss },
     /// 500: the database refused a statement.
     #[error("the database failed")]
-    Database(#[from] sqlx::Error),
+    Database(#[source] sqlx::Error),
     /// The database has been brought up to date by a newer version.
     #[error(
         "the database is of a newer version of loadframe: it has step {found} of its schema, this version knows {known}; start the newer version, or put back a backup from before it"
@@ -99,6 +101,16 @@ pub enum StoreError {
         #[source]
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+}
+
+impl From<sqlx::Error> for StoreError {
+    fn from(error: sqlx::Error) -> Self {
+        if database::refuses_text(&error) {
+            let sentence = "a text holds a zero byte, which this server's database does not keep";
+            return Self::Invalid(sentence.to_owned());
+        }
+        Self::Database(error)
+    }
 }
 
 impl StoreError {

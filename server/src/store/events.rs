@@ -6,9 +6,9 @@ use tokio::sync::watch;
 use uuid::Uuid;
 
 use super::Store;
+use super::database::{query_as, row};
 use super::error::Result;
 use super::jobs::hex_names;
-use super::row::row;
 use super::writer::EventType;
 
 row! {
@@ -60,7 +60,7 @@ impl Store {
         limit: u32,
     ) -> Result<Vec<StoredEvent>> {
         let names = jobs.map(hex_names).transpose()?;
-        let rows: Vec<EventRow> = sqlx::query_as(
+        let rows: Vec<EventRow> = query_as(
             "SELECT e.seq, e.job, e.type AS kind, j.progress, j.phase, j.eta_s, a.number, a.points,
                     COALESCE(j.owner, e.owner) AS owner, COALESCE(j.project, e.project) AS project
              FROM events e LEFT JOIN jobs j ON j.id = e.job

@@ -4,6 +4,7 @@ use tokio::io::AsyncRead;
 use uuid::Uuid;
 
 use super::blobs::{FileGuard, Received};
+use super::database::{query, query_as, query_scalar};
 use super::encoding::entry;
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
@@ -102,7 +103,7 @@ impl Store {
     pub async fn files(&self, id: Uuid) -> Result<Vec<FileEntry>> {
         let mut snapshot = self.reads().begin().await?;
         let job = LifecycleRow::of(&mut snapshot, id).await?;
-        let files: Vec<(String, i64, String)> = sqlx::query_as(
+        let files: Vec<(String, i64, String)> = query_as(
             "SELECT f.name, f.bytes, f.sha256
              FROM jobs j LEFT JOIN results r ON r.job = j.seq
              JOIN attempts a ON a.job = j.seq
@@ -111,7 +112,7 @@ impl Store {
              WHERE j.seq = ? AND f.removed_at IS NULL ORDER BY f.name",
         )
         .bind(job.seq)
-        .fetch_all(&mut *snapshot)
+        .fetch_all(&mut snapshot)
         .await?;
         Ok(files.into_iter().map(entry).collect())
     }
@@ -134,7 +135,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`].
     pub async fn file(&self, id: Uuid, name: &str) -> Result<FileEntry> {
-        let found: Option<(String, i64, String)> = sqlx::query_as(
+        let found: Option<(String, i64, String)> = query_as(
             "SELECT f.name, f.bytes, f.sha256
              FROM jobs j LEFT JOIN results r ON r.job = j.seq
              JOIN attempts a ON a.job = j.seq
@@ -156,13 +157,11 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`].
     pub async fn outcome(&self, id: Uuid) -> Result<String> {
-        sqlx::query_scalar(
-            "SELECT r.outcome FROM results r JOIN jobs j ON j.seq = r.job WHERE j.id = ?",
-        )
-        .bind(id)
-        .fetch_optional(self.reads())
-        .await?
-        .ok_or_else(|| StoreError::NotFound(format!("outcome of job {id}")))
+        query_scalar("SELECT r.outcome FROM results r JOIN jobs j ON j.seq = r.job WHERE j.id = ?")
+            .bind(id)
+            .fetch_optional(self.reads())
+            .await?
+            .ok_or_else(|| StoreError::NotFound(format!("outcome of job {id}")))
     }
 
     /// Takes in a body while there is room for it; `part` is the lease under which its rest may follow,
@@ -200,14 +199,14 @@ impl Change {
     async fn add_file(&mut self, key: LeaseKey, lease: i64, file: &FileEntry) -> Result<()> {
         let attempt = self.extend(key, lease).await?;
         let replaced: Option<String> =
-            sqlx::query_scalar("SELECT sha256 FROM attempt_files WHERE attempt = ? AND name = ?")
+            query_scalar("SELECT sha256 FROM attempt_files WHERE attempt = ? AND name = ?")
                 .bind(attempt.seq)
                 .bind(&file.name)
                 .fetch_optional(&mut self.connection)
                 .await?;
         self.garbage(replaced);
-        sqlx::query(
-            "INSERT OR REPLACE INTO attempt_files (attempt, name, bytes, sha256)
+        query(
+            "INSERT INTO attempt_files (attempt, name, bytes, sha256)
              VALUES (?, ?, ?, ?)",
         )
         .bind(attempt.seq)

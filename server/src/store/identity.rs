@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
+use super::database::{Connection, FILE, query, query_as, query_scalar};
 use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::storage::Storage;
@@ -49,8 +49,8 @@ impl Mark {
     }
 
     /// That of the database, if it has one.
-    pub(super) async fn of(connection: &mut SqliteConnection) -> Result<Option<Self>> {
-        let row: Option<(Uuid, i64)> = sqlx::query_as("SELECT id, starts FROM store")
+    pub(super) async fn of(connection: &mut Connection) -> Result<Option<Self>> {
+        let row: Option<(Uuid, i64)> = query_as("SELECT id, starts FROM store")
             .fetch_optional(connection)
             .await?;
         Ok(row.map(|(store, starts)| Self { store, starts }))
@@ -63,7 +63,7 @@ impl Mark {
 /// # Errors
 /// [`StoreError::NotTogether`].
 pub(super) async fn refuse_new_beside_files(data: &Path, storage: &Storage) -> Result<()> {
-    let length = std::fs::metadata(data.join("loadframe.db")).map_or(0, |file| file.len());
+    let length = std::fs::metadata(data.join(FILE)).map_or(0, |file| file.len());
     if length == 0 && storage.has_files().await? {
         return Err(refuse(
             data,
@@ -80,7 +80,7 @@ pub(super) async fn refuse_new_beside_files(data: &Path, storage: &Storage) -> R
 /// # Errors
 /// [`StoreError::NotTogether`] when one belongs to another store, or is lost.
 pub(super) async fn identify(
-    connection: &mut SqliteConnection,
+    connection: &mut Connection,
     data: &Path,
     storage: &Storage,
     opening: Opening,
@@ -108,7 +108,7 @@ pub(super) async fn identify(
         }
         (Some(own), _) => own,
         // a database of an earlier version has no name yet, and a new one has had no job
-        (None, _) if has_files && !has_had_jobs(connection).await? => {
+        (None, _) if has_files && !connection.has_had_jobs().await? => {
             return Err(refuse(
                 data,
                 storage,
@@ -129,11 +129,14 @@ pub(super) async fn identify(
     let starts = own.starts.max(before) + i64::from(opening == Opening::Server);
     let mark = Mark { starts, ..own };
     if named != Some(mark) {
-        sqlx::query("INSERT OR REPLACE INTO store (only, id, starts) VALUES (1, ?, ?)")
-            .bind(mark.store)
-            .bind(mark.starts)
-            .execute(connection)
-            .await?;
+        query(
+            r#"INSERT INTO store ("only", id, starts) VALUES (1, ?1, ?2)
+               ON CONFLICT ("only") DO UPDATE SET id = ?1, starts = ?2"#,
+        )
+        .bind(mark.store)
+        .bind(mark.starts)
+        .execute(connection)
+        .await?;
     }
     if folder != Some(mark) {
         mark.write(storage).await?;
@@ -152,15 +155,9 @@ fn refuse(data: &Path, storage: &Storage, what: &str) -> StoreError {
     ))
 }
 
-async fn names_files(connection: &mut SqliteConnection) -> Result<bool> {
-    let names = sqlx::query_scalar(
+async fn names_files(connection: &mut Connection) -> Result<bool> {
+    let names = query_scalar(
         "SELECT EXISTS (SELECT 1 FROM attempt_files) OR EXISTS (SELECT 1 FROM checkpoints)",
     );
     Ok(names.fetch_one(connection).await?)
-}
-
-async fn has_had_jobs(connection: &mut SqliteConnection) -> Result<bool> {
-    let had =
-        sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM sqlite_sequence WHERE name = 'jobs')");
-    Ok(had.fetch_one(connection).await?)
 }

@@ -9,9 +9,9 @@ use serde::Deserialize;
 use uuid::Uuid;
 
 use super::Store;
+use super::database::{query_as, query_scalar, row};
 use super::encoding::{json, parsed, variant};
 use super::error::{Result, StoreError};
-use super::row::row;
 
 /// Ids as a JSON array, for `unhex` in a statement.
 pub(super) fn hex_names(ids: &[Uuid]) -> Result<String> {
@@ -32,18 +32,20 @@ macro_rules! select_jobs {
                 j.threads, j.owner, (SELECT name FROM people o WHERE o.id = j.owner) AS owner_name,
                 j.project, (SELECT name FROM projects p WHERE p.id = j.project) AS project_name,
                 (SELECT summary FROM results r WHERE r.job = j.seq) AS summary,
-                CASE j.status WHEN 'queued' THEN 1
+                CASE j.status WHEN 'queued' THEN CAST(1
                     + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
                        WHERE w.bits = 18 AND w.priority > j.priority)
-                    + (SELECT own.jobs + COALESCE((SELECT SUM(MIN(o.jobs, own.jobs + CASE
+                    + (SELECT own.jobs + COALESCE((SELECT SUM(CASE WHEN o.jobs <= own.jobs THEN o.jobs
+                            ELSE own.jobs + CASE WHEN CASE
                             WHEN COALESCE(p.use_level, -1e9) <> COALESCE(m.use_level, -1e9)
                             THEN COALESCE(p.use_level, -1e9) < COALESCE(m.use_level, -1e9)
                             ELSE (SELECT b.seq FROM jobs b INDEXED BY jobs_waiting
                                   WHERE b.status = 'queued' AND b.priority = j.priority
-                                    AND b.owner IS NULLIF(o.owner, x'') ORDER BY b.seq LIMIT 1)
+                                    AND b.owner IS NOT DISTINCT FROM NULLIF(o.owner, x'') ORDER BY b.seq LIMIT 1)
                                 < (SELECT b.seq FROM jobs b INDEXED BY jobs_waiting
                                    WHERE b.status = 'queued' AND b.priority = j.priority
-                                     AND b.owner IS j.owner ORDER BY b.seq LIMIT 1) END))
+                                     AND b.owner IS NOT DISTINCT FROM j.owner ORDER BY b.seq LIMIT 1) END
+                            THEN 1 ELSE 0 END END)
                         FROM (SELECT w.owner, SUM(w.jobs) AS jobs FROM waiting_counts w
                               WHERE w.bits = 18 AND w.priority = j.priority
                                 AND w.owner <> COALESCE(j.owner, x'') GROUP BY w.owner) o
@@ -63,9 +65,9 @@ macro_rules! select_jobs {
                              AND w.block >= j.seq >> 12 << 6 AND w.block < j.seq >> 6)
                         + (SELECT COUNT(*) FROM jobs b INDEXED BY jobs_waiting
                            WHERE b.status = 'queued' AND b.priority = j.priority
-                             AND b.owner IS j.owner
+                             AND b.owner IS NOT DISTINCT FROM j.owner
                              AND b.seq >= j.seq >> 6 << 6 AND b.seq < j.seq) AS jobs LIMIT 1) own)
-                END AS position,
+                AS BIGINT) END AS position,
                 (SELECT json_group_array(json_object('number', number, 'worker', worker_name,
                     'host', host, 'started_at', started_at, 'ended_at', ended_at,
                     'end_reason', end_reason, 'engine', engine) ORDER BY number)
@@ -205,15 +207,15 @@ impl Store {
     /// [`StoreError::NotFound`].
     pub async fn job(&self, id: Uuid) -> Result<JobView> {
         let mut connection = self.reads().acquire().await?;
-        let row: Option<JobRow> = sqlx::query_as(select_jobs!("jobs j WHERE j.id = ?"))
+        let row: Option<JobRow> = query_as(select_jobs!("jobs j WHERE j.id = ?"))
             .bind(id)
-            .fetch_optional(&mut *connection)
+            .fetch_optional(&mut connection)
             .await?;
         let row = row.ok_or_else(|| StoreError::NotFound(format!("job {id}")))?;
         // a spec never changes, so it need not be of the same moment
-        let spec: Option<String> = sqlx::query_scalar("SELECT json FROM specs WHERE job = ?")
+        let spec: Option<String> = query_scalar("SELECT json FROM specs WHERE job = ?")
             .bind(row.seq)
-            .fetch_optional(&mut *connection)
+            .fetch_optional(&mut connection)
             .await?;
         let mut view = row.view()?;
         view.spec = match spec {
@@ -229,10 +231,10 @@ impl Store {
     /// [`StoreError::NotFound`].
     pub async fn job_version(&self, id: Uuid) -> Result<u64> {
         // the place in the queue changes with the others' steps
-        let version: Option<i64> = sqlx::query_scalar(
+        let version: Option<i64> = query_scalar(
             "SELECT CASE status WHEN 'queued'
-                THEN MAX((SELECT MAX(seq) FROM events WHERE type = 'job'),
-                    COALESCE((SELECT MAX(seq) FROM events WHERE type = 'deleted'), 0))
+                THEN (SELECT MAX(last) FROM (SELECT MAX(seq) AS last FROM events WHERE type = 'job'
+                    UNION ALL SELECT MAX(seq) FROM events WHERE type = 'deleted') steps)
                 ELSE version END
              FROM jobs WHERE id = ?",
         )
@@ -248,7 +250,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn jobs_version(&self) -> Result<u64> {
-        let version: Option<i64> = sqlx::query_scalar("SELECT MAX(seq) FROM events")
+        let version: Option<i64> = query_scalar("SELECT MAX(seq) FROM events")
             .fetch_one(self.lookups())
             .await?;
         Ok(version.unwrap_or_default().unsigned_abs())
@@ -256,7 +258,7 @@ impl Store {
 
     /// Jobs by id, in any order; those that are gone are left out.
     pub(super) async fn jobs_by_id(&self, ids: &[Uuid]) -> Result<Vec<JobView>> {
-        let rows: Vec<JobRow> = sqlx::query_as(select_jobs!(
+        let rows: Vec<JobRow> = query_as(select_jobs!(
             "jobs j WHERE j.id IN (SELECT unhex(value) FROM json_each(?))"
         ))
         .bind(hex_names(ids)?)

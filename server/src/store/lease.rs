@@ -1,10 +1,9 @@
 //! What a worker reports while it holds a lease: that it is alive, how far it is, what it computed.
 use loadframe_api::worker::{Command, ProgressReport};
-use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
+use super::database::{Connection, query, query_as, row};
 use super::error::{Result, StoreError};
-use super::row::row;
 use super::state::LifecycleRow;
 use super::writer::{Change, EventType};
 use super::{LeaseKey, Store, log};
@@ -42,8 +41,8 @@ impl LeasedAttempt {
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`] when there is none.
-    pub(super) async fn find(connection: &mut SqliteConnection, key: LeaseKey) -> Result<Self> {
-        sqlx::query_as(
+    pub(super) async fn find(connection: &mut Connection, key: LeaseKey) -> Result<Self> {
+        query_as(
             "SELECT a.seq, a.token, a.number, a.worker, a.worker_name, a.host, a.engine, a.ended_at,
                     a.ended_by, a.columns, a.points, a.log_lines, j.id AS job
              FROM attempts a JOIN jobs j ON j.seq = a.job WHERE a.id = ? AND a.token = ?",
@@ -59,7 +58,7 @@ impl LeasedAttempt {
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`] when it is not.
-    pub(super) async fn live(connection: &mut SqliteConnection, key: LeaseKey) -> Result<Self> {
+    pub(super) async fn live(connection: &mut Connection, key: LeaseKey) -> Result<Self> {
         let attempt = Self::find(connection, key).await?;
         if attempt.ended_at.is_none() {
             Ok(attempt)
@@ -75,8 +74,8 @@ impl Change {
     /// # Errors
     /// [`StoreError::LeaseLost`] when the lease is not held.
     pub(super) async fn extend(&mut self, key: LeaseKey, lease: i64) -> Result<LeasedAttempt> {
-        let attempt: LeasedAttempt = sqlx::query_as(
-            "UPDATE attempts SET lease_until = ?, heard = 1
+        let attempt: LeasedAttempt = query_as(
+            "UPDATE attempts SET lease_until = ?, heard = TRUE
              WHERE id = ? AND token = ? AND ended_at IS NULL
              RETURNING seq, token, number, worker, worker_name, host, engine, ended_at, ended_by,
                        columns, points, log_lines,
@@ -100,7 +99,7 @@ impl Change {
     ) -> Result<Command> {
         let attempt = self.extend(key, lease).await?;
         let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
-        sqlx::query("UPDATE jobs SET progress = ?, phase = ?, eta_s = ? WHERE seq = ?")
+        query("UPDATE jobs SET progress = ?, phase = ?, eta_s = ? WHERE seq = ?")
             .bind(report.progress)
             .bind(&report.phase)
             .bind(report.eta_s)
@@ -133,7 +132,7 @@ impl Change {
             return Ok(());
         };
         let known = from.saturating_add(report.log.len() as u64);
-        sqlx::query("UPDATE attempts SET log_lines = ? WHERE seq = ?")
+        query("UPDATE attempts SET log_lines = ? WHERE seq = ?")
             .bind(i64::try_from(known).unwrap_or(i64::MAX))
             .bind(attempt.seq)
             .execute(&mut self.connection)

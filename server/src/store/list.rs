@@ -5,10 +5,9 @@
 //! or tag asked for, these are walked; else what is searched for; else the tag; else the status,
 //! outcome and kind; and without any of them the jobs themselves.
 use loadframe_api::{JobKind, JobView, Page, Timestamp};
-use sqlx::sqlite::SqliteConnection;
-use sqlx::{QueryBuilder, Sqlite};
 use uuid::Uuid;
 
+use super::database::{Builder, Connection, Texts};
 use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
 use super::jobs::{JobRow, SELECT_JOBS, hex_names, readable};
@@ -59,6 +58,7 @@ struct Text {
     phrase: Option<String>,
     /// First and last id that begin so, if enough of it is given.
     ids: Option<[Uuid; 2]>,
+    texts: &'static Texts,
 }
 
 /// What a page walks.
@@ -69,8 +69,6 @@ enum Walk {
     Tag,
     Text,
 }
-
-type Query = QueryBuilder<Sqlite>;
 
 impl Store {
     /// Jobs that pass the filter, newest first; `cursor` is the `next` of the page before.
@@ -89,8 +87,8 @@ impl Store {
             // a page of what one sees is merged from that of each part
             Some(sight) if !sight.everything && filter.narrows_nothing_else() => {
                 let newest = self.newest_seen(sight, before.unwrap_or(i64::MAX), limit + 1);
-                let mut query = Query::new(SELECT_JOBS);
-                query.push("jobs j WHERE j.seq IN (SELECT value FROM json_each(");
+                let mut query = Builder::new(SELECT_JOBS);
+                query.push("jobs j WHERE j.seq IN (SELECT CAST(value AS BIGINT) FROM json_each(");
                 query.push_bind(json(&newest.await?)?);
                 query.push(")) ORDER BY j.seq DESC");
                 query.build_query_as().fetch_all(self.reads()).await?
@@ -114,14 +112,14 @@ impl Store {
             let before = before.unwrap_or(i64::MAX);
             return self.newest_seen(sight, before, limit).await;
         }
-        let mut words = Words::of(filter)?;
+        let mut words = Words::of(filter, self.reads().texts())?;
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
-        let mut query = words.statement("SELECT j.seq FROM ", walk, before, limit);
+        let query = words.statement("SELECT j.seq FROM ", walk, before, limit);
         Ok(query
             .build_query_scalar()
-            .fetch_all(&mut *connection)
+            .fetch_all(&mut connection)
             .await?)
     }
 
@@ -131,12 +129,12 @@ impl Store {
         before: Option<i64>,
         limit: u32,
     ) -> Result<Vec<JobRow>> {
-        let mut words = Words::of(filter)?;
+        let mut words = Words::of(filter, self.reads().texts())?;
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
-        let mut query = words.statement(SELECT_JOBS, walk, before, limit);
-        Ok(query.build_query_as().fetch_all(&mut *connection).await?)
+        let query = words.statement(SELECT_JOBS, walk, before, limit);
+        Ok(query.build_query_as().fetch_all(&mut connection).await?)
     }
 }
 
@@ -168,7 +166,7 @@ pub(super) fn page_of(mut rows: Vec<JobRow>, limit: u32) -> Page<JobView> {
 }
 
 impl Words {
-    fn of(filter: &JobFilter) -> Result<Self> {
+    fn of(filter: &JobFilter, texts: &'static Texts) -> Result<Self> {
         let projects = |of: fn(&Sight) -> &Vec<Uuid>| {
             let named = filter.sight.as_ref().map(of);
             hex_names(named.map_or(&[], Vec::as_slice))
@@ -178,7 +176,7 @@ impl Words {
             outcome: filter.outcome.as_ref().map(wire_name).transpose()?,
             kind: filter.kind.map(JobKind::name),
             tag: filter.tag.clone(),
-            text: filter.q.as_deref().map(Text::of),
+            text: filter.q.as_deref().map(|typed| Text::of(typed, texts)),
             after: filter.created_after.map(Moment::of),
             before: filter.created_before.map(Moment::of),
             seen_projects: projects(|sight| &sight.projects)?,
@@ -191,16 +189,16 @@ impl Words {
 
     /// Finds out where numbers bound a page: numbers are given in the order of submission, but for a
     /// clock that was set. Few after a moment are soon found; so are those before it, unless many are not.
-    async fn bound(&mut self, connection: &mut SqliteConnection) -> Result<()> {
+    async fn bound(&mut self, connection: &mut Connection) -> Result<()> {
         let after = "SELECT COUNT(*) FROM (SELECT 1 FROM jobs WHERE created_at > ";
         let from = "SELECT COUNT(*) FROM (SELECT 1 FROM jobs WHERE created_at >= ";
         if let Some(moment) = &mut self.after {
-            let mut query = Query::new(after);
+            let mut query = Builder::new(after);
             query.push_bind(moment.at);
             moment.bounds_numbers = is_few(query, PASSED_OVER, connection).await?;
         }
         if let Some(moment) = &mut self.before {
-            let mut query = Query::new(from);
+            let mut query = Builder::new(from);
             query.push_bind(moment.at);
             moment.bounds_numbers = !is_few(query, PASSED_OVER, connection).await?;
         }
@@ -208,14 +206,14 @@ impl Words {
     }
 
     /// What to walk.
-    async fn walk(&self, connection: &mut SqliteConnection) -> Result<Walk> {
+    async fn walk(&self, connection: &mut Connection) -> Result<Walk> {
         let has_state = self.status.is_some() || self.outcome.is_some() || self.kind.is_some();
         let is_found = self.text.as_ref().is_some_and(Text::is_indexed);
         if !is_found && self.tag.is_none() {
             return Ok(Walk::Jobs);
         }
         if has_state {
-            let mut query = Query::new("SELECT COUNT(*) FROM (SELECT 1 FROM jobs j WHERE TRUE");
+            let mut query = Builder::new("SELECT COUNT(*) FROM (SELECT 1 FROM jobs j WHERE TRUE");
             self.push_state(&mut query);
             if is_few(query, FEW, connection).await? {
                 return Ok(Walk::Jobs);
@@ -225,7 +223,7 @@ impl Words {
             Some(_) if !is_found => Ok(Walk::Tag),
             Some(tag) => {
                 let mut query =
-                    Query::new("SELECT COUNT(*) FROM (SELECT 1 FROM job_tags WHERE tag = ");
+                    Builder::new("SELECT COUNT(*) FROM (SELECT 1 FROM job_tags WHERE tag = ");
                 query.push_bind(tag.clone());
                 let few = is_few(query, FEW, connection).await?;
                 Ok(if few { Walk::Tag } else { Walk::Text })
@@ -235,8 +233,8 @@ impl Words {
     }
 
     /// The statement for a page of `limit` jobs before number `before`; `select` says what of them.
-    fn statement(&self, select: &str, walk: Walk, before: Option<i64>, limit: u32) -> Query {
-        let mut query = Query::new(select);
+    fn statement(&self, select: &str, walk: Walk, before: Option<i64>, limit: u32) -> Builder {
+        let mut query = Builder::new(select);
         let number = match walk {
             Walk::Jobs => {
                 query.push("jobs j WHERE TRUE");
@@ -244,13 +242,13 @@ impl Words {
             }
             // CROSS: in this order
             Walk::Tag => {
-                query.push("job_tags t CROSS JOIN jobs j ON j.seq = t.job WHERE t.tag = ");
+                query.push("job_tags t CROSS JOIN jobs j WHERE j.seq = t.job AND t.tag = ");
                 query.push_bind(self.tag.clone());
                 "t.job"
             }
             Walk::Text => {
                 query.push(
-                    "job_texts t CROSS JOIN jobs j ON j.seq = t.rowid WHERE t.job_texts MATCH ",
+                    "job_texts t CROSS JOIN jobs j WHERE j.seq = t.rowid AND t.job_texts MATCH ",
                 );
                 query.push_bind(self.text.as_ref().and_then(|text| text.phrase.clone()));
                 "t.rowid"
@@ -293,7 +291,7 @@ impl Words {
     }
 
     /// What the caller may see, and the project asked for.
-    fn push_sight(&self, query: &mut Query) {
+    fn push_sight(&self, query: &mut Builder) {
         if let Some(sight) = &self.sight {
             if !sight.everything {
                 query.push(" AND (j.owner = ").push_bind(sight.owner);
@@ -309,7 +307,9 @@ impl Words {
                 query.push_bind(self.unseen_projects.clone()).push(")))");
             }
             if let Some(person) = sight.not_of {
-                query.push(" AND j.owner IS NOT ").push_bind(person);
+                query
+                    .push(" AND j.owner IS DISTINCT FROM ")
+                    .push_bind(person);
             }
         }
         if let Some(project) = self.project {
@@ -317,7 +317,7 @@ impl Words {
         }
     }
 
-    fn push_state(&self, query: &mut Query) {
+    fn push_state(&self, query: &mut Builder) {
         if let Some(status) = &self.status {
             query.push(" AND j.status = ").push_bind(status.clone());
         }
@@ -331,8 +331,8 @@ impl Words {
 }
 
 /// Whether the rows of a count that is still open are no more than `few`.
-async fn is_few(mut query: Query, few: i64, connection: &mut SqliteConnection) -> Result<bool> {
-    query.push(" LIMIT ").push_bind(few + 1).push(")");
+async fn is_few(mut query: Builder, few: i64, connection: &mut Connection) -> Result<bool> {
+    query.push(" LIMIT ").push_bind(few + 1).push(") few");
     let count: i64 = query.build_query_scalar().fetch_one(connection).await?;
     Ok(count <= few)
 }
@@ -347,14 +347,17 @@ impl Moment {
 }
 
 impl Text {
-    fn of(typed: &str) -> Self {
+    fn of(typed: &str, texts: &'static Texts) -> Self {
         let typed = typed.to_lowercase();
         // a text of the database's index ends at its first zero
-        let is_found = typed.chars().count() >= SHORTEST_FOUND && !typed.contains('\0');
+        let is_found = texts.has_index_of_texts
+            && typed.chars().count() >= SHORTEST_FOUND
+            && !typed.contains('\0');
         Self {
             phrase: is_found.then(|| format!("\"{}\"", typed.replace('"', "\"\""))),
             ids: ids_beginning_with(&typed),
             typed,
+            texts,
         }
     }
 
@@ -364,7 +367,7 @@ impl Text {
     }
 
     /// The condition on a job that is at hand.
-    fn push(&self, query: &mut Query) {
+    fn push(&self, query: &mut Builder) {
         match (&self.phrase, self.ids) {
             (Some(phrase), None) => {
                 query.push(" AND EXISTS (SELECT 1 FROM job_texts x WHERE x.rowid = j.seq AND x.job_texts MATCH ");
@@ -381,11 +384,16 @@ impl Text {
                     .push_bind(last)
                     .push(")");
             }
-            (None, _) => {
+            (None, ids) => {
                 query.push(" AND (FALSE");
+                if let Some([first, last]) = ids {
+                    query.push(" OR j.id BETWEEN ").push_bind(first);
+                    query.push(" AND ").push_bind(last);
+                }
+                let folded = self.texts.folded;
                 for column in ["j.name", "j.notes", "j.tags"] {
-                    query.push(format!(" OR instr(lower({column}), "));
-                    query.push_bind(self.typed.clone()).push(")");
+                    query.push(format!(" OR instr({folded}({column}), "));
+                    query.push_bind(self.typed.clone()).push(") > 0");
                 }
                 query.push(")");
             }
@@ -427,7 +435,12 @@ mod tests {
 
     #[test]
     fn whatever_is_typed_is_one_phrase() {
-        let phrase = |typed: &str| Text::of(typed).phrase;
+        const TEXTS: Texts = Texts {
+            newest_seen: "",
+            folded: "lower",
+            has_index_of_texts: true,
+        };
+        let phrase = |typed: &str| Text::of(typed, &TEXTS).phrase;
         assert_eq!(
             phrase("Wet\" OR \"dry").as_deref(),
             Some("\"wet\"\" or \"\"dry\"")

@@ -3,6 +3,7 @@ use loadframe_api::{LogLine, Timestamp};
 use uuid::Uuid;
 
 use super::Store;
+use super::database::{query, query_as, query_scalar};
 use super::encoding::json;
 use super::error::Result;
 use super::state::LifecycleRow;
@@ -27,7 +28,7 @@ impl Change {
         }
         let short = |line: &String| line.chars().take(LONGEST_LINE).collect::<String>();
         let lines: Vec<String> = lines.iter().map(short).collect();
-        sqlx::query(
+        query(
             "INSERT INTO log_lines (job, number, attempt, at, message)
              SELECT seq, log_lines + key, ?1, ?2, value FROM jobs, json_each(?3) WHERE seq = ?4",
         )
@@ -37,14 +38,14 @@ impl Change {
         .bind(job.seq)
         .execute(&mut self.connection)
         .await?;
-        let written: i64 = sqlx::query_scalar(
+        let written: i64 = query_scalar(
             "UPDATE jobs SET log_lines = log_lines + ? WHERE seq = ? RETURNING log_lines",
         )
         .bind(i64::try_from(lines.len()).unwrap_or(i64::MAX))
         .bind(job.seq)
         .fetch_one(&mut self.connection)
         .await?;
-        sqlx::query("DELETE FROM log_lines WHERE job = ? AND number < ?")
+        query("DELETE FROM log_lines WHERE job = ? AND number < ?")
             .bind(job.seq)
             .bind(written - LINES_KEPT)
             .execute(&mut self.connection)
@@ -54,7 +55,7 @@ impl Change {
 
     /// The last `count` lines of a job's log, oldest first.
     pub(super) async fn last_lines(&mut self, job: i64, count: u32) -> Result<Vec<String>> {
-        let mut lines: Vec<String> = sqlx::query_scalar(
+        let mut lines: Vec<String> = query_scalar(
             "SELECT message FROM log_lines WHERE job = ? ORDER BY number DESC LIMIT ?",
         )
         .bind(job)
@@ -75,13 +76,13 @@ impl Store {
     pub async fn log(&self, id: Uuid, since: u64) -> Result<Vec<LogLine>> {
         let mut connection = self.reads().acquire().await?;
         let job = LifecycleRow::of(&mut connection, id).await?;
-        let lines: Vec<(i64, u32, String)> = sqlx::query_as(
+        let lines: Vec<(i64, u32, String)> = query_as(
             "SELECT at, attempt, message FROM log_lines WHERE job = ? AND number >= ?
              ORDER BY number",
         )
         .bind(job.seq)
         .bind(i64::try_from(since).unwrap_or(i64::MAX))
-        .fetch_all(&mut *connection)
+        .fetch_all(&mut connection)
         .await?;
         let line = |(at, attempt, message)| LogLine {
             at: Timestamp(at),

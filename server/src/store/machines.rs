@@ -5,8 +5,8 @@
 //! not carry out is at fault itself. So that a lab of one machine finds that out too, a machine counts
 //! again when it has carried out another job in between.
 use loadframe_api::worker::{ClaimRequest, FaultRequest};
-use uuid::Uuid;
 
+use super::database::{query, query_as, query_scalar};
 use super::encoding::wire_name;
 use super::ending::digest;
 use super::error::Result;
@@ -85,11 +85,12 @@ impl Change {
         request: &FaultRequest,
         pause: i64,
     ) -> Result<()> {
-        sqlx::query(
+        query(
             "INSERT INTO machines (host, worker_name, faults, until, code, reason)
              VALUES (?1, ?2, 1, ?3 + ?4, ?5, ?6)
              ON CONFLICT (host, worker_name) DO UPDATE SET
-                faults = faults + 1, until = ?3 + (?4 << MIN(faults, ?7)), code = ?5, reason = ?6",
+                faults = machines.faults + 1, until = ?3 + ?4 * (1 << CAST(CASE
+                    WHEN machines.faults < ?7 THEN machines.faults ELSE ?7 END AS INTEGER)), code = ?5, reason = ?6",
         )
         .bind(&attempt.host)
         .bind(&attempt.worker_name)
@@ -110,7 +111,7 @@ impl Change {
         attempt: &LeasedAttempt,
         reason: &str,
     ) -> Result<u32> {
-        sqlx::query(
+        query(
             "INSERT INTO job_faults (job, attempt, host, at, reason) SELECT ?1, ?2, ?3, ?4, ?5
              WHERE NOT EXISTS (SELECT 1 FROM job_faults WHERE job = ?1 AND host = ?3
                 AND at >= (SELECT MAX(worked_at) FROM machines WHERE host = ?3))",
@@ -122,7 +123,7 @@ impl Change {
         .bind(reason)
         .execute(&mut self.connection)
         .await?;
-        let machines: i64 = sqlx::query_scalar("SELECT COUNT(*) FROM job_faults WHERE job = ?")
+        let machines: i64 = query_scalar("SELECT COUNT(*) FROM job_faults WHERE job = ?")
             .bind(job.seq)
             .fetch_one(&mut self.connection)
             .await?;
@@ -132,7 +133,7 @@ impl Change {
     /// What all machines said that could not carry out a job.
     async fn told_by_machines(&mut self, job: i64) -> Result<String> {
         let said: Vec<(String, String)> =
-            sqlx::query_as("SELECT host, reason FROM job_faults WHERE job = ? ORDER BY attempt")
+            query_as("SELECT host, reason FROM job_faults WHERE job = ? ORDER BY attempt")
                 .bind(job)
                 .fetch_all(&mut self.connection)
                 .await?;
@@ -148,7 +149,7 @@ impl Change {
 
     /// Notes that the machine has carried out a job, if it ever could not.
     pub(super) async fn note_work(&mut self, attempt: &LeasedAttempt) -> Result<()> {
-        sqlx::query(
+        query(
             "UPDATE machines SET faults = 0, until = 0, worked_at = ?
              WHERE host = ? AND worker_name = ?",
         )
@@ -162,14 +163,14 @@ impl Change {
 
     /// Ends the pause of a machine whose worker was started again: somebody may have seen to it.
     pub(super) async fn try_restarted(&mut self, worker: &ClaimRequest) -> Result<()> {
-        sqlx::query(
+        query(
             "UPDATE machines SET until = 0 WHERE host = ?1 AND worker_name = ?2 AND until > ?3
                 AND NOT EXISTS (SELECT 1 FROM workers WHERE id = ?4)",
         )
         .bind(&worker.host)
         .bind(&worker.name)
         .bind(self.now.as_millis())
-        .bind::<Uuid>(worker.worker_id)
+        .bind(worker.worker_id)
         .execute(&mut self.connection)
         .await?;
         Ok(())
@@ -179,7 +180,7 @@ impl Change {
 impl Store {
     /// How many live workers are set aside now.
     pub(super) async fn count_set_aside(&self, alive_since: i64) -> Result<u64> {
-        let count: i64 = sqlx::query_scalar(
+        let count: i64 = query_scalar(
             "SELECT COUNT(*) FROM workers w JOIN machines m
                 ON m.host = w.host AND m.worker_name = w.name
              WHERE w.last_seen_at >= ? AND m.until > ?",

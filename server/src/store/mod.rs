@@ -7,6 +7,8 @@
 //! a folder). Where `files.json` says so ([`where_files`]), `blobs/` and `set-aside/` are in a [`bucket`]
 //! instead; only [`storage`] knows.
 //!
+//! Which database it is, only [`database`] knows, through which every statement goes.
+//!
 //! A change goes `Store::…` → [`writer`] (one connection, group commit) → the command's method on
 //! [`writer::Change`] → for steps of a job's lifecycle [`state`], which asks [`crate::queue`] → events →
 //! commit → answer. Reads go to pools of connections that cannot write, beside it: one for lists and
@@ -21,7 +23,7 @@
 //!
 //! That nothing is lost unseen: [`identity`] tells whether database and files belong together, the
 //! [`collector`] removes what no row names, [`scrub`] finds what is missing or has changed, and [`backup`]
-//! copies both in the right order. That a full disk or a panic ends nothing: [`reserve`], [`supervision`].
+//! copies both in the right order; [`moving`] brings a lab from one database to another. That a full disk or a panic ends nothing: [`reserve`], [`supervision`].
 mod arriving;
 mod backlog;
 mod backup;
@@ -34,6 +36,7 @@ mod clock;
 mod collector;
 mod compared;
 mod curve;
+mod database;
 mod directly;
 mod disk;
 mod encoding;
@@ -48,7 +51,7 @@ mod lease;
 mod list;
 mod log;
 mod machines;
-mod migrations;
+mod moving;
 mod open;
 pub mod people;
 mod place;
@@ -56,7 +59,6 @@ pub mod pointer;
 mod private;
 mod pulses;
 mod reserve;
-mod row;
 mod scrub;
 mod search;
 mod state;
@@ -76,7 +78,6 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use loadframe_api::Timestamp;
-use sqlx::SqlitePool;
 use tokio::sync::watch;
 
 pub use backup::{BackupReport, backup, backup_from, restore, restore_to};
@@ -84,10 +85,13 @@ use blobs::Blobs;
 pub use bucket::{BucketKeys, BucketSettings};
 pub use clock::Clock;
 pub use compared::{Compared, CurvePart};
+pub use database::{DatabaseAddress, DatabasePlace};
+use database::{Pool, Sharing};
 use error::Result;
 pub(crate) use error::chain;
 pub use error::{Loss, StoreError};
 pub use events::StoredEvent;
+pub use moving::{MoveReport, move_store};
 use people::{AccessState, Actor};
 use pulses::Pulses;
 use reserve::Reserve;
@@ -109,15 +113,16 @@ struct Inner {
     writer: Writer,
     reserve: Arc<Reserve>,
     restarts: Arc<Restarts>,
-    reads: SqlitePool,
+    reads: Pool,
     /// For what a worker or a health check waits for, and who a caller is: never behind a list.
-    lookups: SqlitePool,
+    lookups: Pool,
     blobs: Blobs,
     /// Heartbeats that are not written down yet.
     pulses: Arc<Pulses>,
     last_event: watch::Receiver<u64>,
     queued: watch::Receiver<u64>,
     access: Arc<AccessState>,
+    sharing: Sharing,
     /// Held as long as the store is open, by a server's store.
     _lock: Option<File>,
 }
@@ -142,11 +147,11 @@ impl Store {
         self.0.last_event.clone()
     }
 
-    fn reads(&self) -> &SqlitePool {
+    fn reads(&self) -> &Pool {
         &self.0.reads
     }
 
-    fn lookups(&self) -> &SqlitePool {
+    fn lookups(&self) -> &Pool {
         &self.0.lookups
     }
 
@@ -203,6 +208,11 @@ impl Store {
     /// Why the disk is taken for full, if it is.
     pub fn full(&self) -> Option<String> {
         self.0.reserve.full()
+    }
+
+    /// Does some work that never ends on one server of the database at a time.
+    pub async fn as_duty(&self, name: &'static str, work: impl Future<Output = ()>) {
+        self.0.sharing.as_duty(name, work).await;
     }
 
     /// Looks whether a disk that was full has room again, until dropped.

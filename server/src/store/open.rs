@@ -2,19 +2,14 @@
 use std::fs::{File, TryLockError};
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
 
-use sqlx::ConnectOptions;
-use sqlx::migrate::MigrateError;
-use sqlx::sqlite::{
-    SqliteConnectOptions, SqliteConnection, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous,
-};
 use tokio::sync::{mpsc, watch};
 
 use super::blobs::Blobs;
+use super::clock::Clock;
+use super::database::{Connection, Database, DatabasePlace, query_scalar};
 use super::error::{Result, StoreError};
 use super::identity::{Opening, identify, refuse_new_beside_files};
-use super::migrations::migrations;
 use super::people::AccessState;
 use super::place::refuse_network;
 use super::private::{private_database, private_folder};
@@ -29,10 +24,6 @@ use super::{Inner, Store, StoreOptions};
 const READERS: u32 = 4;
 /// Reads at once that take a moment.
 const LOOKUPS: u32 = 3;
-/// How long a statement waits for another process, such as a token command, to finish writing.
-const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
-/// The write-ahead log is cut back to this [bytes] after a burst.
-const LOG_KEPT: &str = "67108864";
 
 impl Store {
     /// Opens the store of a server, which has the folder for itself: brings the schema up to date,
@@ -43,8 +34,10 @@ impl Store {
     /// database and the files are not those of one store; file and database errors.
     pub async fn open(options: StoreOptions) -> Result<Self> {
         private_folder(&options.data)?;
-        refuse_network(&options.data)?;
-        let lock = lock(&options.data)?;
+        if matches!(options.database, DatabasePlace::Folder) {
+            refuse_network(&options.data)?;
+        }
+        let lock = lock(&options.data, &options.database)?;
         require_same(&options.data, &options.files)?;
         let store = Self::connect(options, Some(lock)).await?;
         store.renew_leases().await?;
@@ -59,13 +52,19 @@ impl Store {
     /// File and database errors.
     pub async fn open_beside(mut options: StoreOptions) -> Result<Self> {
         private_folder(&options.data)?;
-        refuse_network(&options.data)?;
+        if matches!(options.database, DatabasePlace::Folder) {
+            refuse_network(&options.data)?;
+        }
         options.files = place_beside(&options.data, options.files)?;
         Self::connect(options, None).await
     }
 
     /// Opens it; where the disk is too full for that, on the room of the reserve.
-    async fn connect(options: StoreOptions, lock: Option<File>) -> Result<Self> {
+    async fn connect(mut options: StoreOptions, lock: Option<File>) -> Result<Self> {
+        let is_shared = matches!(options.database, DatabasePlace::Server(_));
+        if is_shared && matches!(options.clock, Clock::System) {
+            options.clock = Clock::Shared(Arc::default());
+        }
         let data = options.data.clone();
         let mut connected = Self::prepare(&options, lock.is_some()).await;
         if connected.as_ref().is_err_and(is_full) && Reserve::release(&data) {
@@ -79,28 +78,16 @@ impl Store {
     async fn prepare(
         options: &StoreOptions,
         is_server: bool,
-    ) -> Result<(SqliteConnectOptions, SqliteConnection, bool)> {
+    ) -> Result<(Database, Connection, bool)> {
         let storage = Storage::of(&options.data, &options.files)?;
         // commands on tokens and people have no business with a bucket, and often no keys
         let knows_files = is_server || storage.bucket().is_none();
-        if knows_files {
+        let database = Database::at(&options.database, &options.data);
+        if knows_files && !database.is_shared() {
             refuse_new_beside_files(&options.data, &storage).await?;
         }
-        let database = SqliteConnectOptions::new()
-            .filename(options.data.join("loadframe.db"))
-            .create_if_missing(true)
-            .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Full)
-            .foreign_keys(true)
-            .busy_timeout(BUSY_TIMEOUT)
-            .pragma("journal_size_limit", LOG_KEPT)
-            .disable_statement_logging();
         let mut connection = database.connect().await?;
-        // `run` makes this future one that the compiler cannot see to be `Send`
-        migrations()
-            .run_direct(None, &mut connection, false)
-            .await
-            .map_err(newer)?;
+        connection.migrate().await?;
         let opening = if is_server {
             Opening::Server
         } else {
@@ -109,7 +96,16 @@ impl Store {
         if !knows_files {
             return Ok((database, connection, false));
         }
+        // of servers that start at once one does this after the other
+        if database.is_shared()
+            && let Some(moment) = connection.begin_writing().await?
+        {
+            options.clock.follow(moment);
+        }
         let identity = identify(&mut connection, &options.data, &storage, opening).await?;
+        if database.is_shared() {
+            connection.commit().await?;
+        }
         record(&options.data, &options.files)?;
         if identity.is_behind {
             tracing::warn!(
@@ -122,22 +118,19 @@ impl Store {
     async fn start(
         options: StoreOptions,
         lock: Option<File>,
-        database: SqliteConnectOptions,
-        mut connection: SqliteConnection,
+        database: Database,
+        mut connection: Connection,
         is_behind: bool,
     ) -> Result<Self> {
-        let last: Option<i64> = sqlx::query_scalar("SELECT MAX(seq) FROM events")
+        let last: Option<i64> = query_scalar("SELECT MAX(seq) FROM events")
             .fetch_one(&mut connection)
             .await?;
-        let reading = database.clone().pragma("query_only", "on");
-        let pool = |connections| {
-            SqlitePoolOptions::new()
-                .max_connections(connections)
-                .test_before_acquire(false)
-                .connect_with(reading.clone())
-        };
-        let (reads, lookups) = (pool(READERS).await?, pool(LOOKUPS).await?);
-        private_database(&options.data);
+        let reads = database.reading(READERS).await?;
+        let lookups = database.reading(LOOKUPS).await?;
+        if !database.is_shared() {
+            private_database(&options.data);
+        }
+        let sharing = database.sharing().await?;
         let access = AccessState::read(&lookups).await?;
         tokio::spawn(access.clone().keep_fresh(lookups.clone()));
 
@@ -146,7 +139,7 @@ impl Store {
         let (queued, queued_receiver) = watch::channel(0);
         let (garbage, reports) = mpsc::unbounded_channel();
         let storage = Storage::of(&options.data, &options.files)?;
-        let blobs = Blobs::open(&options.data, storage, garbage.clone()).await?;
+        let blobs = Blobs::open(&options.data, storage, garbage.clone(), sharing.clone()).await?;
         let wait = options.unnamed_wait;
         let restarts = Arc::<Restarts>::default();
         let reserve = Arc::new(Reserve::open(&options.data, lock.is_some()));
@@ -155,8 +148,14 @@ impl Store {
         let announcements = Announcements {
             last_event,
             queued,
+            server: sharing.server(),
             garbage,
         };
+        let listening = sharing.clone();
+        tokio::spawn(listening.keep_listening(
+            announcements.last_event.clone(),
+            announcements.queued.clone(),
+        ));
         let guards = Guards {
             reserve: Arc::clone(&reserve),
             restarts: Arc::clone(&restarts),
@@ -175,6 +174,7 @@ impl Store {
                 last_event: last_event_receiver,
                 queued: queued_receiver,
                 access,
+                sharing,
                 _lock: lock,
             }),
             None,
@@ -182,23 +182,16 @@ impl Store {
     }
 }
 
-/// What a step of the schema that this version does not know means.
-fn newer(error: MigrateError) -> StoreError {
-    let known = migrations().iter().map(|step| step.version).max();
-    match error {
-        MigrateError::VersionMissing(found) => StoreError::Newer {
-            found,
-            known: known.unwrap_or_default(),
-        },
-        error => error.into(),
-    }
-}
-
-/// Takes the folder for this process; the system gives it back when the process ends, however.
-fn lock(data: &Path) -> Result<File> {
+/// Takes the folder for this process, or for servers that share a database; the system gives it back when
+/// the process ends, however.
+pub(super) fn lock(data: &Path, database: &DatabasePlace) -> Result<File> {
     let path = data.join("lock");
     let file = File::create(&path).map_err(StoreError::file(&path))?;
-    match file.try_lock() {
+    let locked = match database {
+        DatabasePlace::Folder => file.try_lock(),
+        DatabasePlace::Server(_) => file.try_lock_shared(),
+    };
+    match locked {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => Err(StoreError::InUse(data.to_owned())),
         Err(TryLockError::Error(error)) => Err(StoreError::file(path)(error)),

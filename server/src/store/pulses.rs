@@ -9,6 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use loadframe_api::worker::Command;
 
+use super::database::{query, query_as};
 use super::encoding::json;
 use super::error::{Result, StoreError};
 use super::state::LifecycleRow;
@@ -57,7 +58,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::LeaseLost`] when the lease is not held.
     pub async fn heartbeat(&self, key: LeaseKey) -> Result<Command> {
-        let live: Option<(i64, bool, Option<String>)> = sqlx::query_as(
+        let live: Option<(i64, bool, Option<String>)> = query_as(
             "SELECT a.seq, a.heard, j.asked FROM attempts a JOIN jobs j ON j.seq = a.job
              WHERE a.id = ? AND a.token = ? AND a.ended_at IS NULL",
         )
@@ -105,20 +106,22 @@ impl Change {
     /// Extends the live leases of attempts, and notes that their workers are there: `pulses` is a list of
     /// rows of attempts with the moment of each.
     async fn extend_all(&mut self, pulses: &str, lease: i64) -> Result<()> {
-        sqlx::query(
-            "UPDATE attempts SET lease_until = MAX(lease_until, (p.value ->> 1) + ?2)
-             FROM json_each(?1) p WHERE seq = p.value ->> 0 AND ended_at IS NULL",
+        query(
+            "UPDATE attempts SET lease_until = p.at + ?2
+             FROM (SELECT CAST(json_extract(value, '$[0]') AS BIGINT) AS attempt,
+                          CAST(json_extract(value, '$[1]') AS BIGINT) AS at FROM json_each(?1)) p
+             WHERE seq = p.attempt AND ended_at IS NULL AND lease_until < p.at + ?2",
         )
         .bind(pulses)
         .bind(lease)
         .execute(&mut self.connection)
         .await?;
-        sqlx::query(
-            "UPDATE workers SET last_seen_at = MAX(last_seen_at, heard.at)
-             FROM (SELECT a.worker, MAX(p.value ->> 1) AS at
-                   FROM json_each(?1) p JOIN attempts a ON a.seq = p.value ->> 0
+        query(
+            "UPDATE workers SET last_seen_at = heard.at
+             FROM (SELECT a.worker, MAX(CAST(json_extract(p.value, '$[1]') AS BIGINT)) AS at
+                   FROM json_each(?1) p JOIN attempts a ON a.seq = CAST(json_extract(p.value, '$[0]') AS BIGINT)
                    GROUP BY a.worker) heard
-             WHERE workers.id = heard.worker",
+             WHERE id = heard.worker AND last_seen_at < heard.at",
         )
         .bind(pulses)
         .execute(&mut self.connection)

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use super::database;
 use super::error::{Result, StoreError};
 
 /// Size of the reserve [bytes]: the write-ahead log is begun anew after 4 MB, and pages change meanwhile.
@@ -17,8 +18,6 @@ const BYTES: usize = 16 << 20;
 const CHUNK: usize = 1 << 20;
 /// How often a full disk is looked at.
 const LOOK_EVERY: Duration = Duration::from_secs(2);
-/// SQLite's codes for a full disk: `SQLITE_FULL`, and what the shared memory's file says of it.
-const FULL_CODES: [&str; 2] = ["13", "4874"];
 
 /// The reserve of a data folder.
 #[derive(Debug)]
@@ -117,10 +116,7 @@ impl Reserve {
 pub(super) fn told_full(error: &StoreError) -> Option<String> {
     use std::io::ErrorKind::{QuotaExceeded, StorageFull};
     match error {
-        StoreError::Database(sqlx::Error::Database(error)) => error
-            .code()
-            .filter(|code| FULL_CODES.contains(&&**code))
-            .map(|_| error.message().to_owned()),
+        StoreError::Database(error) => database::told_full(error),
         StoreError::File { source, .. } => {
             matches!(source.kind(), StorageFull | QuotaExceeded).then(|| source.to_string())
         }

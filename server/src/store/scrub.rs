@@ -3,14 +3,13 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use serde::Serialize;
-use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
 use super::Store;
 use super::collector;
+use super::database::{Connection, query_as, row};
 use super::error::Loss;
 use super::error::Result;
-use super::row::row;
 
 /// Files looked up at a time.
 const FILES_AT_ONCE: u32 = 500;
@@ -53,15 +52,15 @@ row! {
 
 impl Content {
     /// Those after `last` in order, some at a time.
-    pub(super) async fn after(connection: &mut SqliteConnection, last: &str) -> Result<Vec<Self>> {
-        let all = sqlx::query_as(
+    pub(super) async fn after(connection: &mut Connection, last: &str) -> Result<Vec<Self>> {
+        let all = query_as(
             "SELECT sha256, bytes FROM (
                 SELECT sha256, bytes FROM attempt_files WHERE sha256 > ?1
                 UNION SELECT sha256, bytes FROM checkpoint_files WHERE sha256 > ?1
                 UNION SELECT sha256, bytes FROM checkpoints WHERE sha256 > ?1
                 UNION SELECT sha256, bytes FROM trashed_attempt_files WHERE sha256 > ?1
                 UNION SELECT sha256, bytes FROM trashed_checkpoint_files WHERE sha256 > ?1
-                UNION SELECT sha256, bytes FROM trashed_checkpoints WHERE sha256 > ?1)
+                UNION SELECT sha256, bytes FROM trashed_checkpoints WHERE sha256 > ?1) contents
              ORDER BY sha256 LIMIT ?2",
         );
         let all = all.bind(last).bind(FILES_AT_ONCE);
@@ -69,11 +68,8 @@ impl Content {
     }
 
     /// Jobs and names of files with this content.
-    pub(super) async fn owners(
-        &self,
-        connection: &mut SqliteConnection,
-    ) -> Result<Vec<(Uuid, String)>> {
-        let owners = sqlx::query_as(
+    pub(super) async fn owners(&self, connection: &mut Connection) -> Result<Vec<(Uuid, String)>> {
+        let owners = query_as(
             "SELECT j.id, f.name FROM attempt_files f JOIN attempts a ON a.seq = f.attempt
                 JOIN jobs j ON j.seq = a.job WHERE f.sha256 = ?1
              UNION SELECT j.id, f.name FROM checkpoint_files f
@@ -97,7 +93,7 @@ impl Content {
     /// Its owners, as having lost it.
     pub(super) async fn lost(
         &self,
-        connection: &mut SqliteConnection,
+        connection: &mut Connection,
         loss: Loss,
     ) -> Result<Vec<LostFile>> {
         let owners = self.owners(connection).await?.into_iter();

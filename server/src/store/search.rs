@@ -9,10 +9,9 @@ use std::collections::HashMap;
 
 use loadframe_api::{JobView, Page, ShownValue, unit_of_field};
 use serde_json::Value;
-use sqlx::sqlite::SqliteRow;
-use sqlx::{QueryBuilder, Row, Sqlite};
 use uuid::Uuid;
 
+use super::database::{Builder, Row, query_scalar};
 use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::jobs::{JobRow, SELECT_JOBS, hex_names};
@@ -37,8 +36,6 @@ pub struct Wanted {
     /// Values of specs to be shown; results are in every list.
     pub shown: Vec<Pointer>,
 }
-
-type Query = QueryBuilder<Sqlite>;
 
 /// What a job is sorted by: a number, else a text; neither comes last.
 #[derive(Clone, Debug, PartialEq)]
@@ -163,34 +160,43 @@ impl Store {
         conditions: &[Condition],
         order: Option<&Order>,
     ) -> Result<Vec<Key>> {
-        let mut query = Query::new("SELECT n.value, ");
+        let mut query = Builder::new("SELECT n.seq, ");
         match order {
             Some(order) => {
+                // whole numbers as well
+                query.push("CAST(");
                 push_value(
                     &mut query,
                     &order.pointer,
                     "'integer', 'real', 'true', 'false'",
                 );
-                query.push(", ");
+                query.push(" AS DOUBLE PRECISION), ");
                 push_value(&mut query, &order.pointer, "'text'");
             }
             None => {
                 query.push("NULL, NULL");
             }
         }
-        query.push(" FROM json_each(").push_bind(json(&numbers)?);
-        query.push(") n WHERE TRUE");
+        query.push(" FROM (SELECT key, CAST(value AS BIGINT) AS seq FROM json_each(");
+        query.push_bind(json(&numbers)?);
+        query.push(")) n WHERE TRUE");
         for condition in conditions {
             query.push(" AND ");
             let sign = condition.comparison.sql();
             match &condition.operand {
                 Operand::Number(number) => {
+                    query.push("CAST(");
                     push_value(&mut query, &condition.pointer, "'integer', 'real'");
-                    query.push(format!(" {sign} ")).push_bind(*number);
+                    query
+                        .push(format!(" AS DOUBLE PRECISION) {sign} "))
+                        .push_bind(*number);
                 }
                 Operand::Truth(truth) => {
+                    query.push("CAST(");
                     push_value(&mut query, &condition.pointer, "'true', 'false'");
-                    query.push(format!(" {sign} ")).push_bind(*truth);
+                    query
+                        .push(format!(" AS BOOLEAN) {sign} "))
+                        .push_bind(*truth);
                 }
                 Operand::Text(text) => {
                     push_value(&mut query, &condition.pointer, "'text'");
@@ -200,14 +206,12 @@ impl Store {
         }
         // in the order of the numbers, which fall
         query.push(" ORDER BY n.key");
-        let rows: Vec<SqliteRow> = query.build().fetch_all(self.reads()).await?;
-        let key = |row: SqliteRow| {
-            // whole numbers come as such
-            let number = row.try_get_unchecked::<Option<f64>, _>(1)?;
+        let rows: Vec<Row> = query.build().fetch_all(self.reads()).await?;
+        let key = |row: Row| {
             Ok(Key {
-                number,
-                text: row.try_get(2)?,
-                seq: row.try_get(0)?,
+                number: row.get(1)?,
+                text: row.get(2)?,
+                seq: row.get(0)?,
             })
         };
         rows.into_iter().map(key).collect()
@@ -215,8 +219,8 @@ impl Store {
 
     /// These jobs, in this order.
     async fn rows(&self, numbers: &[i64]) -> Result<Vec<JobRow>> {
-        let mut query = Query::new(SELECT_JOBS);
-        query.push("jobs j WHERE j.seq IN (SELECT value FROM json_each(");
+        let mut query = Builder::new(SELECT_JOBS);
+        query.push("jobs j WHERE j.seq IN (SELECT CAST(value AS BIGINT) FROM json_each(");
         query.push_bind(json(&numbers)?).push("))");
         let mut rows: Vec<JobRow> = query.build_query_as().fetch_all(self.reads()).await?;
         let places = numbers.iter().enumerate();
@@ -235,7 +239,7 @@ impl Store {
             return Ok(());
         }
         let ids: Vec<Uuid> = jobs.iter().map(|job| job.id).collect();
-        let mut query = Query::new("SELECT j.id");
+        let mut query = Builder::new("SELECT j.id");
         for (pointer, _) in &pointers {
             let path = || pointer.path().to_owned();
             query.push(", CASE json_type(s.json, ").push_bind(path());
@@ -248,17 +252,17 @@ impl Store {
         query.push_bind(LONGEST_SPEC);
         query.push(" AND j.id IN (SELECT unhex(value) FROM json_each(");
         query.push_bind(hex_names(&ids)?).push("))");
-        let rows: Vec<SqliteRow> = query.build().fetch_all(self.reads()).await?;
-        let mut found: HashMap<Uuid, SqliteRow> = HashMap::with_capacity(rows.len());
+        let rows: Vec<Row> = query.build().fetch_all(self.reads()).await?;
+        let mut found: HashMap<Uuid, Row> = HashMap::with_capacity(rows.len());
         for row in rows {
-            found.insert(row.try_get(0)?, row);
+            found.insert(row.get(0)?, row);
         }
         for job in jobs {
             let Some(row) = found.get(&job.id) else {
                 continue;
             };
             for (place, (pointer, within)) in pointers.iter().enumerate() {
-                let text: Option<String> = row.try_get(place + 1)?;
+                let text: Option<String> = row.get(place + 1)?;
                 let Some(text) = text else { continue };
                 let value: Value = parsed(&text, "spec")?;
                 let unit = unit_of_field(job.kind, within).map(str::to_owned);
@@ -274,7 +278,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn specs_looked_into(&self, jobs: &[Uuid]) -> Result<Vec<String>> {
-        let specs = sqlx::query_scalar(
+        let specs = query_scalar(
             "SELECT s.json FROM jobs j JOIN specs s ON s.job = j.seq
              WHERE j.id IN (SELECT unhex(value) FROM json_each(?)) AND octet_length(s.json) <= ?
              ORDER BY j.seq DESC",
@@ -287,8 +291,8 @@ impl Store {
     }
 }
 
-/// The value of the job `n.value` at the pointer, where it is of one of these types; else nothing.
-fn push_value(query: &mut Query, pointer: &Pointer, types: &str) {
+/// The value of the job `n.seq` at the pointer, where it is of one of these types; else nothing.
+fn push_value(query: &mut Builder, pointer: &Pointer, types: &str) {
     let (table, column) = match pointer.root() {
         Root::Spec => ("specs", "json"),
         Root::Results => ("results", "summary"),
@@ -296,7 +300,7 @@ fn push_value(query: &mut Query, pointer: &Pointer, types: &str) {
     query.push(format!("(SELECT json_extract(v.{column}, "));
     query.push_bind(pointer.path().to_owned());
     query.push(format!(
-        ") FROM {table} v WHERE v.job = n.value AND octet_length(v.{column}) <= "
+        ") FROM {table} v WHERE v.job = n.seq AND octet_length(v.{column}) <= "
     ));
     query.push_bind(LONGEST_SPEC);
     query.push(format!(" AND json_type(v.{column}, "));

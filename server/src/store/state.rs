@@ -4,12 +4,11 @@
 //! Every update carries its condition, so that a stale writer changes nothing: the job's row must
 //! still have the version that was read, and an attempt that ends must be live under its token.
 use loadframe_api::{AttemptEnd, JobOutcome, JobStatus, PARTIAL_FOLDER, ReasonCode};
-use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
+use super::database::{Connection, query, query_as, query_scalar, row};
 use super::encoding::{variant, wire_name};
 use super::error::{Result, StoreError};
-use super::row::row;
 use super::writer::{Change, EventType};
 use crate::queue::{Input, Refusal, State, Step, UserRequest, keeps_checkpoint, transition};
 
@@ -43,8 +42,8 @@ pub(super) struct Ending {
 
 impl LifecycleRow {
     /// That of the job `id`.
-    pub(super) async fn of(connection: &mut SqliteConnection, id: Uuid) -> Result<Self> {
-        sqlx::query_as(
+    pub(super) async fn of(connection: &mut Connection, id: Uuid) -> Result<Self> {
+        query_as(
             "SELECT seq, id, status, outcome, asked, losses, attempt, version FROM jobs WHERE id = ?",
         )
         .bind(id)
@@ -116,7 +115,7 @@ impl Change {
         let (status, outcome, asked, losses) = columns(step.state);
         let reason = why.or_else(|| step.reason.map(|code| sentence(code).to_owned()));
         let code = step.reason.map(|code| wire_name(&code)).transpose()?;
-        let updated = sqlx::query(
+        let updated = query(
             "UPDATE jobs SET
                 status = ?1, outcome = ?2, asked = ?3, losses = ?4,
                 reason_code = COALESCE(?5, reason_code), reason = COALESCE(?6, reason),
@@ -159,7 +158,7 @@ impl Change {
         ending: &Ending,
         end: AttemptEnd,
     ) -> Result<()> {
-        let ended = sqlx::query(
+        let ended = query(
             "UPDATE attempts SET ended_at = ?1, end_reason = ?2, ended_by = ?3
              WHERE seq = ?4 AND token = ?5 AND ended_at IS NULL AND (NOT ?6 OR lease_until <= ?1)",
         )
@@ -180,7 +179,7 @@ impl Change {
             self.mark_partial(ending.attempt).await?;
         } else if !completed {
             let files: Vec<String> =
-                sqlx::query_scalar("DELETE FROM attempt_files WHERE attempt = ? RETURNING sha256")
+                query_scalar("DELETE FROM attempt_files WHERE attempt = ? RETURNING sha256")
                     .bind(ending.attempt)
                     .fetch_all(&mut self.connection)
                     .await?;
@@ -195,7 +194,7 @@ impl Change {
 
     /// Puts the files of a failed attempt, which are no result, in a folder that says so.
     async fn mark_partial(&mut self, attempt: i64) -> Result<()> {
-        sqlx::query("UPDATE attempt_files SET name = ?1 || name WHERE attempt = ?2")
+        query("UPDATE attempt_files SET name = ?1 || name WHERE attempt = ?2")
             .bind(PARTIAL_FOLDER)
             .bind(attempt)
             .execute(&mut self.connection)

@@ -2,6 +2,7 @@
 use loadframe_api::{Estimate, JobView, ReasonCode, Submission};
 use uuid::Uuid;
 
+use super::database::{query, query_as, query_scalar};
 use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
 use super::state::{LifecycleRow, sentence};
@@ -88,7 +89,7 @@ impl Store {
     /// # Errors
     /// As [`Self::enqueue`].
     pub async fn enqueued(&self, key: &IdempotencyKey) -> Result<Option<Enqueued>> {
-        let known: Option<(String, Uuid)> = sqlx::query_as(KEY)
+        let known: Option<(String, Uuid)> = query_as(KEY)
             .bind(&key.key)
             .fetch_optional(self.lookups())
             .await?;
@@ -170,7 +171,7 @@ impl Change {
     /// Inserts the job, or finds the one that has its key.
     async fn enqueue(&mut self, job: &NewJob) -> Result<Uuid> {
         if let Some(key) = &job.key {
-            let known: Option<(String, Uuid)> = sqlx::query_as(KEY)
+            let known: Option<(String, Uuid)> = query_as(KEY)
                 .bind(&key.key)
                 .fetch_optional(&mut self.connection)
                 .await?;
@@ -182,14 +183,15 @@ impl Change {
         }
         self.check_limits(job.priority, &job.estimate).await?;
         let needs = self.needs_row(&job.needs).await?;
-        let seq = sqlx::query(
+        let seq: i64 = query_scalar(
             // a job of before there were people is the first administrator's, also at the last moment
             "INSERT INTO jobs (id, kind, name, notes, tags, priority, spec_sha256, reason_code,
                                reason, created_at, updated_at, estimate, overrun_factor, owner,
                                project, needs, threads)
              VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?10, ?11, ?12,
                 COALESCE(?13, (SELECT id FROM people WHERE role = 'administrator'
-                               ORDER BY created_at LIMIT 1)), ?14, ?15, ?16)",
+                               ORDER BY created_at LIMIT 1)), ?14, ?15, ?16)
+             RETURNING seq",
         )
         .bind(job.id)
         .bind(job.kind)
@@ -207,10 +209,9 @@ impl Change {
         .bind(job.project)
         .bind(needs)
         .bind(job.threads)
-        .execute(&mut self.connection)
-        .await?
-        .last_insert_rowid();
-        sqlx::query("INSERT INTO specs (job, json) VALUES (?, ?)")
+        .fetch_one(&mut self.connection)
+        .await?;
+        query("INSERT INTO specs (job, json) VALUES (?, ?)")
             .bind(seq)
             .bind(&job.spec)
             .execute(&mut self.connection)
@@ -222,7 +223,7 @@ impl Change {
     }
 
     async fn edit(&mut self, id: Uuid, edit: JobEdit) -> Result<()> {
-        let (job, edited): (i64, i64) = sqlx::query_as("SELECT seq, edited FROM jobs WHERE id = ?")
+        let (job, edited): (i64, i64) = query_as("SELECT seq, edited FROM jobs WHERE id = ?")
             .bind(id)
             .fetch_optional(&mut self.connection)
             .await?
@@ -234,7 +235,7 @@ impl Change {
             return Err(StoreError::Edited);
         }
         self.check_hurry(edit.priority, job).await?;
-        sqlx::query(
+        query(
             "UPDATE jobs SET name = COALESCE(?, name), notes = COALESCE(?, notes),
                 tags = COALESCE(?, tags), priority = COALESCE(?, priority),
                 overrun_factor = COALESCE(?, overrun_factor) WHERE seq = ?",
@@ -248,7 +249,7 @@ impl Change {
         .execute(&mut self.connection)
         .await?;
         if let Some(project) = edit.project {
-            sqlx::query("UPDATE jobs SET project = ? WHERE seq = ?")
+            query("UPDATE jobs SET project = ? WHERE seq = ?")
                 .bind(project)
                 .bind(job)
                 .execute(&mut self.connection)
@@ -258,7 +259,7 @@ impl Change {
         }
         self.audit("job.changed", Some(id), "").await?;
         self.event(job, id, EventType::Job).await?;
-        sqlx::query("UPDATE jobs SET edited = version WHERE seq = ?")
+        query("UPDATE jobs SET edited = version WHERE seq = ?")
             .bind(job)
             .execute(&mut self.connection)
             .await?;
@@ -268,9 +269,10 @@ impl Change {
     /// The row of these needs.
     async fn needs_row(&mut self, needs: &Needs) -> Result<i64> {
         // the change that does nothing lets RETURNING see the row that is there
-        let id = sqlx::query_scalar(
+        let id = query_scalar(
             "INSERT INTO needs (memory_mb, disk_mb, core_s, threads, release) VALUES (?, ?, ?, ?, ?)
-             ON CONFLICT DO UPDATE SET release = excluded.release RETURNING id",
+             ON CONFLICT (memory_mb, disk_mb, core_s, threads, release)
+                DO UPDATE SET release = excluded.release RETURNING id",
         )
         .bind(needs.memory_mb)
         .bind(needs.disk_mb)
@@ -283,7 +285,7 @@ impl Change {
     }
 
     async fn remember(&mut self, key: &IdempotencyKey, job: Uuid) -> Result<()> {
-        sqlx::query(
+        query(
             "INSERT INTO idempotency_keys (key, body_sha256, job, created_at) VALUES (?, ?, ?, ?)",
         )
         .bind(&key.key)
@@ -299,7 +301,7 @@ impl Change {
         let job = LifecycleRow::of(&mut self.connection, id).await?;
         job.require_idle()?;
         self.remove_checkpoints(job.seq, None).await?;
-        let files: Vec<String> = sqlx::query_scalar(
+        let files: Vec<String> = query_scalar(
             "SELECT sha256 FROM attempt_files
              WHERE attempt IN (SELECT seq FROM attempts WHERE job = ?)",
         )
@@ -307,7 +309,7 @@ impl Change {
         .fetch_all(&mut self.connection)
         .await?;
         self.garbage(files);
-        let name: String = sqlx::query_scalar("SELECT name FROM jobs WHERE seq = ?")
+        let name: String = query_scalar("SELECT name FROM jobs WHERE seq = ?")
             .bind(job.seq)
             .fetch_one(&mut self.connection)
             .await?;
@@ -319,16 +321,16 @@ impl Change {
     pub(super) async fn leave_list(&mut self, job: &LifecycleRow) -> Result<()> {
         // whose it was: only who saw it is told that it is gone
         let (owner, project): (Option<Uuid>, Option<Uuid>) =
-            sqlx::query_as("DELETE FROM jobs WHERE seq = ? RETURNING owner, project")
+            query_as("DELETE FROM jobs WHERE seq = ? RETURNING owner, project")
                 .bind(job.seq)
                 .fetch_one(&mut self.connection)
                 .await?;
-        sqlx::query("DELETE FROM events WHERE job = ?")
+        query("DELETE FROM events WHERE job = ?")
             .bind(job.id)
             .execute(&mut self.connection)
             .await?;
         self.event(job.seq, job.id, EventType::Deleted).await?;
-        sqlx::query("UPDATE events SET owner = ?, project = ? WHERE job = ?")
+        query("UPDATE events SET owner = ?, project = ? WHERE job = ?")
             .bind(owner)
             .bind(project)
             .bind(job.id)
@@ -339,16 +341,16 @@ impl Change {
 
     /// Clears the traces of the attempts before a retry.
     async fn start_over(&mut self, job: &LifecycleRow) -> Result<()> {
-        sqlx::query("UPDATE jobs SET started_at = NULL, progress = 0 WHERE seq = ?")
+        query("UPDATE jobs SET started_at = NULL, progress = 0 WHERE seq = ?")
             .bind(job.seq)
             .execute(&mut self.connection)
             .await?;
-        sqlx::query("DELETE FROM job_faults WHERE job = ?")
+        query("DELETE FROM job_faults WHERE job = ?")
             .bind(job.seq)
             .execute(&mut self.connection)
             .await?;
         // what the failure left; a job that has a result is not tried again
-        let files: Vec<String> = sqlx::query_scalar(
+        let files: Vec<String> = query_scalar(
             "DELETE FROM attempt_files
              WHERE attempt IN (SELECT seq FROM attempts WHERE job = ?) RETURNING sha256",
         )

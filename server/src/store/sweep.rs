@@ -6,8 +6,8 @@ use std::time::Duration;
 use loadframe_api::Timestamp;
 use uuid::Uuid;
 
+use super::database::{query, query_as, query_scalar, row};
 use super::error::{Result, StoreError, chain};
-use super::row::row;
 use super::state::{Ending, LifecycleRow};
 use super::writer::{Change, EventType};
 use super::{Store, millis};
@@ -47,7 +47,7 @@ impl Store {
         let limit = self.options().job_time_limit.map(millis);
         // its worker knows the limit too, and ends the attempt in order if it can
         let limit = limit.map(|limit| limit.saturating_add(self.lease_millis()));
-        let overdue: Vec<Overdue> = sqlx::query_as(
+        let overdue: Vec<Overdue> = query_as(
             "SELECT a.seq, a.token, j.id AS job, a.worker_name, a.host, a.heard,
                     a.lease_until <= ?1 AS expired
              FROM attempts a JOIN jobs j ON j.seq = a.job
@@ -130,10 +130,9 @@ impl Store {
         let swept = async {
             let unfinished = bucket.unfinished().await?;
             // asked after it was found, so that no upload that has just begun looks abandoned
-            let live: Vec<Uuid> =
-                sqlx::query_scalar("SELECT id FROM attempts WHERE ended_at IS NULL")
-                    .fetch_all(self.reads())
-                    .await?;
+            let live: Vec<Uuid> = query_scalar("SELECT id FROM attempts WHERE ended_at IS NULL")
+                .fetch_all(self.reads())
+                .await?;
             let live = live.iter().map(|lease| lease.simple().to_string());
             let live: BTreeSet<String> = live.collect();
             let mut swept = 0;
@@ -159,7 +158,7 @@ impl Store {
         let lease = self.lease_millis();
         self.write_from_reserve(move |change| {
             Box::pin(async move {
-                sqlx::query("UPDATE attempts SET lease_until = ? WHERE ended_at IS NULL")
+                query("UPDATE attempts SET lease_until = ? WHERE ended_at IS NULL")
                     .bind(change.now.as_millis() + lease)
                     .execute(&mut change.connection)
                     .await?;
@@ -179,7 +178,7 @@ impl Store {
         tried.map_err(|error| self.noted(error))?;
         self.write(|change| {
             Box::pin(async move {
-                sqlx::query("UPDATE store SET starts = starts")
+                query("UPDATE store SET starts = starts")
                     .execute(&mut change.connection)
                     .await?;
                 Ok(())
@@ -257,13 +256,16 @@ impl Change {
             for (statement, word) in [
                 ("DELETE FROM idempotency_keys WHERE created_at < ?", None),
                 ("DELETE FROM workers WHERE last_seen_at < ?", None),
-                ("DELETE FROM machines WHERE MAX(until, worked_at) < ?", None),
+                (
+                    "DELETE FROM machines WHERE until < ?1 AND worked_at < ?1",
+                    None,
+                ),
                 (
                     "DELETE FROM events WHERE at < ? AND type = ?",
                     Some(deleted),
                 ),
             ] {
-                let mut query = sqlx::query(statement).bind(self.now.as_millis() - REMEMBERED);
+                let mut query = query(statement).bind(self.now.as_millis() - REMEMBERED);
                 if let Some(word) = word {
                     query = query.bind(word);
                 }

@@ -14,6 +14,7 @@ use crate::queue::needs::Needs;
 
 use super::bucket::BucketSettings;
 use super::clock::Clock;
+use super::database::DatabasePlace;
 
 /// Where the files of a store are.
 #[derive(Clone, Debug, Default)]
@@ -27,8 +28,10 @@ pub enum FilesPlace {
 /// Where the store lives and what it promises.
 #[derive(Clone, Debug)]
 pub struct StoreOptions {
-    /// Folder of the database, and of the files unless they are elsewhere.
+    /// Folder of the database, and of the files, unless they are elsewhere. Servers on one database may
+    /// share it.
     pub data: PathBuf,
+    pub database: DatabasePlace,
     pub files: FilesPlace,
     /// How long a silent worker keeps its job.
     pub lease: Duration,
@@ -49,6 +52,7 @@ impl StoreOptions {
     pub fn new(data: impl Into<PathBuf>) -> Self {
         Self {
             data: data.into(),
+            database: DatabasePlace::Folder,
             files: FilesPlace::Folder,
             lease: Duration::from_secs(30),
             job_time_limit: None,

@@ -3,9 +3,9 @@ use loadframe_api::{Calibration, JobKind, NeedsView, WaitCode, WaitingView};
 use uuid::Uuid;
 
 use super::Store;
+use super::database::{query_as, row};
 use super::encoding::{parsed, variant};
 use super::error::{Result, StoreError};
-use super::row::row;
 use crate::queue::Refusal;
 use crate::queue::needs::{Lack, Needs, Offer, core_seconds, version};
 
@@ -63,7 +63,7 @@ impl Store {
     /// [`StoreError::NotFound`]; [`StoreError::Conflict`] when it is not queued.
     pub async fn waiting(&self, id: Uuid) -> Result<WaitingView> {
         let now = self.now().as_millis();
-        let row: Option<WaitingRow> = sqlx::query_as(
+        let row: Option<WaitingRow> = query_as(
             "SELECT j.status, j.kind, p.name AS owner_name, p.most_running,
                 (SELECT COUNT(*) FROM attempts a JOIN jobs r ON r.seq = a.job
                  WHERE a.ended_at IS NULL AND r.owner = j.owner) AS running,
@@ -78,7 +78,7 @@ impl Store {
         if row.status != "queued" {
             return Err(StoreError::Conflict(Refusal::NotQueued.to_string()));
         }
-        let workers: Vec<WorkerRow> = sqlx::query_as(
+        let workers: Vec<WorkerRow> = query_as(
             "SELECT kinds, memory_mb, disk_mb, ends_at, threads, release, bond_evaluations_per_s,
                 EXISTS (SELECT 1 FROM machines m WHERE m.host = w.host AND m.worker_name = w.name
                     AND m.until > ?) AS is_set_aside

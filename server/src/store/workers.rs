@@ -6,9 +6,9 @@ use loadframe_api::worker::ClaimRequest;
 use loadframe_api::{Calibration, SetAside, Timestamp, WorkerView};
 use uuid::Uuid;
 
+use super::database::{query, query_as, query_scalar, row};
 use super::encoding::{json, variant};
 use super::error::Result;
-use super::row::row;
 use super::writer::Change;
 use super::{Counts, Store, millis};
 use crate::queue::needs::release;
@@ -65,13 +65,13 @@ impl Change {
         let left = worker.time_left_s.map(Duration::try_from_secs_f64);
         let left = left.and_then(std::result::Result::ok).map(millis);
         let ends_at = left.map(|left| self.now.as_millis().saturating_add(left));
-        sqlx::query(
+        query(
             "INSERT INTO workers (id, name, host, threads, engine_version, bond_evaluations_per_s,
                                   last_seen_at, kinds, memory_mb, disk_mb, ends_at, release)
              VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?9, ?10, ?11, ?12, ?13)
              ON CONFLICT (id) DO UPDATE SET bond_evaluations_per_s = ?6, last_seen_at = ?7,
                 memory_mb = ?10, disk_mb = ?11, ends_at = ?12
-             WHERE last_seen_at < ?8",
+             WHERE workers.last_seen_at < ?8",
         )
         .bind(worker.worker_id)
         .bind(&worker.name)
@@ -93,7 +93,7 @@ impl Change {
 
     /// Notes that a worker speaks under its lease.
     pub(super) async fn touch_worker(&mut self, worker: Uuid) -> Result<()> {
-        sqlx::query("UPDATE workers SET last_seen_at = ?1 WHERE id = ?2 AND last_seen_at < ?3")
+        query("UPDATE workers SET last_seen_at = ?1 WHERE id = ?2 AND last_seen_at < ?3")
             .bind(self.now.as_millis())
             .bind(worker)
             .bind(self.now.as_millis() - HEARD_EVERY)
@@ -114,11 +114,11 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn workers(&self) -> Result<Vec<WorkerView>> {
-        let rows: Vec<WorkerRow> = sqlx::query_as(
+        let rows: Vec<WorkerRow> = query_as(
             "SELECT w.id, w.name, w.host, w.threads, w.engine_version, w.memory_mb, w.disk_mb, w.ends_at,
                     w.last_seen_at,
                     (SELECT j.id FROM attempts a JOIN jobs j ON j.seq = a.job
-                     WHERE a.worker = w.id AND a.ended_at IS NULL) AS job,
+                     WHERE a.worker = w.id AND a.ended_at IS NULL LIMIT 1) AS job,
                     m.until, m.faults, m.code, m.reason
              FROM workers w LEFT JOIN machines m
                 ON m.host = w.host AND m.worker_name = w.name AND m.until > ?
@@ -153,11 +153,11 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn calibration(&self) -> Result<Option<Calibration>> {
-        let speed: Option<f64> = sqlx::query_scalar(
+        let speed: Option<f64> = query_scalar(
             "SELECT bond_evaluations_per_s FROM workers WHERE bond_evaluations_per_s IS NOT NULL
              ORDER BY last_seen_at >= ?1 DESC,
                 CASE WHEN last_seen_at >= ?1 THEN bond_evaluations_per_s ELSE -last_seen_at END
-             LIMIT 1 OFFSET (SELECT MAX(COUNT(*) - 1, 0) / 2 FROM workers
+             LIMIT 1 OFFSET (SELECT CASE WHEN COUNT(*) > 1 THEN (COUNT(*) - 1) / 2 ELSE 0 END FROM workers
                 WHERE bond_evaluations_per_s IS NOT NULL AND last_seen_at >= ?1)",
         )
         .bind(self.alive_since())
@@ -174,7 +174,7 @@ impl Store {
     /// The database's.
     pub async fn counts(&self) -> Result<Counts> {
         let mut counts = Counts::default();
-        let jobs: Vec<(String, i64)> = sqlx::query_as("SELECT state, jobs FROM job_counts")
+        let jobs: Vec<(String, i64)> = query_as("SELECT state, jobs FROM job_counts")
             .fetch_all(self.reads())
             .await?;
         for (state, count) in jobs {
@@ -190,18 +190,18 @@ impl Store {
             };
             *place = count.unsigned_abs();
         }
-        let (oldest, alive, lost, bytes): (Option<i64>, i64, i64, i64) = sqlx::query_as(
+        let (oldest, alive, lost, bytes): (Option<i64>, i64, i64, i64) = query_as(
             "SELECT (SELECT created_at FROM jobs INDEXED BY jobs_waiting_since
                      WHERE status = 'queued' ORDER BY created_at LIMIT 1),
                     (SELECT COUNT(*) FROM workers WHERE last_seen_at >= ?),
                     (SELECT COUNT(*) FROM attempts WHERE end_reason = 'lost'),
-                    (SELECT COALESCE(SUM(bytes), 0) FROM (
+                    (SELECT CAST(COALESCE(SUM(bytes), 0) AS BIGINT) FROM (
                         SELECT sha256, bytes FROM attempt_files
                         UNION SELECT sha256, bytes FROM checkpoint_files
                         UNION SELECT sha256, bytes FROM checkpoints
                         UNION SELECT sha256, bytes FROM trashed_attempt_files
                         UNION SELECT sha256, bytes FROM trashed_checkpoint_files
-                        UNION SELECT sha256, bytes FROM trashed_checkpoints))",
+                        UNION SELECT sha256, bytes FROM trashed_checkpoints) contents)",
         )
         .bind(self.alive_since())
         .fetch_one(self.reads())

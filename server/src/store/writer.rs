@@ -4,6 +4,9 @@
 //! commands that are waiting, runs each in a savepoint of its own inside one transaction, commits
 //! once, and only then answers. A command alone does not wait for company.
 //!
+//! Of several servers on one database each has such a task, and one writes at a time; what it commits, it
+//! tells the others.
+//!
 //! A command that panics, or a connection that fails, costs the transaction: the connection is opened anew,
 //! as often as it takes, and the task goes on.
 use std::pin::Pin;
@@ -12,13 +15,12 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use loadframe_api::Timestamp;
-use sqlx::ConnectOptions;
-use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
 
 use super::clock::Clock;
 use super::collector::Garbage;
+use super::database::{self, Connection, Database, News, query, raise};
 use super::error::{Result, StoreError};
 use super::people::Actor;
 use super::reserve::{Reserve, told_full};
@@ -47,7 +49,7 @@ struct CommandEnd {
 
 /// The change that commands work on: the connection, and what is to follow the commit.
 pub(super) struct Change {
-    pub(super) connection: SqliteConnection,
+    pub(super) connection: Connection,
     clock: Clock,
     /// The moment at which the command happens.
     pub(super) now: Timestamp,
@@ -93,18 +95,8 @@ impl EventType {
 impl Change {
     /// Notes that a job has changed. Its number becomes the version of the job.
     pub(super) async fn event(&mut self, job: i64, id: Uuid, kind: EventType) -> Result<()> {
-        // two statements in one go: every statement is a way to the connection's thread and back
-        let event = sqlx::query(
-            "INSERT OR REPLACE INTO events (job, type, at) VALUES (?1, ?2, ?3);
-             UPDATE jobs SET version = last_insert_rowid(), updated_at = ?3 WHERE seq = ?4",
-        )
-        .bind(id)
-        .bind(kind.name())
-        .bind(self.now.as_millis())
-        .bind(job)
-        .execute(&mut self.connection)
-        .await?
-        .last_insert_rowid();
+        let at = self.now.as_millis();
+        let event = self.connection.event(job, id, kind.name(), at).await?;
         self.effects.last_event = u64::try_from(event).ok();
         Ok(())
     }
@@ -131,6 +123,8 @@ pub(super) struct Writer {
 pub(super) struct Announcements {
     pub(super) last_event: watch::Sender<u64>,
     pub(super) queued: watch::Sender<u64>,
+    /// This server's name for others on its database.
+    pub(super) server: Uuid,
     pub(super) garbage: mpsc::UnboundedSender<Garbage>,
 }
 
@@ -144,8 +138,8 @@ pub(super) struct Guards {
 impl Writer {
     /// Starts the task; it ends when the last writer is dropped.
     pub(super) fn start(
-        connection: SqliteConnection,
-        database: SqliteConnectOptions,
+        connection: Connection,
+        database: Database,
         clock: Clock,
         announcements: Announcements,
         guards: Guards,
@@ -200,7 +194,7 @@ impl Writer {
 
 async fn run(
     mut change: Change,
-    database: SqliteConnectOptions,
+    database: Database,
     mut waiting: mpsc::Receiver<Command>,
     announcements: Announcements,
     guards: Guards,
@@ -208,7 +202,12 @@ async fn run(
     let mut batch = Vec::with_capacity(LARGEST_BATCH);
     while waiting.recv_many(&mut batch, LARGEST_BATCH).await > 0 {
         let mut answers = Vec::new();
-        let committing = commit(&mut change, batch.drain(..), &mut answers);
+        let committing = commit(
+            &mut change,
+            batch.drain(..),
+            &mut answers,
+            announcements.server,
+        );
         let committed = caught("writer", &guards.restarts.writer, committing).await;
         // the answers are dropped where it failed, which tells every caller that nothing was kept; that the
         // disk is full has to be known by then
@@ -251,18 +250,9 @@ fn chain(error: &dyn std::error::Error) -> String {
     causes.join(": ")
 }
 
-/// Whether the connection itself has failed: it is not there any more, or its disk does not read or write
-/// (`SQLITE_IOERR`, `SQLITE_CORRUPT`, `SQLITE_NOTADB`; the low byte of a code is its class).
+/// Whether the connection itself has failed.
 fn is_broken(error: &StoreError) -> bool {
-    const CLASSES: [u32; 3] = [10, 11, 26];
-    match error {
-        StoreError::Database(sqlx::Error::Database(error)) => {
-            let code = error.code().and_then(|code| code.parse::<u32>().ok());
-            code.is_some_and(|code| CLASSES.contains(&(code & 0xff)))
-        }
-        StoreError::Database(_) => true,
-        _ => false,
-    }
+    matches!(error, StoreError::Database(error) if database::is_broken(error))
 }
 
 /// Runs the commands in one transaction; `answers` are theirs, for when it is safe.
@@ -270,10 +260,13 @@ async fn commit(
     change: &mut Change,
     batch: impl Iterator<Item = Command>,
     answers: &mut Vec<Deliver>,
+    server: Uuid,
 ) -> Result<Effects> {
     let mut effects = Effects::default();
     let start = Instant::now();
-    statement(change, "BEGIN IMMEDIATE").await?;
+    if let Some(moment) = change.connection.begin_writing().await? {
+        change.clock.follow(moment);
+    }
     if start.elapsed() > LONG_WAIT {
         change.last_trouble = change.clock.now().as_millis();
     }
@@ -297,19 +290,29 @@ async fn commit(
             effects.garbage.extend(made.garbage);
         }
     }
-    statement(change, "COMMIT").await?;
+    if effects.last_event.is_some() || effects.queued {
+        let (last_event, queued) = (effects.last_event, effects.queued);
+        let news = News {
+            server,
+            last_event,
+            queued,
+        };
+        change.connection.tell(news).await?;
+    }
+    change.connection.commit().await?;
     Ok(effects)
 }
 
 async fn statement(change: &mut Change, sql: &'static str) -> Result<()> {
-    sqlx::query(sql).execute(&mut change.connection).await?;
+    query(sql).execute(&mut change.connection).await?;
     Ok(())
 }
 
 impl Announcements {
     fn announce(&self, effects: Effects) {
         if let Some(event) = effects.last_event {
-            self.last_event.send_replace(event);
+            // another server may have made later ones by now
+            raise(&self.last_event, event);
         }
         if effects.queued {
             self.queued.send_modify(|count| *count += 1);

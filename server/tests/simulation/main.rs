@@ -19,6 +19,8 @@
 //! prints what happened.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 #![allow(clippy::print_stderr, reason = "seeds, and what happened under them")]
+#[path = "../shared/database.rs"]
+mod database;
 mod happening;
 mod history;
 mod network;

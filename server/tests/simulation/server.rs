@@ -79,6 +79,7 @@ impl Server {
             options: StoreOptions {
                 lease: LEASE,
                 clock: Clock::Told(Arc::clone(&clock)),
+                database: crate::database::place(folder),
                 ..StoreOptions::new(folder)
             },
             clock,

@@ -29,10 +29,18 @@ impl AsyncRead for Broken<'_> {
     }
 }
 
+/// Files on their way; servers that share a folder have one each for them, with a lock.
 fn incoming(lab: &Lab) -> usize {
-    std::fs::read_dir(lab.folder.path().join("incoming"))
-        .unwrap()
-        .count()
+    let entries = |folder: &std::path::Path| {
+        let entries = std::fs::read_dir(folder).unwrap();
+        entries
+            .map(|entry| entry.unwrap().path())
+            .collect::<Vec<_>>()
+    };
+    let all = entries(&lab.folder.path().join("incoming"));
+    let (folders, files): (Vec<_>, Vec<_>) = all.into_iter().partition(|path| path.is_dir());
+    let of_servers = folders.iter().map(|folder| entries(folder).len() - 1);
+    files.len() + of_servers.sum::<usize>()
 }
 
 #[tokio::test]

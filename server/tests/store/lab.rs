@@ -192,6 +192,7 @@ pub(crate) fn stored(data: &Path) -> Vec<PathBuf> {
 
 pub(crate) fn options(folder: &TempDir, lease: Duration) -> StoreOptions {
     StoreOptions {
+        database: crate::database::place(folder.path()),
         files: place_of_files(folder),
         lease,
         ..StoreOptions::new(folder.path())

@@ -3,6 +3,8 @@
 mod backlog;
 mod claims;
 mod curves;
+#[path = "../shared/database.rs"]
+mod database;
 mod endings;
 mod events;
 mod faults;
@@ -15,6 +17,7 @@ mod matched;
 mod recovery;
 mod requests;
 mod safety;
+mod shared;
 mod submissions;
 mod sweeping;
 mod tokens;

@@ -1,13 +1,12 @@
 //! People: the first administrator, roles, leaving, handing over.
 use loadframe_api::Timestamp;
 use loadframe_api::people::{PersonChanges, PersonLimits, PersonView, Role, Visibility};
-use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{Connection, query, query_as, query_scalar, row};
 use super::super::encoding::{variant, wire_name};
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::super::writer::Change;
 use super::{clean_name, folded, refused};
 use crate::access::password;
@@ -37,8 +36,8 @@ macro_rules! select_people {
 }
 
 impl PersonRow {
-    pub(super) async fn of(connection: &mut SqliteConnection, id: Uuid) -> Result<Self> {
-        sqlx::query_as(select_people!("WHERE id = ?"))
+    pub(super) async fn of(connection: &mut Connection, id: Uuid) -> Result<Self> {
+        query_as(select_people!("WHERE id = ?"))
             .bind(id)
             .fetch_optional(connection)
             .await?
@@ -79,7 +78,7 @@ impl Store {
         let made = self
             .write(move |change| {
                 Box::pin(async move {
-                    let has_people: bool = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM people)")
+                    let has_people: bool = query_scalar("SELECT EXISTS (SELECT 1 FROM people)")
                         .fetch_one(&mut change.connection)
                         .await?;
                     if has_people {
@@ -87,14 +86,13 @@ impl Store {
                         return Err(StoreError::Conflict(sentence.to_owned()));
                     }
                     let id = change.add_person(&name, Role::Administrator, &kept).await?;
-                    sqlx::query(
-                        "UPDATE jobs SET owner = ?1, project = (SELECT id FROM projects WHERE person = ?1);
-                         UPDATE comparisons SET owner = ?1;
-                         UPDATE tokens SET person = ?1 WHERE person IS NULL AND scope <> 'worker'",
-                    )
-                    .bind(id)
-                    .execute(&mut change.connection)
-                    .await?;
+                    for statement in [
+                        "UPDATE jobs SET owner = ?1, project = (SELECT id FROM projects WHERE person = ?1)",
+                        "UPDATE comparisons SET owner = ?1",
+                        "UPDATE tokens SET person = ?1 WHERE person IS NULL AND scope <> 'worker'",
+                    ] {
+                        query(statement).bind(id).execute(&mut change.connection).await?;
+                    }
                     change.audit("person.first", Some(id), &name).await?;
                     PersonRow::of(&mut change.connection, id).await?.view()
                 })
@@ -109,7 +107,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn people(&self) -> Result<Vec<PersonView>> {
-        let rows: Vec<PersonRow> = sqlx::query_as(select_people!("ORDER BY folded"))
+        let rows: Vec<PersonRow> = query_as(select_people!("ORDER BY folded"))
             .fetch_all(self.reads())
             .await?;
         rows.into_iter().map(PersonRow::view).collect()
@@ -130,7 +128,7 @@ impl Store {
                     Some(false) => None,
                     None => before.left_at,
                 };
-                sqlx::query("UPDATE people SET role = ?, left_at = ? WHERE id = ?")
+                query("UPDATE people SET role = ?, left_at = ? WHERE id = ?")
                     .bind(&role)
                     .bind(left_at)
                     .bind(id)
@@ -158,23 +156,23 @@ impl Store {
             Box::pin(async move {
                 let giver = PersonRow::of(&mut change.connection, from).await?;
                 let taker = change.owner_to_be("/to", to).await?;
-                let jobs = sqlx::query("UPDATE jobs SET owner = ? WHERE owner = ?")
+                let jobs = query("UPDATE jobs SET owner = ? WHERE owner = ?")
                     .bind(to)
                     .bind(from)
                     .execute(&mut change.connection)
                     .await?
                     .rows_affected();
-                sqlx::query("UPDATE trash SET owner = ? WHERE owner = ?")
+                query("UPDATE trash SET owner = ? WHERE owner = ?")
                     .bind(to)
                     .bind(from)
                     .execute(&mut change.connection)
                     .await?;
-                sqlx::query("UPDATE projects SET person = ? WHERE person = ?")
+                query("UPDATE projects SET person = ? WHERE person = ?")
                     .bind(to)
                     .bind(from)
                     .execute(&mut change.connection)
                     .await?;
-                sqlx::query("UPDATE comparisons SET owner = ? WHERE owner = ?")
+                query("UPDATE comparisons SET owner = ? WHERE owner = ?")
                     .bind(to)
                     .bind(from)
                     .execute(&mut change.connection)
@@ -197,12 +195,12 @@ impl Store {
         self.write(move |change| {
             Box::pin(async move {
                 let person = PersonRow::of(&mut change.connection, id).await?;
-                sqlx::query("UPDATE people SET password = ? WHERE id = ?")
+                query("UPDATE people SET password = ? WHERE id = ?")
                     .bind(hash)
                     .bind(id)
                     .execute(&mut change.connection)
                     .await?;
-                sqlx::query("DELETE FROM sessions WHERE person = ? AND id IS NOT ?")
+                query("DELETE FROM sessions WHERE person = ? AND id IS DISTINCT FROM ?")
                     .bind(id)
                     .bind(kept)
                     .execute(&mut change.connection)
@@ -221,7 +219,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn password_of(&self, name: &str) -> Result<Option<(Uuid, Option<String>)>> {
-        let found = sqlx::query_as(
+        let found = query_as(
             "SELECT id, NULLIF(password, '') FROM people WHERE folded = ? AND left_at IS NULL",
         )
         .bind(folded(name.trim()))
@@ -235,7 +233,7 @@ impl Change {
     /// Adds a person with a project of their own.
     pub(super) async fn add_person(&mut self, name: &str, role: Role, kept: &str) -> Result<Uuid> {
         let id = Uuid::now_v7();
-        let added = sqlx::query(
+        let added = query(
             "INSERT INTO people (id, name, folded, role, password, created_at)
              VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (folded) DO NOTHING",
         )
@@ -281,7 +279,7 @@ impl Change {
     }
 
     async fn check_administrators(&mut self) -> Result<()> {
-        let is_led: bool = sqlx::query_scalar(
+        let is_led: bool = query_scalar(
             "SELECT EXISTS (SELECT 1 FROM people WHERE role = 'administrator' AND left_at IS NULL)",
         )
         .fetch_one(&mut self.connection)
@@ -301,7 +299,7 @@ impl Change {
             "UPDATE shares SET revoked_at = ?2 WHERE person = ?1 AND revoked_at IS NULL",
             "UPDATE webhooks SET removed_at = ?2 WHERE person = ?1 AND removed_at IS NULL",
         ] {
-            sqlx::query(statement)
+            query(statement)
                 .bind(person)
                 .bind(self.now.as_millis())
                 .execute(&mut self.connection)

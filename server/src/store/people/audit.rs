@@ -5,8 +5,8 @@ use loadframe_api::{Page, Timestamp};
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query, query_as, row};
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::super::writer::Change;
 
 /// Longest page.
@@ -49,7 +49,7 @@ impl Change {
         let Some(actor) = self.actor.clone() else {
             return Ok(());
         };
-        sqlx::query(
+        query(
             "INSERT INTO audit (at, who, person, credential, action, object, detail, request, address)
              VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
         )
@@ -77,7 +77,7 @@ impl Store {
         let limit = filter.limit.clamp(1, LONGEST_PAGE);
         let before = filter.before.map(i64::try_from).transpose();
         let before = before.map_err(|_| StoreError::Invalid("there is no such line".to_owned()))?;
-        let mut rows: Vec<AuditRow> = sqlx::query_as(
+        let mut rows: Vec<AuditRow> = query_as(
             "SELECT number, at, who, person, credential, action, object, detail, request, address
              FROM audit WHERE (?1 IS NULL OR number < ?1) AND (?2 IS NULL OR person = ?2)
                 AND (?3 IS NULL OR object = ?3)

@@ -9,14 +9,13 @@ use std::time::Duration;
 
 use loadframe_api::Timestamp;
 use loadframe_api::people::Scope;
-use sqlx::SqlitePool;
 use tokio::sync::watch;
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{Pool, query, query_as, query_scalar, row};
 use super::super::encoding::{parsed, variant};
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use crate::access::{Caller, Credential, Identity, JobFacts, Link, Person, ProjectFacts};
 
 /// How often changes by other processes are looked for.
@@ -37,7 +36,7 @@ pub struct AccessState {
 
 impl AccessState {
     /// As it is in the database.
-    pub(in super::super) async fn read(pool: &SqlitePool) -> Result<Arc<Self>> {
+    pub(in super::super) async fn read(pool: &Pool) -> Result<Arc<Self>> {
         let state = Self {
             has_people: AtomicBool::new(false),
             version: watch::Sender::new(0),
@@ -46,9 +45,9 @@ impl AccessState {
         Ok(Arc::new(state))
     }
 
-    pub(super) async fn refresh(&self, pool: &SqlitePool) -> Result<()> {
+    pub(super) async fn refresh(&self, pool: &Pool) -> Result<()> {
         let (version, has_people): (i64, bool) =
-            sqlx::query_as("SELECT version, EXISTS (SELECT 1 FROM people) FROM access")
+            query_as("SELECT version, EXISTS (SELECT 1 FROM people) FROM access")
                 .fetch_one(pool)
                 .await?;
         self.has_people.store(has_people, Ordering::Release);
@@ -59,7 +58,7 @@ impl AccessState {
     }
 
     /// Follows the database until nobody else has this.
-    pub(in super::super) async fn keep_fresh(self: Arc<Self>, pool: SqlitePool) {
+    pub(in super::super) async fn keep_fresh(self: Arc<Self>, pool: Pool) {
         while Arc::strong_count(&self) > 1 {
             tokio::time::sleep(LOOK_EVERY).await;
             if let Err(error) = self.refresh(&pool).await {
@@ -168,7 +167,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn access_version(&self) -> Result<u64> {
-        let version: i64 = sqlx::query_scalar("SELECT version FROM access")
+        let version: i64 = query_scalar("SELECT version FROM access")
             .fetch_one(self.lookups())
             .await?;
         Ok(version.unsigned_abs())
@@ -216,7 +215,7 @@ impl Store {
 
     async fn token_caller(&self, sha256: Option<&str>, id: Option<Uuid>) -> Result<Option<Caller>> {
         let now = self.now().as_millis();
-        let row: Option<CredentialRow> = sqlx::query_as(
+        let row: Option<CredentialRow> = query_as(
             "SELECT t.id, t.scope, t.expires_at, t.last_used_at, t.person, p.name, p.role,
                     (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = t.person) AS teams
              FROM tokens t LEFT JOIN people p ON p.id = t.person
@@ -249,7 +248,7 @@ impl Store {
         id: Option<Uuid>,
     ) -> Result<Option<Caller>> {
         let now = self.now().as_millis();
-        let row: Option<CredentialRow> = sqlx::query_as(
+        let row: Option<CredentialRow> = query_as(
             "SELECT s.id, 'everything' AS scope, s.expires_at, s.last_used_at, s.person, p.name, p.role,
                     (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = s.person) AS teams
              FROM sessions s JOIN people p ON p.id = s.person
@@ -281,7 +280,7 @@ impl Store {
         person: Uuid,
         credential: Credential,
     ) -> Result<Option<Caller>> {
-        let row: Option<CredentialRow> = sqlx::query_as(
+        let row: Option<CredentialRow> = query_as(
             "SELECT p.id, 'everything' AS scope, NULL AS expires_at, NULL AS last_used_at,
                     p.id AS person, p.name, p.role,
                     (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = p.id) AS teams
@@ -294,7 +293,7 @@ impl Store {
     }
 
     async fn link_caller(&self, sha256: Option<&str>, id: Option<Uuid>) -> Result<Option<Caller>> {
-        let row: Option<LinkRow> = sqlx::query_as(
+        let row: Option<LinkRow> = query_as(
             "SELECT s.id, s.job, s.project, s.comparison, s.shows_files, s.expires_at,
                     (SELECT json_group_array(hex(job)) FROM comparison_jobs n
                      WHERE n.comparison = s.comparison) AS compared
@@ -332,7 +331,7 @@ impl Store {
         tokio::spawn(async move {
             let noted = store.write(move |change| {
                 Box::pin(async move {
-                    sqlx::query(statement)
+                    query(statement)
                         .bind(now)
                         .bind(id)
                         .execute(&mut change.connection)
@@ -351,7 +350,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`].
     pub async fn job_facts(&self, id: Uuid) -> Result<JobFacts> {
-        let row: Option<FactsRow> = sqlx::query_as(
+        let row: Option<FactsRow> = query_as(
             "SELECT j.owner, p.id AS project, p.person, p.team, p.visibility, p.archived_at,
                     (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = p.person) AS circle
              FROM jobs j LEFT JOIN projects p ON p.id = j.project AND p.deleted_at IS NULL
@@ -373,7 +372,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn project_facts(&self) -> Result<Vec<ProjectFacts>> {
-        let rows: Vec<FactsRow> = sqlx::query_as(
+        let rows: Vec<FactsRow> = query_as(
             "SELECT NULL AS owner, p.id AS project, p.person, p.team, p.visibility, p.archived_at,
                     (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = p.person) AS circle
              FROM projects p WHERE p.deleted_at IS NULL ORDER BY p.id",

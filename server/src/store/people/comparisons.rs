@@ -5,13 +5,12 @@
 use loadframe_api::Timestamp;
 use loadframe_api::comparison::{ComparisonChanges, ComparisonView, NewComparison};
 use loadframe_api::people::Named;
-use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{Connection, query, query_as, query_scalar, row};
 use super::super::error::{Result, StoreError};
 use super::super::jobs::hex_names;
-use super::super::row::row;
 use super::clean_name;
 use crate::access::{ComparisonFacts, ProjectFacts, Sight};
 
@@ -47,8 +46,8 @@ macro_rules! select_comparisons {
 }
 
 impl ComparisonRow {
-    async fn of(connection: &mut SqliteConnection, id: Uuid) -> Result<Self> {
-        sqlx::query_as(select_comparisons!("WHERE c.id = ?"))
+    async fn of(connection: &mut Connection, id: Uuid) -> Result<Self> {
+        query_as(select_comparisons!("WHERE c.id = ?"))
             .bind(id)
             .fetch_optional(connection)
             .await?
@@ -91,7 +90,7 @@ impl Store {
         let jobs = hex_names(&new.jobs)?;
         self.write(move |change| {
             Box::pin(async move {
-                sqlx::query(
+                query(
                     "INSERT INTO comparisons (id, name, view, owner, project, created_at)
                      VALUES (?1, ?2, ?3,
                         COALESCE(?4, (SELECT id FROM people WHERE role = 'administrator'
@@ -105,7 +104,7 @@ impl Store {
                 .bind(change.now.as_millis())
                 .execute(&mut change.connection)
                 .await?;
-                sqlx::query(
+                query(
                     "INSERT INTO comparison_jobs (comparison, place, job)
                      SELECT ?, key, unhex(value) FROM json_each(?)",
                 )
@@ -134,12 +133,11 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn comparison_jobs(&self, id: Uuid) -> Result<Vec<Uuid>> {
-        let jobs = sqlx::query_scalar(
-            "SELECT job FROM comparison_jobs WHERE comparison = ? ORDER BY place",
-        )
-        .bind(id)
-        .fetch_all(self.reads())
-        .await?;
+        let jobs =
+            query_scalar("SELECT job FROM comparison_jobs WHERE comparison = ? ORDER BY place")
+                .bind(id)
+                .fetch_all(self.reads())
+                .await?;
         Ok(jobs)
     }
 
@@ -148,7 +146,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn comparisons(&self, sight: &Sight) -> Result<Vec<ComparisonView>> {
-        let rows: Vec<ComparisonRow> = sqlx::query_as(select_comparisons!(
+        let rows: Vec<ComparisonRow> = query_as(select_comparisons!(
             "WHERE ?1 OR c.owner = ?2 OR c.id = ?3
                 OR c.project IN (SELECT unhex(value) FROM json_each(?4))
              ORDER BY c.created_at DESC, c.id DESC LIMIT ?5"
@@ -176,7 +174,7 @@ impl Store {
         let name = name.map(|name| clean_name("/name", name)).transpose()?;
         self.write(move |change| {
             Box::pin(async move {
-                sqlx::query(
+                query(
                     "UPDATE comparisons SET name = COALESCE(?, name), view = COALESCE(?, view)
                      WHERE id = ?",
                 )
@@ -203,7 +201,7 @@ impl Store {
         self.write_from_reserve(move |change| {
             Box::pin(async move {
                 let name: Option<String> =
-                    sqlx::query_scalar("DELETE FROM comparisons WHERE id = ? RETURNING name")
+                    query_scalar("DELETE FROM comparisons WHERE id = ? RETURNING name")
                         .bind(id)
                         .fetch_optional(&mut change.connection)
                         .await?;
@@ -224,7 +222,7 @@ impl Store {
         projects: Vec<ProjectFacts>,
     ) -> Result<ComparisonFacts> {
         let row: Option<(Option<Uuid>, Option<Uuid>)> =
-            sqlx::query_as("SELECT owner, project FROM comparisons WHERE id = ?")
+            query_as("SELECT owner, project FROM comparisons WHERE id = ?")
                 .bind(id)
                 .fetch_optional(self.lookups())
                 .await?;

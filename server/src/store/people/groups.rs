@@ -6,6 +6,7 @@ use loadframe_api::people::{GroupView, Named};
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query, query_as, query_scalar};
 use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
 use super::accounts::PersonRow;
@@ -21,7 +22,7 @@ impl Store {
         let id = Uuid::now_v7();
         self.write(move |change| {
             Box::pin(async move {
-                let added = sqlx::query(
+                let added = query(
                     "INSERT INTO groups (id, name, folded, created_at) VALUES (?, ?, ?, ?)
                      ON CONFLICT (folded) DO NOTHING",
                 )
@@ -55,14 +56,14 @@ impl Store {
     pub async fn groups(&self) -> Result<Vec<GroupView>> {
         let mut snapshot = self.reads().begin().await?;
         let groups: Vec<(Uuid, String, i64)> =
-            sqlx::query_as("SELECT id, name, created_at FROM groups ORDER BY folded")
-                .fetch_all(&mut *snapshot)
+            query_as("SELECT id, name, created_at FROM groups ORDER BY folded")
+                .fetch_all(&mut snapshot)
                 .await?;
-        let members: Vec<(Uuid, Uuid, String)> = sqlx::query_as(
+        let members: Vec<(Uuid, Uuid, String)> = query_as(
             "SELECT m.team, p.id, p.name FROM members m JOIN people p ON p.id = m.person
              ORDER BY p.folded",
         )
-        .fetch_all(&mut *snapshot)
+        .fetch_all(&mut snapshot)
         .await?;
         let mut of_group: BTreeMap<Uuid, Vec<Named>> = BTreeMap::new();
         for (group, id, name) in members {
@@ -95,7 +96,7 @@ impl Store {
                         ("group.joined", "in")
                     }
                     false => {
-                        sqlx::query("DELETE FROM members WHERE team = ? AND person = ?")
+                        query("DELETE FROM members WHERE team = ? AND person = ?")
                             .bind(group)
                             .bind(person)
                             .execute(&mut change.connection)
@@ -113,7 +114,7 @@ impl Store {
 
 impl Change {
     pub(super) async fn add_member(&mut self, group: Uuid, person: Uuid) -> Result<()> {
-        sqlx::query("INSERT OR IGNORE INTO members (team, person) VALUES (?, ?)")
+        query("INSERT INTO members (team, person) VALUES (?, ?) ON CONFLICT DO NOTHING")
             .bind(group)
             .bind(person)
             .execute(&mut self.connection)
@@ -122,7 +123,7 @@ impl Change {
     }
 
     pub(super) async fn group_name(&mut self, id: Uuid) -> Result<String> {
-        sqlx::query_scalar("SELECT name FROM groups WHERE id = ?")
+        query_scalar("SELECT name FROM groups WHERE id = ?")
             .bind(id)
             .fetch_optional(&mut self.connection)
             .await?

@@ -3,6 +3,7 @@ use loadframe_api::people::Role;
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query, query_as, query_scalar};
 use super::super::encoding::{parsed, variant, wire_name};
 use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
@@ -94,7 +95,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn caller_by_identity(&self, issuer: &str, subject: &str) -> Result<Option<Caller>> {
-        let person: Option<Uuid> = sqlx::query_scalar(
+        let person: Option<Uuid> = query_scalar(
             "SELECT i.person FROM identities i JOIN people p ON p.id = i.person
              WHERE i.issuer = ? AND i.subject = ? AND p.left_at IS NULL",
         )
@@ -111,7 +112,7 @@ impl Store {
 
 impl Change {
     async fn person_of(&mut self, identity: &Identity) -> Result<Option<(Uuid, String, bool)>> {
-        let found = sqlx::query_as(
+        let found = query_as(
             "SELECT p.id, p.name, p.left_at IS NOT NULL FROM identities i
              JOIN people p ON p.id = i.person WHERE i.issuer = ? AND i.subject = ?",
         )
@@ -125,7 +126,7 @@ impl Change {
     /// Gives the identity to an account that is there.
     async fn link(&mut self, identity: &Identity, person: Uuid) -> Result<Arrival> {
         let name: Option<String> =
-            sqlx::query_scalar("SELECT name FROM people WHERE id = ? AND left_at IS NULL")
+            query_scalar("SELECT name FROM people WHERE id = ? AND left_at IS NULL")
                 .bind(person)
                 .fetch_optional(&mut self.connection)
                 .await?;
@@ -140,22 +141,20 @@ impl Change {
     }
 
     async fn add_identity(&mut self, identity: &Identity, person: Uuid) -> Result<()> {
-        sqlx::query(
-            "INSERT INTO identities (issuer, subject, person, created_at) VALUES (?, ?, ?, ?)",
-        )
-        .bind(&identity.issuer)
-        .bind(&identity.subject)
-        .bind(person)
-        .bind(self.now.as_millis())
-        .execute(&mut self.connection)
-        .await?;
+        query("INSERT INTO identities (issuer, subject, person, created_at) VALUES (?, ?, ?, ?)")
+            .bind(&identity.issuer)
+            .bind(&identity.subject)
+            .bind(person)
+            .bind(self.now.as_millis())
+            .execute(&mut self.connection)
+            .await?;
         Ok(())
     }
 
     /// Accepts the oldest invitation in force to this address.
     async fn invitation_to(&mut self, email: Option<&str>) -> Result<Option<(Role, Vec<Uuid>)>> {
         let Some(email) = email else { return Ok(None) };
-        let offered: Option<(String, String)> = sqlx::query_as(
+        let offered: Option<(String, String)> = query_as(
             "UPDATE invitations SET accepted_at = ?1 WHERE id = (
                 SELECT id FROM invitations WHERE email = ?2 AND accepted_at IS NULL
                     AND revoked_at IS NULL AND expires_at > ?1 ORDER BY created_at, id LIMIT 1)
@@ -174,7 +173,7 @@ impl Change {
     async fn groups_named(&mut self, names: &[String]) -> Result<Vec<Uuid>> {
         let mut groups = Vec::new();
         for name in names {
-            let found = sqlx::query_scalar("SELECT id FROM groups WHERE folded = ?")
+            let found = query_scalar("SELECT id FROM groups WHERE folded = ?")
                 .bind(folded(name))
                 .fetch_optional(&mut self.connection)
                 .await?;

@@ -6,9 +6,9 @@ use loadframe_api::{Timestamp, sha256_hex};
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query, query_as, query_scalar, row};
 use super::super::encoding::{json, parsed, variant, wire_name};
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::accounts::{PersonRow, hashed};
 use super::identities::clean_email;
 use super::secret::Secret;
@@ -58,7 +58,7 @@ impl Store {
                     }
                     let now = change.now.as_millis();
                     let expires_at = now + i64::from(new.days) * DAY;
-                    sqlx::query(
+                    query(
                         "INSERT INTO invitations (id, secret_sha256, role, groups, created_at, expires_at, email)
                          VALUES (?, ?, ?, ?, ?, ?, ?)",
                     )
@@ -89,7 +89,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn invitations(&self) -> Result<Vec<InvitationView>> {
-        let rows: Vec<InvitationRow> = sqlx::query_as(
+        let rows: Vec<InvitationRow> = query_as(
             "SELECT id, role, groups, created_at, expires_at, accepted_at, revoked_at, email
              FROM invitations ORDER BY created_at DESC, id LIMIT 1000",
         )
@@ -117,7 +117,7 @@ impl Store {
     pub async fn revoke_invitation(&self, id: Uuid) -> Result<()> {
         self.write(move |change| {
             Box::pin(async move {
-                let accepted: Option<Option<i64>> = sqlx::query_scalar(
+                let accepted: Option<Option<i64>> = query_scalar(
                     "UPDATE invitations SET revoked_at = COALESCE(revoked_at, ?) WHERE id = ?
                      RETURNING accepted_at",
                 )
@@ -149,7 +149,7 @@ impl Store {
         let kept = hashed("/password", given.password).await?;
         self.write(move |change| {
             Box::pin(async move {
-                let offered: Option<(Uuid, String, String)> = sqlx::query_as(
+                let offered: Option<(Uuid, String, String)> = query_as(
                     "UPDATE invitations SET accepted_at = ?1
                      WHERE secret_sha256 = ?2 AND accepted_at IS NULL AND revoked_at IS NULL
                        AND expires_at > ?1 RETURNING id, role, groups",
@@ -176,7 +176,7 @@ impl Store {
     }
 
     async fn offer(&self, sha256: &str) -> Result<()> {
-        let is_in_force: bool = sqlx::query_scalar(
+        let is_in_force: bool = query_scalar(
             "SELECT EXISTS (SELECT 1 FROM invitations WHERE secret_sha256 = ? AND accepted_at IS NULL
                 AND revoked_at IS NULL AND expires_at > ?)",
         )

@@ -1,10 +1,10 @@
 //! How much each person may use.
 use loadframe_api::Estimate;
 use loadframe_api::people::{Allowance, PersonLimits, PersonUse};
-use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{Connection, query, query_as, query_scalar};
 use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
 use super::accounts::PersonRow;
@@ -33,7 +33,7 @@ impl Store {
                 if !violations.is_empty() {
                     return Err(StoreError::Refused(violations));
                 }
-                sqlx::query(
+                query(
                     "UPDATE people SET most_running = ?, most_queued_core_h = ?, most_disk_gb = ?,
                         may_hurry = ? WHERE id = ?",
                 )
@@ -76,11 +76,11 @@ fn told(limits: &PersonLimits) -> String {
     )
 }
 
-async fn allowance(connection: &mut SqliteConnection, person: Uuid, now: i64) -> Result<Allowance> {
+async fn allowance(connection: &mut Connection, person: Uuid, now: i64) -> Result<Allowance> {
     let limits = PersonRow::of(connection, person).await?.view()?.limits;
-    let (level, bytes, queued_ms, running): (Option<f64>, i64, i64, u32) = sqlx::query_as(
+    let (level, bytes, queued_ms, running): (Option<f64>, i64, i64, u32) = query_as(
         "SELECT p.use_level, p.file_bytes,
-            (SELECT COALESCE(SUM(core_ms), 0) FROM waiting_lines WHERE owner = p.id),
+            (SELECT CAST(COALESCE(SUM(core_ms), 0) AS BIGINT) FROM waiting_lines WHERE owner = p.id),
             (SELECT COUNT(*) FROM attempts a JOIN jobs j ON j.seq = a.job
              WHERE a.ended_at IS NULL AND j.owner = p.id)
          FROM people p WHERE p.id = ?",
@@ -126,7 +126,7 @@ impl Change {
         let (Some(person), Some(priority)) = (person, priority) else {
             return Ok(());
         };
-        let before: i32 = sqlx::query_scalar("SELECT priority FROM jobs WHERE seq = ?")
+        let before: i32 = query_scalar("SELECT priority FROM jobs WHERE seq = ?")
             .bind(job)
             .fetch_one(&mut self.connection)
             .await?;

@@ -2,6 +2,7 @@
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::query_scalar;
 use super::super::error::Result;
 use super::super::jobs::hex_names;
 use crate::access::Sight;
@@ -9,9 +10,8 @@ use crate::access::Sight;
 impl Store {
     /// Numbers of the newest `count` jobs before the number `before` that `sight` shows, newest first.
     ///
-    /// Every project, and the jobs of the person, are a stream that falls; the streams are merged by a
-    /// recursion that always goes on from the largest number it has, a step of one search in an index
-    /// each. So a page takes as long among a million jobs as among a thousand.
+    /// Every project, and the jobs of the person, are a stream that falls, and the database merges them: so a
+    /// page takes as long among a million jobs as among a thousand.
     pub(in super::super) async fn newest_seen(
         &self,
         sight: &Sight,
@@ -20,7 +20,7 @@ impl Store {
     ) -> Result<Vec<i64>> {
         // a link to one job, or to those of a comparison
         if !sight.jobs.is_empty() {
-            let seq = sqlx::query_scalar(
+            let seq = query_scalar(
                 "SELECT seq FROM jobs WHERE id IN (SELECT unhex(value) FROM json_each(?)) AND seq < ?
                  ORDER BY seq DESC LIMIT ?",
             )
@@ -35,33 +35,16 @@ impl Store {
         let projects: Vec<Uuid> = seen_projects
             .filter(|project| !sight.not_in.contains(project))
             .collect();
-        let mut seen: Vec<i64> = sqlx::query_scalar(
-            "WITH RECURSIVE seen(project, seq) AS (
-                SELECT unhex(value), (SELECT MAX(j.seq) FROM jobs j
-                    WHERE j.project = unhex(value) AND j.seq < ?1 AND j.owner IS NOT ?4)
-                FROM json_each(?2)
-                UNION ALL
-                SELECT NULL, (SELECT MAX(j.seq) FROM jobs j WHERE j.owner = ?3 AND j.seq < ?1
-                    AND (j.project IS NULL OR j.project NOT IN (SELECT unhex(value) FROM json_each(?5))))
-                UNION ALL
-                SELECT project, CASE WHEN project IS NULL
-                    THEN (SELECT MAX(j.seq) FROM jobs j WHERE j.owner = ?3 AND j.seq < seen.seq
-                        AND (j.project IS NULL OR j.project NOT IN (SELECT unhex(value) FROM json_each(?5))))
-                    ELSE (SELECT MAX(j.seq) FROM jobs j WHERE j.project = seen.project
-                        AND j.seq < seen.seq AND j.owner IS NOT ?4) END
-                FROM seen WHERE seq IS NOT NULL
-                ORDER BY 2 DESC)
-             SELECT seq FROM seen WHERE seq IS NOT NULL LIMIT ?6",
-        )
-        .bind(before)
-        .bind(hex_names(&projects)?)
-        .bind(sight.owner)
-        .bind(sight.not_of)
-        .bind(hex_names(&sight.not_in)?)
-        // one's own job in a project that one sees comes twice, one after the other
-        .bind(2 * count)
-        .fetch_all(self.reads())
-        .await?;
+        let mut seen: Vec<i64> = query_scalar(self.reads().texts().newest_seen)
+            .bind(before)
+            .bind(hex_names(&projects)?)
+            .bind(sight.owner)
+            .bind(sight.not_of)
+            .bind(hex_names(&sight.not_in)?)
+            // one's own job in a project that one sees comes twice, one after the other
+            .bind(2 * count)
+            .fetch_all(self.reads())
+            .await?;
         seen.dedup();
         seen.truncate(count as usize);
         Ok(seen)

@@ -9,9 +9,9 @@ use sha2::Sha256;
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query, query_as, row};
 use super::super::encoding::{json, parsed};
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::invitations::DAY;
 use super::refused;
 use super::webhooks::{Channel, Key, QUIET_MAIL, once_each};
@@ -70,7 +70,7 @@ impl Store {
         self.write(move |change| {
             Box::pin(async move {
                 let now = change.now.as_millis();
-                let (count, today): (i64, i64) = sqlx::query_as(
+                let (count, today): (i64, i64) = query_as(
                     "SELECT COUNT(*) FILTER (WHERE removed_at IS NULL),
                             COUNT(*) FILTER (WHERE created_at > ?2)
                      FROM webhooks WHERE person = ?1 AND channel = 'mail'",
@@ -89,7 +89,7 @@ impl Store {
                     let allowed = "at most 20 in a day, for each is written to";
                     return Err(refused("/address", "too_many", detail, today, allowed));
                 }
-                sqlx::query(
+                query(
                     "INSERT INTO webhooks (id, person, project, channel, url, events, wanted, created_at)
                      VALUES (?, ?, ?, 'mail', ?, '[]', ?, ?)",
                 )
@@ -101,7 +101,7 @@ impl Store {
                 .bind(now)
                 .execute(&mut change.connection)
                 .await?;
-                sqlx::query(
+                query(
                     "INSERT INTO outbox (webhook, event, at, body) VALUES (?, ?, ?, '{}')",
                 )
                 .bind(id)
@@ -125,7 +125,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn mails(&self, person: Uuid) -> Result<Vec<MailView>> {
-        let rows: Vec<MailRow> = sqlx::query_as(
+        let rows: Vec<MailRow> = query_as(
             "SELECT w.id, w.url AS address, w.events, w.wanted, w.project, p.name AS project_name,
                     w.created_at, w.told_at, w.failures, w.last_error,
                     (SELECT COUNT(*) FROM outbox o WHERE o.webhook = w.id) AS waiting
@@ -161,7 +161,7 @@ impl Store {
         self.write(move |change| {
             Box::pin(async move {
                 let now = change.now.as_millis();
-                let verified = sqlx::query(
+                let verified = query(
                     "UPDATE webhooks SET events = COALESCE(wanted, events), wanted = NULL
                      WHERE id = ? AND person = ? AND channel = 'mail' AND removed_at IS NULL
                        AND (wanted IS NULL OR created_at > ?)",

@@ -1,13 +1,12 @@
 //! Projects: jobs that belong together, of a person or of a group.
 use loadframe_api::Timestamp;
 use loadframe_api::people::{Named, NewProject, ProjectChanges, ProjectView, Visibility};
-use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{Connection, query, query_as, query_scalar, row};
 use super::super::encoding::{variant, wire_name};
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::super::writer::Change;
 use super::{clean_name, refused};
 
@@ -38,8 +37,8 @@ macro_rules! select_projects {
 }
 
 impl ProjectRow {
-    async fn of(connection: &mut SqliteConnection, id: Uuid) -> Result<Self> {
-        sqlx::query_as(select_projects!("WHERE p.id = ? AND p.deleted_at IS NULL"))
+    async fn of(connection: &mut Connection, id: Uuid) -> Result<Self> {
+        query_as(select_projects!("WHERE p.id = ? AND p.deleted_at IS NULL"))
             .bind(id)
             .fetch_optional(connection)
             .await?
@@ -68,7 +67,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn projects(&self) -> Result<Vec<ProjectView>> {
-        let rows: Vec<ProjectRow> = sqlx::query_as(select_projects!(
+        let rows: Vec<ProjectRow> = query_as(select_projects!(
             "WHERE p.deleted_at IS NULL ORDER BY p.archived_at IS NOT NULL, p.name, p.id"
         ))
         .fetch_all(self.reads())
@@ -138,7 +137,7 @@ impl Store {
                     Some(false) => None,
                     None => was_archived,
                 };
-                sqlx::query(
+                query(
                     "UPDATE projects SET name = ?, visibility = ?, person = ?, team = ?,
                         archived_at = ? WHERE id = ?",
                 )
@@ -176,7 +175,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::Conflict`] when all are archived.
     pub async fn project_of(&self, person: Uuid) -> Result<Uuid> {
-        let found = sqlx::query_scalar(
+        let found = query_scalar(
             "SELECT id FROM projects WHERE person = ? AND archived_at IS NULL AND deleted_at IS NULL
              ORDER BY created_at, id LIMIT 1",
         )
@@ -197,7 +196,7 @@ impl Change {
         visibility: Visibility,
     ) -> Result<Uuid> {
         let id = Uuid::now_v7();
-        sqlx::query(
+        query(
             "INSERT INTO projects (id, name, person, team, visibility, created_at)
              VALUES (?, ?, ?, ?, ?, ?)",
         )

@@ -4,10 +4,10 @@
 //! later; until then all of it can be brought back.
 use loadframe_api::Timestamp;
 use loadframe_api::people::{FilesOfJobs, RetentionRule, RetentionView};
-use sqlx::sqlite::SqliteConnection;
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{Connection, query, query_as, query_scalar};
 use super::super::error::Result;
 use super::super::writer::Change;
 use super::invitations::DAY;
@@ -50,10 +50,10 @@ fn check(rule: &RetentionRule) -> Result<()> {
 }
 
 async fn rule_of(
-    connection: &mut SqliteConnection,
+    connection: &mut Connection,
     project: Uuid,
 ) -> Result<(RetentionRule, Option<Timestamp>)> {
-    let found: Option<(Option<u32>, Option<u32>, i64)> = sqlx::query_as(
+    let found: Option<(Option<u32>, Option<u32>, i64)> = query_as(
         "SELECT snapshots_days, curves_days, in_force_at FROM retention WHERE project = ?",
     )
     .bind(project)
@@ -95,8 +95,8 @@ impl Store {
         let asked = asked.unwrap_or(rule);
         check(&asked)?;
         let before = |days: Option<u32>| days.map(|days| now.as_millis() - i64::from(days) * DAY);
-        let would_remove = sqlx::query_as(
-            "SELECT COUNT(DISTINCT j.seq), COUNT(*), COALESCE(SUM(f.bytes), 0)
+        let would_remove = query_as(
+            "SELECT COUNT(DISTINCT j.seq), COUNT(*), CAST(COALESCE(SUM(f.bytes), 0) AS BIGINT)
              FROM jobs j JOIN attempts a ON a.job = j.seq JOIN attempt_files f ON f.attempt = a.seq
              WHERE j.project = ?1 AND f.removed_at IS NULL
                AND ((f.kind = 'snapshots' AND j.cleared < 1 AND j.finished_at < ?2)
@@ -105,15 +105,15 @@ impl Store {
         .bind(project)
         .bind(before(asked.snapshots_days))
         .bind(before(asked.curves_days))
-        .fetch_one(&mut *snapshot)
+        .fetch_one(&mut snapshot)
         .await?;
-        let (jobs, files, bytes, since): (i64, i64, i64, Option<i64>) = sqlx::query_as(
-            "SELECT COUNT(DISTINCT j.seq), COUNT(*), COALESCE(SUM(f.bytes), 0), MIN(f.removed_at)
+        let (jobs, files, bytes, since): (i64, i64, i64, Option<i64>) = query_as(
+            "SELECT COUNT(DISTINCT j.seq), COUNT(*), CAST(COALESCE(SUM(f.bytes), 0) AS BIGINT), MIN(f.removed_at)
              FROM attempt_files f JOIN attempts a ON a.seq = f.attempt JOIN jobs j ON j.seq = a.job
              WHERE f.removed_at IS NOT NULL AND j.project = ?",
         )
         .bind(project)
-        .fetch_one(&mut *snapshot)
+        .fetch_one(&mut snapshot)
         .await?;
         Ok(RetentionView {
             rule,
@@ -133,16 +133,17 @@ impl Store {
         self.write(move |change| {
             Box::pin(async move {
                 if rule == RetentionRule::default() {
-                    sqlx::query("DELETE FROM retention WHERE project = ?")
+                    query("DELETE FROM retention WHERE project = ?")
                         .bind(project)
                         .execute(&mut change.connection)
                         .await?;
                 } else {
                     let now = change.now.as_millis();
-                    sqlx::query(
-                        "INSERT OR REPLACE INTO retention
-                            (project, snapshots_days, curves_days, set_at, in_force_at)
-                         VALUES (?, ?, ?, ?, ?)",
+                    query(
+                        "INSERT INTO retention (project, snapshots_days, curves_days, set_at, in_force_at)
+                         VALUES (?1, ?2, ?3, ?4, ?5)
+                         ON CONFLICT (project) DO UPDATE SET snapshots_days = ?2, curves_days = ?3,
+                            set_at = ?4, in_force_at = ?5",
                     )
                     .bind(project)
                     .bind(rule.snapshots_days)
@@ -174,7 +175,7 @@ impl Store {
     pub async fn undo_retention(&self, project: Uuid) -> Result<u64> {
         self.write(move |change| {
             Box::pin(async move {
-                let files = sqlx::query(
+                let files = query(
                     "UPDATE attempt_files SET removed_at = NULL WHERE removed_at IS NOT NULL
                         AND attempt IN (SELECT a.seq FROM attempts a JOIN jobs j ON j.seq = a.job
                                         WHERE j.project = ?)",
@@ -187,7 +188,7 @@ impl Store {
                     "UPDATE jobs SET cleared = 0 WHERE project = ? AND cleared > 0 AND finished_at IS NOT NULL",
                     "DELETE FROM retention WHERE project = ?",
                 ] {
-                    sqlx::query(statement)
+                    query(statement)
                         .bind(project)
                         .execute(&mut change.connection)
                         .await?;
@@ -206,7 +207,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn retain(&self, now: Timestamp) -> Result<(u64, u64)> {
-        let rules: Vec<(Uuid, Option<u32>, Option<u32>)> = sqlx::query_as(
+        let rules: Vec<(Uuid, Option<u32>, Option<u32>)> = query_as(
             "SELECT project, snapshots_days, curves_days FROM retention WHERE in_force_at <= ?",
         )
         .bind(now.as_millis())
@@ -217,7 +218,7 @@ impl Store {
         // of webhooks whose person may not be told any more
         self.write_from_reserve(move |change| {
             Box::pin(async move {
-                sqlx::query("DELETE FROM outbox WHERE at < ?")
+                query("DELETE FROM outbox WHERE at < ?")
                     .bind(now.as_millis() - 2 * DAY)
                     .execute(&mut change.connection)
                     .await?;
@@ -292,7 +293,7 @@ impl Change {
         before: i64,
         now: Timestamp,
     ) -> Result<(usize, u64)> {
-        let jobs: Vec<i64> = sqlx::query_scalar(
+        let jobs: Vec<i64> = query_scalar(
             "UPDATE jobs SET cleared = ?2 WHERE seq IN (
                 SELECT seq FROM jobs WHERE project = ?1 AND cleared < ?2 AND finished_at < ?3 LIMIT ?4)
              RETURNING seq",
@@ -305,7 +306,7 @@ impl Change {
         .await?;
         let mut files = 0;
         for job in &jobs {
-            let removed = sqlx::query(
+            let removed = query(
                 "UPDATE attempt_files SET removed_at = ?3 WHERE removed_at IS NULL AND kind = ?2
                     AND attempt IN (SELECT seq FROM attempts WHERE job = ?1)",
             )
@@ -326,7 +327,7 @@ impl Change {
 
     /// Forgets the next files that were removed long ago, with the points of curves; tells how many.
     async fn forget(&mut self, before: i64) -> Result<usize> {
-        let gone: Vec<(i64, String, String)> = sqlx::query_as(
+        let gone: Vec<(i64, String, String)> = query_as(
             "DELETE FROM attempt_files WHERE (attempt, name) IN (
                 SELECT attempt, name FROM attempt_files WHERE removed_at < ? LIMIT ?)
              RETURNING attempt, name, sha256",
@@ -337,7 +338,7 @@ impl Change {
         .await?;
         for (attempt, name, _) in &gone {
             if name.ends_with("curve.csv") {
-                sqlx::query("DELETE FROM curve_blocks WHERE attempt = ?")
+                query("DELETE FROM curve_blocks WHERE attempt = ?")
                     .bind(attempt)
                     .execute(&mut self.connection)
                     .await?;

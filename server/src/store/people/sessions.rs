@@ -4,8 +4,8 @@ use loadframe_api::people::SessionView;
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query, query_as, row};
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::callers::LONGEST_IDLE;
 use super::secret::Secret;
 
@@ -50,12 +50,12 @@ impl Store {
         self.write(move |change| {
             Box::pin(async move {
                 let now = change.now.as_millis();
-                sqlx::query("DELETE FROM sessions WHERE expires_at < ?1 OR last_used_at < ?2")
+                query("DELETE FROM sessions WHERE expires_at < ?1 OR last_used_at < ?2")
                     .bind(now)
                     .bind(now - LONGEST_IDLE)
                     .execute(&mut change.connection)
                     .await?;
-                sqlx::query(
+                query(
                     "INSERT INTO sessions (id, secret_sha256, person, is_secure, client, created_at,
                                            last_used_at, expires_at)
                      VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6, ?7)",
@@ -86,7 +86,7 @@ impl Store {
     /// The database's.
     pub async fn sessions(&self, person: Uuid, current: Option<Uuid>) -> Result<Vec<SessionView>> {
         let now = self.now().as_millis();
-        let rows: Vec<SessionRow> = sqlx::query_as(
+        let rows: Vec<SessionRow> = query_as(
             "SELECT id, client, created_at, last_used_at, expires_at FROM sessions
              WHERE person = ? AND expires_at > ? AND last_used_at > ? ORDER BY last_used_at DESC, id",
         )
@@ -113,7 +113,7 @@ impl Store {
     pub async fn close_session(&self, person: Uuid, id: Uuid) -> Result<()> {
         self.write(move |change| {
             Box::pin(async move {
-                let closed = sqlx::query("DELETE FROM sessions WHERE id = ? AND person = ?")
+                let closed = query("DELETE FROM sessions WHERE id = ? AND person = ?")
                     .bind(id)
                     .bind(person)
                     .execute(&mut change.connection)

@@ -4,8 +4,8 @@ use loadframe_api::people::{Named, NewShare, ShareMade, ShareView};
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query, query_as, row};
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::invitations::DAY;
 use super::secret::Secret;
 use crate::access::Sight;
@@ -67,7 +67,7 @@ impl Store {
                 Box::pin(async move {
                     let now = change.now.as_millis();
                     let expires_at = now + i64::from(new.days) * DAY;
-                    sqlx::query(
+                    query(
                         "INSERT INTO shares (id, secret_sha256, job, project, comparison, shows_files,
                                              person, created_at, expires_at)
                          VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
@@ -116,7 +116,7 @@ impl Store {
         job: Option<Uuid>,
         comparison: Option<Uuid>,
     ) -> Result<Vec<ShareView>> {
-        let rows: Vec<ShareRow> = sqlx::query_as(
+        let rows: Vec<ShareRow> = query_as(
             "SELECT s.id, s.job, s.project, s.comparison, s.shows_files, s.person, p.name AS person_name,
                     s.created_at, s.expires_at, s.revoked_at, s.uses, s.last_used_at, j.owner,
                     j.project AS job_project
@@ -145,7 +145,7 @@ impl Store {
     pub async fn revoke_share(&self, person: Uuid, is_administrator: bool, id: Uuid) -> Result<()> {
         self.write(move |change| {
             Box::pin(async move {
-                let revoked: Option<(Option<Uuid>,)> = sqlx::query_as(
+                let revoked: Option<(Option<Uuid>,)> = query_as(
                     "UPDATE shares SET revoked_at = COALESCE(revoked_at, ?1)
                      WHERE id = ?2 AND (?3 OR person = ?4
                         OR EXISTS (SELECT 1 FROM jobs j WHERE j.id = shares.job AND j.owner = ?4))
@@ -173,7 +173,7 @@ impl Store {
     pub async fn count_visit(&self, id: Uuid) -> Result<()> {
         self.write(move |change| {
             Box::pin(async move {
-                let shown: Option<(Option<Uuid>,)> = sqlx::query_as(
+                let shown: Option<(Option<Uuid>,)> = query_as(
                     "UPDATE shares SET uses = uses + 1, last_used_at = ? WHERE id = ?
                      RETURNING COALESCE(job, project, comparison)",
                 )

@@ -3,9 +3,9 @@ use loadframe_api::people::{DiskUse, FileKind, Named};
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query_as, row};
 use super::super::encoding::variant;
 use super::super::error::Result;
-use super::super::row::row;
 
 row! {
     struct UseRow {
@@ -26,16 +26,17 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn disk_use(&self) -> Result<Vec<DiskUse>> {
-        let rows: Vec<UseRow> = sqlx::query_as(
+        let rows: Vec<UseRow> = query_as(
             "SELECT NULLIF(u.person, x'') AS person, o.name AS person_name,
                     NULLIF(u.project, x'') AS project, p.name AS project_name, u.kind, u.files, u.bytes
              FROM (SELECT person, project, kind, files, bytes FROM disk_use WHERE files > 0
                    UNION ALL
                    SELECT COALESCE(j.owner, x''), COALESCE(j.project, x''), 'checkpoints', COUNT(*),
-                          SUM(c.bytes)
+                          CAST(SUM(c.bytes) AS BIGINT)
                    FROM checkpoints c JOIN jobs j ON j.seq = c.job GROUP BY 1, 2
                    UNION ALL
-                   SELECT COALESCE(owner, x''), COALESCE(project, x''), 'trash', SUM(files), SUM(bytes)
+                   SELECT COALESCE(owner, x''), COALESCE(project, x''), 'trash', CAST(SUM(files) AS BIGINT),
+                          CAST(SUM(bytes) AS BIGINT)
                    FROM trash WHERE bytes > 0 GROUP BY 1, 2) u
              LEFT JOIN people o ON o.id = u.person LEFT JOIN projects p ON p.id = u.project
              ORDER BY u.bytes DESC, u.person, u.project, u.kind",

@@ -4,9 +4,9 @@ use loadframe_api::people::{Named, NewToken, Scope, TokenMade, TokenView};
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query, query_as, query_scalar, row};
 use super::super::encoding::{variant, wire_name};
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::invitations::DAY;
 use super::secret::Secret;
 use super::{clean_name, refused};
@@ -63,7 +63,7 @@ impl Store {
         let expires_at = self
             .write(move |change| {
                 Box::pin(async move {
-                    let has_people: bool = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM people)")
+                    let has_people: bool = query_scalar("SELECT EXISTS (SELECT 1 FROM people)")
                         .fetch_one(&mut change.connection)
                         .await?;
                     if has_people && person.is_none() && scope != Scope::Worker {
@@ -73,7 +73,7 @@ impl Store {
                     }
                     let now = change.now.as_millis();
                     let expires_at = new.days.map(|days| now + i64::from(days) * DAY);
-                    sqlx::query(
+                    query(
                         "INSERT INTO tokens (id, name, secret_sha256, created_at, person, scope, expires_at)
                          VALUES (?, ?, ?, ?, ?, ?, ?)",
                     )
@@ -106,7 +106,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn tokens(&self, person: Option<Uuid>) -> Result<Vec<TokenView>> {
-        let rows: Vec<TokenRow> = sqlx::query_as(
+        let rows: Vec<TokenRow> = query_as(
             "SELECT t.id, t.name, t.scope, t.person, p.name AS person_name, t.created_at, t.expires_at,
                     t.last_used_at, t.revoked_at
              FROM tokens t LEFT JOIN people p ON p.id = t.person
@@ -125,7 +125,7 @@ impl Store {
     pub async fn revoke_token(&self, id: Uuid, of: Option<Uuid>) -> Result<()> {
         self.write(move |change| {
             Box::pin(async move {
-                let revoked: Option<String> = sqlx::query_scalar(
+                let revoked: Option<String> = query_scalar(
                     "UPDATE tokens SET revoked_at = COALESCE(revoked_at, ?1)
                      WHERE id = ?2 AND (?3 IS NULL OR person = ?3) RETURNING name",
                 )
@@ -146,10 +146,9 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn has_tokens(&self) -> Result<bool> {
-        let has =
-            sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM tokens WHERE revoked_at IS NULL)")
-                .fetch_one(self.reads())
-                .await?;
+        let has = query_scalar("SELECT EXISTS (SELECT 1 FROM tokens WHERE revoked_at IS NULL)")
+            .fetch_one(self.reads())
+            .await?;
         Ok(has)
     }
 }

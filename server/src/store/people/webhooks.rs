@@ -13,9 +13,9 @@ use sha2::Sha256;
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query, query_as, query_scalar, row};
 use super::super::encoding::{json, parsed, variant, wire_name};
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::mails::{VERIFY, link_secret};
 use super::refused;
 
@@ -140,7 +140,7 @@ impl Store {
         let events = once_each(new.events);
         self.write(move |change| {
             Box::pin(async move {
-                let count: i64 = sqlx::query_scalar(
+                let count: i64 = query_scalar(
                     "SELECT COUNT(*) FROM webhooks
                      WHERE person = ? AND channel = 'webhook' AND removed_at IS NULL",
                 )
@@ -157,7 +157,7 @@ impl Store {
                         "at most 50 of a person",
                     ));
                 }
-                sqlx::query(
+                query(
                     "INSERT INTO webhooks (id, person, project, url, events, created_at)
                      VALUES (?, ?, ?, ?, ?, ?)",
                 )
@@ -183,7 +183,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn webhooks(&self, person: Uuid) -> Result<Vec<WebhookView>> {
-        let rows: Vec<WebhookRow> = sqlx::query_as(
+        let rows: Vec<WebhookRow> = query_as(
             "SELECT w.id, w.url, w.events, w.project, p.name AS project_name, w.created_at, w.told_at,
                     w.failures, w.last_error,
                     (SELECT COUNT(*) FROM outbox o WHERE o.webhook = w.id) AS waiting
@@ -210,7 +210,7 @@ impl Store {
         let word = wire_name(&channel)?;
         self.write(move |change| {
             Box::pin(async move {
-                let removed = sqlx::query(
+                let removed = query(
                     "UPDATE webhooks SET removed_at = ?
                      WHERE id = ? AND person = ? AND channel = ? AND removed_at IS NULL",
                 )
@@ -227,7 +227,7 @@ impl Store {
                     };
                     return Err(StoreError::NotFound(format!("{what} {id}")));
                 }
-                sqlx::query("DELETE FROM outbox WHERE webhook = ?")
+                query("DELETE FROM outbox WHERE webhook = ?")
                     .bind(id)
                     .execute(&mut change.connection)
                     .await?;
@@ -243,7 +243,7 @@ impl Store {
     /// # Errors
     /// The database's, the file system's.
     pub async fn due_messages(&self, now: Timestamp) -> Result<Vec<Due>> {
-        let told: Vec<(Uuid, String, String, i64)> = sqlx::query_as(
+        let told: Vec<(Uuid, String, String, i64)> = query_as(
             "SELECT w.id, w.channel, w.url, w.failures FROM webhooks w JOIN people p ON p.id = w.person
              WHERE w.removed_at IS NULL AND p.left_at IS NULL AND w.next_at <= ?1
                AND (w.project IS NULL OR p.role = 'administrator' OR EXISTS (
@@ -267,7 +267,7 @@ impl Store {
         let mut due = Vec::with_capacity(told.len());
         for (id, channel, address, failures) in told {
             let channel: Channel = variant(&channel)?;
-            let rows: Vec<(i64, String, i64, String)> = sqlx::query_as(
+            let rows: Vec<(i64, String, i64, String)> = query_as(
                 "SELECT number, event, at, body FROM outbox WHERE webhook = ? ORDER BY number LIMIT ?",
             )
             .bind(id)
@@ -323,14 +323,14 @@ impl Store {
                         now.as_millis() - GIVEN_UP,
                     ),
                 };
-                let removed = sqlx::query(statement)
+                let removed = query(statement)
                     .bind(id)
                     .bind(until)
                     .execute(&mut change.connection)
                     .await?
                     .rows_affected();
                 let Some(error) = error else {
-                    sqlx::query(
+                    query(
                         "UPDATE webhooks SET failures = 0, next_at = ?, told_at = ?, last_error = NULL
                          WHERE id = ?",
                     )
@@ -347,7 +347,7 @@ impl Store {
                 };
                 let doublings = u32::try_from(failures.clamp(0, 20)).unwrap_or(20);
                 let wait = (FIRST_WAIT << doublings).min(LONGEST_WAIT);
-                sqlx::query(
+                query(
                     "UPDATE webhooks SET failures = failures + 1, next_at = ?, last_error = ? WHERE id = ?",
                 )
                 .bind(now.as_millis() + wait)

@@ -4,9 +4,9 @@ use loadframe_api::{JobKind, Page, Timestamp};
 use uuid::Uuid;
 
 use super::super::Store;
+use super::super::database::{query_as, row};
 use super::super::encoding::variant;
 use super::super::error::{Result, StoreError};
-use super::super::row::row;
 use super::missing;
 
 /// Longest page.
@@ -79,23 +79,23 @@ impl Store {
             TrashSight::Everything => None,
             TrashSight::Of(person) => Some(person),
         };
-        let mut rows: Vec<TrashRow> = sqlx::query_as(
+        let mut rows: Vec<TrashRow> = query_as(
             "SELECT d.*, o.name AS owner_name, p.name AS project_name
              FROM (SELECT * FROM (SELECT 'job' AS what, id, name, kind, owner, project, deleted_at,
                         deleted_by, 1 AS jobs, files, bytes
                     FROM trash WHERE NOT (with_project AND EXISTS (SELECT 1 FROM projects x
                             WHERE x.id = trash.project AND x.deleted_at IS NOT NULL))
                         AND (?1 IS NULL OR owner = ?1) AND deleted_at > ?2 AND (deleted_at, id) < (?3, ?4)
-                    ORDER BY deleted_at DESC, id DESC LIMIT ?5)
+                    ORDER BY deleted_at DESC, id DESC LIMIT ?5) jobs_deleted
                 UNION ALL
                 SELECT 'project', r.id, r.name, NULL, r.person, NULL, r.deleted_at,
-                    COALESCE(r.deleted_by, ''), COUNT(t.job), COALESCE(SUM(t.files), 0),
-                    COALESCE(SUM(t.bytes), 0)
+                    COALESCE(r.deleted_by, ''), COUNT(t.job), CAST(COALESCE(SUM(t.files), 0) AS BIGINT),
+                    CAST(COALESCE(SUM(t.bytes), 0) AS BIGINT)
                 FROM projects r LEFT JOIN trash t ON t.project = r.id AND t.with_project
                 WHERE (?1 IS NULL OR r.person = ?1) AND r.deleted_at > ?2 GROUP BY r.id
                 UNION ALL
                 SELECT 'files', r.id, r.name, NULL, r.person, NULL, MIN(f.removed_at), 'rule',
-                    COUNT(DISTINCT j.seq), COUNT(*), SUM(f.bytes)
+                    COUNT(DISTINCT j.seq), COUNT(*), CAST(SUM(f.bytes) AS BIGINT)
                 FROM attempt_files f JOIN attempts a ON a.seq = f.attempt JOIN jobs j ON j.seq = a.job
                     JOIN projects r ON r.id = j.project
                 WHERE f.removed_at > ?2 AND (?1 IS NULL OR r.person = ?1) GROUP BY r.id) d
@@ -127,7 +127,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`].
     pub async fn in_trash(&self, id: Uuid) -> Result<(Deleted, Option<Uuid>)> {
-        let row: Option<(String, Option<Uuid>)> = sqlx::query_as(
+        let row: Option<(String, Option<Uuid>)> = query_as(
             "SELECT 'job', owner FROM trash WHERE id = ?1 AND deleted_at > ?2
                 AND NOT (with_project AND EXISTS (SELECT 1 FROM projects x
                     WHERE x.id = trash.project AND x.deleted_at IS NOT NULL))

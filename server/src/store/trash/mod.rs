@@ -11,6 +11,7 @@ use loadframe_api::Timestamp;
 use loadframe_api::people::Deleted;
 use uuid::Uuid;
 
+use super::database::{query, query_as, query_scalar};
 use super::error::{Result, StoreError};
 use super::people::Actor;
 use super::state::LifecycleRow;
@@ -96,7 +97,7 @@ impl Store {
         while self
             .write_from_reserve(move |change| {
                 Box::pin(async move {
-                    let jobs: Vec<i64> = sqlx::query_scalar(
+                    let jobs: Vec<i64> = query_scalar(
                         "SELECT job FROM trash WHERE (?1 = 'job' AND id = ?2)
                             OR (?1 = 'project' AND project = ?2 AND with_project) LIMIT ?3",
                     )
@@ -117,7 +118,7 @@ impl Store {
                     }
                     if what == Deleted::Project {
                         // long ago: its time is over
-                        sqlx::query("UPDATE projects SET deleted_at = 0 WHERE id = ?")
+                        query("UPDATE projects SET deleted_at = 0 WHERE id = ?")
                             .bind(id)
                             .execute(&mut change.connection)
                             .await?;
@@ -144,7 +145,7 @@ impl Store {
             let jobs = server
                 .write_from_reserve(move |change| {
                     Box::pin(async move {
-                        let jobs: Vec<i64> = sqlx::query_scalar(
+                        let jobs: Vec<i64> = query_scalar(
                             "SELECT job FROM trash WHERE deleted_at < ? ORDER BY deleted_at, id LIMIT ?",
                         )
                         .bind(before)
@@ -179,7 +180,7 @@ impl Change {
         // what it takes is taken once: first it goes there, then it counts here
         self.leave_list(&job).await?;
         let by = self.actor.as_ref().map(|actor| actor.who.clone());
-        let name = sqlx::query_scalar(
+        let name = query_scalar(
             "INSERT INTO trash (job, id, kind, name, owner, project, files, bytes, deleted_at,
                                 deleted_by, with_project)
              SELECT seq, id, kind, name, owner, project,
@@ -194,7 +195,7 @@ impl Change {
         .fetch_one(&mut self.connection)
         .await?;
         // what its files take is counted anew when they come back
-        sqlx::query("UPDATE trashed_jobs SET file_bytes = 0 WHERE seq = ?")
+        query("UPDATE trashed_jobs SET file_bytes = 0 WHERE seq = ?")
             .bind(job.seq)
             .execute(&mut self.connection)
             .await?;
@@ -205,12 +206,12 @@ impl Change {
     /// is done.
     async fn discard_some(&mut self, project: Uuid) -> Result<bool> {
         let name: Option<String> =
-            sqlx::query_scalar("SELECT name FROM projects WHERE id = ? AND deleted_at IS NULL")
+            query_scalar("SELECT name FROM projects WHERE id = ? AND deleted_at IS NULL")
                 .bind(project)
                 .fetch_optional(&mut self.connection)
                 .await?;
         let name = name.ok_or_else(|| StoreError::NotFound(format!("project {project}")))?;
-        let running: i64 = sqlx::query_scalar(
+        let running: i64 = query_scalar(
             "SELECT COUNT(*) FROM attempts a JOIN jobs j ON j.seq = a.job
              WHERE a.ended_at IS NULL AND j.project = ?",
         )
@@ -225,7 +226,7 @@ impl Change {
             return Err(StoreError::Conflict(sentence));
         }
         let jobs: Vec<Uuid> =
-            sqlx::query_scalar("SELECT id FROM jobs WHERE project = ? ORDER BY seq LIMIT ?")
+            query_scalar("SELECT id FROM jobs WHERE project = ? ORDER BY seq LIMIT ?")
                 .bind(project)
                 .bind(AT_ONCE)
                 .fetch_all(&mut self.connection)
@@ -238,7 +239,7 @@ impl Change {
             return Ok(false);
         }
         let by = self.actor.as_ref().map(|actor| actor.who.clone());
-        sqlx::query("UPDATE projects SET deleted_at = ?, deleted_by = ? WHERE id = ?")
+        query("UPDATE projects SET deleted_at = ?, deleted_by = ? WHERE id = ?")
             .bind(self.now.as_millis())
             .bind(by)
             .bind(project)
@@ -250,7 +251,7 @@ impl Change {
 
     /// Brings a job back; tells its name.
     async fn bring_back(&mut self, id: Uuid) -> Result<String> {
-        let found: Option<(i64, String, bool)> = sqlx::query_as(
+        let found: Option<(i64, String, bool)> = query_as(
             "DELETE FROM trash WHERE id = ? RETURNING job, name, EXISTS (SELECT 1 FROM projects p
                 WHERE p.id = trash.project AND p.deleted_at IS NOT NULL)",
         )
@@ -263,7 +264,7 @@ impl Change {
             return Err(StoreError::Conflict(sentence.to_owned()));
         }
         rows::bring_back(&mut self.connection, job).await?;
-        sqlx::query("DELETE FROM events WHERE job = ?")
+        query("DELETE FROM events WHERE job = ?")
             .bind(id)
             .execute(&mut self.connection)
             .await?;
@@ -274,13 +275,13 @@ impl Change {
 
     /// Brings a project back, and its next jobs; tells whether it is done.
     async fn bring_back_some(&mut self, project: Uuid) -> Result<bool> {
-        let name: String = sqlx::query_scalar(
+        let name: String = query_scalar(
             "UPDATE projects SET deleted_at = NULL, deleted_by = NULL WHERE id = ? RETURNING name",
         )
         .bind(project)
         .fetch_one(&mut self.connection)
         .await?;
-        let jobs: Vec<Uuid> = sqlx::query_scalar(
+        let jobs: Vec<Uuid> = query_scalar(
             "SELECT id FROM trash WHERE project = ? AND with_project ORDER BY job LIMIT ?",
         )
         .bind(project)
@@ -301,7 +302,7 @@ impl Change {
     /// Removes a job from the trash for good.
     async fn erase(&mut self, job: i64) -> Result<()> {
         let (id, name): (Uuid, String) =
-            sqlx::query_as("DELETE FROM trash WHERE job = ? RETURNING id, name")
+            query_as("DELETE FROM trash WHERE job = ? RETURNING id, name")
                 .bind(job)
                 .fetch_one(&mut self.connection)
                 .await?;

@@ -1,7 +1,6 @@
 //! The rows of a job, from its tables to those of the trash and back, whatever columns they have.
-use sqlx::AssertSqlSafe;
-use sqlx::sqlite::SqliteConnection;
 
+use super::super::database::{Builder, Connection, query_scalar};
 use super::super::error::Result;
 
 /// Every table with rows of a job, those that others hang on first, and what makes them the job's.
@@ -47,22 +46,23 @@ const LIVING: &str = "";
 const TRASHED: &str = "trashed_";
 
 /// Copies all rows of the job to the trash.
-pub(super) async fn copy_to_trash(connection: &mut SqliteConnection, job: i64) -> Result<()> {
+pub(super) async fn copy_to_trash(connection: &mut Connection, job: i64) -> Result<()> {
     copy(connection, job, LIVING, TRASHED).await
 }
 
 /// Moves all rows of the job back.
-pub(super) async fn bring_back(connection: &mut SqliteConnection, job: i64) -> Result<()> {
+pub(super) async fn bring_back(connection: &mut Connection, job: i64) -> Result<()> {
     copy(connection, job, TRASHED, LIVING).await?;
     remove(connection, job).await
 }
 
 /// Removes all rows of the job from the trash.
-pub(super) async fn remove(connection: &mut SqliteConnection, job: i64) -> Result<()> {
+pub(super) async fn remove(connection: &mut Connection, job: i64) -> Result<()> {
     for (table, of) in TABLES.into_iter().rev() {
         let condition = of.condition(TRASHED);
         let statement = format!("DELETE FROM {TRASHED}{table} WHERE {condition}");
-        sqlx::query(AssertSqlSafe(statement))
+        Builder::new(&statement)
+            .build()
             .bind(job)
             .execute(&mut *connection)
             .await?;
@@ -70,20 +70,17 @@ pub(super) async fn remove(connection: &mut SqliteConnection, job: i64) -> Resul
     Ok(())
 }
 
-async fn copy(connection: &mut SqliteConnection, job: i64, from: &str, to: &str) -> Result<()> {
+async fn copy(connection: &mut Connection, job: i64, from: &str, to: &str) -> Result<()> {
     for (table, of) in TABLES {
         // not those that follow from others
-        let columns: String =
-            sqlx::query_scalar("SELECT group_concat(name, ', ') FROM pragma_table_info(?)")
-                .bind(table)
-                .fetch_one(&mut *connection)
-                .await?;
+        let columns = connection.columns(table).await?.join(", ");
         let condition = of.condition(from);
         let statement = format!(
             "INSERT INTO {to}{table} ({columns}) SELECT {columns} FROM {from}{table} WHERE {condition}"
         );
         // names of this build's own tables and columns
-        sqlx::query(AssertSqlSafe(statement))
+        Builder::new(&statement)
+            .build()
             .bind(job)
             .execute(&mut *connection)
             .await?;
@@ -92,8 +89,8 @@ async fn copy(connection: &mut SqliteConnection, job: i64, from: &str, to: &str)
 }
 
 /// SHA-256 of every file of the job in the trash.
-pub(super) async fn files(connection: &mut SqliteConnection, job: i64) -> Result<Vec<String>> {
-    let files = sqlx::query_scalar(
+pub(super) async fn files(connection: &mut Connection, job: i64) -> Result<Vec<String>> {
+    let files = query_scalar(
         "SELECT sha256 FROM trashed_attempt_files
             WHERE attempt IN (SELECT seq FROM trashed_attempts WHERE job = ?1)
          UNION SELECT sha256 FROM trashed_checkpoints WHERE job = ?1
@@ -105,28 +102,20 @@ pub(super) async fn files(connection: &mut SqliteConnection, job: i64) -> Result
 
 #[cfg(test)]
 mod tests {
-    use sqlx::Connection;
-
-    use super::super::super::migrations::migrations;
+    use super::super::super::database::Database;
     use super::*;
 
-    async fn fresh() -> SqliteConnection {
-        let mut connection = SqliteConnection::connect(":memory:")
-            .await
-            .expect("a database");
-        migrations()
-            .run_direct(None, &mut connection, false)
-            .await
-            .expect("migrated");
+    async fn fresh() -> Connection {
+        let memory = Database::file(std::path::Path::new(":memory:"));
+        let mut connection = memory.connect().await.expect("a database");
+        connection.migrate().await.expect("migrated");
         connection
     }
 
-    async fn columns(connection: &mut SqliteConnection, table: &str) -> Vec<String> {
-        sqlx::query_scalar("SELECT name FROM pragma_table_info(?) ORDER BY name")
-            .bind(table)
-            .fetch_all(connection)
-            .await
-            .expect("its columns")
+    async fn columns(connection: &mut Connection, table: &str) -> Vec<String> {
+        let mut columns = connection.columns(table).await.expect("its columns");
+        columns.sort();
+        columns
     }
 
     /// A migration that adds a column to a table of jobs adds it to its mirror, too.
@@ -145,7 +134,7 @@ mod tests {
     #[tokio::test]
     async fn every_table_that_hangs_on_a_job_is_mirrored() {
         let mut connection = fresh().await;
-        let hanging: Vec<String> = sqlx::query_scalar(
+        let hanging: Vec<String> = query_scalar(
             "SELECT DISTINCT m.name FROM sqlite_schema m, pragma_foreign_key_list(m.name) f
              WHERE m.type = 'table' AND f.on_delete = 'CASCADE' AND f.\"table\" <> 'comparisons'
              ORDER BY 1",

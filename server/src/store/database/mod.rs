@@ -1,0 +1,466 @@
+//! The one door to the database: which one it is, and how it is spoken to, is known in this folder alone.
+//!
+//! A [`Database`] gives a [`Connection`] for the writer and [`Pool`]s of such as only read. Statements
+//! ([`statement`]) are written once, in words that every database understands, with [`value`]s of a few
+//! types; where there are no such words, the texts of each are in its file ([`sqlite`], [`postgres`]) and
+//! have a name here. The history of the schema: [`migrations`]. What servers on one database tell each
+//! other, and keep each other from: [`sharing`].
+mod migrations;
+mod place;
+mod postgres;
+mod sharing;
+mod sqlite;
+mod statement;
+mod value;
+
+use std::path::Path;
+
+use sqlx::pool::PoolConnection;
+use sqlx::postgres::{PgDatabaseError, PgPool, Postgres};
+use sqlx::sqlite::{Sqlite, SqliteConnectOptions, SqliteError, SqlitePool};
+use sqlx::{ConnectOptions, Transaction};
+use uuid::Uuid;
+
+use super::error::{Result, StoreError};
+pub use place::{DatabaseAddress, DatabasePlace};
+pub(super) use sharing::{Held, News, Sharing, raise};
+pub(super) use sqlite::FILE;
+pub(super) use statement::{Builder, query, query_as, query_scalar};
+pub(super) use value::{FromRow, Kind, Row, row};
+
+/// Which database, and how it is reached.
+#[derive(Clone, Debug)]
+pub(super) enum Database {
+    Sqlite(SqliteConnectOptions),
+    Postgres(DatabaseAddress),
+}
+
+/// A connection, for one statement after the other.
+#[derive(Debug)]
+pub(super) enum Connection {
+    Sqlite(Link<Sqlite>),
+    Postgres(Link<Postgres>),
+}
+
+/// Connections that only read, for whoever comes.
+#[derive(Clone, Debug)]
+pub(super) enum Pool {
+    Sqlite(SqlitePool),
+    Postgres(PgPool),
+}
+
+/// Where a statement is run.
+pub(super) enum On<'c> {
+    Sqlite(sqlite::On<'c>),
+    Postgres(postgres::On<'c>),
+}
+
+/// What is said to each in words of its own.
+#[derive(Debug)]
+pub(super) struct Texts {
+    /// Numbers of the newest ?6 jobs before ?1 in the projects ?2 but for those of ?4, and those of ?3 but for
+    /// projects ?5; newest first, with some twice.
+    pub(super) newest_seen: &'static str,
+    /// The function that makes letters small.
+    pub(super) folded: &'static str,
+    /// Whether texts can be found by the index `job_texts`.
+    pub(super) has_index_of_texts: bool,
+}
+
+/// How a connection is held.
+#[derive(Debug)]
+pub(super) enum Link<D: sqlx::Database> {
+    /// For itself.
+    Own(D::Connection),
+    /// From a pool, to which it goes back.
+    Pooled(PoolConnection<D>),
+    /// The same, for what the database was at one moment.
+    Snapshot(Transaction<'static, D>),
+}
+
+impl<D: sqlx::Database> Link<D> {
+    fn connection(&mut self) -> &mut D::Connection {
+        match self {
+            Self::Own(connection) => connection,
+            Self::Pooled(connection) => connection,
+            Self::Snapshot(connection) => connection,
+        }
+    }
+}
+
+impl<'c> From<&'c mut Connection> for On<'c> {
+    fn from(connection: &'c mut Connection) -> Self {
+        match connection {
+            Connection::Sqlite(link) => Self::Sqlite(sqlite::On::Connection(link.connection())),
+            Connection::Postgres(link) => {
+                Self::Postgres(postgres::On::Connection(link.connection()))
+            }
+        }
+    }
+}
+
+impl<'c> From<&'c Pool> for On<'c> {
+    fn from(pool: &'c Pool) -> Self {
+        match pool {
+            Pool::Sqlite(pool) => Self::Sqlite(sqlite::On::Pool(pool)),
+            Pool::Postgres(pool) => Self::Postgres(postgres::On::Pool(pool)),
+        }
+    }
+}
+
+impl Database {
+    /// The one at this place; in the data folder it is made where there is none.
+    pub(super) fn at(place: &DatabasePlace, data: &Path) -> Self {
+        match place {
+            DatabasePlace::Folder => Self::Sqlite(sqlite::in_folder(data)),
+            DatabasePlace::Server(address) => Self::Postgres(address.clone()),
+        }
+    }
+
+    /// Whether other servers may be on it.
+    pub(super) fn is_shared(&self) -> bool {
+        matches!(self, Self::Postgres(_))
+    }
+
+    /// What servers on it share beside its rows.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn sharing(&self) -> Result<Sharing> {
+        match self {
+            Self::Sqlite(_) => Ok(Sharing::Alone),
+            Self::Postgres(address) => Ok(Sharing::among(&address.0).await?),
+        }
+    }
+
+    /// One in a file that is there.
+    pub(super) fn file(path: &Path) -> Self {
+        Self::Sqlite(sqlite::file(path))
+    }
+
+    /// A connection of its own.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn connect(&self) -> Result<Connection> {
+        Ok(match self {
+            Self::Sqlite(database) => Connection::Sqlite(Link::Own(database.connect().await?)),
+            Self::Postgres(address) => {
+                Connection::Postgres(Link::Own(postgres::connect(&address.0).await?))
+            }
+        })
+    }
+
+    /// So many connections that cannot write.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn reading(&self, connections: u32) -> Result<Pool> {
+        Ok(match self {
+            Self::Sqlite(database) => Pool::Sqlite(sqlite::reading(database, connections).await?),
+            Self::Postgres(address) => {
+                Pool::Postgres(postgres::reading(&address.0, connections).await?)
+            }
+        })
+    }
+}
+
+impl Pool {
+    /// What is said to it in words of its own.
+    pub(super) fn texts(&self) -> &'static Texts {
+        match self {
+            Self::Sqlite(_) => &sqlite::TEXTS,
+            Self::Postgres(_) => &postgres::TEXTS,
+        }
+    }
+
+    /// A connection, until it is dropped.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn acquire(&self) -> sqlx::Result<Connection> {
+        Ok(match self {
+            Self::Sqlite(pool) => Connection::Sqlite(Link::Pooled(pool.acquire().await?)),
+            Self::Postgres(pool) => Connection::Postgres(Link::Pooled(pool.acquire().await?)),
+        })
+    }
+
+    /// A connection that sees the database as it is at one moment, until it is dropped.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn begin(&self) -> sqlx::Result<Connection> {
+        Ok(match self {
+            Self::Sqlite(pool) => Connection::Sqlite(Link::Snapshot(pool.begin().await?)),
+            Self::Postgres(pool) => {
+                let snapshot = pool.begin_with(postgres::SNAPSHOT).await?;
+                Connection::Postgres(Link::Snapshot(snapshot))
+            }
+        })
+    }
+}
+
+impl Connection {
+    /// Brings the schema up to date.
+    ///
+    /// # Errors
+    /// [`StoreError::Newer`], and the database's.
+    pub(super) async fn migrate(&mut self) -> Result<()> {
+        let migrations = match self {
+            Self::Sqlite(_) => migrations::of_sqlite(),
+            Self::Postgres(_) => migrations::of_postgres(),
+        };
+        // `run` makes this future one that the compiler cannot see to be `Send`
+        let run = match self {
+            Self::Sqlite(link) => migrations.run_direct(None, link.connection(), false).await,
+            Self::Postgres(link) => migrations.run_direct(None, link.connection(), false).await,
+        };
+        run.map_err(|error| migrations::newer(&migrations, error))
+    }
+
+    /// Begins a transaction that writes: nobody else writes until its end, and it sees all that was written
+    /// before. Tells the moment by the database's clock [ms since 1970], where that may be another than this
+    /// machine's.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn begin_writing(&mut self) -> Result<Option<i64>> {
+        if let Self::Postgres(link) = self {
+            return Ok(Some(postgres::begin_writing(link.connection()).await?));
+        }
+        query(sqlite::BEGIN).execute(self).await?;
+        Ok(None)
+    }
+
+    /// Ends a transaction; it stays.
+    ///
+    /// # Errors
+    /// The database's; what was written is then undone.
+    pub(super) async fn commit(&mut self) -> Result<()> {
+        query("COMMIT").execute(self).await?;
+        Ok(())
+    }
+
+    /// Tells other servers on the database something, when the transaction stays.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn tell(&mut self, news: News) -> Result<()> {
+        if let Self::Postgres(_) = self {
+            let told = query(postgres::TELL).bind(news.to_string());
+            told.execute(self).await?;
+        }
+        Ok(())
+    }
+
+    /// Numbers an event of the type `kind` about the job `id`, and makes that the version of the job in `row`
+    /// if it is still there; earlier events of the type about it are forgotten.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn event(&mut self, row: i64, id: Uuid, kind: &str, at: i64) -> Result<i64> {
+        let text = match self {
+            Self::Sqlite(_) => sqlite::EVENT,
+            Self::Postgres(_) => postgres::EVENT,
+        };
+        let event = query(text).bind(id).bind(kind).bind(at).bind(row);
+        match self {
+            Self::Sqlite(_) => Ok(event.execute(self).await?.last_number),
+            Self::Postgres(_) => Ok(event.fetch_one(self).await?.get(0)?),
+        }
+    }
+
+    /// Whether a job was ever submitted.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn has_had_jobs(&mut self) -> Result<bool> {
+        let text = match self {
+            Self::Sqlite(_) => sqlite::HAS_HAD_JOBS,
+            Self::Postgres(_) => postgres::HAS_HAD_JOBS,
+        };
+        Ok(query_scalar(text).fetch_one(self).await?)
+    }
+
+    /// Columns of a table, other than those that follow from others.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn columns(&mut self, table: &str) -> Result<Vec<String>> {
+        let text = match self {
+            Self::Sqlite(_) => sqlite::COLUMNS,
+            Self::Postgres(_) => postgres::COLUMNS,
+        };
+        Ok(query_scalar(text).bind(table).fetch_all(self).await?)
+    }
+
+    /// Copies the database, which is in a file, as it is at one moment to another.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn copy_to(&mut self, file: &Path) -> Result<()> {
+        let name = file.to_string_lossy().into_owned();
+        query(sqlite::COPY).bind(name).execute(self).await?;
+        Ok(())
+    }
+
+    /// Reads all of the database, which is in a file.
+    ///
+    /// # Errors
+    /// [`StoreError::Corrupt`] when it is damaged, and the database's.
+    pub(super) async fn require_sound(&mut self) -> Result<()> {
+        let sound: String = query_scalar(sqlite::CHECK).fetch_one(self).await?;
+        match sound.as_str() {
+            "ok" => Ok(()),
+            _ => Err(StoreError::corrupt("database")(sound)),
+        }
+    }
+
+    /// Columns of a table and their types, where the database knows them exactly.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn kinds(&mut self, table: &str) -> Result<Option<Vec<(String, Kind)>>> {
+        let Self::Postgres(_) = self else {
+            return Ok(None);
+        };
+        let kinds: Vec<(String, String)> = query_as(postgres::KINDS)
+            .bind(table)
+            .fetch_all(self)
+            .await?;
+        let kinds = kinds
+            .into_iter()
+            .map(|(name, kind)| (name, postgres::kind(&kind)));
+        Ok(Some(kinds.collect()))
+    }
+
+    /// The last number that was given out in a column of a table, if any was.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn last_number(&mut self, table: &str, column: &str) -> Result<Option<i64>> {
+        let known: Option<i64> = match self {
+            Self::Sqlite(_) => {
+                let known = query_scalar("SELECT seq FROM sqlite_sequence WHERE name = ?");
+                known.bind(table).fetch_optional(&mut *self).await?
+            }
+            Self::Postgres(_) => {
+                let text = format!(
+                    "SELECT CASE WHEN is_called THEN last_value END FROM {table}_{column}_seq"
+                );
+                let known = Builder::new(&text).build_query_scalar();
+                known.fetch_one(&mut *self).await?
+            }
+        };
+        let largest = Builder::new(&format!("SELECT MAX({column}) FROM {table}"));
+        let largest: Option<i64> = largest.build_query_scalar().fetch_one(self).await?;
+        Ok(known.max(largest))
+    }
+
+    /// Gives out numbers after this one from now on.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn go_on_after(&mut self, table: &str, column: &str, last: i64) -> Result<()> {
+        match self {
+            Self::Sqlite(_) => {
+                // where there is no row, the largest number is the last
+                let update = query("UPDATE sqlite_sequence SET seq = ?1 WHERE name = ?2");
+                let updated = update.bind(last).bind(table).execute(&mut *self).await?;
+                if updated.rows_affected() == 0 && table != "needs" {
+                    let insert = query("INSERT INTO sqlite_sequence (name, seq) VALUES (?, ?)");
+                    insert.bind(table).bind(last).execute(self).await?;
+                }
+            }
+            Self::Postgres(_) => {
+                let text = "SELECT setval(pg_get_serial_sequence(?1, ?2), GREATEST(?3, 1), ?3 > 0)";
+                let set = query(text).bind(table).bind(column).bind(last);
+                set.execute(self).await?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the triggers from these tables within a transaction; gives what makes them again.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn drop_triggers(&mut self, tables: &[&str]) -> Result<Vec<String>> {
+        if let Self::Postgres(_) = self {
+            let turned = |word| {
+                let text = move |table| format!("ALTER TABLE {table} {word} TRIGGER USER");
+                tables.iter().map(text).collect::<Vec<String>>()
+            };
+            self.make_triggers(turned("DISABLE")).await?;
+            return Ok(turned("ENABLE"));
+        }
+        let triggers: Vec<(String, String)> =
+            query_as("SELECT name, sql FROM sqlite_schema WHERE type = 'trigger' ORDER BY rowid")
+                .fetch_all(&mut *self)
+                .await?;
+        let drops = triggers
+            .iter()
+            .map(|(name, _)| format!("DROP TRIGGER {name}"));
+        self.make_triggers(drops.collect()).await?;
+        let mut made: Vec<String> = triggers.into_iter().map(|(_, text)| text).collect();
+        made.push(sqlite::INDEX_TEXTS.to_owned());
+        Ok(made)
+    }
+
+    /// Runs statements that [`Self::drop_triggers`] gave.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn make_triggers(&mut self, statements: Vec<String>) -> Result<()> {
+        for statement in statements {
+            Builder::new(&statement).build().execute(&mut *self).await?;
+        }
+        Ok(())
+    }
+
+    /// Closes one of its own in order; all of a database in a file is then in that file.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn close(mut self) -> Result<()> {
+        use sqlx::Connection;
+        if let Self::Sqlite(_) = self {
+            query(sqlite::SETTLE).execute(&mut self).await?;
+        }
+        match self {
+            Self::Sqlite(Link::Own(connection)) => connection.close().await?,
+            Self::Postgres(Link::Own(connection)) => connection.close().await?,
+            Self::Sqlite(_) | Self::Postgres(_) => {}
+        }
+        Ok(())
+    }
+}
+
+/// What an error says of a full disk.
+pub(super) fn told_full(error: &sqlx::Error) -> Option<String> {
+    let error = error.as_database_error()?;
+    if let Some(error) = error.try_downcast_ref::<SqliteError>() {
+        return sqlite::told_full(error);
+    }
+    let of_postgres = error.try_downcast_ref::<PgDatabaseError>();
+    of_postgres.and_then(postgres::told_full)
+}
+
+/// Whether it is because of a text that the database cannot keep.
+pub(super) fn refuses_text(error: &sqlx::Error) -> bool {
+    let error = error.as_database_error();
+    let of_postgres = error.and_then(|error| error.try_downcast_ref::<PgDatabaseError>());
+    of_postgres.is_some_and(postgres::refuses_text)
+}
+
+/// Whether the connection itself has failed: it is not there any more, or its disk does not read or write.
+pub(super) fn is_broken(error: &sqlx::Error) -> bool {
+    let Some(error) = error.as_database_error() else {
+        return true;
+    };
+    if let Some(error) = error.try_downcast_ref::<SqliteError>() {
+        return sqlite::is_broken(error);
+    }
+    let of_postgres = error.try_downcast_ref::<PgDatabaseError>();
+    of_postgres.is_some_and(postgres::is_broken)
+}

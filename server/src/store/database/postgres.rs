@@ -1,0 +1,357 @@
+//! PostgreSQL: a database that several servers share, reached over the network.
+//!
+//! What only PostgreSQL understands is here, and in `migrations/postgres/`, whose first file teaches it the
+//! words of SQLite that statements use. Their texts are [`translated`] as far as the rest goes: places, the
+//! empty bytes `x''`, and SQLite's hints, which it has no use for.
+//!
+//! A batch of the writer begins with one advisory lock of the whole store, which is what `BEGIN IMMEDIATE` is
+//! for SQLite: of all servers one writes at a time and sees all that was written before, so that every
+//! decision is made on the newest state, in one place. Claims by `SKIP LOCKED` would make a second such
+//! place; what limits both is the disk's time for a commit, which a batch shares.
+use futures_util::stream::{BoxStream, StreamExt};
+use sqlx::postgres::{
+    PgArguments, PgConnectOptions, PgConnection, PgDatabaseError, PgPool, PgPoolOptions, PgRow,
+    Postgres,
+};
+use sqlx::{Arguments, AssertSqlSafe, ConnectOptions, SqlSafeStr, SqlStr, TypeInfo, ValueRef};
+use uuid::Uuid;
+
+use super::statement::Done;
+use super::value::{Kind, Row, Value};
+use super::{Link, Texts};
+
+/// Takes the store in this schema of this database for a transaction, and tells the moment.
+const BEGIN: &str = "BEGIN ISOLATION LEVEL READ COMMITTED;
+     SELECT pg_advisory_xact_lock(hashtext('loadframe'), hashtext(current_schema()));
+     SELECT (1000 * extract(epoch FROM clock_timestamp()))::BIGINT";
+/// Tells the text ?1 to the other servers on the store, when the transaction stays.
+pub(super) const TELL: &str = "SELECT pg_notify('loadframe_' || md5(current_schema()), ?)";
+/// Under which name that is told.
+pub(super) const CHANNEL: &str = "SELECT 'loadframe_' || md5(current_schema())";
+/// A transaction that sees the database as it is at one moment.
+pub(super) const SNAPSHOT: &str = "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
+/// Numbers an event and makes that its job's version: ?1 the job's id, ?2 the event's type, ?3 the moment,
+/// ?4 the job's row.
+pub(super) const EVENT: &str = "WITH event AS (
+        INSERT INTO events (job, type, at) VALUES (?1, ?2, ?3)
+        ON CONFLICT (job, type) DO UPDATE SET
+            seq = nextval(pg_get_serial_sequence('events', 'seq')), at = excluded.at, owner = NULL, project = NULL
+        RETURNING seq),
+     told AS (UPDATE jobs SET version = (SELECT seq FROM event), updated_at = ?3 WHERE seq = ?4)
+     SELECT seq FROM event";
+/// Whether a job was ever submitted.
+pub(super) const HAS_HAD_JOBS: &str = "SELECT is_called FROM jobs_seq_seq";
+/// Columns of the table ?1, other than those that follow from others.
+pub(super) const COLUMNS: &str = "SELECT column_name::TEXT FROM information_schema.columns
+     WHERE table_schema = current_schema() AND table_name = ? AND is_generated = 'NEVER'
+     ORDER BY ordinal_position";
+/// Texts of its own.
+pub(super) const TEXTS: Texts = Texts {
+    // the newest of each, of which the newest
+    newest_seen: "SELECT s.seq FROM (
+            SELECT p.seq FROM json_each(?2) e CROSS JOIN LATERAL (
+                SELECT j.seq FROM jobs j WHERE j.project = unhex(e.value) AND j.seq < ?1
+                    AND j.owner IS DISTINCT FROM ?4
+                ORDER BY j.seq DESC LIMIT ?6) p
+            UNION ALL
+            SELECT o.seq FROM (
+                SELECT j.seq FROM jobs j WHERE j.owner = ?3 AND j.seq < ?1
+                    AND (j.project IS NULL OR j.project NOT IN (SELECT unhex(value) FROM json_each(?5)))
+                ORDER BY j.seq DESC LIMIT ?6) o) s
+         ORDER BY s.seq DESC LIMIT ?6",
+    folded: "folded",
+    has_index_of_texts: false,
+};
+/// Columns of the table ?1, other than those that follow from others, and their types.
+pub(super) const KINDS: &str =
+    "SELECT column_name::TEXT, data_type::TEXT FROM information_schema.columns
+     WHERE table_schema = current_schema() AND table_name = ? AND is_generated = 'NEVER'
+     ORDER BY ordinal_position";
+/// A writer that stands still in a transaction for longer keeps all other servers from writing: its machine may
+/// be gone, and the database ends it.
+const STANDSTILL: &str = "10s";
+/// Classes of errors: the server could not be reached or is going down, its disk failed, or it has ended a
+/// connection that stood still.
+const BROKEN: [&str; 4] = ["08", "57P", "58", "25P03"];
+/// `character_not_in_repertoire` and `untranslatable_character`: a text holds a zero byte.
+const NO_TEXT: [&str; 2] = ["22021", "22P05"];
+/// `disk_full`.
+const FULL: &str = "53100";
+
+/// A connection that writes.
+pub(super) async fn connect(database: &PgConnectOptions) -> sqlx::Result<PgConnection> {
+    let database = database
+        .clone()
+        .options([("idle_in_transaction_session_timeout", STANDSTILL)]);
+    database.connect().await
+}
+
+/// Begins a transaction that may write; tells the moment by the database's clock [ms since 1970].
+pub(super) async fn begin_writing(connection: &mut PgConnection) -> sqlx::Result<i64> {
+    let rows = sqlx::raw_sql(BEGIN).fetch_all(connection).await?;
+    let moment = rows.last().ok_or(sqlx::Error::RowNotFound)?;
+    sqlx::Row::try_get(moment, 0)
+}
+
+/// A type as the database names it.
+pub(super) fn kind(name: &str) -> Kind {
+    match name {
+        "bigint" | "integer" => Kind::Integer,
+        "double precision" => Kind::Real,
+        "boolean" => Kind::Boolean,
+        "bytea" => Kind::Bytes,
+        _ => Kind::Text,
+    }
+}
+
+/// Connections that cannot write.
+pub(super) async fn reading(database: &PgConnectOptions, connections: u32) -> sqlx::Result<PgPool> {
+    let read_only = database
+        .clone()
+        .options([("default_transaction_read_only", "on")]);
+    PgPoolOptions::new()
+        .max_connections(connections)
+        .connect_with(read_only)
+        .await
+}
+
+/// A type that a column is read as.
+pub(in super::super) trait Column: Sized {
+    /// # Errors
+    /// When there is no such column, or it holds something else.
+    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self>;
+}
+
+macro_rules! column {
+    ($($type:ty)+) => {
+        $(impl Column for $type {
+            fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
+                sqlx::Row::try_get(row, place)
+            }
+        })+
+    };
+}
+
+column! { f64 bool String Vec<u8> }
+
+impl Column for i64 {
+    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
+        use sqlx::Row;
+        // numbers that stand in a statement have 32 bits
+        if row.try_get_raw(place)?.type_info().name() == "INT4" {
+            return row.try_get::<i32, _>(place).map(Self::from);
+        }
+        row.try_get(place)
+    }
+}
+
+/// A narrower number, all of which have 64 bits there.
+fn narrow<T: TryFrom<i64, Error: std::error::Error + Send + Sync + 'static>>(
+    row: &PgRow,
+    place: usize,
+) -> sqlx::Result<T> {
+    T::try_from(<i64 as Column>::read(row, place)?).map_err(|error| decode(place, error))
+}
+
+fn decode(place: usize, error: impl Into<sqlx::error::BoxDynError>) -> sqlx::Error {
+    sqlx::Error::ColumnDecode {
+        index: place.to_string(),
+        source: error.into(),
+    }
+}
+
+impl Column for u32 {
+    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
+        narrow(row, place)
+    }
+}
+
+impl Column for i32 {
+    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
+        narrow(row, place)
+    }
+}
+
+impl Column for Uuid {
+    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
+        let bytes: &[u8] = sqlx::Row::try_get(row, place)?;
+        Self::from_slice(bytes).map_err(|error| decode(place, error))
+    }
+}
+
+impl<T: Column> Column for Option<T> {
+    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
+        if sqlx::Row::try_get_raw(row, place)?.is_null() {
+            return Ok(None);
+        }
+        T::read(row, place).map(Some)
+    }
+}
+
+/// Where a statement is run.
+pub(in super::super) enum On<'c> {
+    Connection(&'c mut PgConnection),
+    Pool(&'c PgPool),
+}
+
+type Prepared = sqlx::query::Query<'static, Postgres, PgArguments>;
+
+fn prepared(text: SqlStr, values: Vec<Value>) -> sqlx::Result<Prepared> {
+    let mut arguments = PgArguments::default();
+    arguments.reserve(values.len(), 0);
+    let mut failed = None;
+    for value in values {
+        let added = match value {
+            Value::Integer(value) => arguments.add(value),
+            Value::Real(value) => arguments.add(value),
+            Value::Boolean(value) => arguments.add(value),
+            Value::Text(value) => arguments.add(value),
+            Value::Bytes(value) => arguments.add(value),
+        };
+        failed = failed.or(added.err());
+    }
+    let text = AssertSqlSafe(translated(text.as_str())).into_sql_str();
+    match failed {
+        Some(error) => Err(sqlx::Error::Encode(error)),
+        None => Ok(sqlx::query_with(text, arguments)),
+    }
+}
+
+/// A statement in PostgreSQL's words: `?` and `?1` are `$1`, `x''` is `''::bytea`, and `INDEXED BY` is left out.
+fn translated(text: &str) -> String {
+    const HINT: &str = "INDEXED BY ";
+    let mut to = String::with_capacity(text.len() + 16);
+    let (mut rest, mut places) = (text, 0_usize);
+    while let Some(at) = rest.find(['?', '\'', '"', '-', 'I', 'x']) {
+        to.push_str(&rest[..at]);
+        rest = &rest[at..];
+        let taken = match rest.as_bytes()[0] {
+            b'?' => {
+                let digits = rest[1..].bytes().take_while(u8::is_ascii_digit).count();
+                to.push('$');
+                if digits == 0 {
+                    places += 1;
+                    to.push_str(&places.to_string());
+                }
+                to.push_str(&rest[1..=digits]);
+                1 + digits
+            }
+            b'x' if rest.starts_with("x''") && !ends_in_word(&to) => {
+                to.push_str("''::bytea");
+                3
+            }
+            b'I' if rest.starts_with(HINT) => HINT.len() + word(&rest[HINT.len()..]),
+            quote @ (b'\'' | b'"') => {
+                let end = rest[1..]
+                    .find(quote as char)
+                    .map_or(rest.len(), |end| end + 2);
+                to.push_str(&rest[..end]);
+                end
+            }
+            b'-' if rest.starts_with("--") => rest.find('\n').unwrap_or(rest.len()),
+            _ => {
+                to.push_str(&rest[..1]);
+                1
+            }
+        };
+        rest = &rest[taken..];
+    }
+    to.push_str(rest);
+    to
+}
+
+/// Length of the word at the beginning.
+fn word(text: &str) -> usize {
+    let is_part = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
+    text.bytes().take_while(is_part).count()
+}
+
+fn ends_in_word(text: &str) -> bool {
+    text.ends_with(|c: char| c.is_ascii_alphanumeric() || c == '_')
+}
+
+pub(super) async fn execute(on: On<'_>, text: SqlStr, values: Vec<Value>) -> sqlx::Result<Done> {
+    let statement = prepared(text, values)?;
+    let done = match on {
+        On::Connection(connection) => statement.execute(connection).await?,
+        On::Pool(pool) => statement.execute(pool).await?,
+    };
+    Ok(Done {
+        rows_affected: done.rows_affected(),
+        last_number: 0,
+    })
+}
+
+pub(super) async fn fetch_all(
+    on: On<'_>,
+    text: SqlStr,
+    values: Vec<Value>,
+) -> sqlx::Result<Vec<Row>> {
+    let statement = prepared(text, values)?;
+    let rows = match on {
+        On::Connection(connection) => statement.fetch_all(connection).await?,
+        On::Pool(pool) => statement.fetch_all(pool).await?,
+    };
+    Ok(rows.into_iter().map(Row::Postgres).collect())
+}
+
+pub(super) async fn fetch_optional(
+    on: On<'_>,
+    text: SqlStr,
+    values: Vec<Value>,
+) -> sqlx::Result<Option<Row>> {
+    let statement = prepared(text, values)?;
+    let row = match on {
+        On::Connection(connection) => statement.fetch_optional(connection).await?,
+        On::Pool(pool) => statement.fetch_optional(pool).await?,
+    };
+    Ok(row.map(Row::Postgres))
+}
+
+pub(super) fn fetch(
+    link: &mut Link<Postgres>,
+    text: SqlStr,
+    values: Vec<Value>,
+) -> BoxStream<'_, sqlx::Result<Row>> {
+    match prepared(text, values) {
+        Ok(statement) => {
+            let rows = statement.fetch(link.connection());
+            rows.map(|row| row.map(Row::Postgres)).boxed()
+        }
+        Err(error) => futures_util::stream::iter([Err(error)]).boxed(),
+    }
+}
+
+/// What an error says of a full disk of the database's.
+pub(super) fn told_full(error: &PgDatabaseError) -> Option<String> {
+    (error.code() == FULL).then(|| error.message().to_owned())
+}
+
+/// Whether the database cannot keep a text.
+pub(super) fn refuses_text(error: &PgDatabaseError) -> bool {
+    NO_TEXT.contains(&error.code())
+}
+
+/// Whether the connection has failed.
+pub(super) fn is_broken(error: &PgDatabaseError) -> bool {
+    BROKEN.iter().any(|class| error.code().starts_with(class))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::translated;
+
+    #[test]
+    fn places_and_empty_bytes_are_written_as_postgresql_has_them() {
+        assert_eq!(
+            translated(
+                "SELECT ? || '?x''''', x'' FROM jobs j INDEXED BY jobs_waiting WHERE a = ? -- why?\n AND max = ?12"
+            ),
+            "SELECT $1 || '?x''''', ''::bytea FROM jobs j  WHERE a = $2 \n AND max = $12"
+        );
+        assert_eq!(
+            translated(r#"INSERT INTO store ("only") VALUES (x'')"#),
+            r#"INSERT INTO store ("only") VALUES (''::bytea)"#
+        );
+    }
+}

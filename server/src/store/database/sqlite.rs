@@ -1,0 +1,218 @@
+//! SQLite: a file in the data folder, with a write-ahead log, durable at every commit.
+//!
+//! What only SQLite understands is here, and in `migrations/`.
+use std::path::Path;
+use std::time::Duration;
+
+use futures_util::stream::{BoxStream, StreamExt};
+use sqlx::sqlite::{
+    Sqlite, SqliteArguments, SqliteConnectOptions, SqliteConnection, SqliteError,
+    SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteRow, SqliteSynchronous,
+};
+use sqlx::{Arguments, ConnectOptions, SqlStr};
+
+use super::statement::Done;
+use super::value::{Row, Value};
+use super::{Link, Texts};
+
+/// The file of the database in its data folder.
+pub(in super::super) const FILE: &str = "loadframe.db";
+/// How long a statement waits for another process, such as a token command, to finish writing.
+const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
+/// How long a copy of the database waits.
+const LONG_BUSY_TIMEOUT: Duration = Duration::from_secs(60);
+/// The write-ahead log is cut back to this [bytes] after a burst.
+const LOG_KEPT: &str = "67108864";
+/// Codes for a full disk: `SQLITE_FULL`, and what the shared memory's file says of it.
+const FULL: [&str; 2] = ["13", "4874"];
+/// The connection's disk does not read or write: `SQLITE_IOERR`, `SQLITE_CORRUPT`, `SQLITE_NOTADB`; the
+/// low byte of a code is its class.
+const BROKEN: [u32; 3] = [10, 11, 26];
+
+/// Begins a transaction that may write.
+pub(super) const BEGIN: &str = "BEGIN IMMEDIATE";
+/// Numbers an event and makes that its job's version: ?1 the job's id, ?2 the event's type, ?3 the moment,
+/// ?4 the job's row. Two statements in one go: every statement is a way to the connection's thread and back.
+pub(super) const EVENT: &str = "INSERT OR REPLACE INTO events (job, type, at) VALUES (?1, ?2, ?3);
+     UPDATE jobs SET version = last_insert_rowid(), updated_at = ?3 WHERE seq = ?4";
+/// Whether a job was ever submitted.
+pub(super) const HAS_HAD_JOBS: &str =
+    "SELECT EXISTS (SELECT 1 FROM sqlite_sequence WHERE name = 'jobs')";
+/// Columns of the table ?1, other than those that follow from others.
+pub(super) const COLUMNS: &str = "SELECT name FROM pragma_table_info(?)";
+
+/// Brings what is in the write-ahead log into the file.
+pub(super) const SETTLE: &str = "PRAGMA wal_checkpoint(TRUNCATE)";
+/// Makes the index of texts anew.
+pub(super) const INDEX_TEXTS: &str = "INSERT INTO job_texts (job_texts) VALUES ('rebuild')";
+/// Copies the database as it is at one moment to the file ?1.
+pub(super) const COPY: &str = "VACUUM INTO ?";
+/// Whether all of it can be read and fits together: then `ok`.
+pub(super) const CHECK: &str = "PRAGMA integrity_check";
+
+/// Texts of its own.
+pub(super) const TEXTS: Texts = Texts {
+    // merged by a recursion that always goes on from the largest number it has, a step of one search in an
+    // index each
+    newest_seen: "WITH RECURSIVE seen(project, seq) AS (
+                SELECT unhex(value), (SELECT MAX(j.seq) FROM jobs j
+                    WHERE j.project = unhex(value) AND j.seq < ?1 AND j.owner IS DISTINCT FROM ?4)
+                FROM json_each(?2)
+                UNION ALL
+                SELECT NULL, (SELECT MAX(j.seq) FROM jobs j WHERE j.owner = ?3 AND j.seq < ?1
+                    AND (j.project IS NULL OR j.project NOT IN (SELECT unhex(value) FROM json_each(?5))))
+                UNION ALL
+                SELECT project, CASE WHEN project IS NULL
+                    THEN (SELECT MAX(j.seq) FROM jobs j WHERE j.owner = ?3 AND j.seq < seen.seq
+                        AND (j.project IS NULL OR j.project NOT IN (SELECT unhex(value) FROM json_each(?5))))
+                    ELSE (SELECT MAX(j.seq) FROM jobs j WHERE j.project = seen.project
+                        AND j.seq < seen.seq AND j.owner IS DISTINCT FROM ?4) END
+                FROM seen WHERE seq IS NOT NULL
+                ORDER BY 2 DESC)
+             SELECT seq FROM seen WHERE seq IS NOT NULL LIMIT ?6",
+    folded: "lower",
+    has_index_of_texts: true,
+};
+
+/// The database in a data folder.
+pub(super) fn in_folder(data: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(data.join(FILE))
+        .create_if_missing(true)
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Full)
+        .foreign_keys(true)
+        .busy_timeout(BUSY_TIMEOUT)
+        .pragma("journal_size_limit", LOG_KEPT)
+        .disable_statement_logging()
+}
+
+/// A file that is there, to be copied or looked at.
+pub(super) fn file(path: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(path)
+        .busy_timeout(LONG_BUSY_TIMEOUT)
+        .disable_statement_logging()
+}
+
+/// Connections that cannot write.
+pub(super) async fn reading(
+    database: &SqliteConnectOptions,
+    connections: u32,
+) -> sqlx::Result<SqlitePool> {
+    SqlitePoolOptions::new()
+        .max_connections(connections)
+        .test_before_acquire(false)
+        .connect_with(database.clone().pragma("query_only", "on"))
+        .await
+}
+
+/// A type that a column is read as.
+pub(in super::super) trait Column: Sized {
+    /// # Errors
+    /// When there is no such column, or it holds something else.
+    fn read(row: &SqliteRow, place: usize) -> sqlx::Result<Self>;
+}
+
+impl<T> Column for T
+where
+    T: for<'r> sqlx::Decode<'r, Sqlite> + sqlx::Type<Sqlite>,
+{
+    fn read(row: &SqliteRow, place: usize) -> sqlx::Result<Self> {
+        sqlx::Row::try_get(row, place)
+    }
+}
+
+/// Where a statement is run.
+pub(in super::super) enum On<'c> {
+    Connection(&'c mut SqliteConnection),
+    Pool(&'c SqlitePool),
+}
+
+type Prepared = sqlx::query::Query<'static, Sqlite, SqliteArguments>;
+
+fn prepared(text: SqlStr, values: Vec<Value>) -> sqlx::Result<Prepared> {
+    let mut arguments = SqliteArguments::default();
+    arguments.reserve(values.len(), 0);
+    let mut failed = None;
+    for value in values {
+        let added = match value {
+            Value::Integer(value) => Arguments::add(&mut arguments, value),
+            Value::Real(value) => Arguments::add(&mut arguments, value),
+            Value::Boolean(value) => Arguments::add(&mut arguments, value),
+            Value::Text(value) => Arguments::add(&mut arguments, value),
+            Value::Bytes(value) => Arguments::add(&mut arguments, value),
+        };
+        failed = failed.or(added.err());
+    }
+    match failed {
+        Some(error) => Err(sqlx::Error::Encode(error)),
+        None => Ok(sqlx::query_with(text, arguments)),
+    }
+}
+
+pub(super) async fn execute(on: On<'_>, text: SqlStr, values: Vec<Value>) -> sqlx::Result<Done> {
+    let statement = prepared(text, values)?;
+    let done = match on {
+        On::Connection(connection) => statement.execute(connection).await?,
+        On::Pool(pool) => statement.execute(pool).await?,
+    };
+    Ok(Done {
+        rows_affected: done.rows_affected(),
+        last_number: done.last_insert_rowid(),
+    })
+}
+
+pub(super) async fn fetch_all(
+    on: On<'_>,
+    text: SqlStr,
+    values: Vec<Value>,
+) -> sqlx::Result<Vec<Row>> {
+    let statement = prepared(text, values)?;
+    let rows = match on {
+        On::Connection(connection) => statement.fetch_all(connection).await?,
+        On::Pool(pool) => statement.fetch_all(pool).await?,
+    };
+    Ok(rows.into_iter().map(Row::Sqlite).collect())
+}
+
+pub(super) async fn fetch_optional(
+    on: On<'_>,
+    text: SqlStr,
+    values: Vec<Value>,
+) -> sqlx::Result<Option<Row>> {
+    let statement = prepared(text, values)?;
+    let row = match on {
+        On::Connection(connection) => statement.fetch_optional(connection).await?,
+        On::Pool(pool) => statement.fetch_optional(pool).await?,
+    };
+    Ok(row.map(Row::Sqlite))
+}
+
+pub(super) fn fetch(
+    link: &mut Link<Sqlite>,
+    text: SqlStr,
+    values: Vec<Value>,
+) -> BoxStream<'_, sqlx::Result<Row>> {
+    match prepared(text, values) {
+        Ok(statement) => {
+            let rows = statement.fetch(link.connection());
+            rows.map(|row| row.map(Row::Sqlite)).boxed()
+        }
+        Err(error) => futures_util::stream::iter([Err(error)]).boxed(),
+    }
+}
+
+/// What an error says of a full disk.
+pub(super) fn told_full(error: &SqliteError) -> Option<String> {
+    use sqlx::error::DatabaseError;
+    let code = error.code()?;
+    FULL.contains(&&*code).then(|| error.message().to_owned())
+}
+
+/// Whether the connection has failed with its disk.
+pub(super) fn is_broken(error: &SqliteError) -> bool {
+    use sqlx::error::DatabaseError;
+    let code = error.code().and_then(|code| code.parse::<u32>().ok());
+    code.is_some_and(|code| BROKEN.contains(&(code & 0xff)))
+}

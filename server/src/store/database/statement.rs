@@ -1,0 +1,215 @@
+//! Statements: a text, the values of its places, and what is made of the rows.
+//!
+//! Places are written as SQLite knows them, `?` one after the other or `?1` by number. Every statement is
+//! prepared once a connection and kept.
+use std::fmt::Display;
+use std::marker::PhantomData;
+
+use futures_util::stream::{BoxStream, TryStreamExt};
+use sqlx::{AssertSqlSafe, SqlSafeStr, SqlStr};
+
+use super::value::{Bind, Column, FromRow, Row, Value};
+use super::{Connection, On, postgres, sqlite};
+
+/// A statement that is run for what it does.
+#[derive(Debug)]
+pub(in super::super) struct Query {
+    text: SqlStr,
+    values: Vec<Value>,
+}
+
+/// A statement whose rows are read as `R`.
+#[derive(Debug)]
+pub(in super::super) struct QueryAs<R>(Query, PhantomData<fn() -> R>);
+
+/// A statement of which the first column is read, as `T`.
+#[derive(Debug)]
+pub(in super::super) struct QueryScalar<T>(Query, PhantomData<fn() -> T>);
+
+/// What a statement has done.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Done {
+    pub(super) rows_affected: u64,
+    /// The number that the last new row got, where the database tells.
+    pub(super) last_number: i64,
+}
+
+impl Done {
+    /// Rows that it wrote or removed.
+    pub(in super::super) fn rows_affected(self) -> u64 {
+        self.rows_affected
+    }
+}
+
+pub(in super::super) fn query(text: impl SqlSafeStr) -> Query {
+    Query {
+        text: text.into_sql_str(),
+        values: Vec::new(),
+    }
+}
+
+pub(in super::super) fn query_as<R: FromRow>(text: impl SqlSafeStr) -> QueryAs<R> {
+    QueryAs(query(text), PhantomData)
+}
+
+pub(in super::super) fn query_scalar<T: Column>(text: impl SqlSafeStr) -> QueryScalar<T> {
+    QueryScalar(query(text), PhantomData)
+}
+
+impl Query {
+    /// Binds the value of the next place.
+    pub(in super::super) fn bind(mut self, value: impl Bind) -> Self {
+        self.values.push(value.bound());
+        self
+    }
+
+    pub(in super::super) async fn execute(self, on: impl Into<On<'_>>) -> sqlx::Result<Done> {
+        let Self { text, values } = self;
+        match on.into() {
+            On::Sqlite(on) => sqlite::execute(on, text, values).await,
+            On::Postgres(on) => postgres::execute(on, text, values).await,
+        }
+    }
+
+    pub(in super::super) async fn fetch_all(self, on: impl Into<On<'_>>) -> sqlx::Result<Vec<Row>> {
+        let Self { text, values } = self;
+        match on.into() {
+            On::Sqlite(on) => sqlite::fetch_all(on, text, values).await,
+            On::Postgres(on) => postgres::fetch_all(on, text, values).await,
+        }
+    }
+
+    pub(super) async fn fetch_one(self, on: impl Into<On<'_>>) -> sqlx::Result<Row> {
+        let row = self.fetch_optional(on).await?;
+        row.ok_or(sqlx::Error::RowNotFound)
+    }
+
+    async fn fetch_optional(self, on: impl Into<On<'_>>) -> sqlx::Result<Option<Row>> {
+        let Self { text, values } = self;
+        match on.into() {
+            On::Sqlite(on) => sqlite::fetch_optional(on, text, values).await,
+            On::Postgres(on) => postgres::fetch_optional(on, text, values).await,
+        }
+    }
+
+    /// Rows one after the other.
+    pub(in super::super) fn fetch(
+        self,
+        connection: &mut Connection,
+    ) -> BoxStream<'_, sqlx::Result<Row>> {
+        let Self { text, values } = self;
+        match connection {
+            Connection::Sqlite(link) => sqlite::fetch(link, text, values),
+            Connection::Postgres(link) => postgres::fetch(link, text, values),
+        }
+    }
+}
+
+impl<R: FromRow> QueryAs<R> {
+    /// Binds the value of the next place.
+    pub(in super::super) fn bind(self, value: impl Bind) -> Self {
+        Self(self.0.bind(value), PhantomData)
+    }
+
+    pub(in super::super) async fn fetch_all(self, on: impl Into<On<'_>>) -> sqlx::Result<Vec<R>> {
+        let rows = self.0.fetch_all(on).await?;
+        rows.iter().map(R::from_row).collect()
+    }
+
+    pub(in super::super) async fn fetch_optional(
+        self,
+        on: impl Into<On<'_>>,
+    ) -> sqlx::Result<Option<R>> {
+        let row = self.0.fetch_optional(on).await?;
+        row.as_ref().map(R::from_row).transpose()
+    }
+
+    pub(in super::super) async fn fetch_one(self, on: impl Into<On<'_>>) -> sqlx::Result<R> {
+        let row = self.fetch_optional(on).await?;
+        row.ok_or(sqlx::Error::RowNotFound)
+    }
+
+    /// Rows one after the other, so that what is not wanted need not be read.
+    pub(in super::super) fn fetch(
+        self,
+        connection: &mut Connection,
+    ) -> impl futures_util::Stream<Item = sqlx::Result<R>> + Unpin {
+        let read = |row: Row| std::future::ready(R::from_row(&row));
+        self.0.fetch(connection).and_then(read)
+    }
+}
+
+impl<T: Column> QueryScalar<T> {
+    /// Binds the value of the next place.
+    pub(in super::super) fn bind(self, value: impl Bind) -> Self {
+        Self(self.0.bind(value), PhantomData)
+    }
+
+    pub(in super::super) async fn fetch_all(self, on: impl Into<On<'_>>) -> sqlx::Result<Vec<T>> {
+        let rows = self.0.fetch_all(on).await?;
+        rows.iter().map(|row| row.get(0)).collect()
+    }
+
+    pub(in super::super) async fn fetch_optional(
+        self,
+        on: impl Into<On<'_>>,
+    ) -> sqlx::Result<Option<T>> {
+        let row = self.0.fetch_optional(on).await?;
+        row.map(|row| row.get(0)).transpose()
+    }
+
+    pub(in super::super) async fn fetch_one(self, on: impl Into<On<'_>>) -> sqlx::Result<T> {
+        let value = self.fetch_optional(on).await?;
+        value.ok_or(sqlx::Error::RowNotFound)
+    }
+}
+
+/// A statement that is put together from parts, none of which comes from a caller.
+#[derive(Debug, Default)]
+pub(in super::super) struct Builder {
+    text: String,
+    values: Vec<Value>,
+}
+
+impl Builder {
+    pub(in super::super) fn new(text: &str) -> Self {
+        Self {
+            text: text.to_owned(),
+            values: Vec::new(),
+        }
+    }
+
+    pub(in super::super) fn push(&mut self, text: impl Display) -> &mut Self {
+        use std::fmt::Write;
+        // a String takes whatever is written
+        let _ = write!(self.text, "{text}");
+        self
+    }
+
+    /// A place, and its value.
+    pub(in super::super) fn push_bind(&mut self, value: impl Bind) -> &mut Self {
+        self.push_value(value.bound())
+    }
+
+    /// The same of a value that is one already.
+    pub(in super::super) fn push_value(&mut self, value: Value) -> &mut Self {
+        self.text.push('?');
+        self.values.push(value);
+        self
+    }
+
+    pub(in super::super) fn build(self) -> Query {
+        Query {
+            text: AssertSqlSafe(self.text).into_sql_str(),
+            values: self.values,
+        }
+    }
+
+    pub(in super::super) fn build_query_as<R: FromRow>(self) -> QueryAs<R> {
+        QueryAs(self.build(), PhantomData)
+    }
+
+    pub(in super::super) fn build_query_scalar<T: Column>(self) -> QueryScalar<T> {
+        QueryScalar(self.build(), PhantomData)
+    }
+}
