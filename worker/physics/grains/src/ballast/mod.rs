@@ -5,7 +5,7 @@
 //! the state of the bed from the points of the scene's curve ([`heard`], each at its [`place`] in the cycles), and makes the test's own curve of
 //! them. When the engine is done, [`cycles`] finds peaks, residuals and stiffnesses, [`blocks`] those of each load, [`oedometer`] void ratio and
 //! modulus, [`moments`] what the journal
-//! says of grains that broke, [`voids`](self::voids) where the bed became loose, [`report`] the summary, [`tables`] the files. A resumed run hears the whole curve again,
+//! says of grains that broke, [`voids`] where the bed became loose, [`report`] the summary, [`tables`] the files. A resumed run hears the whole curve again,
 //! so that nothing here needs to be kept in a checkpoint.
 mod blocks;
 mod cycles;
