@@ -176,6 +176,13 @@ test("a specimen is seen before its job is submitted, and drawn again for every 
       fabric,
     );
     assert.notEqual(await seen(page), first);
+
+    // and another example another specimen, of another kind
+    await writes(page, "ballast_oedometer");
+    await page.waitForFunction(() =>
+      document.querySelector("[data-testid=specimen-shows]").innerText.includes("Pouring"),
+    );
+    await picture(page, "specimen-ballast");
   }));
 
 test("a specimen that is too large for a picture is told so", () =>
