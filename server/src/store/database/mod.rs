@@ -31,7 +31,7 @@ pub(super) use value::{FromRow, Kind, Row, row};
 /// Which database, and how it is reached.
 #[derive(Clone, Debug)]
 pub(super) enum Database {
-    Sqlite(SqliteConnectOptions),
+    Sqlite(Box<SqliteConnectOptions>),
     Postgres(DatabaseAddress),
 }
 
@@ -112,7 +112,7 @@ impl Database {
     /// The one at this place; in the data folder it is made where there is none.
     pub(super) fn at(place: &DatabasePlace, data: &Path) -> Self {
         match place {
-            DatabasePlace::Folder => Self::Sqlite(sqlite::in_folder(data)),
+            DatabasePlace::Folder => Self::Sqlite(Box::new(sqlite::in_folder(data))),
             DatabasePlace::Server(address) => Self::Postgres(address.clone()),
         }
     }
@@ -135,7 +135,7 @@ impl Database {
 
     /// One in a file that is there.
     pub(super) fn file(path: &Path) -> Self {
-        Self::Sqlite(sqlite::file(path))
+        Self::Sqlite(Box::new(sqlite::file(path)))
     }
 
     /// A connection of its own.
