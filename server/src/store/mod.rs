@@ -1,13 +1,12 @@
 //! The store: jobs, attempts, curves, files, events, workers and tokens. Every SQL statement of
 //! the system is in this folder; nothing outside it knows that there is a database.
 //!
-//! In `data` lie `loadframe.db` (SQLite: write-ahead log, durable at every commit; unless it is PostgreSQL), `blobs/` (files
+//! In `data` lie `loadframe.db` (SQLite: write-ahead log, durable at every commit), `blobs/` (files
 //! under their SHA-256, with the name of the store), `incoming/` (files on their way), `set-aside/` (files
 //! that were not what their names say), `reserve` (given up when the disk is full) and `lock` (one server
-//! a folder, or several that share a database elsewhere). Where `files.json` says so ([`where_files`]), `blobs/` and `set-aside/` are in a [`bucket`]
-//! instead; only [`storage`] knows.
-//!
-//! Which database it is, only [`database`] knows, through which every statement goes.
+//! a folder, or several that share a database elsewhere). Where `files.json` says so ([`where_files`]),
+//! `blobs/` and `set-aside/` are in a [`bucket`] instead; only [`storage`] knows. Whether the database is
+//! SQLite's or on a PostgreSQL server, only [`database`] knows, through which every statement goes.
 //!
 //! A change goes `Store::…` → [`writer`] (one connection, group commit) → the command's method on
 //! [`writer::Change`] → for steps of a job's lifecycle [`state`], which asks [`crate::queue`] → events →
