@@ -418,6 +418,7 @@ fn ids_beginning_with(typed: &str) -> Option<[Uuid; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::database::TEXTS;
     use super::*;
 
     #[test]
@@ -435,11 +436,6 @@ mod tests {
 
     #[test]
     fn whatever_is_typed_is_one_phrase() {
-        const TEXTS: Texts = Texts {
-            newest_seen: "",
-            folded: "lower",
-            has_index_of_texts: true,
-        };
         let phrase = |typed: &str| Text::of(typed, &TEXTS).phrase;
         assert_eq!(
             phrase("Wet\" OR \"dry").as_deref(),

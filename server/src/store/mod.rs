@@ -4,10 +4,9 @@
 //! In `data` lie `loadframe.db` (SQLite: write-ahead log, durable at every commit), `blobs/` (files
 //! under their SHA-256, with the name of the store), `incoming/` (files on their way), `set-aside/` (files
 //! that were not what their names say), `reserve` (given up when the disk is full) and `lock` (one server
-//! a folder). Where `files.json` says so ([`where_files`]), `blobs/` and `set-aside/` are in a [`bucket`]
-//! instead; only [`storage`] knows.
-//!
-//! Which database it is, only [`database`] knows, through which every statement goes.
+//! a folder, or several that share a database elsewhere). Where `files.json` says so ([`where_files`]),
+//! `blobs/` and `set-aside/` are in a [`bucket`] instead; only [`storage`] knows. Whether the database is
+//! SQLite's or on a PostgreSQL server, only [`database`] knows, through which every statement goes.
 //!
 //! A change goes `Store::…` → [`writer`] (one connection, group commit) → the command's method on
 //! [`writer::Change`] → for steps of a job's lifecycle [`state`], which asks [`crate::queue`] → events →

@@ -158,6 +158,8 @@ async fn copy_all(from: &Database, to: &Database) -> Result<MoveReport> {
     target.make_triggers(triggers).await?;
     target.commit().await?;
     source.commit().await?;
+    source.settle().await?;
+    target.settle().await?;
     source.close().await?;
     target.close().await?;
     Ok(report)

@@ -5,6 +5,8 @@ mod archive;
 mod compare;
 mod connections;
 mod curve;
+#[path = "../shared/database.rs"]
+mod database;
 mod errors;
 mod events;
 mod files;

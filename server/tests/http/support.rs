@@ -44,6 +44,7 @@ impl Lab {
     pub(crate) async fn with(change: impl FnOnce(&mut ServeConfig)) -> Self {
         let data = TempDir::new().expect("a folder");
         let mut config = ServeConfig::new(data.path());
+        config.store.database = crate::database::place(data.path());
         change(&mut config);
         let store = Store::open(config.store.clone()).await.expect("a store");
         let address = config.listen.parse().expect("an address");

@@ -1,4 +1,4 @@
-//! Which database the tests of the store and the simulation run on: SQLite, or PostgreSQL where
+//! Which database the tests of the store, the service and the simulation run on: SQLite, or PostgreSQL where
 //! `LOADFRAME_TEST_POSTGRES` names a server (`tests/postgres` starts one of its own), with a schema for every
 //! folder.
 use std::collections::hash_map::DefaultHasher;
@@ -20,26 +20,32 @@ pub(crate) fn place(folder: &Path) -> DatabasePlace {
     let schema = format!("test_{:016x}", hash.finish());
     make(&server, &schema);
     let address = format!("{server}?options[search_path]={schema}");
-    DatabasePlace::Server(address.parse().unwrap())
+    DatabasePlace::Server(address.parse().expect("PostgreSQL answers"))
 }
 
 /// Makes the schema where it is not there yet; callers are in the middle of other work of their runtime.
 fn make(server: &str, schema: &str) {
     use sqlx::{AssertSqlSafe, Connection as _, postgres::PgConnection};
     let work = async {
-        let mut connection = PgConnection::connect(server).await.unwrap();
+        let mut connection = PgConnection::connect(server)
+            .await
+            .expect("PostgreSQL answers");
         let text = format!("CREATE SCHEMA IF NOT EXISTS {schema}");
         sqlx::query(AssertSqlSafe(text))
             .execute(&mut connection)
             .await
-            .unwrap();
-        connection.close().await.unwrap();
+            .expect("PostgreSQL answers");
+        connection.close().await.expect("PostgreSQL answers");
     };
     std::thread::scope(|scope| {
         let thread = scope.spawn(|| {
             let mut runtime = tokio::runtime::Builder::new_current_thread();
-            runtime.enable_all().build().unwrap().block_on(work);
+            runtime
+                .enable_all()
+                .build()
+                .expect("PostgreSQL answers")
+                .block_on(work);
         });
-        thread.join().unwrap();
+        thread.join().expect("PostgreSQL answers");
     });
 }

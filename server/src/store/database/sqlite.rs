@@ -51,7 +51,7 @@ pub(super) const COPY: &str = "VACUUM INTO ?";
 pub(super) const CHECK: &str = "PRAGMA integrity_check";
 
 /// Texts of its own.
-pub(super) const TEXTS: Texts = Texts {
+pub(in super::super) const TEXTS: Texts = Texts {
     // merged by a recursion that always goes on from the largest number it has, a step of one search in an
     // index each
     newest_seen: "WITH RECURSIVE seen(project, seq) AS (
