@@ -1,6 +1,7 @@
 -- All tables as they are with SQLite after its step 15; see there for how they came to be. Moments are
 -- milliseconds since 1970 (UTC), ids are UUIDs in 16 bytes in their order, words such as a status are the
 -- ones of the wire; whole numbers have 64 bits, and texts are sorted by their bytes, as SQLite has it.
+-- One file, long as it is: a step of the schema is one transaction, and these tables refer to each other.
 
 -- Submissions by the name a client gave them. The name outlives the job, so that a late repetition
 -- does not submit it anew.
