@@ -1,4 +1,4 @@
--- All tables as they are with SQLite after its step 15; see there for how they came to be. Moments are
+-- All tables as they are with SQLite after its step 16; see there for how they came to be. Moments are
 -- milliseconds since 1970 (UTC), ids are UUIDs in 16 bytes in their order, words such as a status are the
 -- ones of the wire; whole numbers have 64 bits, and texts are sorted by their bytes, as SQLite has it.
 -- One file, long as it is: a step of the schema is one transaction, and these tables refer to each other.
