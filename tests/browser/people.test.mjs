@@ -212,3 +212,33 @@ test("the list shows, sorts and filters by values, and its address keeps that", 
     ASKED,
   );
 });
+
+test("what was done comes fifty lines at a time, each of them once", async () => {
+  await visit(
+    "/",
+    async (page) => {
+      await signIn(page, "Ada");
+      await page.evaluate(async () => {
+        const headers = { "Content-Type": "application/json" };
+        for (let index = 0; index < 110; index += 1) {
+          const body = JSON.stringify({ name: `token ${index}`, scope: "read" });
+          const answer = await fetch("/v1/tokens", { method: "POST", headers, body });
+          if (!answer.ok) throw new Error(await answer.text());
+        }
+      });
+      await page.getByRole("link", { name: "People" }).click();
+      const lines = part(page, "audit-line");
+      await lines.nth(49).waitFor();
+      // What loads by itself would do so now.
+      await page.waitForTimeout(500);
+      assert.equal(await lines.count(), 50);
+      await part(page, "audit-more").click();
+      await lines.nth(99).waitFor();
+      await part(page, "audit-more").click();
+      await part(page, "audit-more").waitFor({ state: "detached" });
+      const all = await page.evaluate(async () => (await (await fetch("/v1/audit?limit=1000")).json()).items.length);
+      assert.equal(await lines.count(), all);
+    },
+    ASKED,
+  );
+});
