@@ -51,20 +51,9 @@ impl Band {
         };
         let axis = direction(fibre.angle_deg);
         let half_thickness_mm = fibre.thickness_mm / 2.0;
-        let corner = |along: f64, across: f64| {
-            [
-                x + along * axis[0] - across * axis[1],
-                y + along * axis[1] + across * axis[0],
-            ]
-        };
-        let band = Polygon::of(&[
-            corner(-half_length_mm, -half_thickness_mm),
-            corner(half_length_mm, -half_thickness_mm),
-            corner(half_length_mm, half_thickness_mm),
-            corner(-half_length_mm, half_thickness_mm),
-        ]);
         let section = Polygon::rectangle([0.0, length_mm], [0.0, height_mm]);
-        let polygon = band.within(&section);
+        let sides = [half_length_mm, half_thickness_mm];
+        let polygon = turned(fibre.through_mm, axis, sides).within(&section);
         if polygon.area_and_centroid().0 <= 0.0 {
             return Err(CompositeError::FibreOutside { fibre: place });
         }
@@ -107,6 +96,12 @@ impl Band {
             .then(|| Fine::through([middle - half, middle + half], across))
     }
 
+    /// A band of the same axis and length with another thickness, inside the section and beyond.
+    pub fn of_half_thickness(&self, half_thickness_mm: f64) -> Polygon {
+        let sides = [self.half_length_mm, half_thickness_mm];
+        turned(self.through_mm, self.axis, sides)
+    }
+
     /// The part of it inside the section.
     pub fn polygon(&self) -> &Polygon {
         &self.polygon
@@ -116,6 +111,17 @@ impl Band {
     pub fn extent(&self) -> [[f64; 2]; 2] {
         extent(self.polygon.corners())
     }
+}
+
+/// A rectangle around a middle, of half sides along an axis and across it.
+fn turned([x, y]: [f64; 2], [c, s]: [f64; 2], [along, across]: [f64; 2]) -> Polygon {
+    let corner = |along: f64, across: f64| [x + along * c - across * s, y + along * s + across * c];
+    Polygon::of(&[
+        corner(-along, -across),
+        corner(along, -across),
+        corner(along, across),
+        corner(-along, across),
+    ])
 }
 
 fn extent(corners: &[[f64; 2]]) -> [[f64; 2]; 2] {

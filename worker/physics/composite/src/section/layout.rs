@@ -6,11 +6,12 @@ use crate::material::{Material, Note, PlaneState};
 use crate::section::fit::{Fit, fit};
 use crate::section::grid::{Division, Grid, Refinement, with_thin_rows};
 use crate::section::ply::{Ply, Strip, faces_mm, shares_between, strip};
-use crate::section::{Band, Polygon, Section, refuse_overlap};
+use crate::section::shares::{Part, shares};
+use crate::section::{Band, Section, refuse_overlap};
 use crate::stiffness::{Stiffness, laminate};
 
 /// A part of a cell's area below this is round-off, not a fibre.
-const LEAST_SHARE: f64 = 1e-12;
+pub(super) const LEAST_SHARE: f64 = 1e-12;
 
 /// A section on its grid, ready to become a lattice.
 #[derive(Debug, Clone)]
@@ -50,14 +51,6 @@ pub(crate) struct Constituent {
     pub(crate) in_plane_deg: f64,
     /// In the section's axes [MPa].
     pub(crate) stiffness: Stiffness,
-}
-
-/// A fibre in a cell: which band, and its share of the cell's area.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Part {
-    pub(crate) cell: u32,
-    pub(crate) band: u32,
-    pub(crate) share: f64,
 }
 
 /// All bands of fibre, in the order of the fibres.
@@ -155,8 +148,7 @@ impl Layout {
             density.resize(density.len() + grid.columns(), mean);
         }
         let mut fibre_share = vec![0.0; grid.cells()];
-        let mut parts = shares(&grid, &bands);
-        parts.sort_by_key(|part| (part.cell, part.band));
+        let parts = shares(&grid, &bands);
         for held in parts.chunk_by(|a, b| a.cell == b.cell) {
             let cell = held[0].cell as usize;
             let whole: f64 = held.iter().map(|part| part.share).sum();
@@ -280,61 +272,6 @@ pub(crate) fn matrix_share(fibres: f64) -> f64 {
     } else {
         1.0 - fibres
     }
-}
-
-/// Shares of all cells that fibres touch: the cell's rectangle, cut by the band's polygon.
-fn shares(grid: &Grid, bands: &[Band]) -> Vec<Part> {
-    let mut parts = Vec::new();
-    for (place, band) in bands.iter().enumerate() {
-        let rows = touched(grid.y_mm(), band.extent()[1]);
-        for j in rows {
-            let y = [grid.y_mm()[j], grid.y_mm()[j + 1]];
-            // Only the columns the band crosses in this row.
-            let strip = band
-                .polygon()
-                .clipped([0.0, 1.0], y[1])
-                .clipped([0.0, -1.0], -y[0]);
-            let from = strip
-                .corners()
-                .iter()
-                .map(|c| c[0])
-                .fold(f64::INFINITY, f64::min);
-            let to = strip
-                .corners()
-                .iter()
-                .map(|c| c[0])
-                .fold(f64::NEG_INFINITY, f64::max);
-            for i in touched(grid.x_mm(), [from, to]) {
-                let x = [grid.x_mm()[i], grid.x_mm()[i + 1]];
-                let cell = Polygon::rectangle(x, y);
-                let area = cell.within(band.polygon()).area_and_centroid().0;
-                let share = area / ((x[1] - x[0]) * (y[1] - y[0]));
-                if share > LEAST_SHARE {
-                    parts.push(Part {
-                        cell: (j * grid.columns() + i) as u32,
-                        band: place as u32,
-                        share: if share > 1.0 - LEAST_SHARE {
-                            1.0
-                        } else {
-                            share
-                        },
-                    });
-                }
-            }
-        }
-    }
-    parts
-}
-
-/// The intervals between lines that a range touches.
-fn touched(lines: &[f64], [from, to]: [f64; 2]) -> std::ops::Range<usize> {
-    let first = lines
-        .partition_point(|&line| line <= from)
-        .saturating_sub(1);
-    let last = lines
-        .partition_point(|&line| line < to)
-        .min(lines.len() - 1);
-    first..last
 }
 
 /// Faces of fibres along an axis and of plies, across x and across y [mm].

@@ -6,6 +6,7 @@ mod fit;
 mod grid;
 mod layout;
 mod ply;
+mod shares;
 #[cfg(test)]
 mod tests;
 
