@@ -24,10 +24,6 @@ pub(super) enum Comparison {
     },
     /// None: the paper's lattice has fibres as thick as its cells, whatever they are, and no limit.
     None,
-    /// None: slanted fibres are thinner than cells, and coarser grids smear them as well. Six of them at 45°,
-    /// 135 times as stiff as their matrix: on cells of 2, 1, 0.5 and 0.33 of their thickness the mean
-    /// deflection beneath is off by 28, 13, 4.7 and 3.1 %, and the first grids differ by 4 % among themselves.
-    Thin,
     /// The cells are cut by faces that other grids cut elsewhere: results on them have no common way
     /// to the limit. A graded grid of as many cells, with lines on the faces, stands for the truth,
     /// and one of half of them tells its own error.
@@ -43,7 +39,6 @@ impl Comparison {
             _ if is_paper => Self::None,
             Fit::Exact => Self::Coarser { wanders: false },
             Fit::Slanted => Self::Coarser { wanders: true },
-            Fit::Thin => Self::Thin,
             Fit::Cut => Self::Graded,
         }
     }
@@ -52,7 +47,7 @@ impl Comparison {
     /// there are cells, or graded ones.
     pub(super) fn grids(self, finest: Fineness) -> Vec<Fineness> {
         match self {
-            Self::None | Self::Thin => Vec::new(),
+            Self::None => Vec::new(),
             Self::Coarser { .. } => {
                 let first = halved(finest);
                 let second = first.and_then(halved);

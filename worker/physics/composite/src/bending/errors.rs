@@ -60,7 +60,7 @@ impl Finding {
         };
         let (step, before) = (measured.value - other(0), other(0) - other(1));
         match comparison {
-            Comparison::None | Comparison::Thin => f64::NAN,
+            Comparison::None => f64::NAN,
             Comparison::Graded => step.abs() + before.abs(),
             Comparison::Coarser { wanders: true } => {
                 let slow = 1.0 / (ORDERS[0].exp2() - 1.0);

@@ -23,9 +23,6 @@ const FIRST: f64 = 0.1;
 /// it.
 const ANY_DENSITY: f64 = 1_000.0;
 
-/// Fibres so many times as stiff as their matrix are stiff ones.
-const STIFF: f64 = 3.0;
-
 /// A section ready for its test.
 pub(super) struct Model<'a> {
     pub(super) spec: &'a CompositeBending,
@@ -152,21 +149,8 @@ impl<'a> Model<'a> {
             let half = halved(self.fineness)
                 .and_then(|half| self.section.fit(division(self.spec, half.grid)).ok());
             let fit = self.layout.fit();
-            let fit = match fit {
-                Fit::Thin if self.contrast() < STIFF => Fit::Slanted,
-                fit => fit,
-            };
             Comparison::of(fit, half.unwrap_or(fit), is_paper)
         })
-    }
-
-    /// Largest modulus of fibres over that of what they lie in.
-    fn contrast(&self) -> f64 {
-        let largest = |all: &[Constituent]| {
-            let moduli = all.iter().map(|one| one.stiffness.amax());
-            moduli.fold(0.0, f64::max)
-        };
-        largest(&self.layout.fibres) / largest(&self.layout.plies)
     }
 
     pub(super) fn geometry(&self) -> Geometry {

@@ -216,15 +216,7 @@ fn warn(
     let knows_grid_error = report
         .checks()
         .any(|(name, _)| name == "estimated_discretisation_error");
-    if model.comparison() == Comparison::Thin {
-        report.warn(
-            "thin_fibres",
-            "fibres at an angle to the grid are thinner than its cells, which smear them: the section is too \
-             soft by an error that is not known, a third of a deflection has been seen; cells of a third of \
-             the fibres' thickness bring it to some per cent"
-                .to_owned(),
-        );
-    } else if !knows_grid_error && model.comparison() != Comparison::None {
+    if !knows_grid_error && model.comparison() != Comparison::None {
         report.warn(
             "unknown_discretisation_error",
             "no coarser grid could be tried, so that the grid's error is not known".to_owned(),
