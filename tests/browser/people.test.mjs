@@ -70,6 +70,10 @@ test("a group shares its jobs, and a stranger sees one by a link", async () => {
       await part(page, "account").waitFor();
       assert.equal(await part(page, "account").innerText(), "Anna");
       assert.equal(await page.getByRole("link", { name: "People" }).count(), 0);
+      // This server sends no e-mail, and offers none.
+      await part(page, "account").click();
+      await part(page, "webhook-make").waitFor();
+      assert.equal(await part(page, "mail-make").count(), 0);
 
       const id = await submitQuick(page);
       await page.goto(`/jobs/${id}`);

@@ -24,6 +24,8 @@ pub struct CallerView {
     pub kind: CallerKind,
     /// Whether this server has accounts.
     pub accounts: bool,
+    /// Whether this server sends e-mail.
+    pub mail: bool,
     /// What the token allows; a session allows everything its person may do.
     pub scope: Option<Scope>,
     #[serde(default, skip_serializing_if = "Option::is_none")]

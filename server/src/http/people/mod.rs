@@ -55,6 +55,7 @@ async fn me(State(state): State<AppState>, permit: Permit<Introduce>) -> Result<
     let mut view = CallerView {
         kind: CallerKind::Sole,
         accounts: state.store.has_people(),
+        mail: state.ways.mailer.is_some(),
         scope: match caller.credential {
             Credential::Session(_) | Credential::Proxy(_) => None,
             _ => Some(caller.scope),
