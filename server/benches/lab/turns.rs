@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::Server;
 
-/// Rounds, after one that warms up.
+/// Rounds, after one that warms up, where `QUEUE_BENCH_ROUNDS` does not say how many.
 const ROUNDS: usize = 15;
 
 /// Rates [1/s] of so many things done in a time each.
@@ -24,7 +24,10 @@ pub(crate) fn in_turns<const N: usize>(
         server.together(200, async || server.submit().await);
         round(server);
     }
-    let rounds: Vec<[[f64; N]; 2]> = (0..ROUNDS)
+    let wanted = std::env::var("QUEUE_BENCH_ROUNDS").map(|text| text.parse());
+    let count = wanted.map_or(ROUNDS, |count| count.expect("a number of rounds"));
+    assert!(count > 0, "there are no medians of no rounds");
+    let rounds: Vec<[[f64; N]; 2]> = (0..count)
         .map(|number| {
             let mut both = [[0.0; N]; 2];
             // each goes first as often as the other
