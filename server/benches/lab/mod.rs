@@ -1,5 +1,7 @@
 //! A server that is measured, and what its clients do.
 #![allow(dead_code, reason = "each bench uses its part")]
+pub(crate) mod turns;
+
 use std::path::Path;
 use std::sync::mpsc;
 use std::thread::{self, JoinHandle};
@@ -10,7 +12,7 @@ use loadframe_api::people::{Acceptance, NewInvitation, NewToken, Role, Scope};
 use loadframe_api::worker::{ClaimRequest, CompleteRequest, LEASE_TOKEN_HEADER, Lease};
 use loadframe_api::{Cost, FileEntry, JobKind, Outcome, OutcomeStatus, Provenance, sha256_hex};
 use loadframe_server::store::people::Actor;
-use loadframe_server::store::{Store, StoreOptions};
+use loadframe_server::store::{DatabasePlace, Store, StoreOptions};
 use loadframe_server::{ServeConfig, serve};
 use reqwest::{Client, Method, RequestBuilder, StatusCode};
 use tempfile::TempDir;
@@ -37,25 +39,31 @@ pub(crate) struct Server {
 impl Server {
     /// A server of one person, who needs no token.
     pub(crate) fn start() -> Self {
-        Self::begin(false)
+        Self::begin(false, |_| DatabasePlace::Folder)
+    }
+
+    /// The same, its database at the place that is told for its folder.
+    pub(crate) fn on(database: fn(&Path) -> DatabasePlace) -> Self {
+        Self::begin(false, database)
     }
 
     /// A server with accounts. Its jobs are those of a member of ten groups.
     pub(crate) fn with_accounts() -> Self {
-        Self::begin(true)
+        Self::begin(true, |_| DatabasePlace::Folder)
     }
 
-    fn begin(has_accounts: bool) -> Self {
+    fn begin(has_accounts: bool, database: fn(&Path) -> DatabasePlace) -> Self {
         let folder = match std::env::var_os("QUEUE_BENCH_DATA") {
             Some(parent) => TempDir::new_in(parent),
             None => TempDir::new_in(env!("CARGO_TARGET_TMPDIR")),
         }
         .expect("a folder");
         let runtime = Runtime::new().expect("a runtime");
-        let config = ServeConfig {
+        let mut config = ServeConfig {
             listen: "127.0.0.1:0".to_owned(),
             ..ServeConfig::new(folder.path())
         };
+        config.store.database = database(folder.path());
         let tokens = has_accounts.then(|| runtime.block_on(accounts(folder.path())));
         let (tell, told) = mpsc::channel();
         let (shutdown, stop) = oneshot::channel();
@@ -142,11 +150,23 @@ impl Server {
     /// Claims a job, uploads its outcome and completes it.
     pub(crate) async fn cycle(&self) {
         let lease = self.claim(0.0).await.expect("a job");
-        let outcome = outcome(&lease);
+        self.finish(&lease).await;
+    }
+
+    /// Says that a worker lives.
+    pub(crate) async fn heartbeat(&self, lease: &Lease) {
+        let request = self.under(lease, Method::POST, "/heartbeat");
+        let answer = request.send().await.expect("an answer");
+        assert_eq!(answer.status(), StatusCode::OK);
+    }
+
+    /// Uploads the outcome of a job and completes it.
+    pub(crate) async fn finish(&self, lease: &Lease) {
+        let outcome = outcome(lease);
         let text = serde_json::to_vec(&outcome).expect("JSON");
         let sha256 = sha256_hex(&text);
         let path = format!("/files/outcome.json?sha256={sha256}");
-        let upload = self.under(&lease, Method::PUT, &path).body(text);
+        let upload = self.under(lease, Method::PUT, &path).body(text);
         let answer = upload.send().await.expect("an answer");
         assert_eq!(answer.status(), StatusCode::OK);
         let file: FileEntry = answer.json().await.expect("an entry");
@@ -154,7 +174,7 @@ impl Server {
             outcome,
             files: vec![file],
         };
-        let complete = self.under(&lease, Method::POST, "/complete").json(&request);
+        let complete = self.under(lease, Method::POST, "/complete").json(&request);
         let answer = complete.send().await.expect("an answer");
         assert!(answer.status().is_success());
     }

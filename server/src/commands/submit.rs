@@ -71,7 +71,9 @@ pub(crate) async fn submit(
         .with_delay(PAUSE)
         .with_max_times(TRIES);
     // nothing listens: more likely the wrong address than a restart, and people should not wait
-    let is_passing = |error: &ServerError| matches!(error, ServerError::Unavailable(_));
+    let is_passing = |error: &ServerError| {
+        matches!(error, ServerError::Unavailable(_) | ServerError::Gateway(_))
+    };
     send.retry(pauses).when(is_passing).await
 }
 

@@ -11,6 +11,7 @@ use super::database::{Builder, Connection, Texts};
 use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
 use super::jobs::{JobRow, SELECT_JOBS, hex_names, readable};
+use super::texts::Text;
 use super::{JobFilter, Store};
 use crate::access::Sight;
 
@@ -20,10 +21,6 @@ pub(super) const LONGEST_PAGE: u32 = 1000;
 const FEW: i64 = 500;
 /// Where a moment parts the jobs, so many are passed over without asking where it does.
 const PASSED_OVER: i64 = 20_000;
-/// Texts are found by any three neighbouring characters of theirs; shorter ones by looking at all.
-const SHORTEST_FOUND: usize = 3;
-/// So many hexadecimal digits may begin an id: fewer are those of the moment, which many share.
-const SHORTEST_ID: usize = 8;
 
 /// A filter in the database's words.
 struct Words {
@@ -50,24 +47,13 @@ struct Moment {
     bounds_numbers: bool,
 }
 
-/// What is searched for.
-struct Text {
-    /// As typed, in small letters.
-    typed: String,
-    /// For the index of texts, if it can find it.
-    phrase: Option<String>,
-    /// First and last id that begin so, if enough of it is given.
-    ids: Option<[Uuid; 2]>,
-    texts: &'static Texts,
-}
-
 /// What a page walks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Walk {
+#[derive(Clone, Copy)]
+enum Walk<'a> {
     /// The jobs themselves, by their status, outcome or kind where these are asked for.
     Jobs,
-    Tag,
-    Text,
+    Tag(&'a str),
+    Text(&'a Text),
 }
 
 impl Store {
@@ -206,34 +192,34 @@ impl Words {
     }
 
     /// What to walk.
-    async fn walk(&self, connection: &mut Connection) -> Result<Walk> {
+    async fn walk(&self, connection: &mut Connection) -> Result<Walk<'_>> {
         let has_state = self.status.is_some() || self.outcome.is_some() || self.kind.is_some();
-        let is_found = self.text.as_ref().is_some_and(Text::is_indexed);
-        if !is_found && self.tag.is_none() {
-            return Ok(Walk::Jobs);
-        }
-        if has_state {
+        let text = self.text.as_ref().filter(|text| text.is_indexed());
+        if has_state && (text.is_some() || self.tag.is_some()) {
             let mut query = Builder::new("SELECT COUNT(*) FROM (SELECT 1 FROM jobs j WHERE TRUE");
             self.push_state(&mut query);
             if is_few(query, FEW, connection).await? {
                 return Ok(Walk::Jobs);
             }
         }
-        match &self.tag {
-            Some(_) if !is_found => Ok(Walk::Tag),
-            Some(tag) => {
+        Ok(match (&self.tag, text) {
+            (None, None) => Walk::Jobs,
+            (None, Some(text)) => Walk::Text(text),
+            (Some(tag), None) => Walk::Tag(tag),
+            (Some(tag), Some(text)) => {
                 let mut query =
                     Builder::new("SELECT COUNT(*) FROM (SELECT 1 FROM job_tags WHERE tag = ");
                 query.push_bind(tag.clone());
-                let few = is_few(query, FEW, connection).await?;
-                Ok(if few { Walk::Tag } else { Walk::Text })
+                match is_few(query, FEW, connection).await? {
+                    true => Walk::Tag(tag),
+                    false => Walk::Text(text),
+                }
             }
-            None => Ok(Walk::Text),
-        }
+        })
     }
 
     /// The statement for a page of `limit` jobs before number `before`; `select` says what of them.
-    fn statement(&self, select: &str, walk: Walk, before: Option<i64>, limit: u32) -> Builder {
+    fn statement(&self, select: &str, walk: Walk<'_>, before: Option<i64>, limit: u32) -> Builder {
         let mut query = Builder::new(select);
         let number = match walk {
             Walk::Jobs => {
@@ -241,26 +227,23 @@ impl Words {
                 "j.seq"
             }
             // CROSS: in this order
-            Walk::Tag => {
+            Walk::Tag(tag) => {
                 query.push("job_tags t CROSS JOIN jobs j WHERE j.seq = t.job AND t.tag = ");
-                query.push_bind(self.tag.clone());
+                query.push_bind(tag);
                 "t.job"
             }
-            Walk::Text => {
-                query.push(
-                    "job_texts t CROSS JOIN jobs j WHERE j.seq = t.rowid AND t.job_texts MATCH ",
-                );
-                query.push_bind(self.text.as_ref().and_then(|text| text.phrase.clone()));
-                "t.rowid"
+            Walk::Text(text) => {
+                text.push_walk(&mut query);
+                text.number()
             }
         };
         self.push_state(&mut query);
         self.push_sight(&mut query);
-        if let (Some(tag), Walk::Jobs | Walk::Text) = (&self.tag, walk) {
+        if let (Some(tag), Walk::Jobs | Walk::Text(_)) = (&self.tag, walk) {
             query.push(" AND EXISTS (SELECT 1 FROM job_tags o WHERE o.job = j.seq AND o.tag = ");
             query.push_bind(tag.clone()).push(")");
         }
-        if let (Some(text), Walk::Jobs | Walk::Tag) = (&self.text, walk) {
+        if let (Some(text), Walk::Jobs | Walk::Tag(_)) = (&self.text, walk) {
             text.push(&mut query);
         }
         if let Some(Moment { at, bounds_numbers }) = self.after {
@@ -343,106 +326,5 @@ impl Moment {
             at: moment.as_millis(),
             bounds_numbers: false,
         }
-    }
-}
-
-impl Text {
-    fn of(typed: &str, texts: &'static Texts) -> Self {
-        let typed = typed.to_lowercase();
-        // a text of the database's index ends at its first zero
-        let is_found = texts.has_index_of_texts
-            && typed.chars().count() >= SHORTEST_FOUND
-            && !typed.contains('\0');
-        Self {
-            phrase: is_found.then(|| format!("\"{}\"", typed.replace('"', "\"\""))),
-            ids: ids_beginning_with(&typed),
-            typed,
-            texts,
-        }
-    }
-
-    /// Whether walking the index of texts finds all of it.
-    fn is_indexed(&self) -> bool {
-        self.phrase.is_some() && self.ids.is_none()
-    }
-
-    /// The condition on a job that is at hand.
-    fn push(&self, query: &mut Builder) {
-        match (&self.phrase, self.ids) {
-            (Some(phrase), None) => {
-                query.push(" AND EXISTS (SELECT 1 FROM job_texts x WHERE x.rowid = j.seq AND x.job_texts MATCH ");
-                query.push_bind(phrase.clone()).push(")");
-            }
-            // what reads like an id is in few texts
-            (Some(phrase), Some([first, last])) => {
-                query.push(" AND j.seq IN (SELECT rowid FROM job_texts WHERE job_texts MATCH ");
-                query.push_bind(phrase.clone());
-                query.push(" UNION SELECT seq FROM jobs WHERE id BETWEEN ");
-                query
-                    .push_bind(first)
-                    .push(" AND ")
-                    .push_bind(last)
-                    .push(")");
-            }
-            (None, ids) => {
-                query.push(" AND (FALSE");
-                if let Some([first, last]) = ids {
-                    query.push(" OR j.id BETWEEN ").push_bind(first);
-                    query.push(" AND ").push_bind(last);
-                }
-                let folded = self.texts.folded;
-                for column in ["j.name", "j.notes", "j.tags"] {
-                    query.push(format!(" OR instr({folded}({column}), "));
-                    query.push_bind(self.typed.clone()).push(") > 0");
-                }
-                query.push(")");
-            }
-        }
-    }
-}
-
-/// The first and the last id that begin with these digits, with or without hyphens.
-fn ids_beginning_with(typed: &str) -> Option<[Uuid; 2]> {
-    let digits = typed.replace('-', "");
-    let is_one = (SHORTEST_ID..=32).contains(&digits.len())
-        && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
-    if !is_one {
-        return None;
-    }
-    let id = |fill: &str| {
-        let rest = fill.repeat(32 - digits.len());
-        Uuid::try_parse(&format!("{digits}{rest}")).ok()
-    };
-    id("0").zip(id("f")).map(|(first, last)| [first, last])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::database::TEXTS;
-    use super::*;
-
-    #[test]
-    fn ids_are_known_by_eight_digits_or_more() {
-        let [first, last] = ids_beginning_with("0192-abcd").expect("eight digits");
-        assert_eq!(first.to_string(), "0192abcd-0000-0000-0000-000000000000");
-        assert_eq!(last.to_string(), "0192abcd-ffff-ffff-ffff-ffffffffffff");
-        let whole = "0192abcd-0000-7000-8000-00000000000a";
-        let [first, last] = ids_beginning_with(whole).expect("a whole id");
-        assert_eq!((first.to_string(), first), (whole.to_owned(), last));
-        for no_id in ["0192abc", "series 192abcdef", "", &"0".repeat(33)] {
-            assert!(ids_beginning_with(no_id).is_none(), "{no_id}");
-        }
-    }
-
-    #[test]
-    fn whatever_is_typed_is_one_phrase() {
-        let phrase = |typed: &str| Text::of(typed, &TEXTS).phrase;
-        assert_eq!(
-            phrase("Wet\" OR \"dry").as_deref(),
-            Some("\"wet\"\" or \"\"dry\"")
-        );
-        assert_eq!(phrase("ab"), None);
-        assert_eq!(phrase("ab\0c"), None);
-        assert_eq!(phrase("äöü").as_deref(), Some("\"äöü\""));
     }
 }

@@ -65,6 +65,7 @@ mod storage;
 mod submit;
 mod supervision;
 mod sweep;
+mod texts;
 pub mod trash;
 mod types;
 mod waiting;

@@ -12,15 +12,20 @@ const SERVER: &str = "LOADFRAME_TEST_POSTGRES";
 
 /// The database of a store in this folder.
 pub(crate) fn place(folder: &Path) -> DatabasePlace {
-    let Ok(server) = std::env::var(SERVER) else {
-        return DatabasePlace::Folder;
-    };
+    match address(folder) {
+        None => DatabasePlace::Folder,
+        Some(address) => DatabasePlace::Server(address.parse().expect("PostgreSQL answers")),
+    }
+}
+
+/// Its address, where it is not in the folder.
+pub(crate) fn address(folder: &Path) -> Option<String> {
+    let server = std::env::var(SERVER).ok()?;
     let mut hash = DefaultHasher::new();
     folder.hash(&mut hash);
     let schema = format!("test_{:016x}", hash.finish());
     make(&server, &schema);
-    let address = format!("{server}?options[search_path]={schema}");
-    DatabasePlace::Server(address.parse().expect("PostgreSQL answers"))
+    Some(format!("{server}?options[search_path]={schema}"))
 }
 
 /// Makes the schema where it is not there yet; callers are in the middle of other work of their runtime.

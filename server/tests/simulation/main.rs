@@ -25,6 +25,7 @@ mod happening;
 mod history;
 mod network;
 mod people;
+mod schema;
 mod server;
 mod words;
 mod worker;
@@ -51,7 +52,7 @@ fn happened(seed: u64) -> Vec<String> {
     runtime.block_on(async {
         let mut world = World::new(seed).await;
         world.run().await;
-        world.trace()
+        world.end().await
     })
 }
 

@@ -89,9 +89,11 @@ impl World {
         world
     }
 
-    /// What happened, line by line.
-    pub(crate) fn trace(&self) -> Vec<String> {
-        self.trace.clone()
+    /// What happened, line by line; of the world nothing stays.
+    pub(crate) async fn end(mut self) -> Vec<String> {
+        self.server.kill();
+        crate::schema::forget(self.folder.path()).await;
+        std::mem::take(&mut self.trace)
     }
 
     /// Puts the world's troubles into the future; each kind comes under some seeds only.

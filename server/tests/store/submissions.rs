@@ -2,7 +2,9 @@
 use std::collections::HashSet;
 
 use loadframe_api::{JobStatus, Timestamp};
-use loadframe_server::store::{Counts, IdempotencyKey, JobEdit, JobFilter, StoreError, UserAction};
+use loadframe_server::store::{
+    Counts, IdempotencyKey, JobEdit, JobFilter, StoreError, UserAction, Wanted,
+};
 
 use crate::lab::{LONG, Lab, is_conflict, is_invalid, is_missing, key, submission};
 
@@ -153,6 +155,75 @@ async fn lists_are_filtered_and_come_in_pages_newest_first() {
         .len(),
         7
     );
+}
+
+#[tokio::test]
+async fn any_part_of_a_text_is_found_as_it_is_and_as_it_was_edited() {
+    let lab = Lab::open(LONG).await;
+    let names = [
+        "Wet\" OR \"dry strip",
+        "100 % \u{c4}ltere Probe_7",
+        "it's C:\\sheet",
+        "wet strip",
+    ];
+    let mut ids = Vec::new();
+    for name in names {
+        ids.push(lab.submit_with(name, 0).await);
+    }
+    let found = async |text: &str| {
+        let filter = JobFilter {
+            q: Some(text.to_owned()),
+            ..JobFilter::default()
+        };
+        let page = lab.jobs(&filter, None, 100).await.unwrap();
+        let place = |id| ids.iter().position(|of| *of == id).unwrap();
+        let mut found: Vec<usize> = page.items.iter().map(|job| place(job.id)).collect();
+        found.reverse();
+        // a search through specs walks the same
+        let wanted = Wanted {
+            conditions: vec!["/spec/seed>=0".parse().unwrap()],
+            ..Wanted::default()
+        };
+        let searched = lab.jobs_wanted(&filter, &wanted, None, 100).await.unwrap();
+        assert_eq!(searched.items.len(), found.len(), "{text}");
+        found
+    };
+    for (text, expected) in [
+        ("strip", vec![0, 3]),
+        ("TRI", vec![0, 3]),
+        ("\" or \"", vec![0]),
+        ("0 % ", vec![1]),
+        ("\u{e4}lt", vec![1]),
+        // these stand for nothing else
+        ("%", vec![1]),
+        ("e_7", vec![1]),
+        ("e.7", vec![]),
+        ("c:\\s", vec![2]),
+        ("t's", vec![2]),
+        // each of its threes is there, and it is not
+        ("stripstrip", vec![]),
+        ("wet strip", vec![3]),
+    ] {
+        assert_eq!(found(text).await, expected, "{text}");
+    }
+    let edit = JobEdit {
+        name: Some("renamed".to_owned()),
+        notes: Some("pulled twice".to_owned()),
+        tags: Some(vec!["acrylic".to_owned()]),
+        ..JobEdit::default()
+    };
+    lab.edit(ids[3], edit).await.unwrap();
+    lab.delete(ids[0]).await.unwrap();
+    for (text, expected) in [
+        ("strip", vec![]),
+        ("rename", vec![3]),
+        ("twice", vec![3]),
+        ("acryl", vec![3]),
+        // a text does not go on in the next field
+        ("renamed pulled", vec![]),
+    ] {
+        assert_eq!(found(text).await, expected, "{text}");
+    }
 }
 
 #[tokio::test]

@@ -41,6 +41,9 @@ pub enum ServerError {
     /// The server cannot answer now. Trying again may help.
     #[error("the server is not able to answer: {0}")]
     Unavailable(Problem),
+    /// A proxy before the server has no answer from it. Trying again may help.
+    #[error("the proxy before the server has no answer from it: {0}")]
+    Gateway(Problem),
     /// The lease is not held any more: another worker may have the job.
     #[error("the lease is lost")]
     LeaseLost,
@@ -60,8 +63,40 @@ impl ServerError {
     pub fn is_transient(&self) -> bool {
         matches!(
             self,
-            Self::Unreachable { .. } | Self::Unavailable(_) | Self::Elsewhere { .. }
+            Self::Unreachable { .. }
+                | Self::Unavailable(_)
+                | Self::Gateway(_)
+                | Self::Elsewhere { .. }
         )
+    }
+
+    /// Whether nothing was heard of the server itself.
+    pub fn is_silence(&self) -> bool {
+        matches!(self, Self::Unreachable { .. } | Self::Gateway(_))
+    }
+
+    /// What an answer says that is no success.
+    fn of_answer(status: StatusCode, text: &str) -> Self {
+        // of the server's own answers every one is a problem; a proxy's is a page for people
+        const OF_PROXIES: [StatusCode; 3] = [
+            StatusCode::BAD_GATEWAY,
+            StatusCode::SERVICE_UNAVAILABLE,
+            StatusCode::GATEWAY_TIMEOUT,
+        ];
+        let told: Result<Problem, _> = serde_json::from_str(text);
+        let is_of_proxy = told.is_err() && OF_PROXIES.contains(&status);
+        let problem = told.unwrap_or_else(|_| {
+            let title = status.canonical_reason().unwrap_or("HTTP error");
+            let detail: String = text.chars().take(500).collect();
+            Problem::new(status.as_u16(), "http", title, detail)
+        });
+        if is_of_proxy {
+            Self::Gateway(problem)
+        } else if status.is_server_error() || status == StatusCode::TOO_MANY_REQUESTS {
+            Self::Unavailable(problem)
+        } else {
+            Self::Refused(problem)
+        }
     }
 }
 
@@ -190,16 +225,7 @@ impl ServerClient {
             .text()
             .await
             .map_err(|error| self.unreachable(&error))?;
-        let problem = serde_json::from_str(&text).unwrap_or_else(|_| {
-            let title = status.canonical_reason().unwrap_or("HTTP error");
-            let detail: String = text.chars().take(500).collect();
-            Problem::new(status.as_u16(), "http", title, detail)
-        });
-        if status.is_server_error() || status == StatusCode::TOO_MANY_REQUESTS {
-            Err(ServerError::Unavailable(problem))
-        } else {
-            Err(ServerError::Refused(problem))
-        }
+        Err(ServerError::of_answer(status, &text))
     }
 
     /// Sends a request and reads the JSON of its answer.
@@ -252,6 +278,22 @@ fn chain(error: &reqwest::Error) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_page_of_a_proxy_is_no_word_of_the_server() {
+        let page = "<html><h1>502 Bad Gateway</h1></html>";
+        let own = serde_json::json!({ "type": "/problems/busy", "title": "Busy", "status": 503, "detail": "later" });
+        let of = |status, text: &str| ServerError::of_answer(status, text);
+        for status in [StatusCode::BAD_GATEWAY, StatusCode::SERVICE_UNAVAILABLE] {
+            let error = of(status, page);
+            assert!(error.is_silence() && error.is_transient(), "{error}");
+        }
+        let busy = of(StatusCode::SERVICE_UNAVAILABLE, &own.to_string());
+        assert!(matches!(busy, ServerError::Unavailable(_)) && !busy.is_silence());
+        // such as a proxy's own word on sizes
+        let refused = of(StatusCode::PAYLOAD_TOO_LARGE, page);
+        assert!(matches!(refused, ServerError::Refused(_)) && !refused.is_transient());
+    }
 
     #[test]
     fn only_addresses_of_http_are_taken() {

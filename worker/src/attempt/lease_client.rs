@@ -260,7 +260,7 @@ impl LeaseClient {
     /// Notes that the server was heard of.
     fn noted(&self, answer: Result<Response, ServerError>) -> Result<Response, ServerError> {
         self.contact
-            .note(!matches!(answer, Err(ServerError::Unreachable { .. })));
+            .note(!answer.as_ref().is_err_and(ServerError::is_silence));
         answer
     }
 

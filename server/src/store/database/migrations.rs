@@ -44,6 +44,7 @@ const POSTGRES: &[Step] = steps! { "postgres/":
     1 "words" "0001_words.sql",
     2 "tables" "0002_tables.sql",
     3 "triggers" "0003_triggers.sql",
+    4 "texts" "0004_texts.sql",
 };
 
 pub(super) fn of_sqlite() -> Migrator {

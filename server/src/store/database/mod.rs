@@ -2,9 +2,11 @@
 //!
 //! A [`Database`] gives a [`Connection`] for the writer and [`Pool`]s of such as only read. Statements
 //! ([`statement`]) are written once, in words that every database understands, with [`value`]s of a few
-//! types; where there are no such words, the texts of each are in its file ([`sqlite`], [`postgres`]) and
-//! have a name here. The history of the schema: [`migrations`]. What servers on one database tell each
-//! other, and keep each other from: [`sharing`]. What is done to a [`whole`] database: copied, moved.
+//! types, and run alike ([`backend`]); where there are no such words, the texts of each are in its file
+//! ([`sqlite`], [`postgres`]) and have a name here. The history of the schema: [`migrations`]. What servers on
+//! one database tell each other, and keep each other from: [`sharing`]. What is done to a [`whole`] database:
+//! copied, moved.
+mod backend;
 mod migrations;
 mod place;
 mod postgres;
@@ -54,8 +56,8 @@ pub(super) enum Pool {
 
 /// Where a statement is run.
 pub(super) enum On<'c> {
-    Sqlite(sqlite::On<'c>),
-    Postgres(postgres::On<'c>),
+    Sqlite(backend::On<'c, Sqlite>),
+    Postgres(backend::On<'c, Postgres>),
 }
 
 /// What is said to each in words of its own.
@@ -66,8 +68,12 @@ pub(super) struct Texts {
     pub(super) newest_seen: &'static str,
     /// The function that makes letters small.
     pub(super) folded: &'static str,
-    /// Whether texts can be found by the index `job_texts`.
-    pub(super) has_index_of_texts: bool,
+    /// In the index of texts, `job_texts t`: the column with the numbers of jobs.
+    pub(super) number_of_text: &'static str,
+    /// The condition on an entry of it for a text, which stands between these.
+    pub(super) text_found: [&'static str; 2],
+    /// Whether it leads to jobs with that text alone, so that they need not be looked at.
+    pub(super) index_decides: bool,
 }
 
 /// How a connection is held.
@@ -94,9 +100,9 @@ impl<D: sqlx::Database> Link<D> {
 impl<'c> From<&'c mut Connection> for On<'c> {
     fn from(connection: &'c mut Connection) -> Self {
         match connection {
-            Connection::Sqlite(link) => Self::Sqlite(sqlite::On::Connection(link.connection())),
+            Connection::Sqlite(link) => Self::Sqlite(backend::On::Connection(link.connection())),
             Connection::Postgres(link) => {
-                Self::Postgres(postgres::On::Connection(link.connection()))
+                Self::Postgres(backend::On::Connection(link.connection()))
             }
         }
     }
@@ -105,8 +111,8 @@ impl<'c> From<&'c mut Connection> for On<'c> {
 impl<'c> From<&'c Pool> for On<'c> {
     fn from(pool: &'c Pool) -> Self {
         match pool {
-            Pool::Sqlite(pool) => Self::Sqlite(sqlite::On::Pool(pool)),
-            Pool::Postgres(pool) => Self::Postgres(postgres::On::Pool(pool)),
+            Pool::Sqlite(pool) => Self::Sqlite(backend::On::Pool(pool)),
+            Pool::Postgres(pool) => Self::Postgres(backend::On::Pool(pool)),
         }
     }
 }

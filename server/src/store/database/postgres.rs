@@ -8,17 +8,17 @@
 //! for SQLite: of all servers one writes at a time and sees all that was written before, so that every
 //! decision is made on the newest state, in one place. Claims by `SKIP LOCKED` would make a second such
 //! place; what limits both is the disk's time for a commit, which a batch shares.
-use futures_util::stream::{BoxStream, StreamExt};
 use sqlx::postgres::{
-    PgArguments, PgConnectOptions, PgConnection, PgDatabaseError, PgPool, PgPoolOptions, PgRow,
-    Postgres,
+    PgArguments, PgConnectOptions, PgConnection, PgDatabaseError, PgPool, PgPoolOptions,
+    PgQueryResult, PgRow, Postgres,
 };
-use sqlx::{Arguments, AssertSqlSafe, ConnectOptions, SqlSafeStr, SqlStr, TypeInfo, ValueRef};
+use sqlx::{AssertSqlSafe, ConnectOptions, Executor, SqlSafeStr, SqlStr, TypeInfo, ValueRef};
 use uuid::Uuid;
 
+use super::Texts;
+use super::backend::{self, Backend};
 use super::statement::Done;
-use super::value::{Kind, Row, Value};
-use super::{Link, Texts};
+use super::value::{Kind, Value};
 
 /// Takes the store in this schema of this database for a transaction, and tells the moment.
 const BEGIN: &str = "BEGIN ISOLATION LEVEL READ COMMITTED;
@@ -41,6 +41,9 @@ pub(super) const EVENT: &str = "WITH event AS (
      SELECT seq FROM event";
 /// Whether a job was ever submitted.
 pub(super) const HAS_HAD_JOBS: &str = "SELECT is_called FROM jobs_seq_seq";
+/// Makes the index of texts anew.
+pub(super) const INDEX_TEXTS: &str =
+    "INSERT INTO job_texts (job, trigrams) SELECT seq, trigrams(name, notes, tags) FROM jobs";
 /// Columns of the table ?1, other than those that follow from others.
 pub(super) const COLUMNS: &str = "SELECT column_name::TEXT FROM information_schema.columns
      WHERE table_schema = current_schema() AND table_name = ? AND is_generated = 'NEVER'
@@ -60,7 +63,9 @@ pub(super) const TEXTS: Texts = Texts {
                 ORDER BY j.seq DESC LIMIT ?6) o) s
          ORDER BY s.seq DESC LIMIT ?6",
     folded: "folded",
-    has_index_of_texts: false,
+    number_of_text: "t.job",
+    text_found: ["t.trigrams @> trigrams(", ")"],
+    index_decides: false,
 };
 /// Columns of the table ?1, other than those that follow from others, and their types.
 pub(super) const KINDS: &str =
@@ -188,32 +193,30 @@ impl<T: Column> Column for Option<T> {
     }
 }
 
-/// Where a statement is run.
-pub(in super::super) enum On<'c> {
-    Connection(&'c mut PgConnection),
-    Pool(&'c PgPool),
+impl Backend for Postgres {
+    fn worded(text: SqlStr) -> SqlStr {
+        AssertSqlSafe(translated(text.as_str())).into_sql_str()
+    }
+
+    fn arguments(values: Vec<Value>) -> sqlx::Result<PgArguments> {
+        backend::arguments::<Self>(values)
+    }
+
+    fn on(connection: &mut PgConnection) -> impl Executor<'_, Database = Self> {
+        connection
+    }
+
+    fn on_any(pool: &PgPool) -> impl Executor<'_, Database = Self> {
+        pool
+    }
 }
 
-type Prepared = sqlx::query::Query<'static, Postgres, PgArguments>;
-
-fn prepared(text: SqlStr, values: Vec<Value>) -> sqlx::Result<Prepared> {
-    let mut arguments = PgArguments::default();
-    arguments.reserve(values.len(), 0);
-    let mut failed = None;
-    for value in values {
-        let added = match value {
-            Value::Integer(value) => arguments.add(value),
-            Value::Real(value) => arguments.add(value),
-            Value::Boolean(value) => arguments.add(value),
-            Value::Text(value) => arguments.add(value),
-            Value::Bytes(value) => arguments.add(value),
-        };
-        failed = failed.or(added.err());
-    }
-    let text = AssertSqlSafe(translated(text.as_str())).into_sql_str();
-    match failed {
-        Some(error) => Err(sqlx::Error::Encode(error)),
-        None => Ok(sqlx::query_with(text, arguments)),
+impl From<PgQueryResult> for Done {
+    fn from(done: PgQueryResult) -> Self {
+        Self {
+            rows_affected: done.rows_affected(),
+            last_number: 0,
+        }
     }
 }
 
@@ -268,58 +271,6 @@ fn word(text: &str) -> usize {
 
 fn ends_in_word(text: &str) -> bool {
     text.ends_with(|c: char| c.is_ascii_alphanumeric() || c == '_')
-}
-
-pub(super) async fn execute(on: On<'_>, text: SqlStr, values: Vec<Value>) -> sqlx::Result<Done> {
-    let statement = prepared(text, values)?;
-    let done = match on {
-        On::Connection(connection) => statement.execute(connection).await?,
-        On::Pool(pool) => statement.execute(pool).await?,
-    };
-    Ok(Done {
-        rows_affected: done.rows_affected(),
-        last_number: 0,
-    })
-}
-
-pub(super) async fn fetch_all(
-    on: On<'_>,
-    text: SqlStr,
-    values: Vec<Value>,
-) -> sqlx::Result<Vec<Row>> {
-    let statement = prepared(text, values)?;
-    let rows = match on {
-        On::Connection(connection) => statement.fetch_all(connection).await?,
-        On::Pool(pool) => statement.fetch_all(pool).await?,
-    };
-    Ok(rows.into_iter().map(Row::Postgres).collect())
-}
-
-pub(super) async fn fetch_optional(
-    on: On<'_>,
-    text: SqlStr,
-    values: Vec<Value>,
-) -> sqlx::Result<Option<Row>> {
-    let statement = prepared(text, values)?;
-    let row = match on {
-        On::Connection(connection) => statement.fetch_optional(connection).await?,
-        On::Pool(pool) => statement.fetch_optional(pool).await?,
-    };
-    Ok(row.map(Row::Postgres))
-}
-
-pub(super) fn fetch(
-    link: &mut Link<Postgres>,
-    text: SqlStr,
-    values: Vec<Value>,
-) -> BoxStream<'_, sqlx::Result<Row>> {
-    match prepared(text, values) {
-        Ok(statement) => {
-            let rows = statement.fetch(link.connection());
-            rows.map(|row| row.map(Row::Postgres)).boxed()
-        }
-        Err(error) => futures_util::stream::iter([Err(error)]).boxed(),
-    }
 }
 
 /// What an error says of a full disk of the database's.

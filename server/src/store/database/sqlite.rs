@@ -4,16 +4,17 @@
 use std::path::Path;
 use std::time::Duration;
 
-use futures_util::stream::{BoxStream, StreamExt};
 use sqlx::sqlite::{
     Sqlite, SqliteArguments, SqliteConnectOptions, SqliteConnection, SqliteError,
-    SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteRow, SqliteSynchronous,
+    SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteQueryResult, SqliteRow,
+    SqliteSynchronous,
 };
-use sqlx::{Arguments, ConnectOptions, SqlStr};
+use sqlx::{ConnectOptions, Executor, SqlStr};
 
+use super::Texts;
+use super::backend::{self, Backend};
 use super::statement::Done;
-use super::value::{Row, Value};
-use super::{Link, Texts};
+use super::value::Value;
 
 /// The file of the database in its data folder.
 pub(in super::super) const FILE: &str = "loadframe.db";
@@ -71,7 +72,10 @@ pub(in super::super) const TEXTS: Texts = Texts {
                 ORDER BY 2 DESC)
              SELECT seq FROM seen WHERE seq IS NOT NULL LIMIT ?6",
     folded: "lower",
-    has_index_of_texts: true,
+    number_of_text: "t.rowid",
+    // whatever is sought is one phrase
+    text_found: ["job_texts MATCH '\"' || replace(", ", '\"', '\"\"') || '\"'"],
+    index_decides: true,
 };
 
 /// The database in a data folder.
@@ -123,83 +127,30 @@ where
     }
 }
 
-/// Where a statement is run.
-pub(in super::super) enum On<'c> {
-    Connection(&'c mut SqliteConnection),
-    Pool(&'c SqlitePool),
-}
-
-type Prepared = sqlx::query::Query<'static, Sqlite, SqliteArguments>;
-
-fn prepared(text: SqlStr, values: Vec<Value>) -> sqlx::Result<Prepared> {
-    let mut arguments = SqliteArguments::default();
-    arguments.reserve(values.len(), 0);
-    let mut failed = None;
-    for value in values {
-        let added = match value {
-            Value::Integer(value) => Arguments::add(&mut arguments, value),
-            Value::Real(value) => Arguments::add(&mut arguments, value),
-            Value::Boolean(value) => Arguments::add(&mut arguments, value),
-            Value::Text(value) => Arguments::add(&mut arguments, value),
-            Value::Bytes(value) => Arguments::add(&mut arguments, value),
-        };
-        failed = failed.or(added.err());
+impl Backend for Sqlite {
+    fn worded(text: SqlStr) -> SqlStr {
+        text
     }
-    match failed {
-        Some(error) => Err(sqlx::Error::Encode(error)),
-        None => Ok(sqlx::query_with(text, arguments)),
+
+    fn arguments(values: Vec<Value>) -> sqlx::Result<SqliteArguments> {
+        backend::arguments::<Self>(values)
+    }
+
+    fn on(connection: &mut SqliteConnection) -> impl Executor<'_, Database = Self> {
+        connection
+    }
+
+    fn on_any(pool: &SqlitePool) -> impl Executor<'_, Database = Self> {
+        pool
     }
 }
 
-pub(super) async fn execute(on: On<'_>, text: SqlStr, values: Vec<Value>) -> sqlx::Result<Done> {
-    let statement = prepared(text, values)?;
-    let done = match on {
-        On::Connection(connection) => statement.execute(connection).await?,
-        On::Pool(pool) => statement.execute(pool).await?,
-    };
-    Ok(Done {
-        rows_affected: done.rows_affected(),
-        last_number: done.last_insert_rowid(),
-    })
-}
-
-pub(super) async fn fetch_all(
-    on: On<'_>,
-    text: SqlStr,
-    values: Vec<Value>,
-) -> sqlx::Result<Vec<Row>> {
-    let statement = prepared(text, values)?;
-    let rows = match on {
-        On::Connection(connection) => statement.fetch_all(connection).await?,
-        On::Pool(pool) => statement.fetch_all(pool).await?,
-    };
-    Ok(rows.into_iter().map(Row::Sqlite).collect())
-}
-
-pub(super) async fn fetch_optional(
-    on: On<'_>,
-    text: SqlStr,
-    values: Vec<Value>,
-) -> sqlx::Result<Option<Row>> {
-    let statement = prepared(text, values)?;
-    let row = match on {
-        On::Connection(connection) => statement.fetch_optional(connection).await?,
-        On::Pool(pool) => statement.fetch_optional(pool).await?,
-    };
-    Ok(row.map(Row::Sqlite))
-}
-
-pub(super) fn fetch(
-    link: &mut Link<Sqlite>,
-    text: SqlStr,
-    values: Vec<Value>,
-) -> BoxStream<'_, sqlx::Result<Row>> {
-    match prepared(text, values) {
-        Ok(statement) => {
-            let rows = statement.fetch(link.connection());
-            rows.map(|row| row.map(Row::Sqlite)).boxed()
+impl From<SqliteQueryResult> for Done {
+    fn from(done: SqliteQueryResult) -> Self {
+        Self {
+            rows_affected: done.rows_affected(),
+            last_number: done.last_insert_rowid(),
         }
-        Err(error) => futures_util::stream::iter([Err(error)]).boxed(),
     }
 }
 

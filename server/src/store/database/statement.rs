@@ -9,7 +9,7 @@ use futures_util::stream::{BoxStream, TryStreamExt};
 use sqlx::{AssertSqlSafe, SqlSafeStr, SqlStr};
 
 use super::value::{Bind, Column, FromRow, Row, Value};
-use super::{Connection, On, postgres, sqlite};
+use super::{Connection, On};
 
 /// A statement that is run for what it does.
 #[derive(Debug)]
@@ -66,16 +66,16 @@ impl Query {
     pub(in super::super) async fn execute(self, on: impl Into<On<'_>>) -> sqlx::Result<Done> {
         let Self { text, values } = self;
         match on.into() {
-            On::Sqlite(on) => sqlite::execute(on, text, values).await,
-            On::Postgres(on) => postgres::execute(on, text, values).await,
+            On::Sqlite(on) => on.execute(text, values).await,
+            On::Postgres(on) => on.execute(text, values).await,
         }
     }
 
     pub(in super::super) async fn fetch_all(self, on: impl Into<On<'_>>) -> sqlx::Result<Vec<Row>> {
         let Self { text, values } = self;
         match on.into() {
-            On::Sqlite(on) => sqlite::fetch_all(on, text, values).await,
-            On::Postgres(on) => postgres::fetch_all(on, text, values).await,
+            On::Sqlite(on) => on.fetch_all(text, values).await,
+            On::Postgres(on) => on.fetch_all(text, values).await,
         }
     }
 
@@ -87,8 +87,8 @@ impl Query {
     async fn fetch_optional(self, on: impl Into<On<'_>>) -> sqlx::Result<Option<Row>> {
         let Self { text, values } = self;
         match on.into() {
-            On::Sqlite(on) => sqlite::fetch_optional(on, text, values).await,
-            On::Postgres(on) => postgres::fetch_optional(on, text, values).await,
+            On::Sqlite(on) => on.fetch_optional(text, values).await,
+            On::Postgres(on) => on.fetch_optional(text, values).await,
         }
     }
 
@@ -99,8 +99,8 @@ impl Query {
     ) -> BoxStream<'_, sqlx::Result<Row>> {
         let Self { text, values } = self;
         match connection {
-            Connection::Sqlite(link) => sqlite::fetch(link, text, values),
-            Connection::Postgres(link) => postgres::fetch(link, text, values),
+            Connection::Sqlite(link) => link.fetch(text, values),
+            Connection::Postgres(link) => link.fetch(text, values),
         }
     }
 }

@@ -102,6 +102,18 @@ pub(in super::super) enum Row {
     Postgres(PgRow),
 }
 
+impl From<SqliteRow> for Row {
+    fn from(row: SqliteRow) -> Self {
+        Self::Sqlite(row)
+    }
+}
+
+impl From<PgRow> for Row {
+    fn from(row: PgRow) -> Self {
+        Self::Postgres(row)
+    }
+}
+
 /// A type that a column is read as.
 pub(in super::super) trait Column: sqlite::Column + postgres::Column {}
 

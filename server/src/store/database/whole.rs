@@ -127,7 +127,9 @@ impl Connection {
                 tables.iter().map(text).collect::<Vec<String>>()
             };
             self.make_triggers(turned("DISABLE")).await?;
-            return Ok(turned("ENABLE"));
+            let mut made = turned("ENABLE");
+            made.push(postgres::INDEX_TEXTS.to_owned());
+            return Ok(made);
         }
         let triggers: Vec<(String, String)> =
             query_as("SELECT name, sql FROM sqlite_schema WHERE type = 'trigger' ORDER BY rowid")

@@ -59,6 +59,14 @@ async fn every_kind_has_its_page_and_its_fields() {
         .problem(404, "not-found");
 }
 
+#[test]
+fn the_proxy_that_is_shown_is_the_one_that_is_tested() {
+    let read = |path: &str| std::fs::read_to_string(root().join(path)).expect("a text");
+    let page = read("server/guide/beyond-one-machine.md");
+    let configuration = read("server/deploy/nginx.conf");
+    assert!(page.contains(&format!("```nginx\n{configuration}```")));
+}
+
 /// Every Rust source of the engines and the vocabulary, without its tests.
 fn sources() -> Vec<(PathBuf, String)> {
     let mut folders = vec![

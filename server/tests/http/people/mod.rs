@@ -1,6 +1,7 @@
 //! People and sharing, over the router.
 mod accounts;
 mod comparing;
+mod everything;
 pub(crate) mod group;
 mod issuer;
 mod limits;

@@ -1,8 +1,7 @@
-//! That no secret is written down: every kind of secret is used, then the log at its most talkative and
-//! every file of the data folder are searched for each.
+//! That no secret is written down: every kind of secret is used, then the log at its most talkative, every
+//! file of the data folder and every value of every table of the database are searched for each.
 use std::cell::Cell;
 use std::io::Write;
-use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use base64::Engine;
@@ -14,6 +13,7 @@ use tracing_subscriber::filter::dynamic_filter_fn;
 use tracing_subscriber::fmt::MakeWriter;
 use tracing_subscriber::layer::{Layer, SubscriberExt};
 
+use super::everything::{bytes_of_files, values_of_tables};
 use super::group::{Group, sign_in, to_job};
 use super::issuer::{CLIENT, CLIENT_SECRET};
 use super::single_sign_on::House;
@@ -47,19 +47,6 @@ impl<'a> MakeWriter<'a> for Kept {
     fn make_writer(&'a self) -> Self {
         self.clone()
     }
-}
-
-/// All bytes of all files in a folder.
-fn everything_in(folder: &Path) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    for entry in std::fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        match path.is_dir() {
-            true => bytes.extend(everything_in(&path)),
-            false => bytes.extend(std::fs::read(&path).expect("a file")),
-        }
-    }
-    bytes
 }
 
 fn holds(bytes: &[u8], text: &str) -> bool {
@@ -215,13 +202,16 @@ async fn neither_log_nor_data_hold_a_secret() {
         hook.json()["secret"].as_str().expect("a secret").to_owned(),
     ));
 
-    let data = everything_in(&lab.store.options().data);
+    let folder = &lab.store.options().data;
+    let files = bytes_of_files(folder);
+    let tables = values_of_tables(folder).await;
     let log = log.0.lock().expect("a log").clone();
-    // both are really looked at
+    // all are really looked at
     assert!(
-        holds(&data, "Anna") && holds(&data, url),
-        "the data folder was not read"
+        holds(&tables, "Anna") && holds(&tables, url),
+        "the tables were not read"
     );
+    assert!(!files.is_empty(), "the data folder was not read");
     let is_kept = holds(&log, "/v1/sign-in/provider") && holds(&log, "TRACE");
     assert!(
         is_kept,
@@ -232,7 +222,7 @@ async fn neither_log_nor_data_hold_a_secret() {
         .iter()
         .flat_map(|(what, secret)| {
             assert!(secret.len() > 8, "{what}");
-            [(&data, *what), (&log, *what)]
+            [(&files, *what), (&tables, *what), (&log, *what)]
                 .into_iter()
                 .filter(|(bytes, _)| holds(bytes, secret))
                 .map(|(_, what)| what)
