@@ -53,7 +53,6 @@ fn a_worker_computes_on_while_the_server_is_away_and_brings_all_of_it() {
 }
 
 #[test]
-#[ignore = "it failed on a machine with much else to do, and why is not known"]
 fn a_worker_that_may_not_wait_so_long_drops_the_job_and_takes_it_again() {
     let mut server = Server::start_with(&["--lease-s", LEASE_S]);
     let url = server.url.clone();
