@@ -213,7 +213,7 @@ mod tests {
     /// long after the cancel.
     fn cancelled_when(
         spec: &JobSpec,
-        is_time: impl Fn(&Path) -> bool + Send,
+        is_time: impl Fn(&Path) -> bool + Sync,
     ) -> (Ended, Vec<String>, Duration) {
         let folder = tempfile::tempdir().expect("a folder");
         let switch = StopSwitch::default();
