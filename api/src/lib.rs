@@ -61,7 +61,7 @@ pub use job::{
 pub use kind_schemas::{kind_schema, unit_of_field};
 pub use kinds::{Example, JobKind, JobSpec};
 pub use limits::{Excess, JobLimits, Limits, OVERRUN_FACTOR};
-pub use message::Message;
+pub use message::{Message, messages_that_take};
 pub use outcome::{
     BodyProperties, Cost, ErrorBasis, ErrorEstimate, ErrorPart, FileEntry, Outcome, OutcomeStatus,
     Provenance, QualityCheck, Quantity, Report, Tenth, Warning,

@@ -43,6 +43,13 @@ macro_rules! messages {
                 }
             }
         })+
+
+        /// Reads a body as each of the messages there are, one after the other; how many take it. Tests hold
+        /// foreign bytes against it, so that no message is left out.
+        pub fn messages_that_take(body: &[u8]) -> usize {
+            let taken = [$(<$message>::from_slice(body).is_ok()),+];
+            taken.into_iter().filter(|is_taken| *is_taken).count()
+        }
     };
 }
 

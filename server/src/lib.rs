@@ -23,5 +23,5 @@ pub use serve::{ServeError, serve};
 /// Version of the service.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Commit it was built from, or `unknown`.
+/// Commit it was built from; without one, a hash of its sources.
 pub const COMMIT: &str = env!("LOADFRAME_COMMIT");

@@ -1,15 +1,12 @@
 //! The parsers of foreign bytes, one function each: whatever the bytes are, it returns.
-use loadframe_api::allocations::AllocationReport;
-use loadframe_api::comparison::NewComparison;
-use loadframe_api::people::NewWebhook;
-use loadframe_api::spec::calibrate::MeasuredCurve;
 use loadframe_api::spec::granular_scene::{Import, ImportFormat};
 use loadframe_api::surface::{TriangleMesh, read_stl};
 use loadframe_api::table::{self, Hints, Wanted};
-use loadframe_api::worker::{
-    ClaimRequest, CompleteRequest, FailRequest, FaultRequest, ProgressReport, ReleaseRequest,
+use loadframe_api::worker::Lease;
+use loadframe_api::{
+    CurveView, JobKind, JobView, Outcome, Problem, Submission, Timestamp, check_file_name,
+    messages_that_take,
 };
-use loadframe_api::{JobChanges, JobKind, Message, Submission, Timestamp, check_file_name};
 use loadframe_harness::checkpoint;
 use loadframe_run::{Engine, SavedRun};
 
@@ -33,19 +30,15 @@ pub(crate) fn submission(bytes: &[u8]) {
     assert_eq!(again.spec.to_json(), submission.spec.to_json());
 }
 
-/// Bodies of workers, and of changes.
+/// Bodies of workers, of people and of changes, and what the server answers.
 pub(crate) fn message(bytes: &[u8]) {
-    let _ = ClaimRequest::from_slice(bytes);
-    let _ = ProgressReport::from_slice(bytes);
-    let _ = CompleteRequest::from_slice(bytes);
-    let _ = FailRequest::from_slice(bytes);
-    let _ = FaultRequest::from_slice(bytes);
-    let _ = ReleaseRequest::from_slice(bytes);
-    let _ = AllocationReport::from_slice(bytes);
-    let _ = JobChanges::from_slice(bytes);
-    let _ = NewWebhook::from_slice(bytes);
-    let _ = NewComparison::from_slice(bytes);
-    let _ = MeasuredCurve::from_slice(bytes);
+    let _ = messages_that_take(bytes);
+    // answers, which commands and workers read
+    let _ = serde_json::from_slice::<Outcome>(bytes);
+    let _ = serde_json::from_slice::<JobView>(bytes);
+    let _ = serde_json::from_slice::<CurveView>(bytes);
+    let _ = serde_json::from_slice::<Lease>(bytes);
+    let _ = serde_json::from_slice::<Problem>(bytes);
     let text = String::from_utf8_lossy(bytes);
     let _ = check_file_name(&text);
     let _ = text.parse::<Timestamp>();

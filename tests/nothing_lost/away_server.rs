@@ -1,5 +1,5 @@
 //! A server that is away for long: its workers go on computing, and bring everything when it is back.
-use loadframe_api::{JobOutcome, JobStatus, JobView};
+use loadframe_api::{AttemptEnd, JobOutcome, JobStatus, JobView};
 use loadframe_tests::{JobFiles, LONG, Server, Worker, is_sound, run_alone, until, with_seed};
 use std::time::{Duration, Instant};
 use uuid::Uuid;
@@ -53,15 +53,22 @@ fn a_worker_computes_on_while_the_server_is_away_and_brings_all_of_it() {
 }
 
 #[test]
-#[ignore = "it failed on a machine with much else to do, and why is not known"]
 fn a_worker_that_may_not_wait_so_long_drops_the_job_and_takes_it_again() {
     let mut server = Server::start_with(&["--lease-s", LEASE_S]);
     let url = server.url.clone();
     let worker = Worker::start_with(&server, &url, "hasty", &["--server-away", "3"]);
     let id = away(&mut server, &worker);
-    std::thread::sleep(Duration::from_secs(6));
+    // not a time: on a busy machine the worker may give the server up later, and never if it is back by then
+    let log = server.folder().join("hasty.log");
+    until("the worker has dropped the job", || {
+        let log = std::fs::read_to_string(&log).ok()?;
+        log.contains("everything of this attempt is dropped")
+            .then_some(())
+    });
     let job = back(&mut server, id);
     is_sound(&job);
     assert_eq!(job.outcome, Some(JobOutcome::Succeeded), "{job:#?}");
-    assert_eq!(job.attempts.len(), 2, "{job:#?}");
+    // on a busy machine the second lease of 2 s may be lost as well, which is not what is tested
+    assert!(job.attempts.len() >= 2, "{job:#?}");
+    assert_eq!(job.attempts[0].end_reason, Some(AttemptEnd::Lost));
 }

@@ -55,7 +55,7 @@ impl Allocation {
             id,
             left,
             memory_mb: memory
-                .filter(|mb| *mb > 0.0)
+                .filter(|mb| mb.is_finite() && *mb > 0.0)
                 .map(|mb| mb * MEGABYTES_A_UNIT),
         })
     }

@@ -33,7 +33,7 @@ pub(super) struct Health {
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct VersionView {
     version: &'static str,
-    /// Commit it was built from, or `unknown`.
+    /// Commit it was built from; without one, a hash of its sources.
     commit: &'static str,
 }
 

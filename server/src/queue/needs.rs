@@ -5,6 +5,8 @@
 use loadframe_api::worker::ClaimRequest;
 use loadframe_api::{Calibration, Estimate, JobKind};
 
+/// Speeds that a core can have [bond evaluations/s]: a hundredth to a hundred times a core of 2020.
+const SPEEDS: std::ops::RangeInclusive<f64> = 1e6..=1e10;
 /// Rounded needs are at least this [MB].
 const LEAST_MB: f64 = 10.0;
 /// Beyond it, numbers are taken for this [MB, s].
@@ -99,11 +101,16 @@ impl Offer {
             kinds: claim.kinds.clone(),
             memory_mb: claim.memory_mb,
             disk_mb: claim.disk_mb,
-            core_s: core_seconds(claim.time_left_s, claim.calibration),
+            core_s: core_seconds(claim.time_left_s, believed(claim.calibration)),
             threads: claim.threads,
             release: release(&claim.engine_version),
         }
     }
+}
+
+/// What a machine says of its speed, where a machine can have it.
+pub fn believed(speed: Option<Calibration>) -> Option<Calibration> {
+    speed.filter(|speed| SPEEDS.contains(&speed.bond_evaluations_per_s))
 }
 
 /// Time left [s] of a machine of this speed, on a core of the reference speed.

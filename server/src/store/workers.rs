@@ -11,14 +11,12 @@ use super::encoding::{json, variant};
 use super::error::Result;
 use super::writer::Change;
 use super::{Counts, Store, millis};
-use crate::queue::needs::release;
+use crate::queue::needs::{believed, release};
 
 /// A waiting worker is written down again when it was last seen this long ago [ms].
 const SEEN_EVERY: i64 = 2_000;
 /// The same for a working one, whose heartbeats come oftener.
 const HEARD_EVERY: i64 = 1_000;
-/// Speeds that a core can have [bond evaluations/s]: a hundredth to a hundred times a core of 2020.
-const SPEEDS: std::ops::RangeInclusive<f64> = 1e6..=1e10;
 /// A worker is taken for gone when it was silent for a lease and this long [ms].
 const GRACE: i64 = 5_000;
 
@@ -59,9 +57,7 @@ impl WorkerRow {
 impl Change {
     /// Notes that a worker asks for a job. One that asks again and again costs no commit each time.
     pub(super) async fn register_worker(&mut self, worker: &ClaimRequest) -> Result<()> {
-        let speed = worker.calibration.map(|speed| speed.bond_evaluations_per_s);
-        // what no machine can be is not believed
-        let speed = speed.filter(|speed| SPEEDS.contains(speed));
+        let speed = believed(worker.calibration).map(|speed| speed.bond_evaluations_per_s);
         let left = worker.time_left_s.map(Duration::try_from_secs_f64);
         let left = left.and_then(std::result::Result::ok).map(millis);
         let ends_at = left.map(|left| self.now.as_millis().saturating_add(left));

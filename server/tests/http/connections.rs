@@ -7,6 +7,7 @@ use loadframe_server::connections::{ConnectionLimits, Listening};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio::time::{sleep, timeout};
+use uuid::Uuid;
 
 use crate::support::{Lab, example, request};
 
@@ -218,23 +219,63 @@ fn noise(count: usize) -> Vec<u8> {
     noise.take(count).collect()
 }
 
+fn archive_of(id: Uuid) -> String {
+    format!(
+        "GET /v1/jobs/{id}/archive.zip HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
+    )
+}
+
+/// Reads an archive to its end; its bytes.
+async fn read_all(stream: &mut TcpStream) -> usize {
+    let mut bytes = Vec::new();
+    let read = timeout(PATIENCE, stream.read_to_end(&mut bytes)).await;
+    read.expect("in time").expect("no break");
+    assert!(bytes.starts_with(b"HTTP/1.1 200"));
+    bytes.len()
+}
+
 #[tokio::test(flavor = "multi_thread")]
-async fn readers_that_do_not_read_keep_no_archive_from_others_and_are_ended() {
+async fn forty_readers_that_do_not_read_keep_no_archive_from_others() {
+    // more than sockets hold
+    let noise = noise(6 << 20);
+    let lab = Lab::open().await;
+    let id = lab.finished(&[("noise.vtp", &noise)]).await;
+    // none of the forty is ended for what it does, nor for want of places
+    let limits = ConnectionLimits {
+        silence: 10 * PATIENCE,
+        grace: 10 * PATIENCE,
+        ..ConnectionLimits::with_places(256)
+    };
+    let address = listen(&lab, limits).await;
+    let mut readers = Vec::new();
+    for _ in 0..40 {
+        readers.push(say_and_take_little(address, &archive_of(id)).await);
+    }
+    for reader in &readers {
+        let begun = timeout(PATIENCE, reader.peek(&mut [0])).await;
+        assert_eq!(begun.expect("in time").expect("an answer"), 1);
+    }
+    for _ in 0..3 {
+        let mut other = say(address, &archive_of(id)).await;
+        assert!(read_all(&mut other).await > noise.len());
+    }
+    // they were there all the while: who reads after all gets everything
+    for reader in &mut readers {
+        assert!(read_all(reader).await > noise.len());
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn readers_that_do_not_read_are_ended() {
     // more than sockets hold
     let noise = noise(6 << 20);
     let lab = Lab::open().await;
     let id = lab.finished(&[("noise.vtp", &noise)]).await;
     let address = listen(&lab, short()).await;
-    let ask = format!(
-        "GET /v1/jobs/{id}/archive.zip HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
-    );
     let mut readers = Vec::new();
     for _ in 0..8 {
-        readers.push(say_and_take_little(address, &ask).await);
+        readers.push(say_and_take_little(address, &archive_of(id)).await);
     }
-    let answer = timeout(PATIENCE, lab.get(&format!("/v1/jobs/{id}/archive.zip"))).await;
-    let answer = answer.expect("an archive in time");
-    assert!(answer.status == 200 && answer.body.len() > noise.len());
     // far longer than they may be silent
     sleep(Duration::from_secs(5)).await;
     let mut shortest = usize::MAX;

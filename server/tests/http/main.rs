@@ -10,6 +10,7 @@ mod database;
 mod errors;
 mod events;
 mod files;
+mod foreign;
 mod guide;
 mod jobs;
 mod kinds;

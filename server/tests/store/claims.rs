@@ -1,8 +1,8 @@
 //! Who gets which job.
 use std::collections::HashSet;
 
-use loadframe_api::JobStatus;
-use loadframe_api::worker::Command;
+use loadframe_api::worker::{ClaimRequest, Command};
+use loadframe_api::{Calibration, JobStatus};
 
 use crate::lab::{LONG, Lab, key, worker};
 
@@ -104,6 +104,36 @@ async fn a_lease_carries_the_spec_and_the_job_shows_its_attempt() {
     assert_eq!(workers[0].job_id, Some(id));
     let speed = lab.calibration().await.unwrap().unwrap();
     assert_eq!(speed, worker("").calibration.unwrap());
+}
+
+#[tokio::test]
+async fn what_no_machine_can_be_is_not_believed_and_one_liar_prices_no_job() {
+    let lab = Lab::open(LONG).await;
+    let says = |name: &str, speed: f64| {
+        let calibration = Some(Calibration {
+            bond_evaluations_per_s: speed,
+        });
+        ClaimRequest {
+            calibration,
+            ..worker(name)
+        }
+    };
+    let speed = async || {
+        let speed = lab.calibration().await.unwrap();
+        speed.map(|speed| speed.bond_evaluations_per_s)
+    };
+    for absurd in [1e-3, 0.0, -1.0, 1e300] {
+        lab.claim(&says("absurd", absurd)).await.unwrap();
+        assert_eq!(speed().await, None, "{absurd}");
+    }
+    // of two the slower, of many the one in the middle, whatever one of them says
+    lab.claim(&says("a", 2e8)).await.unwrap();
+    lab.claim(&says("fast liar", 9e9)).await.unwrap();
+    assert_eq!(speed().await, Some(2e8));
+    lab.claim(&says("b", 3e8)).await.unwrap();
+    lab.claim(&says("slow liar", 1e6)).await.unwrap();
+    lab.claim(&says("c", 2.5e8)).await.unwrap();
+    assert_eq!(speed().await, Some(2.5e8));
 }
 
 #[tokio::test]

@@ -15,7 +15,7 @@ use loadframe_paper::tensile;
 
 pub use loadframe_harness::{
     CheckpointError, Ending, Interrupt, InterruptSource, Recorder, RunContext, Sample,
-    SimulationError, Uninterrupted, Unrecorded, Welch, csv,
+    SimulationError, Uninterrupted, Unrecorded, Wanted, Welch, csv,
 };
 pub use nonwoven::calibration_spec;
 pub use preview::preview;

@@ -4,11 +4,12 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use loadframe_api::{FileEntry, JobSpec, Outcome, Report, Timestamp};
-use loadframe_physics::Recorder;
+use loadframe_physics::{InterruptSource, Recorder};
 
 use super::cost::CostClock;
 use super::engine::Engine;
 use super::eta::TimeToGo;
+use super::execute::Plan;
 use super::outcome::{Circumstances, OUTCOME_FILE, assemble};
 use super::result_files::ResultFiles;
 use super::saved_run::SavedRun;
@@ -60,29 +61,25 @@ pub(crate) struct Recording<'a, D> {
     curve: Option<Spool>,
     checkpoint_every: Duration,
     last_checkpoint: Instant,
+    interrupt: &'a dyn InterruptSource,
     destination: &'a mut D,
 }
 
 impl<'a, D: Destination> Recording<'a, D> {
-    /// A recording in `folder` that goes on from `saved`.
-    pub(crate) fn start(
-        engine: Engine,
-        saved: &SavedRun,
-        folder: &Path,
-        checkpoint_every: Duration,
-        destination: &'a mut D,
-    ) -> Self {
+    /// A recording by `plan` that goes on from `saved`.
+    pub(crate) fn start(plan: Plan<'a>, saved: &SavedRun, destination: &'a mut D) -> Self {
         Self {
-            engine,
+            engine: plan.engine,
             spec_sha256: saved.spec_sha256().to_owned(),
             started_at: Timestamp::now(),
             clock: CostClock::start(saved.spent()),
             time_to_go: TimeToGo::default(),
-            files: ResultFiles::open(folder, saved.files()),
+            files: ResultFiles::open(plan.folder, saved.files()),
             log: saved.log().to_vec(),
             curve: None,
-            checkpoint_every,
+            checkpoint_every: plan.checkpoint_every,
             last_checkpoint: Instant::now(),
+            interrupt: plan.switch,
             destination,
         }
     }
@@ -171,7 +168,7 @@ impl<D: Destination> Recorder for Recording<'_, D> {
         name: &str,
         write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
     ) -> io::Result<()> {
-        let entry = self.files.write(name, write)?;
+        let entry = self.files.write(name, self.interrupt, write)?;
         self.destination.file(&entry, &self.files.path(name))
     }
 

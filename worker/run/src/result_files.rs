@@ -5,6 +5,7 @@ use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use loadframe_api::{FileEntry, check_file_name};
+use loadframe_physics::{InterruptSource, Wanted};
 use sha2::{Digest, Sha256};
 
 /// Large enough that the system call does not show beside hashing.
@@ -29,10 +30,12 @@ impl ResultFiles {
         }
     }
 
-    /// Writes the file `name`; it appears under its name when it is whole.
+    /// Writes the file `name`; it appears under its name when it is whole, and not when `interrupt` says
+    /// meanwhile that nothing of the run is wanted.
     pub(crate) fn write(
         &mut self,
         name: &str,
+        interrupt: &dyn InterruptSource,
         write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
     ) -> io::Result<FileEntry> {
         check_file_name(name).map_err(|error| {
@@ -42,7 +45,7 @@ impl ResultFiles {
         let mut partial = path.clone().into_os_string();
         partial.push(".partial");
         let partial = PathBuf::from(partial);
-        let written = write_hashed(&partial, write)
+        let written = write_hashed(&partial, interrupt, write)
             .and_then(|written| std::fs::rename(&partial, &path).map(|()| written))
             .map_err(|error| {
                 // a full disk is not kept full by what did not fit on it
@@ -74,11 +77,14 @@ impl ResultFiles {
 
 fn write_hashed(
     path: &Path,
+    interrupt: &dyn InterruptSource,
     write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<Hashed> {
-    let mut out = BufWriter::with_capacity(BUFFER_BYTES, Hashed::new(created(path)?));
+    let wanted = Wanted::new(Hashed::new(created(path)?), interrupt);
+    let mut out = BufWriter::with_capacity(BUFFER_BYTES, wanted);
     write(&mut out)?;
-    out.into_inner().map_err(io::IntoInnerError::into_error)
+    let wanted = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+    Ok(wanted.into_inner())
 }
 
 /// A new file, in a new folder where there is none yet.
@@ -151,7 +157,9 @@ fn hex(hash: Sha256) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stop::{StopCause, StopSwitch};
     use loadframe_api::sha256_hex;
+    use loadframe_physics::Uninterrupted;
 
     #[test]
     fn an_entry_says_what_is_on_disk() {
@@ -159,7 +167,9 @@ mod tests {
         let mut files = ResultFiles::open(folder.path(), &[]);
         let content = vec![7_u8; 3 * BUFFER_BYTES + 1];
         let entry = files
-            .write("snapshots/a.vtp", &mut |out| out.write_all(&content))
+            .write("snapshots/a.vtp", &Uninterrupted, &mut |out| {
+                out.write_all(&content)
+            })
             .expect("written");
         let path = folder.path().join("snapshots/a.vtp");
         assert_eq!(std::fs::read(&path).expect("there"), content);
@@ -173,10 +183,39 @@ mod tests {
     fn a_failed_write_leaves_no_file_and_no_entry() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let mut files = ResultFiles::open(folder.path(), &[]);
-        let full = files.write("a.csv", &mut |_| Err(io::Error::other("disk full")));
+        let full = files.write("a.csv", &Uninterrupted, &mut |_| {
+            Err(io::Error::other("disk full"))
+        });
         assert!(full.is_err() && files.entries().is_empty());
         let left = std::fs::read_dir(folder.path()).expect("a folder").count();
         assert_eq!(left, 0);
-        assert!(files.write("../a.csv", &mut |_| Ok(())).is_err());
+        let outside = files.write("../a.csv", &Uninterrupted, &mut |_| Ok(()));
+        assert!(outside.is_err());
+    }
+
+    #[test]
+    fn a_large_file_that_nobody_wants_is_given_up_within_a_buffer() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let mut files = ResultFiles::open(folder.path(), &[]);
+        let switch = StopSwitch::default();
+        let row = [7_u8; 1000];
+        let mut rows = 0;
+        let written = files.write("a.csv", &switch, &mut |out| {
+            for number in 0..1_000_000 {
+                if number == 500 {
+                    switch.stop(StopCause::Cancel);
+                }
+                rows = number;
+                out.write_all(&row)?;
+            }
+            Ok(())
+        });
+        assert!(written.is_err() && files.entries().is_empty());
+        assert!(
+            rows - 500 <= BUFFER_BYTES / row.len(),
+            "{rows} rows of a million"
+        );
+        let left = std::fs::read_dir(folder.path()).expect("a folder").count();
+        assert_eq!(left, 0);
     }
 }

@@ -5,8 +5,9 @@
 //! the run shall stop (a command in an answer, a lost lease, the time limit, this process told to
 //! end) turns the `AttemptSwitch`; the simulation looks at it many times a second. When all
 //! results have arrived the lease is ended: complete, fail, release, or fault when this machine
-//! cannot carry the job out and another may. Once the lease is lost,
-//! everything is dropped; the server refuses what may still be under way.
+//! cannot carry the job out and another may. Of a job that nobody wants any more the lease is ended at once,
+//! and the next claimed when the simulation's thread has come to its next look at the switch. Once the lease
+//! is lost, everything is dropped; the server refuses what may still be under way.
 mod backlog;
 mod batch;
 mod contact;
@@ -36,6 +37,10 @@ use contact::Contact;
 use ending::RunEnd;
 use lease_client::LeaseClient;
 use stop::AttemptSwitch;
+
+/// How long a run may take to see that nothing of it is wanted, before its lease is ended without it: with a
+/// heartbeat every second a person sees the job end within two.
+const LAST_LOOK: Duration = Duration::from_millis(500);
 
 /// What attempts of one worker process have in common.
 #[derive(Debug)]
@@ -146,7 +151,7 @@ impl AttemptContext {
                 }
             }
         }));
-        let (ended, end) = oneshot::channel();
+        let (ended, mut end) = oneshot::channel();
         let run = {
             let switch = Arc::clone(switch);
             let (engine, threads) = (self.engine, self.threads);
@@ -181,7 +186,19 @@ impl AttemptContext {
             .name("simulation".to_owned())
             .spawn(run)
             .map_err(AttemptError::Thread)?;
-        let run: RunEnd = end.await;
+        let run: RunEnd = tokio::select! {
+            run = &mut end => run,
+            () = abandoned(switch) => {
+                // whoever cancelled is not kept waiting for a large system of equations to be solved
+                let ended = ending::end(client, switch, Ok(Ok(Ended::Cancelled)), Ok(())).await;
+                // and the next job not crowded by it
+                tokio::select! {
+                    _ = end => {}
+                    () = self.shutdown.cancelled() => {}
+                }
+                return Ok(ended);
+            }
+        };
         let uploaded = uploader.await.unwrap_or(Err(ServerError::LeaseLost));
         Ok(ending::end(client, switch, run, uploaded).await)
     }
@@ -214,6 +231,13 @@ impl AttemptContext {
         };
         Ok(Some(Err(reason)))
     }
+}
+
+/// Returns when nothing of the run has been wanted for longer than one takes that looks at the switch as often
+/// as it should.
+async fn abandoned(switch: &AttemptSwitch) {
+    switch.given_up().await;
+    tokio::time::sleep(LAST_LOOK).await;
 }
 
 /// Refuses a job that is estimated to need more memory than this machine has free; where the system does

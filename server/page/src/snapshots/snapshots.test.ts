@@ -171,6 +171,35 @@ test("a file of another form is refused in words", async () => {
   await expect(readVtp(new TextEncoder().encode("<VTKFile/>").buffer)).rejects.toThrow("not in the form");
 });
 
+test("a file that was cut, changed or made up is read or refused, and leaves nothing running", async () => {
+  let state = 36;
+  const chance = (below: number): number => {
+    state = (Math.imul(state, 1_664_525) + 1_013_904_223) >>> 0;
+    return Math.floor((state / 2 ** 32) * below);
+  };
+  const unhandled: unknown[] = [];
+  const note = (reason: unknown): number => unhandled.push(reason);
+  process.on("unhandledRejection", note);
+  let refused = 0;
+  for (let number = 0; number < 1200; number++) {
+    const whole = new Uint8Array([SPHERES, WALLS, BONDS, CELLS][number % 4] ?? SPHERES);
+    const mutant = number % 3 === 0 ? whole.slice(0, chance(whole.length)) : whole.slice();
+    for (let change = chance(4); change >= 0 && mutant.length > 0; change--)
+      mutant[chance(mutant.length)] = chance(256);
+    try {
+      const { points, lines } = await readVtp(mutant.buffer);
+      expect(points.length + lines.length).toBeLessThan(1000);
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      refused++;
+    }
+  }
+  await new Promise((done) => setTimeout(done, 50));
+  process.off("unhandledRejection", note);
+  expect(unhandled).toEqual([]);
+  expect(refused).toBeGreaterThan(600);
+});
+
 test("files of one moment are one picture, whichever list names them", () => {
   const set = (at: string, file: string): string => `<DataSet timestep="${at}" part="0" file="${file}"/>`;
   const frames = framesOf([

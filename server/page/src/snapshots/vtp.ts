@@ -67,16 +67,22 @@ async function readArray(bytes: Uint8Array, start: number, element: string): Pro
   const typed = TYPES[attribute("type")];
   if (!typed) throw new Error(`This snapshot has values of an unknown type, ${attribute("type")}.`);
   const offset = start + Number(attribute("offset"));
-  const head = new DataView(bytes.buffer, bytes.byteOffset + offset);
-  const word = (index: number): number => Number(head.getBigUint64(8 * index, true));
-  const blocks: Promise<ArrayBuffer>[] = [];
-  let from = offset + 8 * (3 + word(0));
-  for (let block = 0; block < word(0); block++) {
-    const size = word(3 + block);
-    blocks.push(inflate(bytes.slice(from, from + size)));
+  const part = (from: number, size: number): Uint8Array<ArrayBuffer> => {
+    if (!(from >= start && size >= 0 && from + size <= bytes.length)) throw new Error("This snapshot is cut off.");
+    return bytes.slice(from, from + size);
+  };
+  const words = (from: number, count: number): number[] =>
+    Array.from(new BigUint64Array(part(from, 8 * count).buffer), Number);
+  const [count = 0] = words(offset, 1);
+  const sizes = words(offset + 8 * 3, count);
+  let from = offset + 8 * (3 + count);
+  // All parts are there before the first is unpacked: nothing is left running when one is not.
+  const packed = sizes.map((size) => {
+    const block = part(from, size);
     from += size;
-  }
-  const buffer = await new Blob(await Promise.all(blocks)).arrayBuffer();
+    return block;
+  });
+  const buffer = await new Blob(await Promise.all(packed.map(inflate))).arrayBuffer();
   return { name: attribute("Name"), components: Number(attribute("NumberOfComponents") || 1), values: typed(buffer) };
 }
 

@@ -151,7 +151,9 @@ fn memory_mb(text: &str) -> Option<f64> {
         _ => return None,
     };
     let number: f64 = digits.parse().ok()?;
-    Some(number * units * BYTES_A_UNIT / BYTES_A_MB)
+    let memory = number * units * BYTES_A_UNIT / BYTES_A_MB;
+    // "inf" and "nan" are numbers to the parser
+    (memory.is_finite() && memory >= 0.0).then_some(memory)
 }
 
 /// Runs a command that gets `input`; what it answers, or what it says against it.
@@ -193,6 +195,7 @@ pub(super) fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn submission() -> Submission {
         Submission {
@@ -239,6 +242,23 @@ mod tests {
         assert_eq!(running.reason, None);
         assert!(allocation("12_4|RUNNING").is_err());
         assert!(allocation("12_4|RUNNING|0:01|much|None").is_err());
+    }
+
+    proptest! {
+        /// Slurm's words reach this program from another one, of any version and in any language.
+        #[test]
+        fn whatever_squeue_says_is_read_or_refused(
+            line in r"[ -~é]{0,40}(\|[0-9a-zA-Z:.+_ -]{0,12}){0,6}",
+            ran in r"([0-9]{0,11}-)?[0-9]{0,11}(:[0-9]{0,11}){0,4}",
+            memory in r"-?([0-9.e+]{0,12}|inf|nan)[KMGTPcn]{0,3}",
+        ) {
+            let own = format!("1|RUNNING|{ran}|{memory}|None");
+            for line in [line, own] {
+                if let Ok(read) = allocation(&line) {
+                    prop_assert!(read.memory_mb.is_finite() && read.memory_mb >= 0.0, "{:?}", read);
+                }
+            }
+        }
     }
 
     #[test]

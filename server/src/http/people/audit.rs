@@ -5,8 +5,8 @@ use axum::extract::Query;
 use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream;
-use loadframe_api::Page;
 use loadframe_api::people::AuditEntry;
+use loadframe_api::{Page, csv_cell};
 use serde::Deserialize;
 use utoipa::IntoParams;
 use utoipa_axum::router::OpenApiRouter;
@@ -138,41 +138,16 @@ fn rows(page: &Page<AuditEntry>) -> String {
         let cells = [
             entry.number.to_string(),
             entry.at.to_string(),
-            cell(&entry.who),
+            csv_cell(&entry.who).into_owned(),
             id(entry.person),
             id(entry.credential),
-            cell(&entry.action),
+            csv_cell(&entry.action).into_owned(),
             id(entry.object),
-            cell(&entry.detail),
+            csv_cell(&entry.detail).into_owned(),
             id(entry.request),
-            cell(&entry.address),
+            csv_cell(&entry.address).into_owned(),
         ];
         cells.join(",") + "\n"
     };
     page.items.iter().map(row).collect()
-}
-
-/// A text as a cell: quoted, on one line, and no formula.
-fn cell(text: &str) -> String {
-    let line: String = text
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
-    let guard = match line.starts_with(['=', '+', '-', '@']) {
-        true => "'",
-        false => "",
-    };
-    format!("\"{guard}{}\"", line.replace('"', "\"\""))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_cell_is_a_text_and_no_formula() {
-        assert_eq!(cell("Anna"), "\"Anna\"");
-        assert_eq!(cell("=1+\"a\"\n"), "\"'=1+\"\"a\"\" \"");
-        assert_eq!(cell("-1"), "\"'-1\"");
-    }
 }

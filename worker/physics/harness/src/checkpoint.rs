@@ -3,13 +3,19 @@
 //! Layout: version (1 byte), BLAKE3 of the rest (32 bytes), then a zstd frame holding the state in
 //! postcard form. The version comes first and outside the checksum, so that a checkpoint of another
 //! version is told apart from a damaged one.
+use std::io::{BufWriter, IntoInnerError};
+
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use crate::{InterruptSource, Uninterrupted, Wanted};
 
 /// Raised whenever the state's form changes.
 const VERSION: u8 = 11;
 const CHECKSUM_BYTES: usize = 32;
 /// Level 1: positions are nearly incompressible, so a higher level only costs time.
 const COMPRESSION_LEVEL: i32 = 1;
+/// Bytes of plain state between two looks whether it is still wanted.
+const BUFFER_BYTES: usize = 1 << 16;
 
 /// Why a checkpoint cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -55,12 +61,28 @@ impl Fingerprint {
 /// # Errors
 /// [`CheckpointError::Form`] when the state does not serialize.
 pub fn pack(state: &impl Serialize) -> Result<Vec<u8>, CheckpointError> {
-    let plain = postcard::to_stdvec(state).map_err(form)?;
-    let packed = zstd::encode_all(plain.as_slice(), COMPRESSION_LEVEL).map_err(form)?;
-    let mut bytes = Vec::with_capacity(1 + CHECKSUM_BYTES + packed.len());
-    bytes.push(VERSION);
-    bytes.extend(blake3::hash(&packed).as_bytes());
-    bytes.extend(packed);
+    pack_wanted(state, &Uninterrupted)
+}
+
+/// Packs a `state` that may be large, and gives up when nothing of the run is wanted any more. The plain
+/// state is never in memory as a whole.
+///
+/// # Errors
+/// [`CheckpointError::Form`] when the state does not serialize or is not wanted.
+pub fn pack_wanted(
+    state: &impl Serialize,
+    interrupt: &dyn InterruptSource,
+) -> Result<Vec<u8>, CheckpointError> {
+    let mut bytes = vec![VERSION];
+    bytes.resize(1 + CHECKSUM_BYTES, 0);
+    let packer = zstd::Encoder::new(bytes, COMPRESSION_LEVEL).map_err(form)?;
+    let out = BufWriter::with_capacity(BUFFER_BYTES, Wanted::new(packer, interrupt));
+    let out = postcard::to_io(state, out).map_err(form)?;
+    let packer = out.into_inner().map_err(IntoInnerError::into_error);
+    let packer = packer.map_err(form)?.into_inner();
+    let mut bytes = packer.finish().map_err(form)?;
+    let (before, packed) = bytes.split_at_mut(1 + CHECKSUM_BYTES);
+    before[1..].copy_from_slice(blake3::hash(packed).as_bytes());
     Ok(bytes)
 }
 
@@ -90,6 +112,8 @@ pub fn form(error: impl std::fmt::Display) -> CheckpointError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Interrupt;
+    use std::sync::atomic::{AtomicU64, Ordering};
 
     fn packed() -> Vec<u8> {
         pack(&(3_u64, vec![0.1, -0.0])).expect("a plain state serializes")
@@ -99,6 +123,25 @@ mod tests {
     fn what_was_packed_is_read_back() {
         let state: (u64, Vec<f64>) = unpack(&packed()).expect("just packed");
         assert_eq!(state, (3, vec![0.1, -0.0]));
+    }
+
+    #[test]
+    fn a_large_state_that_nobody_wants_is_given_up_on_the_way() {
+        /// Is asked to give up at its third look.
+        struct Third(AtomicU64);
+        impl InterruptSource for Third {
+            fn interrupt(&self) -> Option<Interrupt> {
+                (self.0.fetch_add(1, Ordering::Relaxed) >= 2).then_some(Interrupt::Cancel)
+            }
+        }
+        let third = Third(AtomicU64::new(0));
+        let state = vec![0.5; 10 * BUFFER_BYTES];
+        assert!(matches!(
+            pack_wanted(&state, &third),
+            Err(CheckpointError::Form(_))
+        ));
+        // 80 buffers of numbers: it looks no more often than it needs to find out
+        assert!(third.0.load(Ordering::Relaxed) < 6);
     }
 
     #[test]

@@ -25,7 +25,9 @@ use loadframe_api::Report;
 pub use checkpoint::CheckpointError;
 pub use error::{Halt, SimulationError};
 pub use error_table::{ErrorTable, Likeness};
-pub use recorder::{Decorator, Interrupt, InterruptSource, Recorder, Uninterrupted, Unrecorded};
+pub use recorder::{
+    Decorator, Interrupt, InterruptSource, Recorder, Uninterrupted, Unrecorded, Wanted,
+};
 pub use report::ReportBuilder;
 pub use statistics::{Sample, Welch};
 
@@ -37,7 +39,7 @@ pub enum Ending {
     Finished(Report),
     /// It was asked to give up.
     Cancelled,
-    /// It was asked to stop, and its checkpoint is with the recorder.
+    /// It was asked to stop, and its checkpoint is with the recorder, if it had done anything yet.
     Suspended,
 }
 

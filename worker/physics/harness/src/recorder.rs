@@ -1,6 +1,7 @@
 //! The way out of a simulation: curve points, files, progress, checkpoints.
 //!
 //! Physics has no clock, no path and no network; whoever runs it brings a [`Recorder`] that has.
+use std::fmt;
 use std::io::{self, Write};
 
 /// Receives what a simulation has to say, in the order it happens.
@@ -13,7 +14,8 @@ pub trait Recorder {
     /// One point of the curve, in the order of the columns.
     fn point(&mut self, values: &[f64]) -> io::Result<()>;
 
-    /// Writes (or writes again, after a resume) the result file `name`, a relative path with `/`.
+    /// Writes (or writes again, after a resume) the result file `name`, a relative path with `/`. Whoever
+    /// prepares much before it writes flushes meanwhile, so that a run that is given up ends soon.
     fn file(
         &mut self,
         name: &str,
@@ -108,6 +110,62 @@ pub enum Interrupt {
 /// Where a running simulation looks for an [`Interrupt`].
 pub trait InterruptSource: Sync {
     fn interrupt(&self) -> Option<Interrupt>;
+
+    /// Looks, and ends what is being done if it is to end.
+    ///
+    /// # Errors
+    /// The interrupt found.
+    fn heed(&self) -> Result<(), Interrupt> {
+        self.interrupt().map_or(Ok(()), Err)
+    }
+}
+
+/// A way to somewhere that is left once nothing of the run is wanted any more: whatever is written takes no
+/// longer to give up than a buffer takes to fill. It looks with every call, and so belongs behind a buffer.
+#[derive(Clone, Copy)]
+pub struct Wanted<'a, W> {
+    out: W,
+    interrupt: &'a dyn InterruptSource,
+}
+
+impl<'a, W> Wanted<'a, W> {
+    pub fn new(out: W, interrupt: &'a dyn InterruptSource) -> Self {
+        Self { out, interrupt }
+    }
+
+    /// Where it led.
+    pub fn into_inner(self) -> W {
+        self.out
+    }
+
+    fn look(&self) -> io::Result<()> {
+        match self.interrupt.interrupt() {
+            // a run that is to leave a checkpoint finishes the file it is at
+            None | Some(Interrupt::Suspend) => Ok(()),
+            Some(Interrupt::Cancel) => Err(io::Error::other("it is not wanted any more")),
+        }
+    }
+}
+
+impl<W: Write> Write for Wanted<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.look()?;
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.look()?;
+        self.out.flush()
+    }
+}
+
+impl<W: fmt::Debug> fmt::Debug for Wanted<'_, W> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Wanted")
+            .field("out", &self.out)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Never interrupts.
@@ -151,5 +209,37 @@ impl Recorder for Unrecorded {
 
     fn checkpoint(&mut self, _bytes: &[u8]) -> io::Result<()> {
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    /// Says one thing once it is set.
+    struct Asked(AtomicBool, Interrupt);
+
+    impl InterruptSource for Asked {
+        fn interrupt(&self) -> Option<Interrupt> {
+            self.0.load(Ordering::Relaxed).then_some(self.1)
+        }
+    }
+
+    #[test]
+    fn what_nobody_wants_is_not_written_on_and_what_is_to_go_on_later_is() {
+        let cancel = Asked(AtomicBool::new(false), Interrupt::Cancel);
+        let mut out = Wanted::new(Vec::new(), &cancel);
+        out.write_all(b"ab").expect("wanted");
+        cancel.0.store(true, Ordering::Relaxed);
+        assert!(out.write_all(b"cd").is_err() && out.flush().is_err());
+        assert_eq!(out.into_inner(), b"ab");
+        let suspend = Asked(AtomicBool::new(true), Interrupt::Suspend);
+        let mut out = Wanted::new(Vec::new(), &suspend);
+        out.write_all(b"ab").expect("wanted later");
+        assert_eq!(
+            (out.into_inner(), suspend.heed()),
+            (b"ab".to_vec(), Err(Interrupt::Suspend))
+        );
     }
 }

@@ -16,6 +16,9 @@ const BLOCK: usize = 32_768;
 const WORTH: f64 = 0.85;
 /// Of so many blocks one is tried again.
 const TRIED: usize = 8;
+/// Blocks between two flushes, by which whoever takes the file may say that it is not wanted: some
+/// milliseconds of packing.
+const BLOCKS_PER_FLUSH: usize = 16;
 
 /// Points alone, each a cell of its own.
 #[derive(Clone, Copy, Debug)]
@@ -107,8 +110,8 @@ impl<'a> Array<'a> {
         )
     }
 
-    /// Adds the array's appended data to `data`.
-    fn encode(&self, data: &mut Vec<u8>) -> io::Result<()> {
+    /// Adds the array's appended data to `data`, as long as `out` wants it.
+    fn encode(&self, data: &mut Vec<u8>, out: &mut dyn Write) -> io::Result<()> {
         let length = match self.values {
             Values::Floats(values) => size_of_val(values),
             Values::Bytes(values) => size_of_val(values),
@@ -123,6 +126,9 @@ impl<'a> Array<'a> {
         let mut packer = Packer::new();
         let mut block = Vec::with_capacity(BLOCK);
         for number in 0..blocks {
+            if number > 0 && number.is_multiple_of(BLOCKS_PER_FLUSH) {
+                out.flush()?;
+            }
             block.clear();
             match self.values {
                 Values::Floats(values) => {
@@ -302,7 +308,7 @@ fn write_poly_data(
         writeln!(out, "      <{section}>")?;
         for array in arrays {
             array.declare(out, data.len())?;
-            array.encode(&mut data)?;
+            array.encode(&mut data, out)?;
         }
         writeln!(out, "      </{section}>")?;
     }
@@ -372,7 +378,9 @@ mod tests {
         let values: Vec<f64> = noise.chain(vec![0.0; 20 * of_block + 5]).collect();
         let mut data = Vec::new();
         let array = Array::scalars("some", &values);
-        array.encode(&mut data).expect("memory takes all");
+        array
+            .encode(&mut data, &mut io::sink())
+            .expect("memory takes all");
         let (bytes, sizes) = unpacked(&data);
         let expected: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         assert!(bytes == expected);
@@ -387,10 +395,44 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_wanted_any_more_is_packed_no_further() {
+        /// Takes everything, and no flush after the second.
+        struct Tired(usize);
+        impl Write for Tired {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                Ok(bytes.len())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                self.0 += 1;
+                match self.0 {
+                    1 | 2 => Ok(()),
+                    _ => Err(io::Error::other("enough")),
+                }
+            }
+        }
+        let values = vec![0.0; 100 * BLOCK / 8];
+        let mut data = Vec::new();
+        let packed = Array::scalars("zeros", &values).encode(&mut data, &mut Tired(0));
+        assert!(packed.is_err());
+        // of 100 blocks those before the third flush, below their sizes
+        let packed = data.len() - 8 * (3 + 100);
+        let one = {
+            let mut data = Vec::new();
+            let first = &values[..BLOCK / 8];
+            let array = Array::scalars("zeros", first);
+            array.encode(&mut data, &mut io::sink()).expect("all");
+            data.len() - 8 * (3 + 1)
+        };
+        assert_eq!(packed, 3 * BLOCKS_PER_FLUSH * one);
+    }
+
+    #[test]
     fn an_array_of_nothing_has_no_blocks() {
         let mut data = Vec::new();
         let array = Array::bytes("none", &[]);
-        array.encode(&mut data).expect("memory takes all");
+        array
+            .encode(&mut data, &mut io::sink())
+            .expect("memory takes all");
         assert_eq!(data, [0, BLOCK as u64, 0].map(u64::to_le_bytes).concat());
     }
 }

@@ -3,6 +3,7 @@
 //! The largest first, each at random places until one is free (random sequential addition). Spheres
 //! lie in the cells of grids, one grid for each halving of the radius, so that a small sphere looks
 //! at a few cells of each and a size ratio of 1:100 costs no more per sphere than 1:1.
+use loadframe_harness::{Interrupt, InterruptSource};
 use nalgebra::Vector3;
 use rand::Rng;
 
@@ -12,6 +13,8 @@ use crate::geometry::sphere::Sphere;
 /// Places tried for one sphere. More would go little further: near saturation each further
 /// per cent of solid takes many times the tries of the last.
 const TRIES: usize = 200_000;
+/// Places tried between two looks for interrupts: some milliseconds.
+const TRIES_PER_LOOK: usize = 4096;
 /// No list entry.
 const NONE: u32 = u32::MAX;
 
@@ -42,14 +45,15 @@ pub(crate) enum InsertionError {
 /// radii r (0.6..1.4).
 ///
 /// # Errors
-/// See [`InsertionError`].
+/// The interrupt that ended it early; within, see [`InsertionError`].
 pub(crate) fn insert(
     region: &Region,
     radii: &[f64],
     obstacles: &[Sphere],
     is_allowed: impl Fn(&Sphere) -> bool,
     random: &mut impl Rng,
-) -> Result<Vec<Vector3<f64>>, InsertionError> {
+    interrupt: &dyn InterruptSource,
+) -> Result<Result<Vec<Vector3<f64>>, InsertionError>, Interrupt> {
     let mut order: Vec<usize> = (0..radii.len()).collect();
     order.sort_by(|one, other| radii[*other].total_cmp(&radii[*one]));
     let all = radii
@@ -61,34 +65,46 @@ pub(crate) fn insert(
         occupied.add(*obstacle);
     }
     let mut centres = vec![Vector3::zeros(); radii.len()];
+    let mut unseen = 0;
     for (placed, &index) in order.iter().enumerate() {
         let radius = radii[index];
         let Some(room) = region.inset(radius) else {
             let [lower, upper] = region.bounds();
             let size = (upper - lower).into();
-            return Err(InsertionError::TooLarge { radius, size });
+            return Ok(Err(InsertionError::TooLarge { radius, size }));
         };
-        let mut tries = (0..TRIES).map(|_| Sphere::new(room.draw(random), radius));
-        let is_free = |place: &Sphere| occupied.is_free(place) && is_allowed(place);
-        let Some(free) = tries.find(is_free) else {
+        let mut found = None;
+        for _ in 0..TRIES {
+            unseen += 1;
+            if unseen == TRIES_PER_LOOK {
+                unseen = 0;
+                interrupt.heed()?;
+            }
+            let place = Sphere::new(room.draw(random), radius);
+            if occupied.is_free(&place) && is_allowed(&place) {
+                found = Some(place);
+                break;
+            }
+        }
+        let Some(free) = found else {
             let fraction = |indices: &[usize]| {
                 let volumes = indices
                     .iter()
                     .map(|index| Sphere::new(centres[*index], radii[*index]).volume());
                 volumes.sum::<f64>() / region.volume()
             };
-            return Err(InsertionError::Full {
+            return Ok(Err(InsertionError::Full {
                 placed,
                 count: radii.len(),
                 radius,
                 solid_fraction: fraction(&order[..placed]),
                 wanted_fraction: fraction(&order),
-            });
+            }));
         };
         occupied.add(free);
         centres[index] = free.centre;
     }
-    Ok(centres)
+    Ok(Ok(centres))
 }
 
 /// Centres [m] for as many of these spheres as find room now, in their order: the first that none
@@ -245,9 +261,10 @@ impl Grid {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
+    use std::{cell::Cell, f64::consts::PI};
 
     use super::*;
+    use loadframe_harness::Uninterrupted;
     use proptest::prelude::*;
     use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
@@ -280,6 +297,35 @@ mod tests {
         }
     }
 
+    /// Places that nobody interrupts and anything may be at.
+    fn place(
+        region: &Region,
+        radii: &[f64],
+        obstacles: &[Sphere],
+        random: &mut impl Rng,
+    ) -> Result<Vec<Vector3<f64>>, InsertionError> {
+        let placed = insert(region, radii, obstacles, |_| true, random, &Uninterrupted);
+        placed.expect("nobody interrupts")
+    }
+
+    #[test]
+    fn whoever_finds_no_room_can_be_interrupted() {
+        struct Asked;
+        impl InterruptSource for Asked {
+            fn interrupt(&self) -> Option<Interrupt> {
+                Some(Interrupt::Cancel)
+            }
+        }
+        let tries = Cell::new(0);
+        let taken = |_: &Sphere| {
+            tries.set(tries.get() + 1);
+            false
+        };
+        let placed = insert(&cube(1.0), &[0.1], &[], taken, &mut generator(1), &Asked);
+        assert_eq!(placed, Err(Interrupt::Cancel));
+        assert!(tries.get() <= TRIES_PER_LOOK);
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(32))]
 
@@ -302,7 +348,7 @@ mod tests {
                 Sphere::new(Vector3::new(3.0, -2.0, -4.0), 5.0),
             ];
             let radii: Vec<f64> = (0..count).map(|_| random.random_range(0.02..0.02 + small)).collect();
-            let centres = insert(&region, &radii, &obstacles, |_| true, &mut random).expect("it fits");
+            let centres = place(&region, &radii, &obstacles, &mut random).expect("it fits");
             let spheres = centres.iter().zip(&radii).map(|(centre, radius)| Sphere::new(*centre, *radius));
             let mut spheres: Vec<Sphere> = spheres.collect();
             spheres.extend(obstacles);
@@ -313,7 +359,7 @@ mod tests {
     #[test]
     fn the_same_generator_gives_the_same_places() {
         let radii = equal(&cube(1.0), 0.05, 0.25);
-        let places = |seed| insert(&cube(1.0), &radii, &[], |_| true, &mut generator(seed));
+        let places = |seed| place(&cube(1.0), &radii, &[], &mut generator(seed));
         assert_eq!(places(5), places(5));
         assert_ne!(places(5), places(6));
     }
@@ -321,8 +367,7 @@ mod tests {
     #[test]
     fn a_full_region_says_how_far_it_got() {
         let radii = equal(&cube(1.0), 0.05, 0.5);
-        let error =
-            insert(&cube(1.0), &radii, &[], |_| true, &mut generator(1)).expect_err("too many");
+        let error = place(&cube(1.0), &radii, &[], &mut generator(1)).expect_err("too many");
         let InsertionError::Full {
             placed,
             count,
@@ -347,8 +392,7 @@ mod tests {
 
     #[test]
     fn a_sphere_larger_than_the_region_is_refused() {
-        let error = insert(&cube(1.0), &[0.1, 0.6], &[], |_| true, &mut generator(1))
-            .expect_err("too large");
+        let error = place(&cube(1.0), &[0.1, 0.6], &[], &mut generator(1)).expect_err("too large");
         assert_eq!(
             error.to_string(),
             "a sphere of radius 0.6 m does not fit into the region, whose bounding box is 1 x 1 x 1 m"
@@ -362,7 +406,7 @@ mod tests {
         let region = cube(1.0);
         let mut radii = equal(&region, 0.1, 0.1);
         radii.extend(vec![0.001; 2000]);
-        let centres = insert(&region, &radii, &[], |_| true, &mut generator(1)).expect("it fits");
+        let centres = place(&region, &radii, &[], &mut generator(1)).expect("it fits");
         let spheres = centres
             .iter()
             .zip(&radii)

@@ -2,6 +2,7 @@
 use loadframe_api::spec::granular_scene::{
     Body, BondRestLength, ContactFriction, Convention, GranularScene, Material, Plane, Touching,
 };
+use loadframe_harness::{Interrupt, InterruptSource};
 use nalgebra::UnitQuaternion;
 
 use super::{particles::Particles, specimen::Specimen};
@@ -18,6 +19,8 @@ use crate::{
 
 /// Number of the grain of a body that is in none.
 pub(crate) const NO_GRAIN: u32 = u32::MAX;
+/// Bodies between two looks for interrupts.
+const BODIES_PER_LOOK: usize = 64;
 
 /// What stays as it is during a run.
 #[derive(Clone, Debug)]
@@ -174,17 +177,24 @@ impl Model {
 
 /// The model of a scene, and the particles and clumps of all its bodies in the order of their
 /// numbers.
+///
+/// # Errors
+/// The interrupt that ended it early: clumps of many members take their time.
 pub(crate) fn build(
     spec: &GranularScene,
     specimen: &Specimen<'_>,
-) -> (Model, Particles, Vec<Clump>) {
+    interrupt: &dyn InterruptSource,
+) -> Result<(Model, Particles, Vec<Clump>), Interrupt> {
     let mut builder = Builder {
         model: Model::new(spec, specimen),
         particles: Particles::default(),
         clumps: Vec::new(),
     };
     let names: Vec<&String> = spec.materials.keys().collect();
-    for body in specimen.bodies.iter() {
+    for (number, body) in specimen.bodies.iter().enumerate() {
+        if number.is_multiple_of(BODIES_PER_LOOK) {
+            interrupt.heed()?;
+        }
         let material = names.binary_search(&&body.material).unwrap_or_default();
         let density = spec.materials[&body.material].density_kg_per_m3;
         let shape: Vec<Sphere> = body
@@ -210,7 +220,7 @@ pub(crate) fn build(
         model.grains.resize(model.masses.len(), NO_GRAIN);
     }
     particles.numbers = (0..particles.centres.len() as u32).collect();
-    (model, particles, clumps)
+    Ok((model, particles, clumps))
 }
 
 /// Bodies that stages drive, in the order of their numbers.

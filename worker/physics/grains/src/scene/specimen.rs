@@ -13,7 +13,7 @@ use loadframe_api::{
     },
 };
 use loadframe_harness::{
-    SimulationError,
+    Halt, Interrupt, InterruptSource, SimulationError,
     rng::{Purpose, Streams},
 };
 use nalgebra::UnitQuaternion;
@@ -38,27 +38,34 @@ pub(crate) struct Specimen<'a> {
 
 /// Streams of generators in stages begin here, so that a further generator at the start changes none.
 const FIRST_STAGE_STREAM: usize = 1 << 32;
+/// Places of a lattice between two looks for interrupts: each is held against all bodies before.
+const PLACES_PER_LOOK: usize = 64;
 
 impl<'a> Specimen<'a> {
     /// # Errors
-    /// [`SimulationError::Unbuildable`] with what does not fit, and what to change.
-    pub(crate) fn new(spec: &'a GranularScene) -> Result<Self, SimulationError> {
+    /// An interrupt; [`SimulationError::Unbuildable`] with what does not fit, and what to change.
+    pub(crate) fn new(
+        spec: &'a GranularScene,
+        interrupt: &dyn InterruptSource,
+    ) -> Result<Self, Halt> {
         let mut bodies = spec.given_bodies();
         if bodies.iter().any(Body::is_filled) {
             for (index, body) in bodies.to_mut().iter_mut().enumerate() {
+                interrupt.heed()?;
                 for shape in [&mut body.clump, &mut body.breakable].into_iter().flatten() {
                     *shape = shape
                         .resolved()
-                        .map_err(|error| wrong(format!("/bodies/{index}"), error))?;
+                        .map_err(|error| wrong(&format!("/bodies/{index}"), error))?;
                 }
             }
         }
         let mut walls = Walls::new(spec);
         for (index, generator) in spec.generate.iter().enumerate() {
             let pointer = format!("/generate/{index}");
-            let made = Maker::new(spec, generator, index)
-                .and_then(|maker| maker.placed(&bodies, &mut walls))
-                .map_err(|error| wrong(pointer, error))?;
+            let maker =
+                Maker::new(spec, generator, index).map_err(|error| wrong(&pointer, error))?;
+            let made = maker.placed(&bodies, &mut walls, interrupt)?;
+            let made = made.map_err(|error| wrong(&pointer, error))?;
             bodies.to_mut().extend(made);
         }
         let present = bodies.len();
@@ -69,7 +76,7 @@ impl<'a> Specimen<'a> {
                 continue;
             };
             let maker = Maker::new(spec, &insert.bodies, FIRST_STAGE_STREAM + stage)
-                .map_err(|error| wrong(format!("/stages/{stage}/insert/bodies"), error))?;
+                .map_err(|error| wrong(&format!("/stages/{stage}/insert/bodies"), error))?;
             let first = bodies.len();
             bodies.to_mut().extend(maker.waiting());
             waiting.insert(stage, first..bodies.len());
@@ -79,12 +86,13 @@ impl<'a> Specimen<'a> {
             present,
             waiting,
         };
+        interrupt.heed()?;
         if is_made || !specimen.waiting.is_empty() {
             let violations = spec.check_start(&specimen.bodies[..present], specimen.numbers());
             if let Some(first) = violations.first() {
                 let allowed = first.allowed.as_deref().unwrap_or("something else");
                 let text = format!("{}: {}, allowed: {allowed}", first.pointer, first.detail);
-                return Err(SimulationError::Unbuildable(text));
+                return Err(SimulationError::Unbuildable(text).into());
             }
         }
         Ok(specimen)
@@ -96,7 +104,7 @@ impl<'a> Specimen<'a> {
     }
 }
 
-fn wrong(pointer: String, error: impl std::fmt::Display) -> SimulationError {
+fn wrong(pointer: &str, error: impl std::fmt::Display) -> SimulationError {
     SimulationError::Unbuildable(format!("{pointer}: {error}"))
 }
 
@@ -184,7 +192,15 @@ impl<'a> Maker<'a> {
     }
 
     /// Bodies in the region, clear of `others` and of facets.
-    fn placed(&self, others: &[Body], walls: &mut Walls) -> Result<Vec<Body>, String> {
+    ///
+    /// # Errors
+    /// The interrupt that ended it early; within, why there is no room for them.
+    fn placed(
+        &self,
+        others: &[Body],
+        walls: &mut Walls,
+        interrupt: &dyn InterruptSource,
+    ) -> Result<Result<Vec<Body>, String>, Interrupt> {
         let random = &mut Streams::new(self.seed, Purpose::GrainPlaces).of(self.stream);
         let rooms: Vec<f64> = self
             .radii
@@ -202,30 +218,39 @@ impl<'a> Maker<'a> {
                     &obstacles,
                     |place| walls.are_clear(place),
                     random,
-                );
-                return Ok(self.bodies(&centres.map_err(|error| error.to_string())?));
+                    interrupt,
+                )?;
+                return Ok(match centres {
+                    Ok(centres) => Ok(self.bodies(&centres)),
+                    Err(error) => Err(error.to_string()),
+                });
             }
             Arrangement::Grid => LatticeArrangement::SimpleCubic,
             Arrangement::Hexagonal => LatticeArrangement::Hexagonal,
         };
-        let mut centres =
-            place_regularly(&self.region, lattice, 2.0 * largest, largest, 0.0, random);
-        centres.retain(|centre| {
-            obstacles
+        let places = place_regularly(&self.region, lattice, 2.0 * largest, largest, 0.0, random);
+        let mut centres = Vec::with_capacity(rooms.len().min(places.len()));
+        for (number, centre) in places.into_iter().enumerate() {
+            if number.is_multiple_of(PLACES_PER_LOOK) {
+                interrupt.heed()?;
+            }
+            let is_free = obstacles
                 .iter()
-                .all(|obstacle| (obstacle.centre - centre).norm() >= obstacle.radius + largest)
-                && walls.are_clear(&Sphere::new(*centre, largest))
-        });
+                .all(|obstacle| (obstacle.centre - centre).norm() >= obstacle.radius + largest);
+            if is_free && walls.are_clear(&Sphere::new(centre, largest)) {
+                centres.push(centre);
+            }
+        }
         if centres.len() < rooms.len() {
-            return Err(format!(
+            return Ok(Err(format!(
                 "the lattice of the largest grain, radius {largest:.6} m with all its members, has \
                  {} free places for {} grains: use a larger region or fewer or smaller grains",
                 centres.len(),
                 rooms.len()
-            ));
+            )));
         }
         centres.truncate(rooms.len());
-        Ok(self.bodies(&centres))
+        Ok(Ok(self.bodies(&centres)))
     }
 
     /// Bodies about the origin.

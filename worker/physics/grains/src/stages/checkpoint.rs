@@ -61,7 +61,7 @@ impl Runner<'_> {
                 .map(|lists| Packed(lists.as_ref()))
                 .collect(),
         };
-        recorder.checkpoint(&checkpoint::pack(&checkpoint)?)?;
+        recorder.checkpoint(&checkpoint::pack_wanted(&checkpoint, self.interrupt)?)?;
         Ok(())
     }
 }

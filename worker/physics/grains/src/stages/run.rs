@@ -1,6 +1,8 @@
 //! A run: steps, what is observed on the way, until the end of the last of its stages.
 use loadframe_api::spec::granular_scene::{GranularScene, Stage};
-use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
+use loadframe_harness::{
+    Ending, Halt, Interrupt, Recorder, RunContext, SimulationError, Uninterrupted,
+};
 use loadframe_numerics::Team;
 
 use super::runner::Runner;
@@ -12,7 +14,12 @@ pub(crate) fn preview(
     threads: usize,
     recorder: &mut dyn Recorder,
 ) -> Result<(), SimulationError> {
-    let mut runner = Runner::new(spec, Team::new(threads)?)?;
+    let mut runner = match Runner::new(spec, Team::new(threads)?, &Uninterrupted) {
+        Ok(runner) => runner,
+        Err(Halt::Failed(error)) => return Err(error),
+        // nobody did
+        Err(Halt::Interrupted(_)) => return Ok(()),
+    };
     runner.engine.push_still();
     let mut survey = runner.engine.survey(true);
     runner.picture(recorder, &mut survey)
@@ -24,7 +31,12 @@ pub(crate) fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<(Ending, Journal), SimulationError> {
-    let mut runner = Runner::new(spec, Team::new(context.threads)?)?;
+    let mut runner = match Runner::new(spec, Team::new(context.threads)?, context.interrupt) {
+        Ok(runner) => runner,
+        Err(Halt::Failed(error)) => return Err(error),
+        // nothing of it is done yet
+        Err(Halt::Interrupted(interrupt)) => return Ok((interrupt.into(), Journal::default())),
+    };
     if let Some(bytes) = context.checkpoint {
         runner.resume(bytes)?;
     }

@@ -2,7 +2,7 @@
 use std::{borrow::Cow, collections::BTreeMap, ops::Range};
 
 use loadframe_api::spec::granular_scene::{Body, GranularScene, TimeStep};
-use loadframe_harness::{SimulationError, checkpoint::Fingerprint};
+use loadframe_harness::{Halt, InterruptSource, checkpoint::Fingerprint};
 use loadframe_numerics::Team;
 
 use crate::{
@@ -26,12 +26,19 @@ pub(crate) struct Runner<'a> {
     pub(super) foreseen: [f64; 2],
     pub(super) smallest_radius: f64,
     pub(super) fingerprint: Fingerprint,
+    pub(super) interrupt: &'a dyn InterruptSource,
 }
 
 impl<'a> Runner<'a> {
-    pub(super) fn new(spec: &'a GranularScene, team: Team) -> Result<Self, SimulationError> {
-        let specimen = Specimen::new(spec)?;
-        let engine = Engine::new(spec, law(spec), &specimen, team);
+    /// # Errors
+    /// An interrupt while the scene is made, or why it cannot be.
+    pub(super) fn new(
+        spec: &'a GranularScene,
+        team: Team,
+        interrupt: &'a dyn InterruptSource,
+    ) -> Result<Self, Halt> {
+        let specimen = Specimen::new(spec, interrupt)?;
+        let engine = Engine::new(spec, law(spec), &specimen, team, interrupt)?;
         let speed = GranularScene::first_speed(&specimen.bodies);
         let foreseen = [engine.foreseen(spec, &specimen.bodies, speed, &[]); 2];
         // also of bodies that are held: others, and walls, may pass through them
@@ -52,6 +59,7 @@ impl<'a> Runner<'a> {
             foreseen,
             smallest_radius,
             fingerprint: Fingerprint::of(spec)?,
+            interrupt,
         })
     }
 }

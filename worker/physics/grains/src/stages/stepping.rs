@@ -19,8 +19,10 @@ pub(super) const MOST_HALVINGS: u32 = 4;
 /// milliseconds, and at most, some hundredths of a second: each calls the threads together anew.
 const STEPS_PER_INTERRUPT_LOOK: u64 = 64;
 const WORK_PER_INTERRUPT_LOOK: [u64; 2] = [50_000, 1_000_000];
-/// Steps between looks for interrupts, at least.
+/// Steps between looks for interrupts, at least, as long as they are not more work than some tenths of a
+/// second.
 const LEAST_STEPS_PER_INTERRUPT_LOOK: u64 = 16;
+const MOST_WORK_OF_LEAST_STEPS: u64 = 8_000_000;
 
 /// What a step is looked at for.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +48,8 @@ impl Runner<'_> {
         let step = self.work_of_step();
         (STEPS_PER_INTERRUPT_LOOK * step)
             .clamp(least, most)
-            .max(LEAST_STEPS_PER_INTERRUPT_LOOK * step)
+            .max((LEAST_STEPS_PER_INTERRUPT_LOOK * step).min(MOST_WORK_OF_LEAST_STEPS))
+            .max(step)
     }
 
     /// What a stage does to the scene of this moment, and how large a step that allows.

@@ -2,6 +2,7 @@
 use std::{ops::Range, sync::Arc};
 
 use loadframe_api::spec::granular_scene::GranularScene;
+use loadframe_harness::{Interrupt, InterruptSource};
 use loadframe_numerics::Team;
 
 use super::{
@@ -55,13 +56,16 @@ pub(crate) struct Engine {
 }
 
 impl Engine {
+    /// # Errors
+    /// The interrupt that ended it early.
     pub(crate) fn new(
         spec: &GranularScene,
         law: Chosen,
         specimen: &Specimen<'_>,
         team: Team,
-    ) -> Self {
-        let (model, particles, clumps) = build(spec, specimen);
+        interrupt: &dyn InterruptSource,
+    ) -> Result<Self, Interrupt> {
+        let (model, particles, clumps) = build(spec, specimen, interrupt)?;
         let faces = model.planes.iter().map(|plane| plane.face).collect();
         let state = State {
             particles,
@@ -89,7 +93,7 @@ impl Engine {
         let state = &mut engine.state;
         engine.reserve = Reserve::split_off(specimen, &mut state.particles, &mut state.clumps);
         state.skin = Skin::new(&state.particles.centres);
-        engine
+        Ok(engine)
     }
 
     /// Goes on from `state`, with the lists of its patches.

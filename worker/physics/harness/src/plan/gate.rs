@@ -22,6 +22,11 @@ impl<'a> Gate<'a> {
         }
     }
 
+    /// Where interrupts come from.
+    pub(super) fn source(&self) -> &dyn InterruptSource {
+        self.source
+    }
+
     /// Stops every test.
     pub(super) fn stop(&self, interrupt: Interrupt) {
         let rank = match interrupt {

@@ -264,7 +264,7 @@ impl<T: Send + Serialize + DeserializeOwned> Plan<T> {
                 }
             }
             if asked > kept && answers.iter().flatten().all(|answered| *answered >= asked) {
-                recorder.checkpoint(&checkpoint::pack(self)?)?;
+                recorder.checkpoint(&checkpoint::pack_wanted(self, gate.source())?)?;
                 kept = asked;
             }
         }
@@ -320,16 +320,17 @@ impl<K: Tests> Stage<'_, K> {
             if messages.send(Message::Started { run, answered }).is_err() {
                 return;
             }
+            let passage = Passage {
+                gate: self.gate,
+                run,
+            };
             let mut relay = Relay {
                 run,
+                passage: &passage,
                 share: self.tests.share(run),
                 messages: messages.clone(),
                 requests: self.requests,
                 answered,
-            };
-            let passage = Passage {
-                gate: self.gate,
-                run,
             };
             let context = RunContext {
                 threads: self.threads,

@@ -1,9 +1,10 @@
 //! How a test within a plan speaks: through messages to the thread that has the recorder.
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::SyncSender;
 
-use crate::{Interrupt, Recorder, SimulationError};
+use super::gate::Passage;
+use crate::{Interrupt, Recorder, SimulationError, Wanted};
 
 /// How a test, or a plan, came to its end.
 #[derive(Debug)]
@@ -66,10 +67,13 @@ impl Share {
     }
 }
 
+/// Bytes of a file between two looks whether it is still wanted.
+const BUFFER_BYTES: usize = 1 << 16;
+
 /// The recorder of one test.
-#[derive(Debug)]
 pub(super) struct Relay<'a, T> {
     pub(super) run: usize,
+    pub(super) passage: &'a Passage<'a>,
     pub(super) share: Share,
     pub(super) messages: SyncSender<Message<T>>,
     /// Number of checkpoints asked for so far.
@@ -110,8 +114,11 @@ impl<T> Recorder for Relay<'_, T> {
         if self.share == Share::Nothing {
             return Ok(());
         }
-        let mut bytes = Vec::new();
-        write(&mut bytes)?;
+        let wanted = Wanted::new(Vec::new(), self.passage);
+        let mut out = BufWriter::with_capacity(BUFFER_BYTES, wanted);
+        write(&mut out)?;
+        let bytes = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        let bytes = bytes.into_inner();
         let name = self.share.name(name);
         self.send(Message::File { name, bytes })
     }

@@ -52,7 +52,7 @@ impl<'a> Meter<'a> {
     /// # Errors
     /// The interrupt found.
     pub(crate) fn look(&self) -> Result<(), Interrupt> {
-        self.source.interrupt().map_or(Ok(()), Err)
+        self.source.heed()
     }
 }
 
