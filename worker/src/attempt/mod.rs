@@ -10,6 +10,7 @@
 mod backlog;
 mod batch;
 mod contact;
+mod content;
 mod direct;
 mod ending;
 mod heartbeat;

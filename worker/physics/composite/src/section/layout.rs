@@ -5,8 +5,8 @@ use crate::error::{CompositeError, positive};
 use crate::material::{Material, Note, PlaneState};
 use crate::section::fit::{Fit, fit};
 use crate::section::grid::{Division, Grid, Refinement, with_thin_rows};
-use crate::section::ply::{Ply, Strip, faces_mm, shares_between, strip};
-use crate::section::{Band, Polygon, Section, refuse_overlap};
+use crate::section::ply::{Strip, faces_mm, shares_between, strip};
+use crate::section::{Band, Ply, Polygon, Section, refuse_overlap};
 use crate::stiffness::{Stiffness, laminate};
 
 /// A part of a cell's area below this is round-off, not a fibre.
