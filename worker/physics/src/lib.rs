@@ -91,7 +91,10 @@ struct Known<'a, S> {
     preview: Preview<S>,
 }
 
-#[expect(clippy::borrowed_box, reason = "that is how a spec of any kind holds it")]
+#[expect(
+    clippy::borrowed_box,
+    reason = "that is how a spec of any kind holds it"
+)]
 fn job<'a, S>(spec: &'a Box<S>, run: Run<S>, preview: Preview<S>) -> Box<dyn Job + 'a> {
     Box::new(Known::<S> { spec, run, preview })
 }
