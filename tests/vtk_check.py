@@ -13,6 +13,7 @@ import sys
 import tempfile
 from fnmatch import fnmatch
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pyvista
@@ -315,6 +316,34 @@ def check_sheet(folder: Path) -> str:
     return f"{(~is_bond).sum()} parts of fibres, {is_bond.sum()} bonds, {broken.sum()} broken"
 
 
+def check_fabric(folder: Path, spec: dict) -> str:
+    """A nonwoven: of both directions, or of loops."""
+    if spec["test"].get("history"):
+        return check_loops(folder)
+    found = [check_tensile(folder, spec, expected_counts(spec["fabric"]))]
+    if "x" in spec["test"].get("directions", []):
+        found.append(check_tensile(folder / "along_x", spec, None))
+    return "; ".join(found)
+
+
+def check_pictures(folder: Path) -> str:
+    """Pictures of any kind: VTK reads them, their numbers are finite, and series list files that there are."""
+    pictures = sorted(folder.rglob("*.vtp"))
+    for file in pictures:
+        mesh = pyvista.wrap(read(file))
+        check(mesh.n_points > 0, f"{file.name} is empty")
+        numbers = {"points": mesh.points, **mesh.point_data, **mesh.cell_data}
+        for name, values in numbers.items():
+            check(np.isfinite(values), f"{name} in {file.name}")
+    for series in folder.rglob("*.pvd"):
+        listed = [element.attrib for element in ElementTree.parse(series).getroot().iter("DataSet")]
+        check(len(listed) > 0, f"{series.name} lists nothing")
+        for entry in listed:
+            check((series.parent / entry["file"]).exists(), f"{series.name} lists {entry['file']}")
+            check(np.isfinite(float(entry["timestep"])), f"a moment of {series.name}")
+    return f"{len(pictures)} pictures"
+
+
 def check_unwarned(folder: Path) -> None:
     outcome = json.loads((folder / "outcome.json").read_text())
     doubtful = {name: told["value"] for name, told in outcome["quality"].items() if not told["ok"]}
@@ -358,22 +387,23 @@ def check_example(binary: str, example: Path) -> str:
             default = 1 if job["kind"] == "nonwoven_tensile" else 0
             check(wanted.get("snapshot_every_steps", default) == 0, "snapshots are missing")
             return "no snapshots asked for"
-        if job["kind"] == "composite_bending":
-            return check_section(Path(folder), job["spec"])
-        if job["kind"] == "composite_cell":
-            return check_cell(folder)
-        if job["kind"] == "paper_tensile":
-            return check_tube(folder) if "single_fibre" in spec["specimen"] else check_sheet(folder)
-        if job["kind"] == "granular_scene":
-            return check_scene(folder, spec, table(folder / "curve.csv"))
-        if job["kind"].startswith("ballast_"):
-            return check_ballast(folder)
-        if spec["test"].get("history"):
-            return check_loops(folder)
-        found = [check_tensile(folder, spec, expected_counts(spec["fabric"]))]
-        if "x" in spec["test"].get("directions", []):
-            found.append(check_tensile(folder / "along_x", spec, None))
-        return "; ".join(found)
+        found = check_pictures(folder)
+        # what a kind's pictures must agree with beyond that; of other kinds they are pictures and nothing more
+        match job["kind"]:
+            case "nonwoven_tensile":
+                return check_fabric(folder, spec)
+            case "composite_bending":
+                return check_section(folder, spec)
+            case "composite_cell":
+                return check_cell(folder)
+            case "paper_tensile":
+                return check_tube(folder) if "single_fibre" in spec["specimen"] else check_sheet(folder)
+            case "granular_scene":
+                return check_scene(folder, spec, table(folder / "curve.csv"))
+            case "ballast_oedometer" | "ballast_box" | "ballast_railbed":
+                return check_ballast(folder)
+            case _:
+                return found
 
 
 def main() -> int:

@@ -5,17 +5,17 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use serde_json::value::RawValue;
-use uuid::Uuid;
 
-use crate::earlier::{Earlier, UNKNOWN_RESULTS};
+use crate::earlier::Earlier;
 use crate::json::{parse, typed};
 use crate::kind_schemas::spec_violations;
 use crate::kinds::{JobKind, JobSpec, SpecVisitor};
 use crate::limits::OVERRUN_FACTOR;
-use crate::problem::{Problem, Violation};
+use crate::problem::Violation;
 use crate::schema::Checker;
 use crate::spec_trait::Spec;
-use crate::violations::{LISTED, Violations};
+use crate::submission_error::SubmissionError;
+use crate::violations::Violations;
 
 /// The body of `POST /v1/jobs`, its spec still raw.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
@@ -66,17 +66,6 @@ pub struct Submission {
     /// How many times its estimate the job may take.
     pub overrun_factor: f64,
     pub spec: JobSpec,
-}
-
-/// Why a submission is not accepted.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SubmissionError {
-    /// The text is not JSON.
-    #[error("not JSON: {}", .0.detail)]
-    Syntax(Box<Violation>),
-    /// It is JSON, but not a job that can be run.
-    #[error("{} violations", .0.len())]
-    Invalid(Vec<Violation>),
 }
 
 impl Submission {
@@ -187,55 +176,6 @@ impl JobSpec {
         } else {
             let violations = violations.into_iter().map(within_spec);
             Err(SubmissionError::Invalid(violations.collect()))
-        }
-    }
-}
-
-impl SubmissionError {
-    /// Jobs whose results would be needed to go on.
-    pub fn wanted_jobs(&self) -> Vec<Uuid> {
-        let Self::Invalid(violations) = self else {
-            return Vec::new();
-        };
-        let wanted = violations
-            .iter()
-            .filter(|violation| violation.code == UNKNOWN_RESULTS);
-        let mut ids: Vec<Uuid> = wanted
-            .filter_map(|violation| violation.value.as_ref()?.as_str()?.parse().ok())
-            .collect();
-        ids.sort_unstable();
-        ids.dedup();
-        ids
-    }
-
-    /// Everything that is wrong.
-    pub fn violations(self) -> Vec<Violation> {
-        match self {
-            Self::Syntax(violation) => vec![*violation],
-            Self::Invalid(violations) => violations,
-        }
-    }
-
-    /// The answer a client gets.
-    pub fn into_problem(self) -> Problem {
-        match self {
-            Self::Syntax(violation) => Problem {
-                violations: vec![(*violation).clone()],
-                ..Problem::new(400, "not-json", "The body is not JSON", violation.detail)
-            },
-            Self::Invalid(violations) => {
-                let detail = match violations.len() {
-                    1 => format!("{}", violations[0]),
-                    LISTED.. => format!(
-                        "at least {LISTED} things are wrong; the first are listed under violations"
-                    ),
-                    count => format!("{count} things are wrong; each is listed under violations"),
-                };
-                Problem {
-                    violations,
-                    ..Problem::new(422, "invalid-job", "The job cannot be accepted", detail)
-                }
-            }
         }
     }
 }

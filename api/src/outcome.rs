@@ -52,6 +52,9 @@ pub struct Report {
 pub struct Quantity {
     /// `null` where the test did not get far enough to know it.
     pub value: Option<f64>,
+    /// Why it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
     pub unit: String,
     /// Standard deviation over the repeats of a test, in the unit of the value, which is their mean.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -205,6 +208,7 @@ impl Quantity {
     pub fn new(value: f64, unit: &str, description: &str) -> Self {
         Self {
             value: value.is_finite().then_some(value),
+            reason: None,
             unit: unit.to_owned(),
             deviation: None,
             interval: None,
@@ -212,6 +216,13 @@ impl Quantity {
             error: None,
             description: description.to_owned(),
         }
+    }
+
+    /// With why it is not known, where it is not.
+    #[must_use]
+    pub fn or_because(mut self, reason: &str) -> Self {
+        self.reason = self.value.is_none().then(|| reason.to_owned());
+        self
     }
 
     /// With how wrong it may be; parts that are not numbers are left out.

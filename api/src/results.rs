@@ -5,8 +5,7 @@ use serde_json::{Value, json};
 
 use crate::JobKind;
 
-/// A result's name and unit; a name that ends in a moment of the test, or in another result, is written
-/// with `*`.
+/// A result's name and unit; a moment of the test, or another result, within a name is written `*`, once.
 pub(crate) type Named = (&'static str, &'static str);
 
 /// What names of a second direction end in.
@@ -37,12 +36,24 @@ pub fn result_units(kind: JobKind, name: &str) -> Vec<&'static str> {
         .iter()
         .find_map(|end| name.strip_suffix(end))
         .unwrap_or(name);
-    let is_it = |known: &str| match known.strip_suffix('*') {
-        Some(beginning) => name.starts_with(beginning),
-        None => known == name || known == own,
+    let all = kind.results().concat();
+    let units = |is_it: &dyn Fn(&str) -> bool| -> Vec<&'static str> {
+        let found = all.iter().filter(|(known, _)| is_it(known));
+        found.map(|(_, unit)| *unit).collect()
     };
-    let all = kind.results().concat().into_iter();
-    all.filter(|(known, _)| is_it(known))
-        .map(|(_, unit)| unit)
-        .collect()
+    let named = units(&|known| known == name || known == own);
+    if !named.is_empty() {
+        return named;
+    }
+    units(&|known| {
+        let parts = known.split_once('*');
+        parts.is_some_and(|(beginning, end)| {
+            let fits = |name: &str| {
+                let rest = name.strip_prefix(beginning);
+                rest.and_then(|rest| rest.strip_suffix(end))
+                    .is_some_and(|moment| !moment.is_empty())
+            };
+            fits(name) || fits(own)
+        })
+    })
 }

@@ -3,6 +3,8 @@ use crate::Violation;
 
 /// At most this many are listed; a hundred are as clear as a million.
 pub(crate) const LISTED: usize = 100;
+/// At most this many of one sort, so that others are seen beside them.
+pub(crate) const LISTED_OF_A_SORT: usize = 20;
 /// Longest pointer, sentence and range kept [bytes]: names in them are as long as their author likes.
 const LONGEST_TEXT: usize = 2000;
 

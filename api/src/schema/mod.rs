@@ -5,6 +5,7 @@
 //! [`translate`] says where it is small. The first value of a process is held against what it touches of the
 //! schema alone ([`touched`]), which takes a fraction of the time that the whole takes to compile.
 mod descent;
+mod pointer;
 mod touched;
 mod translate;
 
@@ -18,6 +19,7 @@ use serde_json::{Map, Value, json};
 
 use crate::problem::Violation;
 use crate::violations::Violations;
+pub(crate) use pointer::escape;
 use translate::Place;
 
 /// A schema for checking, with its text for messages.
@@ -152,9 +154,4 @@ fn validator_of(schema: &Value) -> Option<Validator> {
         .with_registry(&registry)
         .build(&json!({"$ref": NAME}))
         .ok()
-}
-
-/// A field name as a part of a JSON pointer (RFC 6901).
-pub(crate) fn escape(name: &str) -> String {
-    name.replace('~', "~0").replace('/', "~1")
 }

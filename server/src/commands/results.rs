@@ -86,7 +86,10 @@ fn result_row(name: &str, quantity: &Quantity) -> [String; 4] {
             number(value) + &scatter
         }),
         unit(&quantity.unit),
-        quantity.description.clone(),
+        match &quantity.reason {
+            Some(reason) => format!("{} Unknown: {reason}.", quantity.description),
+            None => quantity.description.clone(),
+        },
     ]
 }
 
@@ -222,6 +225,11 @@ mod tests {
         assert_eq!(
             result_row("max_force", &unknown)[..3],
             ["max force", "unknown", "N"]
+        );
+        let parted = unknown.or_because("it had parted before");
+        assert_eq!(
+            result_row("max_force", &parted)[3],
+            "largest force Unknown: it had parted before."
         );
         let repeated = Quantity {
             deviation: Some(7.25),

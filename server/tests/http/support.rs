@@ -7,11 +7,12 @@ use axum::extract::ConnectInfo;
 use axum::http::{HeaderMap, Request, Response, header};
 use loadframe_api::people::{NewToken, Scope, TokenMade};
 use loadframe_api::worker::{ClaimRequest, CompleteRequest, CurveBlock, Lease, ProgressReport};
-use loadframe_api::{FileEntry, JobKind, Limits, Outcome, sha256_hex};
+use loadframe_api::{JobKind, JobSpec, Limits, Outcome, Quantity, Report, sha256_hex};
+use loadframe_run::{Circumstances, Engine, Spent, assemble};
 use loadframe_server::ServeConfig;
 use loadframe_server::http::{AppState, router};
 use loadframe_server::store::{LeaseKey, Store};
-use serde_json::{Value, json};
+use serde_json::Value;
 use tempfile::TempDir;
 use tower::ServiceExt;
 use uuid::Uuid;
@@ -168,8 +169,8 @@ impl Lab {
         assert_eq!(lease.job_id, id);
         self.report(&lease, 0, vec![vec![0.0, 1.0], vec![1.0, 2.5e-7]])
             .await;
-        let outcome = outcome(&lease.spec_sha256);
-        let text = outcome.to_string();
+        let outcome = outcome(&lease);
+        let text = serde_json::to_string(&outcome).expect("plain data");
         let mut entries = Vec::new();
         for (name, bytes) in files.iter().chain(&[("outcome.json", text.as_bytes())]) {
             let uploaded = self
@@ -178,7 +179,6 @@ impl Lab {
                 .await;
             entries.push(uploaded.expect("the lease is held"));
         }
-        let outcome: Outcome = serde_json::from_value(outcome).expect("an outcome");
         let complete = CompleteRequest {
             outcome,
             files: entries,
@@ -253,14 +253,26 @@ pub(crate) fn key(lease: &Lease) -> LeaseKey {
     }
 }
 
-/// `outcome.json` of a job with one result.
-fn outcome(spec_sha256: &str) -> Value {
-    json!({
-        "kind": "nonwoven_tensile", "status": "succeeded", "stop_reason": "max_strain",
-        "summary": { "max_force": { "value": 12.5, "unit": "N" } }, "quality": {},
-        "cost": { "wall_s": 1.0, "cpu_s": 1.0, "threads": 1, "peak_memory_mb": 10.0, "work": {} },
-        "provenance": { "spec_sha256": spec_sha256, "engine_version": "0", "engine_commit": "unknown", "seed": 1,
-                        "threads": 1, "started_at": "2026-11-21T09:00:00Z", "host": "test" },
-        "warnings": [], "files": Vec::<FileEntry>::new(),
-    })
+/// What a worker says of a run that found one result.
+fn outcome(lease: &Lease) -> Outcome {
+    let spec = JobSpec::from_json(lease.kind, lease.spec.get()).expect("a checked spec");
+    let force = Quantity::new(12.5, "N", "");
+    let report = Report {
+        stop_reason: "max_strain".to_owned(),
+        summary: [("max_force".to_owned(), force)].into_iter().collect(),
+        ..Report::default()
+    };
+    let circumstances = Circumstances {
+        engine: Engine {
+            version: "0",
+            commit: "unknown",
+        },
+        threads: 1,
+        started_at: "2026-11-21T09:00:00Z".to_owned(),
+        spent: Spent {
+            wall_s: 1.0,
+            cpu_s: 1.0,
+        },
+    };
+    assemble(&spec, report, circumstances, Vec::new())
 }

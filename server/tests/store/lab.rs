@@ -9,9 +9,10 @@ use loadframe_api::worker::{
     CheckpointInfo, CheckpointQuery, ClaimRequest, CompleteRequest, Lease,
 };
 use loadframe_api::{
-    Calibration, Cost, FileEntry, JobKind, JobView, Outcome, OutcomeStatus, Provenance, Quantity,
-    Submission, sha256_hex,
+    Calibration, FileEntry, JobKind, JobSpec, JobView, Outcome, Quantity, Report, Submission,
+    sha256_hex,
 };
+use loadframe_run::{Circumstances, Engine, Spent, assemble};
 use loadframe_server::store::people::Actor;
 use loadframe_server::store::{
     BucketKeys, BucketSettings, Content, FilesPlace, LeaseKey, Store, StoreError, StoreOptions,
@@ -256,28 +257,25 @@ pub(crate) fn worker(name: &str) -> ClaimRequest {
     }
 }
 
+/// What a worker says of a run that found one result.
 pub(crate) fn outcome(lease: &Lease, files: &[FileEntry]) -> Outcome {
+    let spec = JobSpec::from_json(lease.kind, lease.spec.get()).unwrap();
     let force = Quantity::new(12.5, "N", "largest force");
-    Outcome {
-        kind: lease.kind,
-        status: OutcomeStatus::Succeeded,
+    let report = Report {
         stop_reason: "max_strain".to_owned(),
         summary: [("max_force".to_owned(), force)].into_iter().collect(),
-        quality: indexmap::IndexMap::new(),
-        cost: Cost::default(),
-        provenance: Provenance {
-            spec_sha256: lease.spec_sha256.clone(),
-            engine_version: "1".to_owned(),
-            engine_commit: "unknown".to_owned(),
-            seed: 1,
-            threads: 1,
-            started_at: "2026-11-21T09:00:00Z".to_owned(),
-            host: "lab".to_owned(),
+        ..Report::default()
+    };
+    let circumstances = Circumstances {
+        engine: Engine {
+            version: "1",
+            commit: "unknown",
         },
-        warnings: Vec::new(),
-        bodies: Vec::new(),
-        files: files.to_vec(),
-    }
+        threads: 1,
+        started_at: "2026-11-21T09:00:00Z".to_owned(),
+        spent: Spent::default(),
+    };
+    assemble(&spec, report, circumstances, files.to_vec())
 }
 
 pub(crate) fn is_lost<T>(result: Result<T, StoreError>) -> bool {

@@ -181,3 +181,41 @@ fn the_curve_shows_both_ends_of_a_fall_and_stays_in_order() {
     let broken = record.column("broken_bonds");
     assert_eq!(broken.last(), Some(&7.0));
 }
+
+#[test]
+fn readings_are_at_strains_of_the_spec_and_have_a_reason_once_the_specimen_has_parted() {
+    // 60 N times the strain, until 1 N: parted at a strain of 1/60
+    let mut spec = bundle(60.0, &[1.0]);
+    spec.output.reading_strains = vec![0.005, 0.0125, 0.02];
+    let (report, _) = run(&spec);
+    for name in ["0_5", "1_25"] {
+        let secant = value(&report, &format!("secant_stiffness_at_{name}_percent"));
+        assert_within(secant, 60.0, 1e-9, name);
+        // the specimen is 10 mm wide
+        let modulus = value(&report, &format!("modulus_at_{name}_percent"));
+        assert_within(modulus, 6000.0, 1e-9, name);
+    }
+    for name in [
+        "modulus_at_2_percent",
+        "poisson_ratio_at_2_percent",
+        "modulus_at_10_percent",
+    ] {
+        let quantity = &report.summary[name];
+        assert_eq!(quantity.value, None, "{name}");
+        let reason = quantity.reason.as_deref().expect("a reason");
+        assert!(
+            reason.contains("parted before, at a nominal strain of 0.016"),
+            "{reason}"
+        );
+    }
+    // bonds side by side are no width
+    let reason = report.summary["poisson_ratio_at_0_5_percent"]
+        .reason
+        .as_deref();
+    assert!(
+        reason.is_some_and(|reason| reason.contains("nothing")),
+        "{reason:?}"
+    );
+    let known = &report.summary["modulus_at_0_5_percent"];
+    assert_eq!(known.reason, None);
+}

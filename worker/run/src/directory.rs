@@ -261,6 +261,11 @@ mod tests {
         assert_eq!([log_before, log_after].concat(), log_alone);
         let log = |folder: &Path| std::fs::read(folder.join("log.jsonl")).expect("a log");
         assert_eq!(log(stopped.path()), log(alone.path()));
+        let results = |folder: &Path| {
+            std::fs::read_to_string(folder.join("results.csv")).expect("the results")
+        };
+        assert_eq!(results(stopped.path()), results(alone.path()));
+        assert!(results(alone.path()).contains("\nmax_force,"));
         assert!(!stopped.path().join(CHECKPOINT_FILE).exists());
         let (end, _) = run(stopped.path(), NEVER);
         assert!(matches!(end, Ok(DirectoryEnd::AlreadyThere(_))), "{end:?}");

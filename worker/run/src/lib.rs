@@ -22,6 +22,7 @@ mod outcome;
 mod preview;
 mod recording;
 mod result_files;
+mod results_table;
 mod saved_run;
 mod spool;
 mod stop;
@@ -36,6 +37,7 @@ pub use machine::{
     available_threads, free_disk_mb, free_memory_mb, host_name, resident_memory_mb,
     thread_processor_time_s,
 };
+pub use outcome::{Circumstances, assemble};
 pub use preview::preview;
 pub use recording::{Destination, Progress};
 pub use result_files::sha256_of_file;

@@ -10,15 +10,18 @@ pub(crate) const OUTCOME_FILE: &str = "outcome.json";
 
 /// Where and when a run took place.
 #[derive(Clone, Debug)]
-pub(crate) struct Circumstances {
-    pub(crate) engine: Engine,
-    pub(crate) threads: usize,
-    pub(crate) started_at: String,
-    pub(crate) spent: Spent,
+pub struct Circumstances {
+    /// What computed.
+    pub engine: Engine,
+    pub threads: usize,
+    /// RFC 3339.
+    pub started_at: String,
+    /// Over all attempts.
+    pub spent: Spent,
 }
 
-/// The outcome of a run that gave `report` and `files`.
-pub(crate) fn assemble(
+/// The outcome of a run of `spec` that gave `report` and `files`. Public for those who stand in for a run.
+pub fn assemble(
     spec: &JobSpec,
     report: Report,
     circumstances: Circumstances,

@@ -2,7 +2,7 @@
 use std::io::{self, Write};
 
 use loadframe_api::{JobSpec, Preview, PreviewFile};
-use loadframe_physics::{Recorder, SimulationError};
+use loadframe_physics::{Decorator, Recorder, SimulationError, Unrecorded};
 
 /// Bytes of all files together: pictures of any part that is drawn have far fewer.
 const LARGEST: usize = 64_000_000;
@@ -25,15 +25,16 @@ pub fn preview(spec: &JobSpec) -> Result<Preview, SimulationError> {
 struct Album {
     files: Vec<PreviewFile>,
     bytes: usize,
+    rest: Unrecorded,
 }
 
-impl Recorder for Album {
-    fn columns(&mut self, _names: &[&str]) -> io::Result<()> {
-        Ok(())
+impl Decorator for Album {
+    fn inner(&self) -> &dyn Recorder {
+        &self.rest
     }
 
-    fn point(&mut self, _values: &[f64]) -> io::Result<()> {
-        Ok(())
+    fn inner_mut(&mut self) -> &mut dyn Recorder {
+        &mut self.rest
     }
 
     fn file(
@@ -55,18 +56,6 @@ impl Recorder for Album {
             name: name.to_owned(),
             content,
         });
-        Ok(())
-    }
-
-    fn progress(&mut self, _fraction: f64, _phase: &str) {}
-
-    fn log(&mut self, _message: &str) {}
-
-    fn checkpoint_due(&self) -> bool {
-        false
-    }
-
-    fn checkpoint(&mut self, _bytes: &[u8]) -> io::Result<()> {
         Ok(())
     }
 }

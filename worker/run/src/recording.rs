@@ -12,6 +12,7 @@ use super::eta::TimeToGo;
 use super::execute::Plan;
 use super::outcome::{Circumstances, OUTCOME_FILE, assemble};
 use super::result_files::ResultFiles;
+use super::results_table::{self, RESULTS_FILE};
 use super::saved_run::SavedRun;
 use super::spool::Spool;
 
@@ -92,6 +93,7 @@ impl<'a, D: Destination> Recording<'a, D> {
         threads: usize,
         report: Report,
     ) -> io::Result<(Outcome, Vec<FileEntry>)> {
+        self.file(RESULTS_FILE, &mut |out| results_table::write(out, &report))?;
         self.write_log()?;
         let circumstances = Circumstances {
             engine: self.engine,

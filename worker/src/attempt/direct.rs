@@ -3,20 +3,16 @@
 //! The server signs an address for each part. What has arrived is known here by the bucket's answers, so
 //! after a break, of whichever side, only the missing parts are sent. Where the bucket cannot be reached from
 //! here, the content goes through the server after all.
-use std::io::SeekFrom;
-use std::path::Path;
 use std::sync::Arc;
 
-use bytes::Bytes;
 use loadframe_api::worker::UploadedPart;
 use loadframe_client::ServerError;
 use loadframe_client::direct::{Becomes, DirectEnd, DirectRequest, DirectUpload};
 use reqwest::{Method, header};
-use tokio::fs::File;
-use tokio::io::{AsyncReadExt, AsyncSeekExt};
 use tokio::sync::Semaphore;
 use tokio::task::JoinSet;
 
+use super::content::Content;
 use super::lease_client::LeaseClient;
 
 /// Parts on their way at once, each of which is in memory.
@@ -27,21 +23,6 @@ const TRIES_WITHOUT_A_PART: u32 = 3;
 /// After so many ends that the server could not carry out, everything is sent anew.
 const ENDS_WITHOUT_SUCCESS: u32 = 5;
 
-/// A content that is to be sent.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Content<'c> {
-    pub(super) sha256: &'c str,
-    pub(super) bytes: u64,
-    pub(super) source: Source<'c>,
-}
-
-/// Where its bytes are.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Source<'c> {
-    File(&'c Path),
-    Memory(&'c Bytes),
-}
-
 /// How far an upload is.
 #[derive(Debug, Default)]
 struct Progress {
@@ -51,35 +32,6 @@ struct Progress {
     tries_without: u32,
     /// Ends that the server could not carry out, with the parts that there are.
     ends_without: u32,
-}
-
-impl Content<'_> {
-    /// Its bytes from `begin` on, so many.
-    async fn read(&self, begin: u64, length: u64) -> Result<Vec<u8>, ServerError> {
-        let path = match self.source {
-            Source::Memory(bytes) => {
-                let [begin, end] = [begin, begin + length].map(|place| {
-                    usize::try_from(place)
-                        .unwrap_or(usize::MAX)
-                        .min(bytes.len())
-                });
-                return Ok(bytes[begin..end].to_vec());
-            }
-            Source::File(path) => path,
-        };
-        let read = async {
-            let mut file = File::open(path).await?;
-            file.seek(SeekFrom::Start(begin)).await?;
-            let mut part = Vec::new();
-            file.take(length).read_to_end(&mut part).await?;
-            Ok(part)
-        };
-        read.await
-            .map_err(|error: std::io::Error| ServerError::File {
-                path: path.display().to_string(),
-                reason: error.to_string(),
-            })
-    }
 }
 
 impl LeaseClient {

@@ -21,7 +21,7 @@ use tokio::fs::File;
 use tokio::io::AsyncSeekExt;
 
 use super::contact::Contact;
-use super::direct::{Content, Source};
+use super::content::{Content, Source};
 use super::stop::AttemptSwitch;
 
 /// A checkpoint that has not come by so many leases is not waited for.

@@ -11,6 +11,7 @@
 mod backlog;
 mod batch;
 mod contact;
+mod content;
 mod direct;
 mod ending;
 mod heartbeat;

@@ -7,7 +7,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use loadframe_api::{Calibration, JobSpec};
-use loadframe_physics::{Ending, Recorder, RunContext, SimulationError, simulate};
+use loadframe_physics::{
+    Decorator, Ending, Recorder, RunContext, SimulationError, Unrecorded, simulate,
+};
 use loadframe_run::{Engine, Progress, StopSwitch, thread_processor_time_s};
 
 use crate::design::Design;
@@ -248,6 +250,7 @@ fn test(
         checkpoint,
         cpu_before_s: saved.spent().cpu_s - thread_processor_time_s(),
         saved_at: Instant::now(),
+        rest: Unrecorded,
     };
     let (engine, sha256) = (options.engine, saved.spec_sha256());
     match simulate(spec, context, &mut recorder) {
@@ -274,6 +277,7 @@ struct TestRecorder<'a> {
     cpu_before_s: f64,
     /// When the state was last saved.
     saved_at: Instant,
+    rest: Unrecorded,
 }
 
 impl TestRecorder<'_> {
@@ -283,15 +287,16 @@ impl TestRecorder<'_> {
     }
 }
 
-impl Recorder for TestRecorder<'_> {
-    fn columns(&mut self, _: &[&str]) -> io::Result<()> {
-        Ok(())
+impl Decorator for TestRecorder<'_> {
+    fn inner(&self) -> &dyn Recorder {
+        &self.rest
     }
 
-    fn point(&mut self, _: &[f64]) -> io::Result<()> {
-        Ok(())
+    fn inner_mut(&mut self) -> &mut dyn Recorder {
+        &mut self.rest
     }
 
+    /// Nothing: a test has no folder of its own.
     fn file(
         &mut self,
         _: &str,
@@ -305,8 +310,6 @@ impl Recorder for TestRecorder<'_> {
         // a full channel means that there is enough to show
         let _ = self.messages.try_send(Message::Progress { task, fraction });
     }
-
-    fn log(&mut self, _: &str) {}
 
     fn checkpoint_due(&self) -> bool {
         self.saved_at.elapsed() >= CHECKPOINT_EVERY

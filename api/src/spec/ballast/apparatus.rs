@@ -1,16 +1,7 @@
 //! What an apparatus brings to a test.
 use super::super::granular_scene::DegreeOfFreedom;
-use super::{Loading, Materials, Script};
+use super::{Loading, Materials, Script, Walls};
 use crate::Violations;
-
-/// Walls whose forces are told, by their names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Walls {
-    /// Below the bed.
-    pub base: &'static str,
-    /// Around it.
-    pub sides: &'static [&'static str],
-}
 
 /// How a sleeper is free to tilt, and where its rail stands.
 #[derive(Clone, Debug, PartialEq)]

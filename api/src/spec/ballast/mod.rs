@@ -25,6 +25,7 @@ mod results;
 mod script;
 mod shapes;
 mod study;
+mod walls;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -32,7 +33,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use super::granular_scene::{BondRestLength, ContactFriction, ContactLaw};
 
 pub use accuracy::{Accuracy, Knobs};
-pub use apparatus::{Apparatus, Tilting, Walls};
+pub use apparatus::{Apparatus, Tilting};
 pub use box_test::{BoxTest, Sleeper};
 pub use grains::Grains;
 pub use loading::{Block, Loading};
@@ -42,6 +43,7 @@ pub use output::Output;
 pub use preparation::{Compaction, Preparation, Tamper, Tamping};
 pub use railbed::Railbed;
 pub use script::{BED, Course, Layer, Load, Phase, Script, Slice};
+pub use walls::Walls;
 
 /// The oedometer: a cylinder, pressed by a plate.
 pub type BallastOedometer = Ballast<Oedometer>;

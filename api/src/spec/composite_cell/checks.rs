@@ -2,10 +2,9 @@
 use super::{Arrangement, CompositeCell, Measured, RoundFibre};
 use crate::section::material::PlaneState;
 use crate::spec::composite_bending::checks::{check_material, unknown_material};
+use crate::violations::LISTED_OF_A_SORT;
 use crate::{Violation, Violations};
 
-/// At most this many violations of one sort are listed.
-const LISTED: usize = 20;
 /// More cells of the grid than this are refused, in all and along a side.
 const MOST_CELLS: u64 = 1 << 22;
 const MOST_ALONG: u64 = 2048;
@@ -143,7 +142,7 @@ fn check_measured(measured: &Measured, violations: &mut Violations) {
                     .unit("mm"),
                 );
                 found += 1;
-                if found == LISTED {
+                if found == LISTED_OF_A_SORT {
                     return;
                 }
             }

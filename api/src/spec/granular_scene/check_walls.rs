@@ -2,10 +2,8 @@
 use std::collections::BTreeSet;
 
 use super::{Axis, Body, Drive, FacetMesh, GranularScene, Place, Servo};
+use crate::violations::LISTED_OF_A_SORT;
 use crate::{Violation, Violations, surface::unit_normal};
-
-/// At most this many triangles of a wall are listed.
-const LISTED: usize = 20;
 
 /// Names of walls, and the triangles of facets.
 pub(super) fn check(spec: &GranularScene, violations: &mut Violations) {
@@ -53,8 +51,8 @@ fn check_triangles(mesh: &FacetMesh, pointer: &str, violations: &mut Violations)
     let flat: Vec<usize> = flat
         .filter_map(|(index, triangle)| unit_normal(triangle).is_none().then_some(index))
         .collect();
-    for index in flat.iter().take(LISTED) {
-        let more = if flat.len() > LISTED {
+    for index in flat.iter().take(LISTED_OF_A_SORT) {
+        let more = if flat.len() > LISTED_OF_A_SORT {
             format!(" ({} such triangles in all)", flat.len())
         } else {
             String::new()

@@ -5,13 +5,12 @@ use super::{
     check_walls,
     part_checks::{check_clump, check_cohesive, check_material},
 };
+use crate::violations::LISTED_OF_A_SORT;
 use crate::{Violation, Violations, worker::MOST_CURVE_COLUMNS};
 
 /// Bodies may overlap by this part of the smaller radius at the start; more is a mistake, and
 /// would throw them apart.
 const LARGEST_OVERLAP: f64 = 0.05;
-/// At most this many violations of one sort are listed.
-const LISTED: usize = 20;
 /// More spheres than this are refused: about 4 GB.
 const MOST_PARTICLES: u64 = 10_000_000;
 
@@ -67,7 +66,7 @@ impl GranularScene {
 fn check_bodies(spec: &GranularScene, violations: &mut Violations) {
     let mut wrong = Vec::new();
     for (index, body) in spec.bodies.iter().enumerate() {
-        if wrong.len() >= LISTED {
+        if wrong.len() >= LISTED_OF_A_SORT {
             break;
         }
         let pointer = format!("/bodies/{index}");
@@ -92,7 +91,7 @@ fn check_bodies(spec: &GranularScene, violations: &mut Violations) {
         }
         wrong.extend(check_material(spec, &pointer, &body.material));
     }
-    wrong.truncate(LISTED);
+    wrong.truncate(LISTED_OF_A_SORT);
     violations.extend(wrong);
     let particles = spec.particles();
     if particles > MOST_PARTICLES {
@@ -210,7 +209,7 @@ fn check_recorded(spec: &GranularScene, violations: &mut Violations) {
 fn check_recorded_bodies(spec: &GranularScene, count: usize, violations: &mut Violations) {
     let bodies = spec.record.bodies.iter().flatten().enumerate();
     let missing = bodies.filter(|(_, body)| **body as usize >= count);
-    violations.extend(missing.take(LISTED).map(|(index, body)| {
+    violations.extend(missing.take(LISTED_OF_A_SORT).map(|(index, body)| {
         let allowed = match count {
             0 => "the scene has no bodies".to_owned(),
             _ => format!("0 … {}", count - 1),

@@ -196,6 +196,11 @@ impl Default for TimeStep {
 }
 
 impl Material {
+    /// Resistance to rolling and twisting; all 0 where there is none.
+    pub fn rolling(&self) -> RollingResistance {
+        self.rolling_resistance.unwrap_or_default()
+    }
+
     /// φ [rad], 0 where it is left out.
     pub fn friction_angle(&self) -> f64 {
         self.friction_angle_rad.unwrap_or(0.0)

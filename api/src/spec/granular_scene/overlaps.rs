@@ -4,13 +4,12 @@ use std::ops::ControlFlow;
 
 use super::sphere_tree::{Bounds, Particle, SphereTree};
 use super::{Body, BondRestLength, GranularScene, Material, Plane};
+use crate::violations::LISTED_OF_A_SORT;
 use crate::{
     Violation, Violations,
     surface::{Triangle, bounds, closest_point, cross, dot, length, minus},
 };
 
-/// At most this many are listed; the worst comes first.
-const LISTED: usize = 20;
 /// The search ends at this many: who has put all bodies into one place has half their square.
 const MOST_FOUND: usize = 10_000;
 /// Pairs that are looked at for each sphere and triangle, at most, beside some for small scenes. A
@@ -52,8 +51,8 @@ impl Worst {
             let order = known.ratio.total_cmp(&ratio).reverse();
             order.then(known.body.cmp(&particle.body)).is_le()
         });
-        if place < LISTED {
-            self.listed.truncate(LISTED - 1);
+        if place < LISTED_OF_A_SORT {
+            self.listed.truncate(LISTED_OF_A_SORT - 1);
             let overlap = Overlap {
                 body: particle.body,
                 number: particle.number,
@@ -111,7 +110,7 @@ pub(super) fn check(
     }
     let more = match worst.count {
         count if worst.is_cut => format!(" (more than {} such overlaps)", count - 1),
-        count if count > LISTED => format!(" ({count} such overlaps in all)"),
+        count if count > LISTED_OF_A_SORT => format!(" ({count} such overlaps in all)"),
         _ => String::new(),
     };
     for overlap in worst.listed {

@@ -2,7 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{GranularScene, Material};
+use super::GranularScene;
 
 /// A bond like a round beam of cement beside the contact: it carries tension, shear, bending and torsion,
 /// and breaks at once when the stress of its outermost fibre is its strength
@@ -59,7 +59,7 @@ impl GranularScene {
     /// Whether bonds bend and twist.
     pub fn has_parallel_bonds(&self) -> bool {
         let mut materials = self.materials.values();
-        materials.any(|material: &Material| material.parallel_bond.is_some())
+        materials.any(|material| material.parallel_bond.is_some())
     }
 
     /// Whether contacts have moments beside those of their forces.

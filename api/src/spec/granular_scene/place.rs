@@ -40,13 +40,3 @@ fn upright() -> Axis {
 fn lower() -> i8 {
     -1
 }
-
-impl super::GranularScene {
-    /// Bodies that some stage sets down.
-    pub(super) fn placed_bodies(&self) -> impl Iterator<Item = u32> {
-        self.stages.iter().filter_map(|stage| match stage {
-            super::Stage::Place(place) => place.body,
-            _ => None,
-        })
-    }
-}

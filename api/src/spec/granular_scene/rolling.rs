@@ -2,7 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{GranularScene, Material};
+use super::GranularScene;
 
 /// Resistance of a contact to rolling and twisting, by springs that yield. With the spins ω of both
 /// bodies, the normal n and the effective radius 1/R = 1/r_a + 1/r_b (R = r at a wall), moments grow
@@ -34,15 +34,15 @@ pub struct RollingResistance {
     pub damping_ratio: f64,
 }
 
-impl Material {
-    /// Resistance to rolling and twisting; all 0 where there is none.
-    pub fn rolling(&self) -> RollingResistance {
-        self.rolling_resistance.unwrap_or(RollingResistance {
+impl Default for RollingResistance {
+    /// None.
+    fn default() -> Self {
+        Self {
             rolling_friction: 0.0,
             twisting_friction: 0.0,
             stiffness_ratio: one(),
             damping_ratio: 0.0,
-        })
+        }
     }
 }
 

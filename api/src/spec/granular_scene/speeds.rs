@@ -1,11 +1,10 @@
 //! How far bodies and walls move in a given step: what is faster passes through others unseen.
 use super::{Body, GranularScene, Stage, WallDrive};
+use crate::violations::LISTED_OF_A_SORT;
 use crate::{Violation, Violations};
 
 /// Way of a body in one step over its radius, or of a wall over the smallest, at most.
 pub const LARGEST_WAY: f64 = 0.1;
-/// At most this many violations are listed.
-const LISTED: usize = 20;
 
 /// Checks the speeds that are known before anything moves, at a step [s].
 pub(super) fn check(spec: &GranularScene, step: f64, violations: &mut Violations) {
@@ -24,7 +23,7 @@ pub(super) fn check(spec: &GranularScene, step: f64, violations: &mut Violations
     let fast = bodies
         .chain(walls)
         .filter(|(_, speed, radius)| speed * step > LARGEST_WAY * radius);
-    violations.extend(fast.take(LISTED).map(|(pointer, speed, radius)| {
+    violations.extend(fast.take(LISTED_OF_A_SORT).map(|(pointer, speed, radius)| {
         let detail = "this would move more than a tenth of the radius in a step, and could pass \
                       through others unseen";
         Violation::new(pointer, "too_fast", detail)

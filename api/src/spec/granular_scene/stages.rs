@@ -3,7 +3,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Cut, Insert, Place, Relax, Stiffen, Vibrate,
+    Cut, GranularScene, Insert, Place, Relax, Stiffen, Vibrate,
     drive::{Drive, swing},
 };
 
@@ -211,5 +211,15 @@ impl Stage {
             Self::Place(_) => "place",
             Self::Stiffen(_) => "stiffen",
         }
+    }
+}
+
+impl GranularScene {
+    /// Bodies that some stage sets down.
+    pub(super) fn placed_bodies(&self) -> impl Iterator<Item = u32> {
+        self.stages.iter().filter_map(|stage| match stage {
+            Stage::Place(place) => place.body,
+            _ => None,
+        })
     }
 }

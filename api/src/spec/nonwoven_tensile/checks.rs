@@ -1,17 +1,16 @@
 //! What the JSON Schema cannot say: counts that must fit together, bonds that must hold something.
-use super::{Breaking, Direction, Fabric, Jaw, Lattice, Network, NonwovenTensile, history};
+use super::{
+    Breaking, Direction, Fabric, Jaw, Lattice, MOST_STEPS, Network, NonwovenTensile, history,
+};
+use crate::violations::LISTED_OF_A_SORT;
 use crate::{DisjointSets, Violation, Violations};
 
 /// More nodes than this are refused: a network of this size takes about 10 GB.
 const MOST_NODES: u64 = 20_000_000;
-/// More strain steps than this are refused.
-pub(super) const MOST_STEPS: u64 = 10_000_000;
 /// Rest lengths below this [mm] make stiffness overflow.
 const SHORTEST_BOND_MM: f64 = 1e-9;
 /// Seeds beyond 2⁵³ − 1 are not exact in every language's JSON.
 const LARGEST_SEED: u64 = (1 << 53) - 1;
-/// At most this many violations of one sort are listed.
-const LISTED: usize = 20;
 
 pub(super) fn check(spec: &NonwovenTensile, violations: &mut Violations) {
     match &spec.fabric {
@@ -55,18 +54,26 @@ pub(super) fn check(spec: &NonwovenTensile, violations: &mut Violations) {
 
 fn check_output(spec: &NonwovenTensile, violations: &mut Violations) {
     let end = spec.test.max_strain;
-    let strains = spec.output.force_distribution_strains.iter().enumerate();
-    let beyond = strains.filter(|(_, strain)| **strain > end);
-    violations.extend(beyond.take(LISTED).map(|(index, strain)| {
-        Violation::new(
-            format!("/output/force_distribution_strains/{index}"),
-            "out_of_range",
-            "the test ends before this strain",
-        )
-        .value(*strain)
-        .allowed(format!("≤ max_strain = {end}"))
-        .unit("1")
-    }));
+    for (list, strains) in [
+        (
+            "force_distribution_strains",
+            &spec.output.force_distribution_strains,
+        ),
+        ("reading_strains", &spec.output.reading_strains),
+    ] {
+        let beyond = strains.iter().enumerate();
+        let beyond = beyond.filter(|(_, strain)| **strain > end);
+        violations.extend(beyond.take(LISTED_OF_A_SORT).map(|(index, strain)| {
+            Violation::new(
+                format!("/output/{list}/{index}"),
+                "out_of_range",
+                "the test ends before this strain",
+            )
+            .value(*strain)
+            .allowed(format!("≤ max_strain = {end}"))
+            .unit("1")
+        }));
+    }
 }
 
 fn check_landscape(spec: &NonwovenTensile, violations: &mut Violations) {
@@ -274,7 +281,7 @@ fn check_network(network: &Network, violations: &mut Violations) {
                 );
             }
         }
-        if violations.count() - before >= LISTED {
+        if violations.count() - before >= LISTED_OF_A_SORT {
             return;
         }
     }
@@ -353,7 +360,10 @@ fn check_paths(network: &Network, violations: &mut Violations) {
     let adrift = (0_u32..).zip(&network.jaws).filter(|(node, jaw)| {
         **jaw == Jaw::Free && held_by[parts.root(*node) as usize] == (false, false)
     });
-    let adrift: Vec<u32> = adrift.map(|(node, _)| node).take(LISTED).collect();
+    let adrift: Vec<u32> = adrift
+        .map(|(node, _)| node)
+        .take(LISTED_OF_A_SORT)
+        .collect();
     violations.extend(adrift.into_iter().map(|node| {
         Violation::new(
             format!("{pointer}/nodes_mm/{node}"),

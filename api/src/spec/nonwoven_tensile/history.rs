@@ -2,13 +2,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{NonwovenTensile, Test, checks::MOST_STEPS};
+use super::{MOST_STEPS, NonwovenTensile, Test};
+use crate::violations::LISTED_OF_A_SORT;
 use crate::{Violation, Violations};
 
 /// More cycles than this are refused.
 const MOST_CYCLES: u64 = 100_000;
-/// At most this many violations are listed.
-const LISTED: usize = 20;
 
 /// Some cycles alike: to a target, and back.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -171,7 +170,7 @@ pub(super) fn check(spec: &NonwovenTensile, violations: &mut Violations) {
     let mut end = Target::Strain(0.0);
     for (number, block) in test.history.iter().enumerate() {
         check_block(number, block, end, test.max_strain, violations);
-        if violations.count() - before >= LISTED {
+        if violations.count() - before >= LISTED_OF_A_SORT {
             return;
         }
         end = block.back_to.unwrap_or(block.to);

@@ -185,6 +185,16 @@ pub struct Output {
         extend("x-unit" = "1")
     )]
     pub force_distribution_strains: Vec<f64>,
+    /// Nominal strains of the first pull at which secant stiffness and lateral contraction are read, besides
+    /// 0.1: 0.025 gives `modulus_at_2_5_percent`, `secant_stiffness_at_2_5_percent` and
+    /// `poisson_ratio_at_2_5_percent`. A specimen that parts before has none, and a reason.
+    #[schemars(
+        length(max = 20),
+        inner(range(min = 1e-6, max = 100.0)),
+        extend("x-unit" = "1", "uniqueItems" = true)
+    )]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub reading_strains: Vec<f64>,
     /// Writes the force landscape of one node and the law of the bonds: `force_landscape.csv`,
     /// `force_landscape_lines.csv` and `bond_law.csv`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -244,6 +254,7 @@ impl Default for Output {
             snapshot_every_steps: 10,
             histogram_bins: 40,
             force_distribution_strains: Vec::new(),
+            reading_strains: Vec::new(),
             force_landscape: None,
         }
     }
@@ -258,6 +269,9 @@ impl Direction {
         }
     }
 }
+
+/// More strain steps than this are refused.
+const MOST_STEPS: u64 = 10_000_000;
 
 impl Test {
     /// Strain steps until `max_strain`; the last one is shorter where they do not come out even.

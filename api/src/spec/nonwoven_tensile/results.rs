@@ -30,5 +30,10 @@ pub(super) const RESULTS: &[Named] = &[
     ("energy_released_by_breaking", "J"),
     ("first_cycle_stiffness", "N"),
     ("last_cycle_stiffness", "N"),
+    ("modulus_at_*_percent", "N/m"),
+    ("secant_stiffness_at_*_percent", "N"),
+    ("poisson_ratio_at_*_percent", "1"),
+    ("modulus_at_*_percent_pa", "Pa"),
+    ("modulus_at_*_percent_per_tex", "N/tex"),
     ("anisotropy_of_*", "1"),
 ];

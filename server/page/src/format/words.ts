@@ -29,15 +29,18 @@ export interface Shown {
   unit: string;
   /** The value as it came, for the tooltip. */
   exact: string;
-  /** The standard deviation over repeats, the 95 % interval of a fitted value, or the standard error. */
+  /** The standard deviation over repeats, the 95 % interval of a fitted value, or the standard error; of what is
+   * not known, why. */
   scatter?: string;
 }
 
 /** A result as a lab reads it: strains in %, no unit for pure numbers. */
 export function showQuantity(name: string, quantity: Quantity): Shown {
-  const { value, unit, deviation, n, error } = quantity;
-  if (value === null)
-    return { text: "–", unit: "", exact: "Unknown: the test did not get so far, or there was nothing to measure." };
+  const { value, reason, unit, deviation, n, error } = quantity;
+  if (value === null) {
+    const exact = `Unknown: ${reason ?? "the test did not get so far, or there was nothing to measure"}.`;
+    return { text: "–", unit: "", exact, ...(reason && { scatter: reason }) };
+  }
   const own = unit === "1" ? " (dimensionless)" : ` ${unit}`;
   const mean = deviation && n ? `, mean of ${n}, standard deviation ${deviation}` : "";
   const exact = `${value}${own}${mean}${error ? `, standard error ${error.value}` : ""}`;

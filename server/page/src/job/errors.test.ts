@@ -69,12 +69,12 @@ test("a copied table has all digits, and empty cells where nothing is known", ()
     tabbed([
       ["mean_top_deflection", DEFLECTION],
       ["strength", repeated],
-      ["late", { value: null, unit: "J" }],
+      ["late", { value: null, unit: "J", reason: "it had parted before" }],
     ]).split("\n"),
   ).toEqual([
-    "name\tvalue\tunit\tdeviation\tn\terror",
-    "mean_top_deflection\t0.052366\tmm\t\t\t0.000082",
-    "strength\t2\tN\t0.25\t5\t",
-    "late\t\tJ\t\t\t",
+    "name\tvalue\tunit\tdeviation\tn\terror\treason",
+    "mean_top_deflection\t0.052366\tmm\t\t\t0.000082\t",
+    "strength\t2\tN\t0.25\t5\t\t",
+    "late\t\tJ\t\t\t\tit had parted before",
   ]);
 });

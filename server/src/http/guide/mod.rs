@@ -1,9 +1,10 @@
 //! `/guide`: what can be tested and how, for people, without scripts.
 //!
 //! [`source`] has the texts, which can be read in the repository as well; [`markdown`] makes them
-//! HTML, [`fields`] writes a reference from the schemas, [`search`] finds sections of both. All is
+//! HTML, [`fields`] writes a reference from the schemas and [`listed`] what goes over all kinds, [`search`] finds sections of both. All is
 //! made once, when the guide is first asked for.
 mod fields;
+mod listed;
 mod markdown;
 mod search;
 mod source;

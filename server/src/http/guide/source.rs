@@ -2,6 +2,7 @@
 //! `tests/validation`, built into the executable.
 use rust_embed::Embed;
 
+use super::listed::with_lists;
 use crate::ServeConfig;
 
 /// The folder of the guide.
@@ -53,7 +54,7 @@ pub(super) fn all() -> Vec<Source> {
                 name.to_owned()
             },
             path: format!("{FOLDER}/{file}"),
-            markdown: with_tables(&String::from_utf8_lossy(&bytes)),
+            markdown: with_lists(&with_tables(&String::from_utf8_lossy(&bytes))),
         })
     });
     let elsewhere = ELSEWHERE.map(|(name, path, markdown)| Source {
@@ -193,6 +194,8 @@ mod tests {
                 .lines()
                 .find(|line| line.starts_with(MISSING));
             assert_eq!(missing, None, "{}", source.path);
+            let is_left = source.markdown.contains(" of every kind}}");
+            assert!(!is_left, "{}", source.path);
         }
         let raw = Folder::iter().filter(|file| !file.starts_with("tables/"));
         let raw = raw.filter_map(|file| {

@@ -1,8 +1,8 @@
 //! Running a job for its report alone.
-use std::io::{self, Write};
-
 use loadframe_api::{JobSpec, Report};
-use loadframe_physics::{Ending, Recorder, RunContext, Uninterrupted, simulate};
+use loadframe_physics::{
+    Decorator, Ending, Recorder, RunContext, Uninterrupted, Unrecorded, simulate,
+};
 
 /// The report of a job, `None` where it has none.
 pub(crate) fn report(job: &JobSpec) -> Option<Report> {
@@ -18,7 +18,7 @@ pub(crate) fn told(job: &JobSpec) -> Option<(Report, Vec<String>)> {
         checkpoint: None,
     };
     match simulate(job, context, &mut log) {
-        Ok(Ending::Finished(report)) => Some((report, log.0)),
+        Ok(Ending::Finished(report)) => Some((report, log.lines)),
         _ => None,
     }
 }
@@ -30,36 +30,21 @@ pub(crate) fn value(report: &Report, name: &str) -> Option<f64> {
 
 /// A recorder that keeps nothing but its log.
 #[derive(Default)]
-struct Log(Vec<String>);
+struct Log {
+    lines: Vec<String>,
+    rest: Unrecorded,
+}
 
-impl Recorder for Log {
-    fn columns(&mut self, _: &[&str]) -> io::Result<()> {
-        Ok(())
+impl Decorator for Log {
+    fn inner(&self) -> &dyn Recorder {
+        &self.rest
     }
 
-    fn point(&mut self, _: &[f64]) -> io::Result<()> {
-        Ok(())
+    fn inner_mut(&mut self) -> &mut dyn Recorder {
+        &mut self.rest
     }
-
-    fn file(
-        &mut self,
-        _: &str,
-        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
-    ) -> io::Result<()> {
-        write(&mut io::sink())
-    }
-
-    fn progress(&mut self, _: f64, _: &str) {}
 
     fn log(&mut self, message: &str) {
-        self.0.push(message.to_owned());
-    }
-
-    fn checkpoint_due(&self) -> bool {
-        false
-    }
-
-    fn checkpoint(&mut self, _: &[u8]) -> io::Result<()> {
-        Ok(())
+        self.lines.push(message.to_owned());
     }
 }

@@ -65,10 +65,10 @@ mod stages;
 mod step;
 mod walls;
 
-use loadframe_api::spec::granular_scene::GranularScene;
+use loadframe_api::spec::granular_scene::{GranularScene, Stage};
 use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
 
-/// Draws the scene of `spec` as it is before its first step.
+/// Draws the scene of `spec` as it is before its first step; returns what is shown.
 ///
 /// # Errors
 /// When there is no such scene, or the recorder fails.
@@ -76,8 +76,14 @@ pub fn preview(
     spec: &GranularScene,
     threads: usize,
     recorder: &mut dyn Recorder,
-) -> Result<(), SimulationError> {
-    stages::run::preview(spec, threads, recorder)
+) -> Result<String, SimulationError> {
+    stages::run::preview(spec, threads, recorder)?;
+    let words = "The scene before its first step.";
+    let comes = |stage: &Stage| matches!(stage, Stage::Insert(_) | Stage::Place(_));
+    Ok(match spec.stages.iter().any(comes) {
+        true => format!("{words} What its stages put in later is not in it yet."),
+        false => words.to_owned(),
+    })
 }
 
 /// Runs the scene of `spec`.

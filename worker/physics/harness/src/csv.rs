@@ -1,4 +1,5 @@
 //! Tables as CSV: one header row with units in the names, dot decimals, full digits.
+use std::fmt;
 use std::io::{self, Write};
 
 use loadframe_api::csv_cell;
@@ -12,23 +13,34 @@ pub fn header(out: &mut dyn Write, names: &[&str]) -> io::Result<()> {
     writeln!(out, "{}", names.join(","))
 }
 
-/// Writes a row of numbers in the shortest form that reads back as the same number. Large and
-/// small magnitudes take an exponent, so that no cell grows beyond about 24 characters. What is not
-/// known, NaN, leaves its cell empty.
+/// A number in the shortest form that reads back as the same number. Large and small magnitudes take an
+/// exponent, so that no cell grows beyond about 24 characters. What is not known, NaN, leaves its cell
+/// empty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Number(pub f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = self.0;
+        let magnitude = value.abs();
+        if value.is_nan() {
+            Ok(())
+        } else if magnitude != 0.0 && !(1e-5..1e15).contains(&magnitude) {
+            write!(out, "{value:e}")
+        } else {
+            write!(out, "{value}")
+        }
+    }
+}
+
+/// Writes a row of numbers, each a [`Number`].
 ///
 /// # Errors
 /// When `out` does not take it.
 pub fn row(out: &mut dyn Write, values: &[f64]) -> io::Result<()> {
     for (column, value) in values.iter().enumerate() {
         let separator = if column == 0 { "" } else { "," };
-        let magnitude = value.abs();
-        if value.is_nan() {
-            write!(out, "{separator}")?;
-        } else if magnitude != 0.0 && !(1e-5..1e15).contains(&magnitude) {
-            write!(out, "{separator}{value:e}")?;
-        } else {
-            write!(out, "{separator}{value}")?;
-        }
+        write!(out, "{separator}{}", Number(*value))?;
     }
     writeln!(out)
 }

@@ -1,6 +1,6 @@
 //! What every simulation is run in: the ways in and out that do not know any mechanics.
 //!
-//! A run is given a [`RunContext`] and a [`Recorder`]. It tells the recorder points of its curve,
+//! A [`Run`] is given a [`RunContext`] and a [`Recorder`]. It tells the recorder points of its curve,
 //! files (through [`csv`] and [`vtk`]), progress and checkpoints ([`checkpoint`]), and ends with an
 //! [`Ending`], whose report a [`ReportBuilder`] makes, or a [`SimulationError`]. [`plan`] carries out a job of several tests side by side and
 //! joins their reports; [`statistics`] is about what differs between them. [`rng`] gives the named
@@ -51,6 +51,13 @@ impl From<Interrupt> for Ending {
         }
     }
 }
+
+/// How a job is run of whose spec only the kind's engine knows anything.
+pub type Run<S> = fn(&S, RunContext<'_>, &mut dyn Recorder) -> Result<Ending, SimulationError>;
+
+/// How its specimen is drawn before the test, on so many threads: pictures to the recorder, and what they
+/// show is returned, in a sentence or two. Of several specimens it is the first.
+pub type Preview<S> = fn(&S, usize, &mut dyn Recorder) -> Result<String, SimulationError>;
 
 /// What a run is given beside its spec.
 #[derive(Clone, Copy)]

@@ -36,7 +36,8 @@ pub trait Recorder {
     fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()>;
 }
 
-/// A recorder around another: what it does not take for itself goes on to that one.
+/// A recorder around another: what it does not take for itself goes on to that one. Around [`Unrecorded`] it
+/// keeps what it takes and nothing else.
 pub trait Decorator {
     /// The other.
     fn inner(&self) -> &dyn Recorder;
@@ -62,6 +63,26 @@ pub trait Decorator {
     ) -> io::Result<()> {
         self.inner_mut().file(name, write)
     }
+
+    /// [`Recorder::progress`].
+    fn progress(&mut self, fraction: f64, phase: &str) {
+        self.inner_mut().progress(fraction, phase);
+    }
+
+    /// [`Recorder::log`].
+    fn log(&mut self, message: &str) {
+        self.inner_mut().log(message);
+    }
+
+    /// [`Recorder::checkpoint_due`].
+    fn checkpoint_due(&self) -> bool {
+        self.inner().checkpoint_due()
+    }
+
+    /// [`Recorder::checkpoint`].
+    fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.inner_mut().checkpoint(bytes)
+    }
 }
 
 impl<D: Decorator> Recorder for D {
@@ -82,19 +103,19 @@ impl<D: Decorator> Recorder for D {
     }
 
     fn progress(&mut self, fraction: f64, phase: &str) {
-        self.inner_mut().progress(fraction, phase);
+        Decorator::progress(self, fraction, phase);
     }
 
     fn log(&mut self, message: &str) {
-        self.inner_mut().log(message);
+        Decorator::log(self, message);
     }
 
     fn checkpoint_due(&self) -> bool {
-        self.inner().checkpoint_due()
+        Decorator::checkpoint_due(self)
     }
 
     fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.inner_mut().checkpoint(bytes)
+        Decorator::checkpoint(self, bytes)
     }
 }
 

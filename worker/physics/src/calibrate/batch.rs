@@ -4,13 +4,13 @@ use std::io::{self, Write};
 use indexmap::IndexMap;
 use loadframe_api::JobSpec;
 use loadframe_harness::{
-    Ending, Interrupt, Recorder, RunContext, SimulationError,
+    Decorator, Ending, Interrupt, Recorder, RunContext, SimulationError,
     checkpoint::CheckpointError,
     plan::{Conclusion, Curve, CurveKeeper, SavedReport, Share, Tests},
 };
 use serde::{Deserialize, Serialize};
 
-use super::setting::Setting;
+use super::setting::{Setting, in_words};
 
 /// What is kept of a specimen.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -54,10 +54,7 @@ impl<'a> Batch<'a> {
     fn job(&self, test: usize) -> Result<JobSpec, String> {
         let (trial, specimen) = (test / self.specimens(), test % self.specimens());
         let job = self.setting.template.job(&self.parameters[trial]);
-        let job = job.map_err(|violations| {
-            let violations: Vec<String> = violations.iter().map(ToString::to_string).collect();
-            violations.join("; ")
-        })?;
+        let job = job.map_err(|violations| in_words(&violations))?;
         Ok(job.realisation(self.setting.spec.seed + specimen as u64))
     }
 
@@ -91,7 +88,7 @@ impl Tests for Batch<'_> {
             Err(violations) => return Ok(self.unknown(violations)),
         };
         let mut keeper = CurveKeeper::new(recorder, usize::MAX);
-        let report = match crate::simulate(&job, context, &mut keeper) {
+        let report = match (self.setting.simulate)(&job, context, &mut keeper) {
             Ok(Ending::Finished(report)) => report,
             Ok(Ending::Cancelled) => return Ok(Conclusion::Interrupted(Interrupt::Cancel)),
             Ok(Ending::Suspended) => return Ok(Conclusion::Interrupted(Interrupt::Suspend)),
@@ -127,7 +124,15 @@ pub(super) struct BatchRecorder<'a> {
     pub(super) phase: String,
 }
 
-impl Recorder for BatchRecorder<'_> {
+impl Decorator for BatchRecorder<'_> {
+    fn inner(&self) -> &dyn Recorder {
+        &*self.recorder
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn Recorder {
+        self.recorder
+    }
+
     fn columns(&mut self, _names: &[&str]) -> io::Result<()> {
         Ok(())
     }
@@ -149,14 +154,6 @@ impl Recorder for BatchRecorder<'_> {
         let used = (before + fraction * within) / self.most as f64;
         let fraction = used.max(self.descended).min(1.0);
         self.recorder.progress(fraction, &self.phase);
-    }
-
-    fn log(&mut self, message: &str) {
-        self.recorder.log(message);
-    }
-
-    fn checkpoint_due(&self) -> bool {
-        self.recorder.checkpoint_due()
     }
 
     fn checkpoint(&mut self, bytes: &[u8]) -> io::Result<()> {

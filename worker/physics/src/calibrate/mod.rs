@@ -4,7 +4,8 @@
 //! what it descends; [`search`] asks [`trials`] for residuals, which remembers all of them and has
 //! new ones tested in a [`batch`] over all specimens, side by side; [`confidence`] tells from
 //! trials around the best one how well parameters are known; [`tables`] and [`report`] turn that
-//! into files and results. Nothing here knows what the inner job is: it is simulated like any other.
+//! into files and results. Nothing here knows what the inner job is: whoever calls brings what simulates and
+//! draws jobs of any kind.
 mod batch;
 mod confidence;
 mod coordinates;
@@ -15,13 +16,32 @@ mod setting;
 mod tables;
 mod trials;
 
+use loadframe_api::JobSpec;
 use loadframe_api::spec::calibrate::{Calibrate, Template};
-use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
+use loadframe_harness::{Ending, Preview, Recorder, Run, RunContext, SimulationError};
 
 use coordinates::Coordinate;
 use misfit::Targets;
-use setting::Setting;
+use setting::{Setting, in_words};
 use trials::{Halt, Trials};
+
+/// Draws the specimen of the job whose parameters `spec` seeks; returns what is shown.
+///
+/// # Errors
+/// When there is no such specimen, or the recorder fails.
+pub(crate) fn preview(
+    spec: &Calibrate,
+    preview: Preview<JobSpec>,
+    threads: usize,
+    recorder: &mut dyn Recorder,
+) -> Result<String, SimulationError> {
+    let inner = spec.job.read();
+    let inner = inner.map_err(|found| SimulationError::Unbuildable(in_words(&found)))?;
+    let words = preview(&inner, threads, recorder)?;
+    Ok(format!(
+        "Of the job whose parameters are sought, with the values that it has now. {words}"
+    ))
+}
 
 /// Runs the calibration of `spec`.
 ///
@@ -29,13 +49,12 @@ use trials::{Halt, Trials};
 /// What made a result impossible, see [`SimulationError`].
 pub(crate) fn run(
     spec: &Calibrate,
+    simulate: Run<JobSpec>,
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    let template = Template::new(&spec.job).map_err(|violations| {
-        let violations: Vec<String> = violations.iter().map(ToString::to_string).collect();
-        SimulationError::Unbuildable(violations.join("; "))
-    })?;
+    let template = Template::new(&spec.job);
+    let template = template.map_err(|found| SimulationError::Unbuildable(in_words(&found)))?;
     let coordinates: Vec<Coordinate> = spec.free.iter().map(Coordinate::new).collect();
     let targets = Targets::new(&spec.measured);
     let setting = Setting {
@@ -43,6 +62,7 @@ pub(crate) fn run(
         template: &template,
         targets: &targets,
         coordinates: &coordinates,
+        simulate,
     };
     if context.checkpoint.is_none() {
         recorder.log(&format!(

@@ -1,9 +1,9 @@
 //! What can break, and in which tests.
-use super::LISTED;
 use super::materials::escaped;
 use crate::spec::composite_bending::{
     CompositeBending, Delamination, Geometry, Lattice, Solver, Way,
 };
+use crate::violations::LISTED_OF_A_SORT;
 use crate::{Violation, Violations};
 
 pub(super) fn check_breaking(spec: &CompositeBending, violations: &mut Violations) {
@@ -103,7 +103,7 @@ fn check_delaminations(spec: &CompositeBending, violations: &mut Violations) {
     }
     check_overlap(spec, violations);
     let length = spec.section.length_mm;
-    for (index, open) in spec.delaminations.iter().enumerate().take(LISTED) {
+    for (index, open) in spec.delaminations.iter().enumerate().take(LISTED_OF_A_SORT) {
         let pointer = |field: &str| format!("/delaminations/{index}/{field}");
         if open.above_ply as usize >= plies {
             violations.push(

@@ -1,9 +1,9 @@
 //! What fills the section: a matrix or plies, and fibres that do not share a place.
-use super::LISTED;
 use super::materials::unknown_material;
 use crate::section::error::CompositeError;
 use crate::section::fibre::{Band, Fibre, refuse_overlap};
 use crate::spec::composite_bending::CompositeBending;
+use crate::violations::LISTED_OF_A_SORT;
 use crate::{Violation, Violations};
 
 /// Thicknesses of plies sum up to the height within this part of it.
@@ -37,7 +37,7 @@ pub(super) fn check_filling(spec: &CompositeBending, violations: &mut Violations
             &ply.material,
         )
     });
-    violations.extend(unknown.take(LISTED));
+    violations.extend(unknown.take(LISTED_OF_A_SORT));
     let filled: f64 = spec.plies.iter().map(|ply| ply.thickness_mm).sum();
     let height = spec.section.height_mm;
     if !spec.plies.is_empty() && (filled - height).abs() > PLIES_FILL * height {
@@ -59,7 +59,7 @@ pub(super) fn check_fibres(spec: &CompositeBending, violations: &mut Violations)
     let sides = [spec.section.length_mm, spec.section.height_mm];
     let mut bands = Vec::with_capacity(spec.fibres.len());
     for (index, fibre) in spec.fibres.iter().enumerate() {
-        if violations.count() - before >= LISTED {
+        if violations.count() - before >= LISTED_OF_A_SORT {
             break;
         }
         let pointer = format!("/fibres/{index}");

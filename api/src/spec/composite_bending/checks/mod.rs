@@ -7,12 +7,11 @@ mod held;
 mod materials;
 
 use super::{BondPattern, CompositeBending, Geometry, Lattice, Solver, Way};
+use crate::violations::LISTED_OF_A_SORT;
 use crate::{Violation, Violations};
 pub(super) use materials::pointer_to;
 pub(crate) use materials::{check_material, unknown_material};
 
-/// At most this many violations of one sort are listed.
-const LISTED: usize = 20;
 /// More particles than this are refused.
 const MOST_PARTICLES: u64 = 50_000_000;
 
@@ -168,7 +167,7 @@ fn check_probes(spec: &CompositeBending, violations: &mut Violations) {
     let probes = spec.probes_mm.iter().enumerate();
     let wrong =
         probes.filter_map(|(index, point)| outside(spec, format!("/probes_mm/{index}"), *point));
-    violations.extend(wrong.take(LISTED));
+    violations.extend(wrong.take(LISTED_OF_A_SORT));
 }
 
 fn outside(spec: &CompositeBending, pointer: String, [x, y]: [f64; 2]) -> Option<Violation> {

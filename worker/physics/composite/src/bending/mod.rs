@@ -80,16 +80,25 @@ pub fn run(
     }
 }
 
-/// Draws the section of `spec` before its load.
+/// Draws the section of `spec` before its load; returns what is shown.
 ///
 /// # Errors
 /// When there is no such section, or the recorder fails.
 pub fn preview(
     spec: &CompositeBending,
+    _threads: usize,
     recorder: &mut dyn Recorder,
-) -> Result<(), SimulationError> {
+) -> Result<String, SimulationError> {
     let model = Model::before_rollers(spec, finest(spec))?;
-    pictures::write_first(&model, recorder)
+    pictures::write_first(&model, recorder)?;
+    let words = "The section on its grid, before its load.";
+    let is_bent = spec.test.way().is_some_and(|way| way.flexure().is_some());
+    Ok(match is_bent {
+        true => format!(
+            "{words} Where rollers touch it, the grid becomes finer once their force is known."
+        ),
+        false => words.to_owned(),
+    })
 }
 
 /// The grid that is asked for.

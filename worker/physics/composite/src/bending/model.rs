@@ -11,9 +11,7 @@ use crate::flexure::{Drive, Flexure, Loading};
 use crate::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
 use crate::load::{Load, LoadPlace};
 use crate::material::{Material, Note};
-use crate::section::{
-    Constituent, Division, Fibre, Fit, Layout, Ply, Refinement, Section, Substance,
-};
+use crate::section::{Division, Fibre, Layout, Ply, Refinement, Section, Substance};
 use crate::solve::StaticOptions;
 use crate::supports::{Face, FaceSupport, Supports};
 

@@ -12,7 +12,7 @@ use loadframe_api::spec::composite_cell::CompositeCell;
 use loadframe_harness::{
     Ending, Recorder, RunContext, SimulationError,
     checkpoint::Fingerprint,
-    plan::{Conclusion, Place, Specimens, test_specimens},
+    plan::{Conclusion, Place, Specimens, first_of, test_specimens},
 };
 
 /// Runs the simulation of `spec`.
@@ -36,11 +36,15 @@ pub fn run(
     Ok(ending)
 }
 
-/// Draws the first cell of `spec`.
+/// Draws the first cell of `spec`; returns what is shown.
 ///
 /// # Errors
 /// When there is no such cell, or the recorder fails.
-pub fn preview(spec: &CompositeCell, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
+pub fn preview(
+    spec: &CompositeCell,
+    _threads: usize,
+    recorder: &mut dyn Recorder,
+) -> Result<String, SimulationError> {
     let cell = conduct::unit_cell(spec)?;
     let grid = spec.cells().map(|count| count as usize);
     let drawn = files::Drawn {
@@ -50,7 +54,8 @@ pub fn preview(spec: &CompositeCell, recorder: &mut dyn Recorder) -> Result<(), 
         stresses: None,
     };
     files::draw(&drawn, recorder)?;
-    Ok(())
+    let words = "The unit cell on its grid, seen along the fibres.";
+    Ok(first_of(words, spec.repeats))
 }
 
 fn run_one(

@@ -63,7 +63,7 @@ impl Bond {
     /// Force of the bond at displacements of all particles [N], tension positive.
     #[must_use]
     pub fn tension_n(&self, geometry: Geometry, u: &[f64]) -> f64 {
-        let ends = super::ends(u, self);
+        let ends = ends(u, self);
         let (stretch, _) = match geometry {
             Geometry::Linear => self.linear_stretch(&ends),
             Geometry::Large => self.large_stretch(&ends),
@@ -75,4 +75,10 @@ impl Bond {
     pub(crate) fn tension_over_length(&self, stretch: f64) -> f64 {
         self.stiffness_n_per_mm * stretch / (self.length() + stretch)
     }
+}
+
+/// Displacements of a bond's two particles.
+pub(crate) fn ends(u: &[f64], bond: &Bond) -> Ends {
+    let [first, second] = bond.particles.map(|particle| 2 * particle as usize);
+    [u[first], u[first + 1], u[second], u[second + 1]]
 }

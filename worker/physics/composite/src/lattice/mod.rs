@@ -6,6 +6,7 @@
 //! not known here.
 mod bond;
 mod cell;
+mod geometry;
 mod large;
 mod paper;
 pub mod springs;
@@ -13,32 +14,16 @@ pub mod springs;
 mod tests;
 
 pub use bond::Bond;
-pub(crate) use bond::Ends;
+pub(crate) use bond::{Ends, ends};
 pub(crate) use cell::{Cell, Corners, Measures, Rates};
+pub use geometry::Geometry;
+pub(crate) use geometry::Tangent;
 pub use paper::{BondPattern, BondStiffness, PaperRule};
 
 use crate::error::CompositeError;
 use crate::matrix::GridMatrix;
 use crate::section::{Grid, Layout};
 use crate::stiffness::Stiffness;
-
-/// How displacements are measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Geometry {
-    /// Small displacements: forces are proportional to them.
-    Linear,
-    /// Rotations of any size.
-    Large,
-}
-
-/// Which tangent of the energy is wanted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Tangent {
-    /// The energy's second derivatives.
-    Exact,
-    /// Without the parts that may be negative: always leads downhill.
-    Convex,
-}
 
 /// Particles, and the cells or bonds between them.
 #[derive(Debug, Clone)]
@@ -312,12 +297,6 @@ pub(crate) fn gather(u: &[f64], corners: [usize; 4]) -> Corners {
         gathered[2 * corner + 1] = u[2 * particle + 1];
     }
     gathered
-}
-
-/// Displacements of a bond's two particles.
-pub(crate) fn ends(u: &[f64], bond: &Bond) -> Ends {
-    let [first, second] = bond.particles.map(|particle| 2 * particle as usize);
-    [u[first], u[first + 1], u[second], u[second + 1]]
 }
 
 /// A quarter of each cell's mass goes to each of its particles.

@@ -5,13 +5,10 @@ use crate::error::{CompositeError, positive};
 use crate::material::{Material, Note, PlaneState};
 use crate::section::fit::{Fit, fit};
 use crate::section::grid::{Division, Grid, Refinement, with_thin_rows};
-use crate::section::ply::{Ply, Strip, faces_mm, shares_between, strip};
-use crate::section::shares::{Part, shares};
-use crate::section::{Band, Section, refuse_overlap};
+use crate::section::ply::{Strip, faces_mm, shares_between, strip};
+use crate::section::shares::{LEAST_SHARE, Part, shares};
+use crate::section::{Band, Ply, Section, refuse_overlap};
 use crate::stiffness::{Stiffness, laminate};
-
-/// A part of a cell's area below this is round-off, not a fibre.
-pub(super) const LEAST_SHARE: f64 = 1e-12;
 
 /// A section on its grid, ready to become a lattice.
 #[derive(Debug, Clone)]

@@ -2,6 +2,7 @@
 //!
 //! A [`Section`] is what a user describes; [`Section::layout`] checks it and makes the [`Layout`],
 //! the grid of particles with what every cell holds. How a cell answers to strain is not known here.
+mod described;
 mod fit;
 mod grid;
 mod layout;
@@ -10,6 +11,7 @@ mod shares;
 #[cfg(test)]
 mod tests;
 
+pub use described::{Ply, Section, Substance};
 pub use fit::Fit;
 pub use grid::{Division, Grid, Refinement};
 pub(crate) use grid::{corner_weights, within};
@@ -19,40 +21,9 @@ pub use loadframe_api::section::fibre::Fibre;
 pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};
 pub use loadframe_api::section::lines::Towards;
 pub(crate) use loadframe_api::section::polygon::Polygon;
-pub use ply::Ply;
 pub(crate) use ply::faces_mm;
 
 use crate::error::{CompositeError, finite, positive};
-use crate::material::{Material, PlaneState};
-
-/// A rectangular section of a composite; x runs along its length, y up, the origin is its lower
-/// left corner.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Section {
-    pub length_mm: f64,
-    pub height_mm: f64,
-    /// Out of the plane.
-    pub thickness_mm: f64,
-    pub state: PlaneState,
-    /// All materials with their densities; matrix and fibres name them by place.
-    pub materials: Vec<Substance>,
-    /// Which material lies between the fibres, where there are no plies.
-    pub matrix: usize,
-    /// Angle of the matrix material's axis 1 to x [°].
-    pub matrix_angle_deg: f64,
-    /// From the bottom face to the top, as thick together as the section is high; none: the matrix
-    /// fills the section.
-    pub plies: Vec<Ply>,
-    pub fibres: Vec<Fibre>,
-}
-
-/// A material and its density.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Substance {
-    pub material: Material,
-    /// Matters to motion only, never to an equilibrium.
-    pub density_kg_per_m3: f64,
-}
 
 impl Section {
     /// Checks the section and lays the grid over it.

@@ -1,25 +1,8 @@
 //! Plies: the layers of a laminate, homogenised, from the bottom face to the top.
 use crate::error::{CompositeError, finite, positive};
 use crate::material::{Note, PlaneState};
-use crate::section::Section;
+use crate::section::{Ply, Section};
 use crate::stiffness::{Stiffness, laminate, turned};
-
-/// A layer of a laminate over the whole length of the section.
-///
-/// Its fibres lie at `angle_deg` in the plane of the layer, which stands upright on the section's,
-/// as a laminate's stacking sequence has it: 0° along x, 90° across the section's plane. A waviness
-/// in the section's plane turns what results by `in_plane_angle_deg` about z.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ply {
-    /// Which of the section's materials it is of.
-    pub material: usize,
-    /// Along y [mm].
-    pub thickness_mm: f64,
-    /// Angle of its fibres to x, a turn about y [°].
-    pub angle_deg: f64,
-    /// Then a turn about z [°].
-    pub in_plane_angle_deg: f64,
-}
 
 /// How far the thicknesses of plies may miss the section's height, as a share of it.
 const STACK_SLACK: f64 = 1e-9;

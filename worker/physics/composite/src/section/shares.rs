@@ -1,7 +1,9 @@
 //! Which fibres the cells of a grid hold, and how much of them.
 use crate::section::grid::Grid;
-use crate::section::layout::LEAST_SHARE;
 use crate::section::{Band, Polygon};
+
+/// A part of a cell's area below this is round-off, not a fibre.
+pub(super) const LEAST_SHARE: f64 = 1e-12;
 
 /// A fibre in a cell: which band, and its share of the cell's area.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,6 @@
 //! Areas against what geometry says.
 use super::*;
-use crate::material::Orthotropic;
+use crate::material::{Material, Orthotropic, PlaneState};
 use crate::stiffness::turned;
 
 pub(crate) const FILLER: Substance = Substance {

@@ -26,6 +26,23 @@ use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
 use crate::stages;
 use tester::Tester;
 
+/// Shown of the specimen: a bed is the result of its preparation, which is part of the simulation.
+const SHOWN: &str = "What there is before the first grain falls: walls, and the grains of the first layer \
+     where they are let go. Pouring and compacting the bed takes simulated time and comes with the job.";
+
+/// Draws the scene of `spec` as it is before its first step; returns what is shown.
+///
+/// # Errors
+/// When there is no such scene, or the recorder fails.
+pub fn preview<A: Apparatus>(
+    spec: &Ballast<A>,
+    threads: usize,
+    recorder: &mut dyn Recorder,
+) -> Result<String, SimulationError> {
+    stages::run::preview(&spec.script().scene, threads, recorder)?;
+    Ok(SHOWN.to_owned())
+}
+
 /// Runs the test of `spec`.
 ///
 /// # Errors

@@ -1,43 +1,43 @@
 //! Tests of soil: a scene, read in the terms of its test.
 //!
-//! The spec's [`Script`] is a scene with stages; the engine runs it like any other. Between the engine and
+//! The spec's [`Script`](loadframe_api::spec::soil::Script) is a scene with stages; the engine runs it like any other. Between the engine and
 //! the job's recorder sits a [`Tester`], which makes the test's own curve of the walls' places and forces,
 //! row by row; when the engine is done, the test reads its results off that curve. What a test is to be
-//! read as is [`Measured`]: [`triaxial`] and [`direct_shear`], one file each. Angles that both have are of
+//! read as is [`Measured`], of the [`Rows`](measured::Rows) that were heard: [`triaxial`] and [`direct_shear`], one file each. Angles that both have are of
 //! [`angles`]. A resumed run hears the whole curve again, so that nothing here is kept in a checkpoint.
 mod angles;
 mod direct_shear;
+mod measured;
 mod tester;
 mod triaxial;
 
-use loadframe_api::{
-    Report,
-    spec::soil::{Script, Shearing, Soil},
-};
+use loadframe_api::{Report, spec::soil::Soil};
 use loadframe_harness::{Ending, Recorder, ReportBuilder, RunContext, SimulationError};
 
 use crate::stages;
-use tester::{Rows, Tester};
+use tester::Tester;
 
-/// A test that can be read off a scene.
-pub trait Measured: Shearing {
-    /// A row of the scene, given the first one, in the terms of the test: as many as it has columns.
-    #[doc(hidden)]
-    fn row(&self, script: &Script, row: &Reading<'_>, first: &Reading<'_>) -> Vec<f64>;
-
-    /// Forces of two walls [N] that are in balance when nothing is left of motion.
-    #[doc(hidden)]
-    fn balance(&self, row: &Reading<'_>) -> [f64; 2];
-
-    /// Results, from the rows of the test and the first and last of the scene.
-    #[doc(hidden)]
-    fn results(&self, report: &mut ReportBuilder, script: &Script, rows: &Rows);
-}
-
-pub use tester::Reading;
+pub use measured::{Measured, Reading};
 
 /// Part of the force on one wall that another does not carry, beyond which forces are those of motion.
 const LARGEST_IMBALANCE: f64 = 0.05;
+
+/// Shown of the specimen: grains have yet to be pressed together, which is part of the simulation.
+const SHOWN: &str = "Grains as they are placed, apart from one another. Pressing them together to the specimen \
+     takes simulated time and comes with the job.";
+
+/// Draws the scene of `spec` as it is before its first step; returns what is shown.
+///
+/// # Errors
+/// When there is no such scene, or the recorder fails.
+pub fn preview<T: Measured>(
+    spec: &Soil<T>,
+    threads: usize,
+    recorder: &mut dyn Recorder,
+) -> Result<String, SimulationError> {
+    stages::run::preview(&spec.script().scene, threads, recorder)?;
+    Ok(SHOWN.to_owned())
+}
 
 /// Runs the test of `spec`.
 ///

@@ -1,32 +1,10 @@
 //! From the rows of a scene to those of a test.
-use std::{
-    collections::BTreeMap,
-    io::{self, Write},
-};
+use std::io::{self, Write};
 
 use loadframe_api::spec::soil::Script;
 use loadframe_harness::{Decorator, Recorder, csv};
 
-use super::Measured;
-
-/// A row of the scene by the names of its columns.
-#[derive(Clone, Copy, Debug)]
-pub struct Reading<'a> {
-    places: &'a BTreeMap<String, usize>,
-    values: &'a [f64],
-}
-
-/// What was heard.
-#[derive(Debug, Default)]
-pub struct Rows {
-    places: BTreeMap<String, usize>,
-    /// The last row of the scene before the test, and every one of it.
-    scene: Vec<Vec<f64>>,
-    /// Rows of the test; the first is the state before it.
-    pub(super) test: Vec<Vec<f64>>,
-    /// Σ |F_a + F_b| and Σ |F_a| over the rows [N].
-    imbalance: [f64; 2],
-}
+use super::measured::{Measured, Reading, Rows};
 
 /// Stands between the engine and the recorder of a job.
 pub(super) struct Tester<'a, T: Measured> {
@@ -34,35 +12,6 @@ pub(super) struct Tester<'a, T: Measured> {
     pub(super) script: &'a Script,
     recorder: &'a mut dyn Recorder,
     pub(super) rows: Rows,
-}
-
-impl Reading<'_> {
-    /// A number; not one where the scene has no such column.
-    pub(super) fn at(&self, name: &str) -> f64 {
-        let place = self.places.get(name);
-        place.map_or(f64::NAN, |place| self.values[*place])
-    }
-}
-
-impl Rows {
-    /// The state before the test, and that at its end.
-    pub(super) fn ends(&self) -> Option<[Reading<'_>; 2]> {
-        let reading = |values| Reading {
-            places: &self.places,
-            values,
-        };
-        Some([reading(self.scene.first()?), reading(self.scene.last()?)])
-    }
-
-    /// A column over another.
-    pub(super) fn points(&self, x: usize, y: usize) -> Vec<(f64, f64)> {
-        self.test.iter().map(|row| (row[x], row[y])).collect()
-    }
-
-    /// Σ |F_a + F_b| over Σ |F_a|.
-    pub(super) fn imbalance(&self) -> f64 {
-        self.imbalance[0] / self.imbalance[1]
-    }
 }
 
 impl<'a, T: Measured> Tester<'a, T> {

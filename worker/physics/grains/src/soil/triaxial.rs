@@ -12,7 +12,7 @@ use loadframe_harness::{ReportBuilder, curve};
 use super::{
     Measured, Reading,
     angles::{critical, slope_at},
-    tester::Rows,
+    measured::Rows,
 };
 
 /// Places in a row of the test.

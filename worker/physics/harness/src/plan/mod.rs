@@ -31,7 +31,7 @@ pub use keeper::{Curve, CurveKeeper};
 pub use relay::{Conclusion, Share};
 pub use reports::{SavedReport, joint_warnings, mean, values, worst_quality};
 use reports::{add_sampling_errors, join_repeats, write_repeats};
-pub use specimens::{Place, Specimens, test_specimens};
+pub use specimens::{Place, Specimens, first_of, test_specimens};
 
 /// Messages under way before a test waits for the recorder.
 const MESSAGES: usize = 64;

@@ -70,6 +70,8 @@ pub fn mean(quantity: &Quantity, values: &[f64]) -> Quantity {
         deviation: sample.and_then(|sample| sample.deviation),
         interval: sample.and_then(|sample| sample.interval),
         n: Some(sample.map_or(0, |sample| sample.count)),
+        // where one knows it, it is known
+        reason: quantity.reason.clone().filter(|_| sample.is_none()),
         ..quantity.clone()
     }
 }

@@ -72,6 +72,14 @@ pub struct Place {
     pub direction: usize,
 }
 
+/// What a picture of a specimen shows, where it is the first of so many.
+pub fn first_of(words: &str, specimens: u32) -> String {
+    match specimens {
+        0 | 1 => words.to_owned(),
+        _ => format!("{words} It is the first of {specimens} specimens."),
+    }
+}
+
 /// Tests all specimens of a job side by side.
 ///
 /// # Errors

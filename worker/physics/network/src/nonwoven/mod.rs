@@ -3,7 +3,7 @@
 //! In the order in which a run calls them: [`specimen`] builds the network from the spec, from a
 //! [`lattice`], perhaps [`turned`], or as given, with drawn [`strength`]; [`experiment`] strains it
 //! step by step along a [`path`] from the guess of [`predictor`] and keeps all that counts in a [`state`]; [`snapshot`],
-//! [`landscape`], [`distribution`], [`tables`], [`cycles`], [`spectrum`] and [`report`] turn that into files and results, and
+//! [`landscape`], [`distribution`], [`tables`], [`cycles`], [`spectrum`], [`readings`] and [`report`] turn that into files and results, and
 //! [`errors`] say how wrong they may be.
 //! [`width`] measures lateral contraction, [`progress`] how far the test is. This file holds the
 //! loop, which alone talks to the recorder. [`mod@plan`] stands above: a job of repeats or of two
@@ -19,6 +19,7 @@ mod path;
 mod plan;
 mod predictor;
 mod progress;
+mod readings;
 mod report;
 mod snapshot;
 mod specimen;
@@ -33,6 +34,7 @@ use loadframe_api::spec::nonwoven_tensile::NonwovenTensile;
 use loadframe_harness::{
     Ending, Halt, Interrupt, Recorder, RunContext, SimulationError,
     checkpoint::{self, Fingerprint},
+    plan::first_of,
 };
 use loadframe_numerics::Team;
 use serde::{Deserialize, Serialize};
@@ -53,14 +55,19 @@ struct Checkpoint {
     state: State,
 }
 
-/// Draws the first specimen of `spec`, in its first direction, before it is strained.
+/// Draws the first specimen of `spec`, in its first direction, before it is strained; returns what is shown.
 ///
 /// # Errors
 /// When there is no such specimen, or the recorder fails.
-pub fn preview(spec: &NonwovenTensile, recorder: &mut dyn Recorder) -> Result<(), SimulationError> {
+pub fn preview(
+    spec: &NonwovenTensile,
+    _threads: usize,
+    recorder: &mut dyn Recorder,
+) -> Result<String, SimulationError> {
     let specimen = Specimen::new(spec)?;
     snapshot::take_first(&specimen, recorder)?;
-    Ok(())
+    let words = "The fabric between its jaws, not strained yet.";
+    Ok(first_of(words, spec.test.repeats))
 }
 
 /// Runs a single test of `spec`, in its first direction, whatever repeats it asks for.

@@ -8,24 +8,17 @@ use loadframe_harness::{ReportBuilder, curve};
 use super::{
     cycles, distribution,
     experiment::{LARGEST_OVERSTEP, StopReason},
+    readings::{N_PER_M, N_PER_TEX, PA, Pull, USUAL_STRAIN},
     specimen::Specimen,
     state::{Point, State},
 };
 use crate::equilibrium::work::Work;
 
-/// Strain at which secant stiffness and lateral contraction are read, as in [Zilka2022] table 4.
-const READING_STRAIN: f64 = 0.1;
 /// Largest difference between the jaw forces, relative to the maximum force, that goes without
 /// warning: the force error ISO 7500-1 allows a testing machine of class 1.
 const LARGEST_IMBALANCE: f64 = 0.01;
 /// N mm per mm² in J/m².
 const J_PER_M2: f64 = 1e3;
-/// N/mm in N/m.
-const N_PER_M: f64 = 1e3;
-/// N/mm² in Pa.
-const PA: f64 = 1e6;
-/// N m/g in N/tex, with the tex of a gram per kilometre.
-const N_PER_TEX: f64 = 1e-3;
 /// N mm in J.
 const J: f64 = 1e-3;
 /// Strains listed in a warning before it only counts.
@@ -39,7 +32,7 @@ pub(super) fn report(
     stop_reason: StopReason,
 ) -> Report {
     let mut report = ReportBuilder::new(stop_reason.name());
-    results(&mut report, specimen, state);
+    results(&mut report, spec, specimen, state, stop_reason);
     if !spec.test.history.is_empty() {
         cycles::report(&mut report, spec, state);
     }
@@ -49,7 +42,13 @@ pub(super) fn report(
     report.finish()
 }
 
-fn results(report: &mut ReportBuilder, specimen: &Specimen, state: &State) {
+fn results(
+    report: &mut ReportBuilder,
+    spec: &NonwovenTensile,
+    specimen: &Specimen,
+    state: &State,
+    stop_reason: StopReason,
+) {
     let column = |value: fn(&Point) -> f64| -> Vec<(f64, f64)> {
         let points = state.points.iter();
         points
@@ -63,15 +62,15 @@ fn results(report: &mut ReportBuilder, specimen: &Specimen, state: &State) {
     // a way back says nothing of a first pull
     let pulled = state.points.iter().position(|point| point.is_unloading);
     let pulled = pulled.unwrap_or(state.points.len());
-    let force_at_reading = curve::interpolate(&forces[..pulled], READING_STRAIN);
-    let width_strains: Option<Vec<(f64, f64)>> = specimen
-        .width_gauge
-        .as_ref()
-        .map(|_| column(|point| point.width_strain.unwrap_or(f64::NAN)));
-    let width_strain =
-        width_strains.and_then(|curve| curve::interpolate(&curve[..pulled], READING_STRAIN));
+    let width_strains = column(|point| point.width_strain.unwrap_or(f64::NAN));
+    let pull = Pull {
+        specimen,
+        forces: &forces[..pulled],
+        width_strains: &width_strains[..pulled],
+        stop_reason,
+    };
+    let usual = pull.read(USUAL_STRAIN);
     let per_width = |force: f64| force / specimen.width * N_PER_M;
-    let secant = force_at_reading.map(|force| force / READING_STRAIN);
 
     report.result(
         "max_force",
@@ -91,24 +90,7 @@ fn results(report: &mut ReportBuilder, specimen: &Specimen, state: &State) {
         "N/m",
         "Largest force per width of the specimen.",
     );
-    report.result(
-        "modulus_at_10_percent",
-        secant.map(per_width),
-        "N/m",
-        "Secant stiffness per width: force at 10 % nominal strain over 0.1 and the width.",
-    );
-    report.result(
-        "secant_stiffness_at_10_percent",
-        secant,
-        "N",
-        "Force at 10 % nominal strain over 0.1.",
-    );
-    report.result(
-        "poisson_ratio",
-        width_strain.map(|strain| -strain / READING_STRAIN),
-        "1",
-        "Lateral contraction of the middle third over nominal strain, at 10 % nominal strain.",
-    );
+    usual.stiffness(report);
     report.result(
         "energy_absorption",
         work_to_peak.map(|work| work / (specimen.width * specimen.gauge_length) * J_PER_M2),
@@ -130,13 +112,8 @@ fn results(report: &mut ReportBuilder, specimen: &Specimen, state: &State) {
             "Pa",
             "Largest force over width times thickness.",
         );
-        report.result(
-            "modulus_at_10_percent_pa",
-            secant.map(stress),
-            "Pa",
-            "Force at 10 % nominal strain over 0.1, width and thickness.",
-        );
     }
+    usual.stress(report);
     if let Some(grammage) = specimen.grammage {
         let index = |force: f64| per_width(force) / grammage;
         report.result(
@@ -151,13 +128,8 @@ fn results(report: &mut ReportBuilder, specimen: &Specimen, state: &State) {
             "N/tex",
             "Largest force over the mass per length of the specimen.",
         );
-        report.result(
-            "modulus_at_10_percent_per_tex",
-            secant.map(|force| N_PER_TEX * index(force)),
-            "N/tex",
-            "Force at 10 % nominal strain over 0.1 and the mass per length of the specimen.",
-        );
     }
+    usual.per_mass(report);
     if let Some(layers) = specimen.layers {
         report.result(
             "max_force_per_layer",
@@ -196,6 +168,12 @@ fn results(report: &mut ReportBuilder, specimen: &Specimen, state: &State) {
         ("bonds", network.bonds.len(), "Bonds before the test."),
     ] {
         report.count(name, count, description);
+    }
+    for strain in &spec.output.reading_strains {
+        let reading = pull.read(*strain);
+        reading.stiffness(report);
+        reading.stress(report);
+        reading.per_mass(report);
     }
 }
 

@@ -5,6 +5,7 @@
 //! does to it what the spec says; [`files`] and [`report`] write. This file holds the course of it,
 //! which alone talks to the recorder. A run is over within seconds: it keeps no checkpoint, and one
 //! that was suspended begins again.
+mod contradictions;
 mod fibre;
 mod files;
 mod report;
@@ -15,7 +16,7 @@ mod tests;
 
 use loadframe_api::spec::paper_tensile::{PaperTensile, SingleFibre, Specimen};
 use loadframe_harness::{
-    Ending, Halt, Interrupt, Recorder, ReportBuilder, RunContext, SimulationError,
+    Ending, Halt, Interrupt, Recorder, RunContext, SimulationError, plan::first_of,
 };
 
 use crate::fibre::TubeError;
@@ -51,7 +52,7 @@ pub fn run(
     }
 }
 
-/// Draws the first specimen of `spec` before its test.
+/// Draws the first specimen of `spec` before its test; returns what is shown.
 ///
 /// # Errors
 /// When there is no such specimen, or the recorder fails.
@@ -59,25 +60,16 @@ pub fn preview(
     spec: &PaperTensile,
     threads: usize,
     recorder: &mut dyn Recorder,
-) -> Result<(), SimulationError> {
-    let Specimen::SingleFibre(single) = &spec.specimen else {
-        return sheet::preview(spec, threads, recorder);
+) -> Result<String, SimulationError> {
+    let words = match &spec.specimen {
+        Specimen::SingleFibre(single) => {
+            let specimen = fibre::Specimen::new(spec, single)?;
+            files::write_pictures(&specimen, &[specimen.unloaded()], recorder)?;
+            "The fibre as a tube of springs, before its load."
+        }
+        _ => sheet::preview(spec, threads, recorder)?,
     };
-    let specimen = fibre::Specimen::new(spec, single)?;
-    files::write_pictures(&specimen, &[specimen.unloaded()], recorder)?;
-    Ok(())
-}
-
-/// Warns of pulps whose coarseness and wall contradict one another.
-fn warn_of_contradictions(report: &mut ReportBuilder, spec: &PaperTensile) {
-    let contradicted = spec.pulp.iter().filter_map(|pulp| {
-        let (section, coarseness) = pulp.section().ok().zip(pulp.coarseness_mg_per_m)?;
-        Some((&pulp.name, section.contradiction(coarseness)?))
-    });
-    for (name, contradiction) in contradicted {
-        let detail = format!("pulp {name:?}: {contradiction}");
-        report.warn("contradicting_coarseness", detail);
-    }
+    Ok(first_of(words, spec.specimens()))
 }
 
 fn test(

@@ -3,8 +3,8 @@ use loadframe_api::Report;
 use loadframe_api::spec::paper_tensile::SingleFibreLoad;
 use loadframe_harness::ReportBuilder;
 
+use super::contradictions::warn_of_contradictions;
 use super::fibre::{Loaded, Specimen};
-use super::warn_of_contradictions;
 use crate::fibre::measure::{Constants, column_load_mn, shear_stiffness_mn};
 
 /// Constants further than this from what was put in are not to be believed.

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     ContactForces, Kept, Lanewise, Law, Push, Slip, Touch,
     coulomb::{Coulomb, cut},
+    kept,
     normal::{Normal, Spring},
 };
 use crate::{
@@ -113,8 +114,7 @@ impl Law for HertzMindlin {
         let zero = Lanes::splat(simd, 0.0);
         let root = touch.overlap.sqrt().only_if(touch.is_touching, zero);
         let before = Lanes::load(simd, &self.root, part);
-        let kept = root.over(before);
-        let kept = kept.only_if(root.below(before), Lanes::splat(simd, 1.0));
+        let kept = kept(simd, root, before);
         let turned = (self.coulomb).turned(simd, part, touch.normal, slip, time_step);
         let constant = touch.stiffness * touch.shear_ratio;
         let stiffness = constant * root * Lanes::splat(simd, time_step);

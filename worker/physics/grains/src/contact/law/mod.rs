@@ -24,7 +24,7 @@ use pulp::Simd;
 use serde::{Serialize, de::DeserializeOwned};
 
 use super::{Push, Slip, Touch, past::Past, stiffness::Springs};
-use crate::numbers::Vector;
+use crate::numbers::{Vector, lanes::Lanes};
 
 pub(crate) use bonded::Bonded;
 pub(crate) use cemented::Cemented;
@@ -150,6 +150,15 @@ impl ContactForces {
     }
 }
 
+/// Part of its load that a spring keeps, given what its stiffness is in proportion to, now and before: all,
+/// but where it has softened. Carried over whole, the load would make energy.
+#[inline(always)]
+fn kept<S: Simd>(simd: S, softness: Lanes<S>, before: Lanes<S>) -> Lanes<S> {
+    let part = softness.over(before);
+    // without a load before the quotient is not a number, and not taken
+    part.only_if(softness.below(before), Lanes::splat(simd, 1.0))
+}
+
 /// Energy [J] of a spring, given the square of its load.
 fn in_spring(square: f64, stiffness: f64) -> f64 {
     if stiffness > 0.0 {
@@ -167,7 +176,7 @@ mod tests {
             past::{Beam, Bond},
             stiffness::{Cement, Resistance},
         },
-        numbers::lanes::{Array, LANES, Lanes, Vectors},
+        numbers::lanes::{Array, LANES, Vectors},
     };
     use pulp::{Arch, Scalar, WithSimd};
 

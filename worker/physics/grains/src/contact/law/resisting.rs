@@ -26,7 +26,7 @@
 use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
-use super::{ContactForces, Lanewise, Law, Normal, Push, Slip, Spring, Touch, coulomb::cut};
+use super::{ContactForces, Lanewise, Law, Normal, Push, Slip, Spring, Touch, coulomb::cut, kept};
 use crate::{
     contact::past::Past,
     contact::stiffness::Springs,
@@ -112,12 +112,11 @@ impl<F: Law> Law for Resisting<F> {
         time_step: f64,
     ) -> Push<S> {
         let push = self.law.advance(simd, part, touch, slip, time_step);
-        let (none, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let none = Lanes::splat(simd, 0.0);
         let root = F::Normal::dashpot(simd, &touch);
         let softness = (root * root).only_if(touch.is_touching, none);
         let before = Lanes::load(simd, &self.softness, part);
-        let kept = softness.over(before);
-        let kept = kept.only_if(softness.below(before), one);
+        let kept = kept(simd, softness, before);
         softness.store(&mut self.softness, part);
         let step = softness * Lanes::splat(simd, time_step);
         let along = slip.rolling.dot(touch.normal);

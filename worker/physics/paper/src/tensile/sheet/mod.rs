@@ -29,7 +29,7 @@ mod tests;
 
 use std::sync::Arc;
 
-use loadframe_api::spec::paper_tensile::{PaperTensile, SHEET_CURVE};
+use loadframe_api::spec::paper_tensile::{PaperTensile, SHEET_CURVE, Specimen as Kind};
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::plan::{Compared, Place, Specimens, test_specimens};
 use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
@@ -80,7 +80,7 @@ pub(super) fn run(
     test_specimens(&Repeats(spec), Fingerprint::of(spec)?, context, recorder)
 }
 
-/// Draws the first sheet of `spec`, for the first of its directions.
+/// Draws the first sheet of `spec`, for the first of its directions; returns what is shown.
 ///
 /// # Errors
 /// When there is no such sheet, or the recorder fails.
@@ -88,10 +88,16 @@ pub(super) fn preview(
     spec: &PaperTensile,
     threads: usize,
     recorder: &mut dyn Recorder,
-) -> Result<(), SimulationError> {
+) -> Result<&'static str, SimulationError> {
     let specimen = Specimen::new(spec, &Team::new(threads)?)?;
     pictures::unheld(&specimen, recorder)?;
-    Ok(())
+    Ok(match &spec.specimen {
+        Kind::Explicit(_) => "The sheet as it is given, before it is pulled.",
+        _ if spec.test.is_zero_span() => {
+            "The pieces of fibres between the jaws, before they are pulled."
+        }
+        _ => "The sheet between its jaws, before it is pulled.",
+    })
 }
 
 /// Runs a single test of `spec`, whatever repeats it asks for; of both directions the first.

@@ -5,7 +5,7 @@ use loadframe_harness::ReportBuilder;
 use super::course::Course;
 use super::specimen::Specimen;
 use crate::frame::PullEnd;
-use crate::tensile::warn_of_contradictions;
+use crate::tensile::contradictions::warn_of_contradictions;
 
 /// Share of the energy in what only keeps a truss in place, from which on its force means nothing.
 const LARGEST_TAUT_SHARE: f64 = 0.01;
