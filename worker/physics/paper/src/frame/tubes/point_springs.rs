@@ -68,6 +68,12 @@ impl PointSprings {
         &self.entries[start..self.ends[spring]]
     }
 
+    /// Points that a spring feels, and what of their displacement.
+    #[cfg(test)]
+    pub(crate) fn felt(&self, spring: usize) -> impl Iterator<Item = (u32, Vector3<f64>)> + '_ {
+        self.spring(spring).iter().copied()
+    }
+
     fn deformation(&self, spring: usize, motion: &Motion) -> f64 {
         let parts = self.spring(spring).iter();
         parts
