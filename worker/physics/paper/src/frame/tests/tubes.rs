@@ -5,6 +5,7 @@ use loadframe_api::fibre::{Division, OnInadmissible, Ring as RingPlace, divide_p
 use loadframe_api::fibre::{Divided, Elasticity, Section};
 use nalgebra::Vector3;
 
+use super::super::balance::Motion;
 use super::super::springs::SpringSum;
 use super::super::tubes::{Hold, Joint, PointSprings};
 use super::*;
@@ -57,9 +58,9 @@ fn last_ring(network: &Network, fibre: usize) -> std::ops::Range<usize> {
     nodes.end - 6..nodes.end
 }
 
-fn mean(network: &Rest, nodes: std::ops::Range<usize>, axis: usize) -> f64 {
+fn mean(rest: &Rest, nodes: std::ops::Range<usize>, axis: usize) -> f64 {
     let count = nodes.len() as f64;
-    nodes.map(|node| network.displacement_um[node][axis] / count).sum()
+    nodes.map(|node| rest.displacement_um[node][axis] / count).sum()
 }
 
 /// A force shared by the points of a ring.
