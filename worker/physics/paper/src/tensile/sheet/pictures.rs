@@ -124,6 +124,9 @@ fn take(
         Broken::Bond(bond) => segments + bond,
     });
     let elements: Vec<usize> = elements.collect();
+    let [strain, force, stress] = [strain, force, stress].map(|all| of_lines(&elements, &all));
+    let [broken, modes, is_bond] = [broken, modes, is_bond].map(|all| of_lines(&elements, &all));
+    let owners = of_lines(&elements, &owners);
     let lines = Lines {
         points: &drawing.points_um,
         ends: &drawing.lines,
@@ -132,13 +135,13 @@ fn take(
             Array::bytes("jaw", &jaws),
         ],
         cell_data: &[
-            Array::scalars("strain", &of_lines(&elements, &strain)),
-            Array::scalars("force_n", &of_lines(&elements, &force)),
-            Array::scalars("stress_mpa", &of_lines(&elements, &stress)),
-            Array::bytes("broken", &of_lines(&elements, &broken)),
-            Array::bytes("mode", &of_lines(&elements, &modes)),
-            Array::bytes("is_bond", &of_lines(&elements, &is_bond)),
-            Array::indices("number", &of_lines(&elements, &owners)),
+            Array::scalars("strain", &strain),
+            Array::scalars("force_n", &force),
+            Array::scalars("stress_mpa", &stress),
+            Array::bytes("broken", &broken),
+            Array::bytes("mode", &modes),
+            Array::bytes("is_bond", &is_bond),
+            Array::indices("number", &owners),
         ],
     };
     recorder.file(name, &mut |out| lines.write(out))
