@@ -31,7 +31,8 @@ pub fn ring_centres(
     for ring in 0..=segments {
         let arc = length_um * ring as f64 / segments as f64;
         // the parts of a line of one point are none, and its length is 0
-        while part + 2 < line_um.len() && before + distance(line_um[part], line_um[part + 1]) < arc {
+        while part + 2 < line_um.len() && before + distance(line_um[part], line_um[part + 1]) < arc
+        {
             before += distance(line_um[part], line_um[part + 1]);
             part += 1;
         }
@@ -47,20 +48,29 @@ pub fn ring_centres(
 
 /// Length of a line [µm].
 pub fn line_length_um(line_um: &[[f64; 3]]) -> f64 {
-    line_um.windows(2).map(|ends| distance(ends[0], ends[1])).sum()
+    line_um
+        .windows(2)
+        .map(|ends| distance(ends[0], ends[1]))
+        .sum()
 }
 
 fn check_bends(centres: &[[f64; 3]], segment: &Segment) -> Result<(), FibreError> {
-    let chords: Vec<f64> = centres.windows(2).map(|ends| distance(ends[0], ends[1])).collect();
+    let chords: Vec<f64> = centres
+        .windows(2)
+        .map(|ends| distance(ends[0], ends[1]))
+        .collect();
     // sin(β/2) between chords a and b is |a - b|/2 of unit vectors; rings at the ends are across their chord
-    let half_turns = centres.windows(3).zip(chords.windows(2)).map(|(at, lengths)| {
-        let parts = (0..3).map(|axis| {
-            let before = (at[1][axis] - at[0][axis]) / lengths[0];
-            let after = (at[2][axis] - at[1][axis]) / lengths[1];
-            (after - before).powi(2)
+    let half_turns = centres
+        .windows(3)
+        .zip(chords.windows(2))
+        .map(|(at, lengths)| {
+            let parts = (0..3).map(|axis| {
+                let before = (at[1][axis] - at[0][axis]) / lengths[0];
+                let after = (at[2][axis] - at[1][axis]) / lengths[1];
+                (after - before).powi(2)
+            });
+            0.5 * parts.sum::<f64>().sqrt()
         });
-        0.5 * parts.sum::<f64>().sqrt()
-    });
     let mut sines = vec![0.0];
     sines.extend(half_turns);
     sines.push(0.0);

@@ -204,7 +204,8 @@ pub fn divide_piece(
     division: &Division,
 ) -> Result<Divided, FibreError> {
     let mut own = *division;
-    if let (OnInadmissible::Reject, Some(wanted)) = (division.on_inadmissible, division.segment_um) {
+    if let (OnInadmissible::Reject, Some(wanted)) = (division.on_inadmissible, division.segment_um)
+    {
         let diameter = section.ring_diameter_um(division.ring)?;
         let window = Window::new(division.points_on_ring, diameter, section, elasticity)?;
         if !window.admits(wanted) {

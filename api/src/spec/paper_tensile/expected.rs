@@ -119,7 +119,10 @@ impl PaperTensile {
         let (total, fibres) = match &self.specimen {
             Specimen::Sheet(sheet) => sheet.length_and_fibres(self),
             Specimen::Explicit(sheet) => {
-                let lines = sheet.fibres.iter().map(|f| line_length_um(&f.centre_line_um));
+                let lines = sheet
+                    .fibres
+                    .iter()
+                    .map(|f| line_length_um(&f.centre_line_um));
                 (lines.sum(), sheet.fibres.len() as f64)
             }
             Specimen::SingleFibre(_) => (0.0, 0.0),

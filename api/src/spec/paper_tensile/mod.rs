@@ -140,7 +140,10 @@ impl PaperTensile {
     /// follow the straight parts.
     pub fn sheet_segment_um(&self) -> f64 {
         let by_accuracy = self.accuracy.knobs().segment_widths * self.narrowest_um();
-        let asked = self.model.segment_um.filter(|_| self.level() != Level::Tube);
+        let asked = self
+            .model
+            .segment_um
+            .filter(|_| self.level() != Level::Tube);
         asked.unwrap_or(by_accuracy)
     }
 

@@ -1,8 +1,8 @@
 //! What the JSON Schema cannot say of sheets: bonds that must join fibres where they touch, fibres that
 //! must fit into a sheet, memory that there must be.
 use super::{
-    BondsAt, Direction, ExplicitBond, ExplicitSheet, MadeSheet, Orientation, PaperTensile, Placement,
-    Pulp,
+    BondsAt, Direction, ExplicitBond, ExplicitSheet, MadeSheet, Orientation, PaperTensile,
+    Placement, Pulp,
 };
 use crate::{Violation, Violations};
 

@@ -34,7 +34,11 @@ impl Studied for PaperTensile {
             "level",
             "what fibres are made of: truss, tube or beam; tubes where they have 100 000 points at most",
             self.level().name(),
-            if is_small { &["truss", "tube"][..] } else { &["truss"] },
+            if is_small {
+                &["truss", "tube"][..]
+            } else {
+                &["truss"]
+            },
             "beam",
         );
         match &self.specimen {

@@ -2,7 +2,9 @@
 //! and what tubes do not do.
 use super::checks::{MOST_POINTS, indivisible};
 use super::{BondsAt, ExplicitSheet, PaperTensile, Specimen};
-use crate::fibre::{FibreError, OnInadmissible, Window, divide_piece, line_length_um, ring_centres};
+use crate::fibre::{
+    FibreError, OnInadmissible, Window, divide_piece, line_length_um, ring_centres,
+};
 use crate::{Violation, Violations};
 
 /// At most this many violations of a list are told.
@@ -56,12 +58,16 @@ fn of_pulps(spec: &PaperTensile) -> Option<FibreError> {
             continue;
         };
         for section in pulp.fibres().filter_map(|fibre| fibre.section()) {
-            let window = section.ring_diameter_um(division.ring).and_then(|diameter| {
-                Window::new(division.points_on_ring, diameter, &section, &elasticity)
-            });
+            let window = section
+                .ring_diameter_um(division.ring)
+                .and_then(|diameter| {
+                    Window::new(division.points_on_ring, diameter, &section, &elasticity)
+                });
             match (window, division.segment_um, division.on_inadmissible) {
                 (Err(error), ..) => return Some(error),
-                (Ok(window), Some(given_um), OnInadmissible::Reject) if !window.admits(given_um) => {
+                (Ok(window), Some(given_um), OnInadmissible::Reject)
+                    if !window.admits(given_um) =>
+                {
                     return Some(FibreError::Inadmissible {
                         given_um,
                         from_um: window.from_um,
@@ -90,7 +96,9 @@ fn check_lines(spec: &PaperTensile, sheet: &ExplicitSheet, violations: &mut Viol
         let pulp = spec.pulp_named(&fibre.pulp);
         let known = pulp.and_then(|pulp| Some((pulp.section().ok()?, pulp.elasticity().ok()?)));
         // points in one place and unknown pulps are told of elsewhere
-        let Some((section, elasticity)) = known else { return };
+        let Some((section, elasticity)) = known else {
+            return;
+        };
         let length_um = line_length_um(&fibre.centre_line_um);
         if !(length_um.is_finite() && length_um > 0.0) {
             return;

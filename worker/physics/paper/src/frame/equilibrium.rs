@@ -36,9 +36,6 @@ pub(crate) const ROUND_OFF: f64 = 1e-11;
 /// segments are stiff beside the sheet, that is round-off, and a refinement costs as much as a break.
 const NEAR_FLOOR: f64 = 4.0;
 
-/// Forces below this share of the largest since the factor was made are none: the jaws are parted.
-const NOTHING: f64 = 1e-9;
-
 /// Refinements before giving up.
 const REFINEMENTS: usize = 4;
 
@@ -353,7 +350,7 @@ impl<'n, E: SpringSum> Equilibrium<'n, E> {
             let mut right = self.unbalanced(&self.forces);
             let worst = self.worst_force(&right);
             self.largest = self.largest.max(self.forces.scale);
-            let scale = self.forces.scale.max(NOTHING * self.largest);
+            let scale = self.forces.scale.max(E::NOTHING * self.largest);
             self.residual = worst / scale.max(f64::MIN_POSITIVE);
             let is_round_off = refinement > 0 && worst <= ROUND_OFF * self.forces.round_off;
             let is_at_floor = refinement == 0 && self.residual <= NEAR_FLOOR * self.floor;

@@ -175,7 +175,10 @@ impl<'n> Held<'n> {
         let nodes = &self.motion().nodes;
         match self.network().tubes() {
             Some(tubes) => tubes.largest_turn(self.network(), self.motion()),
-            None => nodes.iter().map(|motion| motion[1].norm()).fold(0.0, f64::max),
+            None => nodes
+                .iter()
+                .map(|motion| motion[1].norm())
+                .fold(0.0, f64::max),
         }
     }
 

@@ -12,6 +12,10 @@ use super::network::Network;
 
 /// A part of a network as springs.
 pub(crate) trait SpringSum: Clone + std::fmt::Debug {
+    /// Forces below this share of the largest since the factor was made are none: the jaws are parted. Round-off of a
+    /// solution must be well below.
+    const NOTHING: f64;
+
     /// Those of a network: segments by fibre, then bonds, then what never breaks.
     fn of(network: &Network) -> &[Self];
 
@@ -49,6 +53,8 @@ pub(crate) trait SpringSum: Clone + std::fmt::Debug {
 }
 
 impl SpringSum for Element {
+    const NOTHING: f64 = 1e-9;
+
     fn of(network: &Network) -> &[Self] {
         network.elements()
     }

@@ -5,8 +5,8 @@ use loadframe_harness::ReportBuilder;
 
 use super::fibre::{Loaded, Specimen};
 use super::warn_of_contradictions;
-use crate::fibre::{Divided, Elasticity};
 use crate::fibre::measure::{Constants, column_load_mn, shear_stiffness_mn};
+use crate::fibre::{Divided, Elasticity};
 
 /// Constants further than this from what was put in are not to be believed.
 const LARGEST_MISS: f64 = 0.005;

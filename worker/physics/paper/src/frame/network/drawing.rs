@@ -32,7 +32,11 @@ impl Network {
             parts: Vec::with_capacity(self.parts()),
         };
         for node in nodes {
-            drawing.point(self.positions[node], displacement_um(node).into(), self.jaws[node]);
+            drawing.point(
+                self.positions[node],
+                displacement_um(node).into(),
+                self.jaws[node],
+            );
         }
         for segment in 0..self.segments() {
             for line in self.lines_of(segment) {

@@ -40,7 +40,10 @@ pub(super) struct BondEnd {
 }
 
 /// Both ends of all bonds, by fibre and arc length.
-pub(super) fn bond_ends(lines: &[CentreLine], bonds: &[FrameBond]) -> Result<Vec<BondEnd>, FrameError> {
+pub(super) fn bond_ends(
+    lines: &[CentreLine],
+    bonds: &[FrameBond],
+) -> Result<Vec<BondEnd>, FrameError> {
     let mut ends = Vec::with_capacity(2 * bonds.len());
     for (number, bond) in bonds.iter().enumerate() {
         bond.check(number)?;

@@ -29,7 +29,9 @@ impl Network {
             ..model
         };
         model.check()?;
-        let points_on_ring = tubes.first().map_or(4, |tube| tube.segment().points_on_ring());
+        let points_on_ring = tubes
+            .first()
+            .map_or(4, |tube| tube.segment().points_on_ring());
         check_tubes(fibres, tubes, points_on_ring)?;
         let mut lines = Vec::with_capacity(fibres.len());
         for (number, fibre) in fibres.iter().enumerate() {
@@ -183,5 +185,9 @@ fn check_tubes(
         )?;
     }
     let yields = fibres.iter().any(|fibre| fibre.section.yielding.is_some());
-    if yields { Err(FrameError::Tubes) } else { Ok(()) }
+    if yields {
+        Err(FrameError::Tubes)
+    } else {
+        Ok(())
+    }
 }

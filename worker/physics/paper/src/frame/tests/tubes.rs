@@ -1,8 +1,8 @@
 //! Tubes against the bars and beams that they stand for, and how bonds hold on to them.
 use std::f64::consts::PI;
 
-use loadframe_api::fibre::{Division, OnInadmissible, Ring as RingPlace, divide_piece};
 use loadframe_api::fibre::{Divided, Elasticity, Section};
+use loadframe_api::fibre::{Division, OnInadmissible, Ring as RingPlace, divide_piece};
 use nalgebra::Vector3;
 
 use super::super::balance::Motion;
@@ -60,7 +60,9 @@ fn last_ring(network: &Network, fibre: usize) -> std::ops::Range<usize> {
 
 fn mean(rest: &Rest, nodes: std::ops::Range<usize>, axis: usize) -> f64 {
     let count = nodes.len() as f64;
-    nodes.map(|node| rest.displacement_um[node][axis] / count).sum()
+    nodes
+        .map(|node| rest.displacement_um[node][axis] / count)
+        .sum()
 }
 
 /// A force shared by the points of a ring.
@@ -87,7 +89,11 @@ fn a_straight_tube_between_jaws_is_a_bar() {
     // the force along every segment, and hardly a moment: a section is pulled evenly
     for segment in 0..network.segments() {
         close(pull.segment_force_mn(segment), right, 1e-9);
-        close(pull.segment_stress_gpa(segment), right / tube().area_um2, 1e-6);
+        close(
+            pull.segment_stress_gpa(segment),
+            right / tube().area_um2,
+            1e-6,
+        );
     }
 }
 
@@ -101,7 +107,8 @@ fn a_tube_along_any_line_at_an_angle_is_the_same_tube() {
     let other = super::tubes::network(&straight, &[], 2000.0);
     for nodes in [0..6, 6..12] {
         let apart = |network: &Network| {
-            let [a, b] = [nodes.start, nodes.start + 2].map(|node| Vector3::from(network.position_um(node)));
+            let [a, b] =
+                [nodes.start, nodes.start + 2].map(|node| Vector3::from(network.position_um(node)));
             (b - a).norm()
         };
         close(apart(&network), apart(&other), 1e-12);
@@ -111,7 +118,9 @@ fn a_tube_along_any_line_at_an_angle_is_the_same_tube() {
     let free = super::tubes::network(&line, &[], 2000.0);
     let tip = last_ring(&free, 0);
     let rest = free.rest(0.0, &shared(tip.clone(), force)).unwrap();
-    let along: f64 = (0..3).map(|axis| force[axis] * mean(&rest, tip.clone(), axis)).sum();
+    let along: f64 = (0..3)
+        .map(|axis| force[axis] * mean(&rest, tip.clone(), axis))
+        .sum();
     let axial = tube().youngs_modulus_gpa * tube().area_um2;
     close(along, 1000.0 / axial, HELD_ENDS);
 }
@@ -122,7 +131,9 @@ fn a_tube_bends_as_a_cantilever_and_twists_as_a_shaft() {
     let line = [fibre(&[[0.0; 3], [length, 0.0, 0.0]])];
     let network = network(&line, &[], 2000.0);
     let tip = last_ring(&network, 0);
-    let rest = network.rest(0.0, &shared(tip.clone(), [0.0, 0.0, 0.1])).unwrap();
+    let rest = network
+        .rest(0.0, &shared(tip.clone(), [0.0, 0.0, 0.1]))
+        .unwrap();
     let section = tube();
     let shear = section.shear_coefficient * section.shear_modulus_gpa * section.area_um2;
     let deflection = 0.1 * (length.powi(3) / (3.0 * flexural(length)) + length / shear);
@@ -155,7 +166,11 @@ fn sections_of_a_cantilever_bear_the_moment_about_their_rings() {
     let tip = last_ring(&network, 0);
     let rest = network.rest(0.0, &shared(tip, [0.0, 0.0, 0.1])).unwrap();
     let motion = Motion {
-        nodes: rest.displacement_um.iter().map(|moved| [(*moved).into(), Vector3::zeros()]).collect(),
+        nodes: rest
+            .displacement_um
+            .iter()
+            .map(|moved| [(*moved).into(), Vector3::zeros()])
+            .collect(),
     };
     let each = divided(length).segment.length_um();
     for segment in 0..network.segments() {
@@ -171,15 +186,25 @@ fn sections_of_a_cantilever_bear_the_moment_about_their_rings() {
 
 #[test]
 fn a_bond_gives_all_of_its_force_and_moment_to_the_rings() {
-    let line = [fibre(&[[0.0; 3], [300.0, 100.0, 50.0]]), fibre(&[[0.0, 90.0, 0.0], [300.0, 20.0, 60.0]])];
+    let line = [
+        fibre(&[[0.0; 3], [300.0, 100.0, 50.0]]),
+        fibre(&[[0.0, 90.0, 0.0], [300.0, 20.0, 60.0]]),
+    ];
     let network = network(&line, &[], 1000.0);
     let count = network.nodes_of(0).len() as u32 / 6 - 1;
     let at = Vector3::new(150.0, 55.0, 40.0);
-    let hold = |ring: u32, segment: u32, share: f64| Hold { segment, ring, share, at };
+    let hold = |ring: u32, segment: u32, share: f64| Hold {
+        segment,
+        ring,
+        share,
+        at,
+    };
     let share_on = |ring: u32| {
         let centre = |ring: u32| {
             let nodes = 6 * ring as usize..6 * ring as usize + 6;
-            nodes.map(|node| Vector3::from(network.position_um(node)) / 6.0).sum::<Vector3<f64>>()
+            nodes
+                .map(|node| Vector3::from(network.position_um(node)) / 6.0)
+                .sum::<Vector3<f64>>()
         };
         let chord = centre(ring + 1) - centre(ring);
         (at - centre(ring)).dot(&chord) / chord.norm_squared()
@@ -214,8 +239,14 @@ fn a_bond_gives_all_of_its_force_and_moment_to_the_rings() {
                 (Vector3::zeros(), unit)
             };
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
-                assert!((forces[side] - force * sign).norm() < 1e-12, "{spring} {forces:?}");
-                assert!((moments[side] - moment * sign).norm() < 1e-9, "{spring} {moments:?}");
+                assert!(
+                    (forces[side] - force * sign).norm() < 1e-12,
+                    "{spring} {forces:?}"
+                );
+                assert!(
+                    (moments[side] - moment * sign).norm() < 1e-9,
+                    "{spring} {moments:?}"
+                );
             }
         }
     }
@@ -225,17 +256,49 @@ fn a_bond_gives_all_of_its_force_and_moment_to_the_rings() {
 fn a_rigid_motion_strains_nothing() {
     let (fibres, bonds) = super::sheets::SMALL.sheet();
     let network = network(&fibres, &bonds, 800.0);
-    let (turn, shift) = (Vector3::new(0.01, -0.02, 0.005), Vector3::new(1.0, 2.0, 3.0));
+    let (turn, shift) = (
+        Vector3::new(0.01, -0.02, 0.005),
+        Vector3::new(1.0, 2.0, 3.0),
+    );
     let motion = Motion {
-        nodes: network.positions().iter().map(|at| [shift + turn.cross(at), Vector3::zeros()]).collect(),
+        nodes: network
+            .positions()
+            .iter()
+            .map(|at| [shift + turn.cross(at), Vector3::zeros()])
+            .collect(),
     };
     for part in PointSprings::of(&network) {
         for (d, c) in part.deformations(&motion).iter().zip(part.stiffness()) {
-            // taut springs of a ring do feel a turn, and are worth nothing
-            assert!(d.abs() < 1e-10 || *c < 1e-7, "{d} {c}");
+            assert!(d.abs() < 1e-10, "{d} of {c}");
         }
     }
-    close(network.tubes().unwrap().largest_turn(&network, &motion), turn.norm(), 1e-9);
+    close(
+        network.tubes().unwrap().largest_turn(&network, &motion),
+        turn.norm(),
+        1e-9,
+    );
+}
+
+#[test]
+fn a_sheet_of_tubes_is_as_stiff_as_one_of_beams_with_their_bending_stiffness() {
+    // [`super::sheets`] with centre lines in one plane, where both hold bonds alike
+    let scatter = super::sheets::Scatter {
+        layer_um: 0.0,
+        ..super::sheets::TUBES
+    };
+    let (mut fibres, bonds) = scatter.sheet();
+    let tubes = network(&fibres, &bonds, 400.0);
+    let stiffness = |network: &Network| {
+        let pull = Pull::new(network, ELONGATION).unwrap();
+        pull.state().measures.initial_stiffness_mn
+    };
+    for fibre in &mut fibres {
+        fibre.section.inertia_um4 = flexural(330.0) / fibre.section.youngs_modulus_gpa;
+    }
+    let of_tube = stiffness(&Network::new(&fibres, &bonds, model(Level::Beam, 400.0)).unwrap());
+    let found = stiffness(&tubes);
+    // what the reference asks; found 1.7 % stiffer, for bonds move with straight lines between rings and ends are glued
+    close(found, of_tube, 0.05);
 }
 
 #[test]
@@ -259,7 +322,11 @@ fn a_bond_between_two_tubes_is_a_spring_in_series() {
     };
     let compliance = (reach(1000.0) + reach(1000.0)) / axial + 1.0 / spring;
     let [left, right] = pull.jaw_force_mn();
-    close(right * compliance, ELONGATION.max_strain * 2000.0, HELD_ENDS);
+    close(
+        right * compliance,
+        ELONGATION.max_strain * 2000.0,
+        HELD_ENDS,
+    );
     close(left, right, 1e-9);
     close(pull.bond_force_mn(0)[1], right, 1e-9);
 }
@@ -285,7 +352,9 @@ fn a_crossing_of_tubes_peels_by_bending_twisting_and_the_bond() {
     ];
     let network = network(&fibres, &[joint], 2000.0);
     let tip = last_ring(&network, 1);
-    let rest = network.rest(0.0, &shared(tip.clone(), [0.0, 0.0, 0.01])).unwrap();
+    let rest = network
+        .rest(0.0, &shared(tip.clone(), [0.0, 0.0, 0.01]))
+        .unwrap();
     close(mean(&rest, tip, 2), 0.01 * compliance, HELD_ENDS);
 }
 
@@ -295,12 +364,19 @@ fn a_tube_breaks_where_its_stress_comes_to_its_strength_and_leaves_two() {
     let mut line = fibre(&[[0.0; 3], [1000.0, 0.0, 0.0]]);
     line.section.strength_gpa = Some(strength);
     let network = network(&[line], &[], 1000.0);
-    let mut pull = Pull::new(&network, PullTest { max_strain: 0.1, ..ELONGATION }).unwrap();
+    let mut pull = Pull::new(
+        &network,
+        PullTest {
+            max_strain: 0.1,
+            ..ELONGATION
+        },
+    )
+    .unwrap();
     let (events, end) = pull.run().unwrap();
     assert_eq!((events.len(), end), (1, PullEnd::Parted));
     close(events[0].force_before_mn, strength * tube().area_um2, 1e-6);
     assert!(matches!(events[0].broken, Broken::Segment(_)));
-    assert_eq!(pull.jaw_force_mn(), [0.0; 2]);
+    assert!(pull.jaw_force_mn().iter().all(|force| force.abs() < 1e-12));
 }
 
 #[test]
@@ -311,9 +387,15 @@ fn tubes_refuse_what_they_do_not_do() {
     let means = Means::by(Solver::Iterative);
     let iterated = Pull::resume(&network, ELONGATION, state, &means).unwrap_err();
     assert_eq!(iterated, FrameError::Tubes);
-    assert_eq!(network.rest_at_large(1.0, &[], 1).unwrap_err(), FrameError::Tubes);
+    assert_eq!(
+        network.rest_at_large(1.0, &[], 1).unwrap_err(),
+        FrameError::Tubes
+    );
     let new = Network::new(&line, &[], model(Level::Tube, 1000.0)).unwrap_err();
     assert_eq!(new, FrameError::Tubes);
     let few = Network::of_tubes(&line, &[], &[], model(Level::Tube, 1000.0)).unwrap_err();
-    assert_eq!(few.to_string(), "number of tubes is 0, allowed is one for each fibre");
+    assert_eq!(
+        few.to_string(),
+        "number of tubes is 0, allowed is one for each fibre"
+    );
 }

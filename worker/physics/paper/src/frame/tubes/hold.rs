@@ -23,7 +23,7 @@ pub(crate) struct Ring {
     /// Its first node; the others follow.
     pub(crate) first: u32,
     pub(crate) centre: Vector3<f64>,
-    normal: Vector3<f64>,
+    pub(crate) normal: Vector3<f64>,
     /// r of every point.
     pub(crate) arms: Vec<Vector3<f64>>,
     /// N R².
@@ -58,7 +58,8 @@ impl Ring {
         direction: Vector3<f64>,
     ) -> impl Iterator<Item = (u32, Vector3<f64>)> + '_ {
         let count = self.arms.len() as f64;
-        let weight = move |arm: &Vector3<f64>| 1.0 / count + 2.0 * arm.dot(&from_centre) / self.spread;
+        let weight =
+            move |arm: &Vector3<f64>| 1.0 / count + 2.0 * arm.dot(&from_centre) / self.spread;
         let points = (self.first..).zip(&self.arms);
         points.map(move |(point, arm)| (point, direction * weight(arm)))
     }

@@ -12,6 +12,8 @@
 mod hold;
 mod point_springs;
 
+use std::f64::consts::{PI, TAU};
+
 use nalgebra::Vector3;
 
 pub(crate) use hold::{Hold, Joint, Ring};
@@ -106,21 +108,50 @@ pub(crate) fn springs_of(tube: &Tube, first: u32) -> [Vec<PointSprings>; 2] {
                 let loads = section_loads(centres[ring + 1] - centres[ring], arms, direction);
                 segments[ring].push(between(direction, spring.stiffness_mn_per_um, loads));
             }
-            Sort::Around => {
-                let stiffness = spring.stiffness_mn_per_um;
-                rings[ring].push(between(direction, stiffness, [0.0; PARTS]));
-                // a ring from which both segments are torn has no stiffness out of its plane, and as a body needs none
-                let axes = axes_along(direction);
-                for across in [1, 2].map(|row| axes.row(row).transpose()) {
-                    rings[ring].push(between(across, TAUT * stiffness, [0.0; PARTS]));
-                }
-            }
-            Sort::Across | Sort::Second => {
+            Sort::Around | Sort::Across | Sort::Second => {
                 rings[ring].push(between(direction, spring.stiffness_mn_per_um, [0.0; PARTS]));
             }
         }
     }
+    let first_of = |ring: usize| ring as u32 * count;
+    let stiffest = |ring: &[PointSpring]| ring.iter().map(|one| one.stiffness).fold(0.0, f64::max);
+    for (ring, springs) in rings.iter_mut().enumerate() {
+        let points: Vec<Vector3<f64>> =
+            (0..count).map(|point| at(first_of(ring) + point)).collect();
+        let warping = warping(&points, first + first_of(ring), TAUT * stiffest(springs));
+        springs.extend(warping);
+    }
     [segments, rings].map(|all| all.into_iter().map(PointSprings::new).collect())
+}
+
+/// Springs against what bends a ring out of its plane, cos kφ and sin kφ of the angle φ for k from 2 to N/2. Where both
+/// segments are torn from a ring nothing else holds these modes. No motion of a body strains them, nor does a force or moment
+/// of a bond, so that they need only be there.
+fn warping(
+    points: &[Vector3<f64>],
+    first: u32,
+    stiffness: f64,
+) -> impl Iterator<Item = PointSpring> {
+    let ring = Ring::new(points, 0, points.len());
+    let count = points.len();
+    let waves = (2..=count / 2).flat_map(move |waves| {
+        // with half as many waves as points the sine is nought on all of them
+        let phases: &[f64] = if 2 * waves == count {
+            &[0.0]
+        } else {
+            &[0.0, 0.5 * PI]
+        };
+        phases.iter().map(move |phase| (waves as f64, *phase))
+    });
+    waves.map(move |(waves, phase)| {
+        let height = |point: usize| (waves * TAU * point as f64 / count as f64 - phase).cos();
+        let entries = (0..count).map(|point| (first + point as u32, ring.normal * height(point)));
+        PointSpring {
+            entries: entries.collect(),
+            stiffness,
+            loads: [0.0; PARTS],
+        }
+    })
 }
 
 /// What a unit of tension of a spring is worth in the loads of its segment, `along` it: the force along it, the torque,
@@ -135,5 +166,7 @@ fn section_loads(
     let [first, second] = arms.map(|arm| axes * arm.cross(&direction));
     let (changing, uniform) = (0.5 * (second - first), 0.5 * (second + first));
     let torque = first.x;
-    [force.x, changing.y, changing.z, torque, uniform.y, uniform.z]
+    [
+        force.x, changing.y, changing.z, torque, uniform.y, uniform.z,
+    ]
 }

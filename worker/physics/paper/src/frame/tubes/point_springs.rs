@@ -9,6 +9,10 @@ use super::super::factor::Factor;
 use super::super::network::Network;
 use super::super::springs::SpringSum;
 
+/// Round-off of a spring, over what it is of an element of beams: it feels differences of near points, and what is
+/// left is the last bits of their displacements, 1e-14 of stiffness times displacement where that is 1e-11.
+const NEAR_POINTS: f64 = 1e-3;
+
 /// A spring to be.
 #[derive(Debug, Clone)]
 pub(crate) struct PointSpring {
@@ -51,7 +55,8 @@ impl PointSprings {
                 }
             }
             let points = || all.entries[start..].iter().map(|(point, _)| *point);
-            let pairs = points().flat_map(|a| points().filter(move |&b| a < b).map(move |b| [a, b]));
+            let pairs =
+                points().flat_map(|a| points().filter(move |&b| a < b).map(move |b| [a, b]));
             let pairs: Vec<[u32; 2]> = pairs.collect();
             all.pairs.extend(pairs);
             all.ends.push(all.entries.len());
@@ -75,6 +80,11 @@ impl PointSprings {
     }
 
     fn deformation(&self, spring: usize, motion: &Motion) -> f64 {
+        if let [(low, _), (high, along)] = self.spring(spring) {
+            // a difference first: what both points go together is not rounded
+            let [from, to] = [low, high].map(|point| motion.nodes[*point as usize][0]);
+            return along.dot(&(to - from));
+        }
         let parts = self.spring(spring).iter();
         parts
             .map(|(point, weight)| weight.dot(&motion.nodes[*point as usize][0]))
@@ -92,6 +102,9 @@ impl PointSprings {
 }
 
 impl SpringSum for PointSprings {
+    /// Where nothing is left of the force some 1e-15 to 1e-14 of it are.
+    const NOTHING: f64 = 1e-7;
+
     fn of(network: &Network) -> &[Self] {
         network.tubes().map_or(&[], |tubes| tubes.parts.as_slice())
     }
@@ -142,7 +155,9 @@ impl SpringSum for PointSprings {
 
     fn deformations(&self, motion: &Motion) -> Vec<f64> {
         let springs = 0..self.stiffness.len();
-        springs.map(|spring| self.deformation(spring, motion)).collect()
+        springs
+            .map(|spring| self.deformation(spring, motion))
+            .collect()
     }
 
     fn column(&self, spring: usize, factor: &Factor) -> Vec<(u32, f64)> {
@@ -177,7 +192,8 @@ impl SpringSum for PointSprings {
                 forces.nodes[*point as usize][0] += pull;
                 forces.scale = forces.scale.max(pull.amax());
                 let farthest = motion.nodes[*point as usize][0].amax() * weight.amax();
-                forces.round_off = forces.round_off.max(self.stiffness[spring] * farthest);
+                let round_off = NEAR_POINTS * self.stiffness[spring] * farthest;
+                forces.round_off = forces.round_off.max(round_off);
             }
             for (load, share) in loads.iter_mut().zip(&self.loads[spring]) {
                 *load += force * share;

@@ -3,8 +3,8 @@ use loadframe_api::fibre::{Divided, Elasticity, Section, divide_piece, line_leng
 use loadframe_api::spec::paper_tensile::{OnInadmissible, PaperTensile};
 use loadframe_harness::{ReportBuilder, SimulationError};
 
-use crate::fibre::measure::{self, Constants};
 use crate::fibre::Tube;
+use crate::fibre::measure::{self, Constants};
 use crate::frame::{FrameBond, FrameFibre, FrameModel, Network};
 use crate::tensile::report::{constants_check, miss};
 
@@ -66,7 +66,11 @@ impl Tubes {
         };
         let (divided, (section, elasticity)) = (&all[longest].1, &walls[longest]);
         let constants = measure::constants(divided, section)?;
-        let robust = || all.iter().zip(walls).filter(|((_, one), _)| one.springs.is_robust);
+        let robust = || {
+            all.iter()
+                .zip(walls)
+                .filter(|((_, one), _)| one.springs.is_robust)
+        };
         let shares = robust().map(|((_, one), (_, given))| {
             one.springs.shear_modulus_gpa / given.shear_modulus_gpa()
         });

@@ -1,4 +1,5 @@
 //! Sheets of tubes through the whole job, beside beams and bars.
+use loadframe_api::{Calibration, Spec as _};
 use serde_json::{Value, json};
 
 use super::made::{goes_on, made};
@@ -48,7 +49,11 @@ fn two_crossed_tubes_are_two_built_in_beams_of_their_own_bending_stiffness() {
     let stress = record.table("events.csv")[0][11];
     assert!((stress / 600.0 - 1.0).abs() < 1e-9, "{stress}");
     assert_eq!(value(&report, "broken_fibres"), 2.0);
-    assert!(report.quality.values().all(|check| check.ok), "{:?}", report.quality);
+    assert!(
+        report.quality.values().all(|check| check.ok),
+        "{:?}",
+        report.quality
+    );
 }
 
 #[test]
@@ -62,15 +67,16 @@ fn a_sheet_of_tubes_breaks_beside_the_same_sheet_of_beams() {
     // E A and G J are those of the beam, E I is less; nothing else differs but where bonds hold
     let share = value(&tubes, "bending_stiffness") / value(&tubes, "bending_stiffness_of_wall");
     assert!((0.7..1.0).contains(&share), "{share}");
-    for (result, least, most) in [
-        ("tensile_stiffness", 0.8, 1.1),
-        ("tensile_index", 0.7, 1.3),
-    ] {
+    for (result, least, most) in [("tensile_stiffness", 0.8, 1.1), ("tensile_index", 0.7, 1.3)] {
         let ratio = value(&tubes, result) / value(&beams, result);
         assert!((least..most).contains(&ratio), "{result}: {ratio}");
     }
     assert!(value(&tubes, "broken_bonds") > 10.0);
-    assert!(tubes.quality.values().all(|check| check.ok), "{:?}", tubes.quality);
+    assert!(
+        tubes.quality.values().all(|check| check.ok),
+        "{:?}",
+        tubes.quality
+    );
     assert!(["force_dropped", "parted"].contains(&tubes.stop_reason.as_str()));
     // the same columns, and pictures of the walls
     let picture = String::from_utf8_lossy(&record.files["snapshots/sheet_00002.vtp"]);
@@ -80,7 +86,7 @@ fn a_sheet_of_tubes_breaks_beside_the_same_sheet_of_beams() {
 #[test]
 fn two_threads_write_the_same_bytes_as_one_and_a_suspended_test_goes_on() {
     let mut body = at("tube", &made());
-    body["specimen"]["sheet"]["length_mm"] = json!(0.3);
+    body["specimen"]["sheet"]["length_mm"] = json!(0.2);
     assert_eq!(go(&body, 1), go(&body, 2));
     goes_on(&body, &[0, 7]);
 }
@@ -91,7 +97,11 @@ fn tubes_are_pulled_along_and_across_with_every_seed() {
     body["specimen"]["sheet"]["length_mm"] = json!(0.2);
     body["test"] = json!({"direction": "both", "repeats": 2, "max_strain": 0.01});
     let (report, record) = go(&body, 2);
-    for name in ["tensile_index", "tensile_index_along_cd", "anisotropy_of_tensile_index"] {
+    for name in [
+        "tensile_index",
+        "tensile_index_along_cd",
+        "anisotropy_of_tensile_index",
+    ] {
         assert!(value(&report, name).is_finite(), "{name}");
     }
     assert!(record.files.contains_key("along_cd/curve.csv"));
@@ -102,13 +112,25 @@ fn pieces_that_are_too_short_for_the_window_are_told() {
     let mut body = at("tube", &made());
     body["specimen"]["sheet"]["length_mm"] = json!(0.2);
     let (report, _) = go(&body, 1);
-    assert!(codes(&report).contains(&"robust_springs"), "{:?}", codes(&report));
+    assert!(
+        codes(&report).contains(&"robust_springs"),
+        "{:?}",
+        codes(&report)
+    );
     body["model"]["segment_um"] = json!(100);
     let (report, _) = go(&body, 1);
-    assert!(codes(&report).contains(&"refined_segment"), "{:?}", codes(&report));
+    assert!(
+        codes(&report).contains(&"refined_segment"),
+        "{:?}",
+        codes(&report)
+    );
     body["model"]["on_inadmissible"] = json!("robust");
     let (report, _) = go(&body, 1);
-    assert!(!codes(&report).contains(&"refined_segment"), "{:?}", codes(&report));
+    assert!(
+        !codes(&report).contains(&"refined_segment"),
+        "{:?}",
+        codes(&report)
+    );
     assert!(value(&report, "shear_modulus") < value(&report, "shear_modulus_given"));
 }
 
@@ -126,18 +148,45 @@ fn extremes_of_tubes_have_a_result_that_balances() {
         ("5 g/m2", set("/specimen/sheet/grammage_g_per_m2", json!(5))),
         ("curls", set("/pulp/0/shape_factor", json!(0.5))),
         ("no lumen", set("/pulp/0/wall_um", json!(14))),
-        ("soft in shear", set("/pulp/0/shear_modulus_gpa", json!(0.3))),
-        ("stiff in shear", set("/pulp/0/shear_modulus_gpa", json!(15))),
-        ("no bonds", set("/bond", json!({"normal_strength_mpa": 0, "shear_strength_mpa": 0}))),
+        (
+            "soft in shear",
+            set("/pulp/0/shear_modulus_gpa", json!(0.3)),
+        ),
+        (
+            "stiff in shear",
+            set("/pulp/0/shear_modulus_gpa", json!(15)),
+        ),
+        (
+            "no bonds",
+            set(
+                "/bond",
+                json!({"normal_strength_mpa": 0, "shear_strength_mpa": 0}),
+            ),
+        ),
         ("bonds that hold", set("/bond", json!({}))),
-        ("fibres that break first", set("/pulp/0/strength_mpa", json!(20))),
-        ("rings of four", set("/model", json!({"level": "tube", "points_on_ring": 4}))),
-        ("rings of twelve", set("/model", json!({"level": "tube", "points_on_ring": 12}))),
-        ("the patent's ring", set("/model", json!({"level": "tube", "ring": "patent"}))),
+        (
+            "fibres that break first",
+            set("/pulp/0/strength_mpa", json!(20)),
+        ),
+        (
+            "rings of four",
+            set("/model", json!({"level": "tube", "points_on_ring": 4})),
+        ),
+        (
+            "rings of twelve",
+            set("/model", json!({"level": "tube", "points_on_ring": 12})),
+        ),
+        (
+            "the patent's ring",
+            set("/model", json!({"level": "tube", "ring": "patent"})),
+        ),
         (
             "at random",
-            set("/specimen/sheet", json!({"length_mm": 0.2, "width_mm": 0.1, "grammage_g_per_m2": 20,
-                "placement": {"random": {"thickness_um": 30}}})),
+            set(
+                "/specimen/sheet",
+                json!({"length_mm": 0.2, "width_mm": 0.1, "grammage_g_per_m2": 20,
+                "placement": {"random": {"thickness_um": 30}}}),
+            ),
         ),
     ] {
         let (report, _) = go(&body, 1);
@@ -145,7 +194,76 @@ fn extremes_of_tubes_have_a_result_that_balances() {
         assert!(held, "{name}: {:?}", report.quality);
         for result in ["max_force", "tensile_index", "stretch", "energy_absorption"] {
             let found = value(&report, result);
-            assert!(found.is_finite() && found >= 0.0, "{name}: {result} {found}");
+            assert!(
+                found.is_finite() && found >= 0.0,
+                "{name}: {result} {found}"
+            );
+        }
+    }
+}
+
+/// Small sheets on all levels, beside one another: `cargo test -p loadframe-paper --lib levels_beside -- --ignored --nocapture`.
+#[test]
+#[ignore = "measures: minutes"]
+#[allow(clippy::print_stdout, reason = "this prints a table")]
+fn levels_beside_one_another() {
+    let mut short = made();
+    short["pulp"][0]["length_mm"] = json!(0.5);
+    short["bond"]["stiffness_n_per_m_per_um2"] = json!(250);
+    short["specimen"]["sheet"] =
+        json!({"length_mm": 0.6, "width_mm": 0.4, "grammage_g_per_m2": 20});
+    short["test"] = json!({"max_strain": 0.1});
+    let mut flat = short.clone();
+    flat["pulp"][0]["length_mm"] = json!(5);
+    flat["pulp"][0]["length_variation"] = json!(0);
+    flat["pulp"][0]["shape_factor"] = json!(1);
+    flat["specimen"]["sheet"]["orientation"] = json!({"von_mises": {"concentration": 4}});
+    flat["specimen"]["sheet"]["placement"] = json!({"random": {"thickness_um": 40}});
+    let mut small = short.clone();
+    small["specimen"]["sheet"] =
+        json!({"length_mm": 0.3, "width_mm": 0.2, "grammage_g_per_m2": 20});
+    let mut large = short.clone();
+    large["specimen"]["sheet"] =
+        json!({"length_mm": 1.2, "width_mm": 0.8, "grammage_g_per_m2": 20});
+    large["test"] = json!({"max_strain": 1e-6});
+    let columns = [
+        "tensile_stiffness_index",
+        "tensile_index",
+        "stretch",
+        "energy_absorption_index",
+    ];
+    println!(
+        "sheet seed level fibres bonds {} seconds estimated work",
+        columns.join(" ")
+    );
+    for (name, body, seeds) in [
+        ("small", small, 2),
+        ("short", short, 2),
+        ("flat", flat, 2),
+        ("large", large, 1),
+    ] {
+        for seed in 1..=seeds {
+            for level in ["beam", "tube", "truss"] {
+                let mut body = at(level, &body);
+                body["seed"] = json!(seed);
+                let start = std::time::Instant::now();
+                let (report, _) = go(&body, 1);
+                let seconds = start.elapsed().as_secs_f64();
+                let results: Vec<String> = ["fibres", "bonds"]
+                    .iter()
+                    .chain(&columns)
+                    .map(|name| format!("{:.4e}", value(&report, name)))
+                    .collect();
+                let estimate = super::spec(&body).estimate(&Calibration::default());
+                println!(
+                    "{name} {seed} {level} {} {seconds:.2} s {:.2} s {:.0} MB {:?} {:?}",
+                    results.join(" "),
+                    estimate.wall_s,
+                    estimate.memory_mb,
+                    report.work,
+                    codes(&report)
+                );
+            }
         }
     }
 }
