@@ -124,7 +124,7 @@ fn of_sheet(
     memory_mb: f64,
 ) -> Estimate {
     let unknowns = nodes * motions(spec);
-    let entries = factor_entries(unknowns);
+    let entries = factor_entries(spec, unknowns);
     let has_strength = matches!(spec.specimen, Specimen::Explicit(_))
         || spec.pulp.iter().any(|pulp| pulp.strength_mpa.is_some())
         || spec.bond.is_none_or(|bond| {

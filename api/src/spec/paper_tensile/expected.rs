@@ -15,6 +15,11 @@ const NODES_OF_A_PIECE: f64 = 6.0;
 const DIRECT: f64 = 1e6;
 /// Unknowns of a truss up to which iterations have a factor of it.
 const FACTORED_TRUSS: f64 = 1e5;
+/// Entries of a factor of tubes: a bond joins the four rings around it, all points with all.
+const TUBE_ENTRIES: f64 = 7.3;
+/// Memory of tubes [B] for an unknown and for a bond, counted: five springs for a point, the blocks of a bond's points.
+const TUBE_UNKNOWN: f64 = 1100.0;
+const TUBE_BOND: f64 = 40e3;
 /// Memory of iterations [B] for an unknown and for a bond.
 const ITERATED: f64 = 280.0;
 const ITERATED_BOND: f64 = 800.0;
@@ -159,8 +164,11 @@ pub(super) fn is_iterated(spec: &PaperTensile, unknowns: f64) -> bool {
 }
 
 /// Entries of the factor of a flat network, fitted to ten from 1600 to 710 000 unknowns, with 27 to 384
-/// for each, to half of them.
-pub(super) fn factor_entries(unknowns: f64) -> f64 {
+/// for each, to half of them; of tubes to one of 3024 unknowns with 211 for each.
+pub(super) fn factor_entries(spec: &PaperTensile, unknowns: f64) -> f64 {
+    if spec.level() == Level::Tube {
+        return TUBE_ENTRIES * unknowns.powf(1.42);
+    }
     1.2 * unknowns.powf(1.42)
 }
 
@@ -197,7 +205,11 @@ pub(super) fn memory_mb(
         let entries = iterated_entries(spec, unknowns);
         return 20.0 + 1e-6 * (laid + ITERATED * unknowns + ITERATED_BOND * bonds + 8.0 * entries);
     }
-    let factor = factor_entries(unknowns);
+    let factor = factor_entries(spec, unknowns);
     let breaks = factor.max(FREE_COLUMNS).min(COLUMNS * unknowns);
-    20.0 + 1e-6 * (laid + 500.0 * unknowns + 8.0 * (factor + breaks))
+    let [unknown, bond] = match spec.level() {
+        Level::Tube => [TUBE_UNKNOWN, TUBE_BOND],
+        Level::Beam | Level::Truss => [500.0, 0.0],
+    };
+    20.0 + 1e-6 * (laid + unknown * unknowns + bond * bonds + 8.0 * (factor + breaks))
 }
