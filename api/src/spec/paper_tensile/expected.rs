@@ -164,7 +164,8 @@ pub(super) fn is_iterated(spec: &PaperTensile, unknowns: f64) -> bool {
 }
 
 /// Entries of the factor of a flat network, fitted to ten from 1600 to 710 000 unknowns, with 27 to 384
-/// for each, to half of them; of tubes to one of 3024 unknowns with 211 for each.
+/// for each, to half of them; of tubes to two of 3024 and 11 844 unknowns with 211 and 380
+/// for each.
 pub(super) fn factor_entries(spec: &PaperTensile, unknowns: f64) -> f64 {
     if spec.level() == Level::Tube {
         return TUBE_ENTRIES * unknowns.powf(1.42);

@@ -36,7 +36,7 @@ pub struct Model {
 #[serde(rename_all = "snake_case")]
 pub enum Level {
     /// Rings of points with springs between. In sheets bonds hold on to the points around the place where fibres touch;
-    /// for small sheets, for it has ten times the unknowns of beams.
+    /// for small sheets, for its factor has ten to twenty times the entries of one of beams.
     Tube,
     /// Beams with extension, bending, shear and torsion, bonded also against turning. Of sheets.
     Beam,

@@ -21,7 +21,7 @@ pub(super) const SMALL: Scatter = Scatter {
     strength_gpa: Some(0.25),
 };
 
-/// As tubes it has ten times the unknowns of beams.
+/// Small, for as tubes it has thirteen times the entries of a factor of beams.
 pub(super) const TUBES: Scatter = Scatter {
     size_um: [400.0, 250.0],
     fibres: 11,
