@@ -314,7 +314,7 @@ LEVELS = {
 def measure_levels(folder: Path) -> dict:
     run(single_fibre(), folder / "fibre")
     for number, body in enumerate(LEVELS.values()):
-        for level in ("beam", "truss"):
+        for level in ("beam", "truss", "tube"):
             outcome = run(body(level), folder / f"{number}_{level}")
     return {"commit": outcome["provenance"]["engine_commit"]}
 
@@ -326,7 +326,7 @@ def single_fibre() -> dict:
 
 
 def levels(folder: Path) -> list[list[str]]:
-    rows = [["specimen", "level", "stiffness", "strength", "stretch", "processor time", "what it says"]]
+    rows = [["specimen", "level", "stiffness", "strength", "stretch", "energy absorption", "unknowns", "processor time", "what it says"]]
     fibre = run(single_fibre(), folder / "fibre")
     value = {name: quantity["value"] for name, quantity in fibre["summary"].items()}
     for words, name, other in [
@@ -334,18 +334,18 @@ def levels(folder: Path) -> list[list[str]]:
         ("E I", "bending_stiffness", "bending_stiffness_of_wall"), ("buckling load", "buckling_load", "buckling_load_of_column"),
     ]:
         against_what = "of a column of the tube's own E I" if words == "buckling load" else "of the beam"
-        rows.append(["one fibre", "tube", f"{words}: {value[name] / value[other]:.4f} {against_what}", "", "", seconds(fibre["cost"]["cpu_s"]), ""])
+        rows.append(["one fibre", "tube", f"{words}: {value[name] / value[other]:.4f} {against_what}", "", "", "", "", seconds(fibre["cost"]["cpu_s"]), ""])
     for number, (name, body) in enumerate(LEVELS.items()):
-        for level in ("beam", "truss"):
+        for level in ("beam", "tube", "truss"):
             outcome = run(body(level), folder / f"{number}_{level}")
             summary = outcome["summary"]
             cell = lambda result, factor=1: result_of(summary[result], factor)
             codes = ", ".join(f"`{warning['code']}`" for warning in outcome["warnings"] if warning["code"] != "large_turns")
             rows.append([name, level, f"{cell('tensile_stiffness_index')} kN m/g", f"{cell('tensile_index')} N m/g", f"{cell('stretch', 100)} %",
-                         seconds(outcome["cost"]["cpu_s"]), codes])
+                         f"{cell('energy_absorption_index', 1000)} J/kg", f"{outcome['cost']['work']['unknowns']:,}".replace(",", " "), seconds(outcome["cost"]["cpu_s"]), codes])
             if level == "beam" and "cox_stiffness_index" in summary:
                 rows.append([name, "theory", f"{cell('cox_stiffness_index')} (Cox), {cell('shear_lag_stiffness_index')} (shear lag) kN m/g",
-                             f"{cell('page_tensile_index')} (Page) N m/g", "", "", ""])
+                             f"{cell('page_tensile_index')} (Page) N m/g", "", "", "", "", ""])
     return rows
 
 

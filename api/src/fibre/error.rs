@@ -32,6 +32,12 @@ pub enum FibreError {
         from_um: f64,
         to_um: f64,
     },
+    /// Two rings next to one another would cut through each other.
+    #[error(
+        "the fibre turns too sharply {at_um:.4} µm from its start: rings of {diameter_um:.4} µm across would cut \
+         through one another; allowed are longer segments or a smoother line"
+    )]
+    TooBent { at_um: f64, diameter_um: f64 },
     /// Diagonal springs would shorten in tension: nothing makes the tube contract as asked.
     #[error(
         "segments of {given_um:.4} µm are too short for any springs; allowed: more than {above_um:.4} µm"

@@ -186,3 +186,49 @@ pub fn divide(
         division.segment_um.is_some(),
     )
 }
+
+/// The same of a fibre of a sheet, which has whatever length it has, or an edge has left it: where no whole number of
+/// admissible segments makes it up, it gets as few as are short enough, in the robust form. Segments that are too short
+/// keep E, ν and G.
+///
+/// [`OnInadmissible::Reject`] asks of the wanted length of a segment that it is admissible itself, not of what a whole
+/// number makes of it.
+///
+/// # Errors
+/// Values out of range, [`FibreError::Inadmissible`] (reject), [`FibreError::TooShort`] where the whole fibre is shorter than
+/// a segment can be.
+pub fn divide_piece(
+    length_um: f64,
+    section: &Section,
+    elasticity: &Elasticity,
+    division: &Division,
+) -> Result<Divided, FibreError> {
+    let mut own = *division;
+    if let (OnInadmissible::Reject, Some(wanted)) = (division.on_inadmissible, division.segment_um)
+    {
+        let diameter = section.ring_diameter_um(division.ring)?;
+        let window = Window::new(division.points_on_ring, diameter, section, elasticity)?;
+        if !window.admits(wanted) {
+            return Err(FibreError::Inadmissible {
+                given_um: wanted,
+                from_um: window.from_um,
+                to_um: window.to_um,
+            });
+        }
+        own.on_inadmissible = OnInadmissible::Refine;
+    }
+    match divide(length_um, section, elasticity, &own) {
+        Err(FibreError::NoWholeNumber { to_um, .. }) => {
+            own.on_inadmissible = OnInadmissible::Robust;
+            let mut segments = (length_um / to_um).ceil();
+            loop {
+                own.segment_um = Some(length_um / segments);
+                match divide(length_um, section, elasticity, &own) {
+                    Err(FibreError::TooShort { .. }) if segments > 1.0 => segments -= 1.0,
+                    divided => return divided,
+                }
+            }
+        }
+        divided => divided,
+    }
+}

@@ -1,7 +1,7 @@
 //! What the JSON Schema cannot say: names that must exist, fractions that must sum up, walls that must
 //! fit, segments that must need no negative spring.
 use super::sheet_checks::{check_explicit, check_made, check_test, unknown_pulp};
-use super::{Level, PaperTensile, Pulp, SingleFibre, Specimen, measured};
+use super::{Level, PaperTensile, Pulp, SingleFibre, Specimen, measured, tube_checks};
 use crate::fibre::{FibreError, divide};
 use crate::{Violation, Violations};
 
@@ -12,7 +12,7 @@ const SHEAR_RATIOS: [f64; 2] = [0.001, 2.0];
 /// Hardening moduli over Young's moduli that a sheet is solved with.
 const HARDENING: [f64; 2] = [1e-3, 0.99];
 /// More points than this are refused.
-const MOST_POINTS: usize = 2_000_000;
+pub(super) const MOST_POINTS: usize = 2_000_000;
 
 pub(super) fn check(spec: &PaperTensile, violations: &mut Violations) {
     let before = violations.count();
@@ -27,6 +27,10 @@ pub(super) fn check(spec: &PaperTensile, violations: &mut Violations) {
         Specimen::SingleFibre(fibre) => check_fibre(spec, fibre, violations),
         Specimen::Explicit(sheet) => check_explicit(spec, sheet, violations),
         Specimen::Sheet(sheet) => check_made(spec, sheet, violations),
+    }
+    let is_of_tubes = !spec.specimen.is_single_fibre() && spec.level() == Level::Tube;
+    if has_pulps && is_of_tubes {
+        tube_checks::check(spec, violations);
     }
 }
 
@@ -155,7 +159,8 @@ fn check_fibre(spec: &PaperTensile, fibre: &SingleFibre, violations: &mut Violat
     }
 }
 
-fn indivisible(spec: &PaperTensile, error: &FibreError) -> Violation {
+/// What to tell of a fibre that has no tube.
+pub(super) fn indivisible(spec: &PaperTensile, error: &FibreError) -> Violation {
     let detail = error.to_string();
     let window = |from_um: f64, to_um: f64| format!("{from_um:.4} … {to_um:.4}");
     match error {
@@ -182,6 +187,12 @@ fn indivisible(spec: &PaperTensile, error: &FibreError) -> Violation {
             Violation::new("/model/segment_um", "segment_too_short", detail)
                 .value(*given_um)
                 .allowed(format!("above {above_um:.4}"))
+                .unit("µm")
+        }
+        FibreError::TooBent { at_um, .. } => {
+            Violation::new("/model/segment_um", "turns_too_sharply", detail)
+                .value(*at_um)
+                .allowed("longer segments")
                 .unit("µm")
         }
         FibreError::OutOfRange { given, allowed, .. } => {

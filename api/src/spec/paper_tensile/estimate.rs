@@ -65,11 +65,20 @@ pub(super) fn extent(spec: &PaperTensile) -> Extent {
         }
         Specimen::Explicit(sheet) => {
             let points: usize = sheet.fibres.iter().map(|f| f.centre_line_um.len()).sum();
-            ((points + sheet.bonds.len()) as f64, 0.0)
+            let nodes = match spec.level() {
+                // lines along and around from every point
+                Level::Tube => 2.0 * spec.as_tubes_points(),
+                Level::Beam | Level::Truss => points as f64,
+            };
+            (nodes + sheet.bonds.len() as f64, 0.0)
         }
         Specimen::Sheet(sheet) => {
             let expected = sheet.expected(spec);
-            (expected.nodes + expected.bonds, expected.points)
+            let lines = match spec.level() {
+                Level::Tube => 2.0 * expected.nodes,
+                Level::Beam | Level::Truss => expected.nodes,
+            };
+            (lines + expected.bonds, expected.points)
         }
     };
     let by_points = laid / POINTS_OF_A_PART;
@@ -92,7 +101,10 @@ pub(super) fn estimate(spec: &PaperTensile, calibration: &Calibration) -> Estima
             let points: usize = sheet.fibres.iter().map(|f| f.centre_line_um.len()).sum();
             let (points, bonds) = (points as f64, sheet.bonds.len() as f64);
             let is_inside = spec.accuracy.knobs().bonds_at == BondsAt::Inside;
-            let nodes = points + if is_inside { 0.0 } else { 2.0 * bonds };
+            let nodes = match spec.level() {
+                Level::Tube => spec.as_tubes_points(),
+                Level::Beam | Level::Truss => points + if is_inside { 0.0 } else { 2.0 * bonds },
+            };
             let memory_mb = memory_mb(spec, [0.0, bonds, 0.0], nodes * motions(spec));
             of_sheet(spec, calibration, [0.0, bonds, nodes], memory_mb)
         }
@@ -112,7 +124,7 @@ fn of_sheet(
     memory_mb: f64,
 ) -> Estimate {
     let unknowns = nodes * motions(spec);
-    let entries = factor_entries(unknowns);
+    let entries = factor_entries(spec, unknowns);
     let has_strength = matches!(spec.specimen, Specimen::Explicit(_))
         || spec.pulp.iter().any(|pulp| pulp.strength_mpa.is_some())
         || spec.bond.is_none_or(|bond| {

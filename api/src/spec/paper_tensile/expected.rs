@@ -1,7 +1,8 @@
 //! How much a sheet will be, before it is made.
 use std::f64::consts::PI;
 
-use super::{BondsAt, Level, MadeSheet, PaperTensile, Placement, Pulp};
+use super::{BondsAt, Level, MadeSheet, PaperTensile, Placement, Pulp, Specimen};
+use crate::fibre::{OnInadmissible, Window, line_length_um};
 
 /// Entries that the engine keeps of breaks, however small the factor is, and how often an unknown has one
 /// before a factor is made anew: six terms of 35 breaks.
@@ -14,6 +15,11 @@ const NODES_OF_A_PIECE: f64 = 6.0;
 const DIRECT: f64 = 1e6;
 /// Unknowns of a truss up to which iterations have a factor of it.
 const FACTORED_TRUSS: f64 = 1e5;
+/// Entries of a factor of tubes: a bond joins the four rings around it, all points with all.
+const TUBE_ENTRIES: f64 = 7.3;
+/// Memory of tubes [B] for an unknown and for a bond, counted: five springs for a point, the blocks of a bond's points.
+const TUBE_UNKNOWN: f64 = 1100.0;
+const TUBE_BOND: f64 = 40e3;
 /// Memory of iterations [B] for an unknown and for a bond.
 const ITERATED: f64 = 280.0;
 const ITERATED_BOND: f64 = 800.0;
@@ -37,17 +43,7 @@ impl MadeSheet {
     pub(super) fn expected(&self, spec: &PaperTensile) -> Expected {
         let [length, width] = [self.length_mm, self.width_mm].map(|size| 1e3 * size);
         let area = length * width;
-        let (mut total, mut fibres) = (0.0, 0.0);
-        for pulp in &spec.pulp {
-            let Some(coarseness) = pulp.mean_coarseness_ug_per_um() else {
-                continue;
-            };
-            let mass = pulp.mass_fraction * self.grammage_g_per_m2 * 1e-6 * area;
-            let laid = mass / coarseness;
-            let edges = 2.0 * (length + width) / (PI * area);
-            fibres += laid * (1e-3 / pulp.mean_length_mm() + edges);
-            total += laid;
-        }
+        let (total, fibres) = self.length_and_fibres(spec);
         if spec.test.is_zero_span() {
             // what crosses a line across the pull, 2/π of the length over that of the sheet, in pieces of
             // a few nodes; no bonds
@@ -80,7 +76,10 @@ impl MadeSheet {
         };
         let of_fibres = total / spec.sheet_segment_um() + fibres;
         let is_inside = spec.accuracy.knobs().bonds_at == BondsAt::Inside;
-        let nodes = of_fibres + if is_inside { 0.0 } else { 2.0 * bonds };
+        let nodes = match spec.level() {
+            Level::Tube => spec.points_of_tubes(total, fibres),
+            Level::Beam | Level::Truss => of_fibres + if is_inside { 0.0 } else { 2.0 * bonds },
+        };
         let laid = [points, bonds, pixels];
         Expected {
             fibres,
@@ -90,25 +89,87 @@ impl MadeSheet {
             memory_mb: memory_mb(spec, laid, nodes * motions(spec)),
         }
     }
+
+    /// Length of all fibres [µm], and into how many pieces the edges cut them.
+    fn length_and_fibres(&self, spec: &PaperTensile) -> (f64, f64) {
+        let [length, width] = [self.length_mm, self.width_mm].map(|size| 1e3 * size);
+        let area = length * width;
+        let (mut total, mut fibres) = (0.0, 0.0);
+        for pulp in &spec.pulp {
+            let Some(coarseness) = pulp.mean_coarseness_ug_per_um() else {
+                continue;
+            };
+            let mass = pulp.mass_fraction * self.grammage_g_per_m2 * 1e-6 * area;
+            let laid = mass / coarseness;
+            let edges = 2.0 * (length + width) / (PI * area);
+            fibres += laid * (1e-3 / pulp.mean_length_mm() + edges);
+            total += laid;
+        }
+        (total, fibres)
+    }
 }
 
 /// Motions of a node that are solved for.
 pub(super) fn motions(spec: &PaperTensile) -> f64 {
     match spec.level() {
-        Level::Truss => 3.0,
-        Level::Tube | Level::Beam => 6.0,
+        Level::Truss | Level::Tube => 3.0,
+        Level::Beam => 6.0,
+    }
+}
+
+impl PaperTensile {
+    /// Points of the tubes of a sheet, were its fibres such: of one fibre after the other with the segments of the first
+    /// pulp.
+    pub(super) fn as_tubes_points(&self) -> f64 {
+        let (total, fibres) = match &self.specimen {
+            Specimen::Sheet(sheet) => sheet.length_and_fibres(self),
+            Specimen::Explicit(sheet) => {
+                let lines = sheet
+                    .fibres
+                    .iter()
+                    .map(|f| line_length_um(&f.centre_line_um));
+                (lines.sum(), sheet.fibres.len() as f64)
+            }
+            Specimen::SingleFibre(_) => (0.0, 0.0),
+        };
+        self.points_of_tubes(total, fibres)
+    }
+
+    /// Points of so many tubes of so much length [µm]: a ring for each segment, and one for each fibre.
+    pub(super) fn points_of_tubes(&self, total_um: f64, fibres: f64) -> f64 {
+        let division = self.model.division();
+        let window = self.pulp.iter().find_map(|pulp| {
+            let (section, elasticity) = (pulp.section().ok()?, pulp.elasticity().ok()?);
+            let diameter = section.ring_diameter_um(division.ring).ok()?;
+            Window::new(division.points_on_ring, diameter, &section, &elasticity).ok()
+        });
+        let segment_um = match (window, division.segment_um) {
+            (Some(window), Some(wanted))
+                if division.on_inadmissible == OnInadmissible::Robust || window.admits(wanted) =>
+            {
+                wanted
+            }
+            (Some(window), _) => window.from_um,
+            (None, _) => self.narrowest_um(),
+        };
+        (total_um / segment_um + fibres) * division.points_on_ring as f64
     }
 }
 
 /// Whether equilibrium is found by iterations, as the engine chooses.
 pub(super) fn is_iterated(spec: &PaperTensile, unknowns: f64) -> bool {
     let knobs = spec.accuracy.knobs();
-    knobs.bonds_at == BondsAt::Inside || (unknowns > DIRECT && !spec.yields())
+    let has_factor = spec.yields() || spec.level() == Level::Tube;
+    knobs.bonds_at == BondsAt::Inside || (unknowns > DIRECT && !has_factor)
 }
 
 /// Entries of the factor of a flat network, fitted to ten from 1600 to 710 000 unknowns, with 27 to 384
-/// for each, to half of them.
-pub(super) fn factor_entries(unknowns: f64) -> f64 {
+/// for each, to half of them; of tubes to two of 3024 and 11 844 unknowns with 211 and 380
+/// for each.
+pub(super) fn factor_entries(spec: &PaperTensile, unknowns: f64) -> f64 {
+    if spec.level() == Level::Tube {
+        return TUBE_ENTRIES * unknowns.powf(1.42);
+    }
     1.2 * unknowns.powf(1.42)
 }
 
@@ -145,7 +206,11 @@ pub(super) fn memory_mb(
         let entries = iterated_entries(spec, unknowns);
         return 20.0 + 1e-6 * (laid + ITERATED * unknowns + ITERATED_BOND * bonds + 8.0 * entries);
     }
-    let factor = factor_entries(unknowns);
+    let factor = factor_entries(spec, unknowns);
     let breaks = factor.max(FREE_COLUMNS).min(COLUMNS * unknowns);
-    20.0 + 1e-6 * (laid + 500.0 * unknowns + 8.0 * (factor + breaks))
+    let [unknown, bond] = match spec.level() {
+        Level::Tube => [TUBE_UNKNOWN, TUBE_BOND],
+        Level::Beam | Level::Truss => [500.0, 0.0],
+    };
+    20.0 + 1e-6 * (laid + unknown * unknowns + bond * bonds + 8.0 * (factor + breaks))
 }

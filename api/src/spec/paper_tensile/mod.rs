@@ -2,7 +2,7 @@
 //!
 //! A single fibre is the mass-spring tube of [LiuShen2025]: springs along, around, across and along the
 //! diagonals of a ring of points, their stiffness from E, ν and G in closed form. In a sheet fibres are
-//! beams or bars that are bonded where they touch. Lengths are in mm and
+//! beams, bars or such tubes, bonded where they touch. Lengths are in mm and
 //! µm, moduli in GPa, strengths in MPa; x is the pulling direction.
 //!
 //! The parts, each in its own file: what the fibres are ([`Pulp`],
@@ -24,6 +24,7 @@ mod sheet_checks;
 mod specimen;
 mod study;
 mod test;
+mod tube_checks;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -135,10 +136,15 @@ impl PaperTensile {
     }
 
     /// Length of the straight parts of fibres of a sheet that is made [µm]: as asked, else by the
-    /// accuracy and the width of the narrowest.
+    /// accuracy and the width of the narrowest. Of tubes what is asked is the length of their segments, whose rings
+    /// follow the straight parts.
     pub fn sheet_segment_um(&self) -> f64 {
         let by_accuracy = self.accuracy.knobs().segment_widths * self.narrowest_um();
-        self.model.segment_um.unwrap_or(by_accuracy)
+        let asked = self
+            .model
+            .segment_um
+            .filter(|_| self.level() != Level::Tube);
+        asked.unwrap_or(by_accuracy)
     }
 
     /// How fibres are modelled: as asked, else a single fibre as a tube and those of sheets as beams.

@@ -12,7 +12,8 @@ pub struct Model {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<Level>,
     /// Wanted length of a segment; a whole number of them makes up the fibre. Left out: the shortest
-    /// without negative springs, which bends most like the wall. In a sheet that is given: the longest
+    /// without negative springs, which bends most like the wall. So of a single fibre and of tubes in sheets. Of beams and
+    /// bars in a sheet that is given: the longest
     /// segment, none if left out. In one that is made: the length of the straight parts of a fibre,
     /// that of the accuracy if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -34,7 +35,8 @@ pub struct Model {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// Rings of points with springs between. Of a single fibre.
+    /// Rings of points with springs between. In sheets bonds hold on to the points around the place where fibres touch;
+    /// for small sheets, for its factor has ten to twenty times the entries of one of beams.
     Tube,
     /// Beams with extension, bending, shear and torsion, bonded also against turning. Of sheets.
     Beam,

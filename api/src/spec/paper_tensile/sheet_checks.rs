@@ -1,7 +1,7 @@
 //! What the JSON Schema cannot say of sheets: bonds that must join fibres where they touch, fibres that
 //! must fit into a sheet, memory that there must be.
 use super::{
-    BondsAt, Direction, ExplicitBond, ExplicitSheet, Level, MadeSheet, Orientation, PaperTensile,
+    BondsAt, Direction, ExplicitBond, ExplicitSheet, MadeSheet, Orientation, PaperTensile,
     Placement, Pulp,
 };
 use crate::{Violation, Violations};
@@ -36,14 +36,6 @@ pub(super) fn unknown_pulp(spec: &PaperTensile, place: String, name: &str) -> Vi
 
 /// What holds for sheets of both sorts.
 pub(super) fn check_test(spec: &PaperTensile, violations: &mut Violations) {
-    if spec.level() == Level::Tube {
-        let detail = "a tube is a model of a single fibre; those of a sheet are beams or bars";
-        violations.push(
-            Violation::new("/model/level", "not_of_a_sheet", detail)
-                .value("tube")
-                .allowed("one of: beam, truss"),
-        );
-    }
     if spec.yields() && spec.accuracy.knobs().bonds_at == BondsAt::Inside {
         let detail = "fibres that yield are followed with bonds at nodes of their own";
         violations.push(

@@ -4,6 +4,9 @@ use super::{BondsAt, Direction, Level, PaperTensile, Ring, Specimen};
 use crate::spec_trait::Studied;
 use crate::study::Knob;
 
+/// Points of tubes up to which a study tries them unasked.
+const MOST_POINTS: f64 = 1e5;
+
 /// Results that are compared: all that do not describe the division itself.
 const COMPARED: [&str; 15] = [
     "axial_modulus",
@@ -25,11 +28,17 @@ const COMPARED: [&str; 15] = [
 
 impl Studied for PaperTensile {
     fn knobs(&self) -> Vec<Knob> {
+        // a beam has the bending stiffness of the wall, which a tube has not: the beam is what others are held against
+        let is_small = self.as_tubes_points() <= MOST_POINTS;
         let level = Knob::new(
             "level",
-            "what fibres are made of: beam or truss",
+            "what fibres are made of: truss, tube or beam; tubes where they have 100 000 points at most",
             self.level().name(),
-            &["truss"],
+            if is_small {
+                &["truss", "tube"][..]
+            } else {
+                &["truss"]
+            },
             "beam",
         );
         match &self.specimen {
@@ -104,6 +113,7 @@ impl Studied for PaperTensile {
             }
             "level" => {
                 self.model.level = match value {
+                    "tube" => Some(Level::Tube),
                     "beam" => Some(Level::Beam),
                     "truss" => Some(Level::Truss),
                     _ => return None,

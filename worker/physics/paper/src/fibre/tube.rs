@@ -1,9 +1,12 @@
-//! The tube of points and springs that stands for a fibre, straight or curled to an arc.
+//! The tube of points and springs that stands for a fibre, straight, curled to an arc, or along any line.
 //!
-//! Point j of ring i is number i N + j. The chord of the tube lies along x and its arc, if it has one,
-//! in the plane of x and y; a straight tube has its rings at x = i l and point j at the angle 2πj/N
+//! Point j of ring i is number i N + j. The chord of a straight or curled tube lies along x and its arc in the plane of x
+//! and y; a straight tube has its rings at x = i l and point j at the angle 2πj/N
 //! from y. All springs are at rest as generated.
 use std::f64::consts::{PI, TAU};
+
+use loadframe_api::fibre::ring_centres;
+use nalgebra::Vector3;
 
 use super::{Divided, FibreError, Segment, Springs};
 
@@ -24,6 +27,13 @@ pub struct Spring {
     pub sort: Sort,
     pub stiffness_mn_per_um: f64,
     pub rest_um: f64,
+}
+
+/// Where a ring lies: from its centre up to point 0, and across that.
+struct Ring {
+    centre: Vector3<f64>,
+    up: Vector3<f64>,
+    across: Vector3<f64>,
 }
 
 /// Points, their masses, and springs.
@@ -59,23 +69,67 @@ impl Tube {
     /// (1) and (7) of the patent, with the turns placed evenly about the middle.
     fn along(segments: usize, segment: &Segment, springs: &Springs, half_angle: f64) -> Self {
         let turn = 2.0 * half_angle / segments as f64;
-        let (count, radius) = (segment.points_on_ring(), segment.diameter_um() / 2.0);
-        let mut places = Vec::with_capacity((segments + 1) * count);
+        let mut rings = Vec::with_capacity(segments + 1);
         let mut centre = [0.0, 0.0];
         for ring in 0..=segments {
             let (sine, cosine) = (half_angle - ring as f64 * turn).sin_cos();
-            for point in 0..count {
-                let (across, up) = (TAU * point as f64 / count as f64).sin_cos();
-                places.push([
-                    centre[0] - sine * radius * up,
-                    centre[1] + cosine * radius * up,
-                    radius * across,
-                ]);
-            }
+            rings.push(Ring {
+                centre: Vector3::new(centre[0], centre[1], 0.0),
+                up: Vector3::new(-sine, cosine, 0.0),
+                across: Vector3::z(),
+            });
             let (sine, cosine) = (half_angle - (ring as f64 + 0.5) * turn).sin_cos();
             centre[0] += segment.length_um() * cosine;
             centre[1] += segment.length_um() * sine;
         }
+        Self::of_rings(&rings, segment, springs)
+    }
+
+    /// The tube of a fibre along a line: rings at equal arc lengths, across the bisector of the chords that meet there,
+    /// each turned from the one before by the smallest rotation, which does not twist the fibre. On the first ring point 0
+    /// is the one that lies most to the left, seen along the fibre in the plane of x and y.
+    ///
+    /// # Errors
+    /// Those of [`ring_centres`].
+    pub fn along_line(line_um: &[[f64; 3]], divided: &Divided) -> Result<Self, FibreError> {
+        let centres = ring_centres(line_um, divided.segments, &divided.segment)?;
+        let centres: Vec<Vector3<f64>> = centres.into_iter().map(Vector3::from).collect();
+        let chord = |segment: usize| (centres[segment + 1] - centres[segment]).normalize();
+        let last = divided.segments - 1;
+        let mut normal = chord(0);
+        let up = Vector3::z().cross(&normal);
+        // a fibre that stands upright lies to no side
+        let mut up = up.try_normalize(1e-6).unwrap_or_else(Vector3::y);
+        up = (up - normal * normal.dot(&up)).normalize();
+        let mut rings = Vec::with_capacity(centres.len());
+        for (ring, &centre) in centres.iter().enumerate() {
+            // of two chords, where there are
+            let sum = chord(ring.saturating_sub(1)) + chord(ring.min(last));
+            let next = sum.normalize();
+            // the smallest rotation from n to n': u' = u - (n'·u) (n + n')/(1 + n·n'), for u across n
+            up -= (normal + next) * (next.dot(&up) / (1.0 + normal.dot(&next)));
+            up = (up - next * next.dot(&up)).normalize();
+            normal = next;
+            rings.push(Ring {
+                centre,
+                up,
+                across: normal.cross(&up),
+            });
+        }
+        Ok(Self::of_rings(&rings, &divided.segment, &divided.springs))
+    }
+
+    fn of_rings(rings: &[Ring], segment: &Segment, springs: &Springs) -> Self {
+        let (count, radius) = (segment.points_on_ring(), segment.diameter_um() / 2.0);
+        let mut places = Vec::with_capacity(rings.len() * count);
+        for ring in rings {
+            for point in 0..count {
+                let (across, up) = (TAU * point as f64 / count as f64).sin_cos();
+                let arm = ring.up * radius * up + ring.across * radius * across;
+                places.push((ring.centre + arm).into());
+            }
+        }
+        let segments = rings.len() - 1;
         let mut tube = Self {
             segment: *segment,
             segments,

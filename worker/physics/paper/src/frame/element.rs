@@ -57,7 +57,7 @@ impl Element {
         let axial = section.youngs_modulus_gpa * section.area_um2 / length;
         let (bending, stiffness) = match level {
             Level::Truss => (None, [axial, TAUT * axial, TAUT * axial, 0.0, 0.0, 0.0]),
-            Level::Beam => {
+            Level::Beam | Level::Tube => {
                 let bending = section.youngs_modulus_gpa * section.inertia_um4 / length;
                 let shear =
                     section.shear_coefficient * section.shear_modulus_gpa * section.area_um2;
@@ -84,7 +84,7 @@ impl Element {
     ) -> Self {
         let force = bond.stiffness_mn_per_um3 * bond.area_um2;
         let moment = match level {
-            Level::Beam => force * bond.area_um2 / 12.0,
+            Level::Beam | Level::Tube => force * bond.area_um2 / 12.0,
             Level::Truss => 0.0,
         };
         Self {
@@ -179,7 +179,7 @@ pub(crate) fn flat(ends: &Ends) -> [f64; 12] {
 
 /// Three axes at right angles, the first along `along`. The two others may be anyhow, as sections are
 /// the same about all axes.
-fn axes_along(along: Vector3<f64>) -> Matrix3<f64> {
+pub(crate) fn axes_along(along: Vector3<f64>) -> Matrix3<f64> {
     let first = along.normalize();
     let least = first.iamin();
     let mut other = Vector3::zeros();
@@ -189,13 +189,13 @@ fn axes_along(along: Vector3<f64>) -> Matrix3<f64> {
     Matrix3::from_rows(&[first.transpose(), second.transpose(), third.transpose()])
 }
 
-/// Normal and bending stress of a beam's or bar's segment.
+/// Normal and bending stress of a segment.
 pub(crate) fn stress_gpa(section: &BeamSection, level: Level, q: &[f64; PARTS]) -> f64 {
     let axial = q[0] / section.area_um2;
     match level {
         Level::Truss => axial,
         // the moment at either end is that of uniform bending, with and without the other
-        Level::Beam => {
+        Level::Beam | Level::Tube => {
             let ends = [
                 (q[4] - q[1]).hypot(q[5] - q[2]),
                 (q[4] + q[1]).hypot(q[5] + q[2]),

@@ -1,8 +1,8 @@
 //! Small displacements: rest of a network that is pulled by its jaws or loaded at its nodes.
 //!
-//! One Cholesky factor serves while parts break: what breaks is six rank-one terms, and the motion
-//! changes by what the broken element had carried, Δu = K'⁻¹ B q (its loads q before the break). One
-//! pass with six right sides gives K⁻¹ B for both the [`Softening`] and Δu. The factor is made anew,
+//! One Cholesky factor serves while parts break: what breaks is some rank-one terms, its springs (six of a beam or
+//! bond), and the motion changes by what these had carried, Δu = K'⁻¹ B q (their forces q before the break). One
+//! pass with a right side for each gives K⁻¹ B for both the [`Softening`] and Δu. The factor is made anew,
 //! without what is no longer stretched, when corrections have cost as much as a factor does.
 use std::borrow::Cow;
 
@@ -16,6 +16,7 @@ use super::factor::Factor;
 use super::input::NodeLoad;
 use super::network::Network;
 use super::places::Jaw;
+use super::springs::SpringSum;
 use super::state::PullCost;
 use super::survey::{Critical, survey_of};
 
@@ -34,9 +35,6 @@ pub(crate) const ROUND_OFF: f64 = 1e-11;
 /// A residual this many times the one at which refinement ended last is not refined: where the shortest
 /// segments are stiff beside the sheet, that is round-off, and a refinement costs as much as a break.
 const NEAR_FLOOR: f64 = 4.0;
-
-/// Forces below this share of the largest since the factor was made are none: the jaws are parted.
-const NOTHING: f64 = 1e-9;
 
 /// Refinements before giving up.
 const REFINEMENTS: usize = 4;
@@ -63,10 +61,10 @@ pub enum Refactoring {
 
 /// A network at rest.
 #[derive(Debug)]
-pub(crate) struct Equilibrium<'n> {
+pub(crate) struct Equilibrium<'n, E: SpringSum = Element> {
     pub(crate) network: &'n Network,
-    /// The network's, or those of them that yield softer.
-    elements: Cow<'n, [Element]>,
+    /// The network's, or as they are where some yield or are torn.
+    elements: Cow<'n, [E]>,
     clusters: Clusters,
     refactoring: Refactoring,
     loads: &'n [NodeLoad],
@@ -94,7 +92,7 @@ pub(crate) struct Equilibrium<'n> {
     pub(crate) solutions: usize,
 }
 
-impl<'n> Equilibrium<'n> {
+impl<'n, E: SpringSum> Equilibrium<'n, E> {
     /// Finds the rest without the elements `factored`; those of `taken` leave one by one, as they did
     /// before, so that a state that goes on has the same bits.
     pub(crate) fn new(
@@ -104,7 +102,7 @@ impl<'n> Equilibrium<'n> {
         refactoring: Refactoring,
         (factored, taken): (&[u32], &[u32]),
     ) -> Result<Self, FrameError> {
-        let elements = Cow::Borrowed(network.elements());
+        let elements = Cow::Borrowed(E::of(network));
         let solved = (clusters, refactoring);
         let mut equilibrium =
             Self::of_elements(network, elements, solved, (elongation, loads), factored)?;
@@ -116,7 +114,7 @@ impl<'n> Equilibrium<'n> {
 
     fn of_elements(
         network: &'n Network,
-        elements: Cow<'n, [Element]>,
+        elements: Cow<'n, [E]>,
         (clusters, refactoring): (Clusters, Refactoring),
         (elongation, loads): (f64, &'n [NodeLoad]),
         factored: &[u32],
@@ -132,7 +130,7 @@ impl<'n> Equilibrium<'n> {
             gyration: network.gyration_um(),
             is_whole: network.unbroken(),
             is_active: Vec::new(),
-            factor: Factor::new(network, |_| false, [].iter())?,
+            factor: Factor::empty(network)?,
             softening: Softening::new(0),
             factored: factored.to_vec(),
             taken: Vec::new(),
@@ -171,10 +169,7 @@ impl<'n> Equilibrium<'n> {
 
     /// Loads q of an element; none when it is broken or hangs loose.
     pub(crate) fn loads_of(&self, element: usize) -> Option<[f64; PARTS]> {
-        self.is_active[element].then(|| {
-            let element = &self.elements[element];
-            element.loads(&element.deformation(&self.motion.ends(element)))
-        })
+        self.is_active[element].then(|| self.elements[element].loads(&self.motion))
     }
 
     pub(crate) fn cost(&self) -> PullCost {
@@ -202,11 +197,12 @@ impl<'n> Equilibrium<'n> {
             .iter()
             .map(|standing| self.clusters.include(*standing))
             .collect();
+        E::tear(network, &self.is_whole, &mut self.elements);
         self.is_active.clear();
         let elements = &self.elements;
         let active = elements.iter().zip(&self.is_whole);
         self.is_active.extend(
-            active.map(|(element, is_whole)| *is_whole && is_solved[element.nodes[0] as usize]),
+            active.map(|(element, is_whole)| *is_whole && is_solved[element.first_node() as usize]),
         );
 
         let active = || {
@@ -217,12 +213,16 @@ impl<'n> Equilibrium<'n> {
         };
         let is_free = |node: usize| is_solved[node] && network.jaw(node).is_none();
         // the old one's memory first
-        self.factor = Factor::new(network, |_| false, [].iter())?;
-        self.factor = Factor::new(network, is_free, active().map(|(element, _)| element))?;
-        self.factor.factor(
-            network,
-            active().map(|(element, _)| (element.nodes, element.matrix())),
-        )?;
+        self.factor = Factor::empty(network)?;
+        let pairs = active().flat_map(|(element, _)| element.pairs());
+        let (motions, positions) = (network.motions(), network.positions());
+        self.factor = Factor::of_pairs(motions, positions, is_free, pairs)?;
+        let factor = &mut self.factor;
+        factor.clear();
+        for (element, _) in active() {
+            element.matrices(&mut |nodes, matrix| factor.add(nodes, matrix));
+        }
+        factor.factor_entries(positions)?;
         self.softening = Softening::new(self.factor.size());
         self.factors += 1;
         self.spent = 0.0;
@@ -248,7 +248,9 @@ impl<'n> Equilibrium<'n> {
         if !was_active {
             return Ok(());
         }
-        if !self.is_correction_due(1) || !self.take(element, self.elements[element].stiffness) {
+        let stiffness = self.elements[element].stiffness().to_vec();
+        let is_torn = E::tears(self.network, element);
+        if is_torn || !self.is_correction_due(stiffness.len()) || !self.take(element, &stiffness) {
             return self.rebuild();
         }
         self.settle()
@@ -275,63 +277,57 @@ impl<'n> Equilibrium<'n> {
         }
     }
 
-    fn is_correction_due(&self, elements: usize) -> bool {
+    fn is_correction_due(&self, springs: usize) -> bool {
         match self.refactoring {
             Refactoring::Always => false,
             Refactoring::Never => true,
-            Refactoring::ByCost => self.is_correction_cheap(elements),
+            Refactoring::ByCost => self.is_correction_cheap(springs),
         }
     }
 
-    fn is_correction_cheap(&self, elements: usize) -> bool {
-        let entries = (self.softening.len() + PARTS * elements) * self.factor.size();
+    fn is_correction_cheap(&self, springs: usize) -> bool {
+        let entries = (self.softening.len() + springs) * self.factor.size();
         let factor_cost =
             self.factor.multiplications() / FACTOR_RATE + self.factor.stored() as f64 / READ_RATE;
-        let more = (elements - 1) as f64 * self.factor.stored() as f64 / READ_RATE;
+        let more = (springs.div_ceil(PARTS) - 1) as f64 * self.factor.stored() as f64 / READ_RATE;
         entries <= self.factor.stored().max(FREE_COLUMNS) && self.spent + more <= factor_cost
     }
 
-    /// Softens the factor by this much of an element's stiffness, and moves the nodes; false when the rest
-    /// would be loose.
-    fn take(&mut self, element: usize, stiffness: [f64; PARTS]) -> bool {
+    /// Softens the factor by this much of the stiffness of an element's springs, and moves the nodes; false when
+    /// the rest would be loose.
+    fn take(&mut self, element: usize, stiffness: &[f64]) -> bool {
         let element = &self.elements[element];
-        let deformation = element.deformation(&self.motion.ends(element));
-        let loads: [f64; PARTS] = std::array::from_fn(|part| stiffness[part] * deformation[part]);
+        let deformations = element.deformations(&self.motion);
         let size = self.factor.size();
-        let mut parts: [Vec<(u32, f64)>; PARTS] = Default::default();
+        let mut taken: Vec<(usize, Vec<(u32, f64)>)> = Vec::with_capacity(stiffness.len());
         self.columns.clear();
-        self.columns.resize(PARTS * size, 0.0);
-        let mut count = 0;
-        for (part, entries) in parts.iter_mut().enumerate() {
-            if stiffness[part] != 0.0 {
-                *entries = self.factor.column(element.nodes, &element.part(part));
-                for &(unknown, value) in entries.iter() {
-                    self.columns[count * size + unknown as usize] = value;
-                }
-                count += 1;
+        for (spring, _) in stiffness.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+            let entries = element.column(spring, &self.factor);
+            if entries.is_empty() {
+                // between nodes that are held
+                continue;
             }
+            self.columns.resize((taken.len() + 1) * size, 0.0);
+            for &(unknown, value) in &entries {
+                self.columns[taken.len() * size + unknown as usize] = value;
+            }
+            taken.push((spring, entries));
         }
+        let count = taken.len();
         self.factor.solve(&mut self.columns[..count * size], count);
         self.solutions += 1;
         let mut change = vec![0.0; size];
-        let mut solved = self.columns.chunks(size.max(1));
-        for (part, entries) in parts.iter().enumerate() {
-            if entries.is_empty() {
-                continue;
-            }
-            let Some(column) = solved.next() else {
-                return false;
-            };
-            let taken = self
-                .softening
-                .take(entries, stiffness[part], |_, solution| {
-                    solution.copy_from_slice(column);
-                });
+        for ((spring, entries), column) in taken.iter().zip(self.columns.chunks(size.max(1))) {
+            let stiffness = stiffness[*spring];
+            let taken = self.softening.take(entries, stiffness, |_, solution| {
+                solution.copy_from_slice(column);
+            });
             if taken.is_err() {
                 return false;
             }
+            let load = stiffness * deformations[*spring];
             for (change, value) in change.iter_mut().zip(column) {
-                *change += loads[part] * value;
+                *change += load * value;
             }
         }
         self.softening.correct(&mut change);
@@ -354,7 +350,7 @@ impl<'n> Equilibrium<'n> {
             let mut right = self.unbalanced(&self.forces);
             let worst = self.worst_force(&right);
             self.largest = self.largest.max(self.forces.scale);
-            let scale = self.forces.scale.max(NOTHING * self.largest);
+            let scale = self.forces.scale.max(E::NOTHING * self.largest);
             self.residual = worst / scale.max(f64::MIN_POSITIVE);
             let is_round_off = refinement > 0 && worst <= ROUND_OFF * self.forces.round_off;
             let is_at_floor = refinement == 0 && self.residual <= NEAR_FLOOR * self.floor;

@@ -63,6 +63,9 @@ pub enum FrameError {
     /// Fibres that yield have a history, which only a pull of small displacements with a factor follows.
     #[error("fibres yield, which only a pull of small displacements with bonds at nodes follows")]
     Yields,
+    /// Tubes have a factor and small displacements, and are elastic until they break.
+    #[error("tubes are pulled by small displacements with a factor, and do not yield")]
+    Tubes,
     /// Segments that flow or not by turns.
     #[error("which segments yield was not decided in {rounds} rounds")]
     Undecided { rounds: usize },

@@ -39,6 +39,11 @@ impl Factor {
         Self::of_pairs(network.motions(), network.positions(), is_free, pairs)
     }
 
+    /// Of no nodes at all.
+    pub(crate) fn empty(network: &Network) -> Result<Self, FrameError> {
+        Self::new(network, |_| false, [].iter())
+    }
+
     /// The same of nodes with so many motions at these positions, by which pairs have a block.
     pub(crate) fn of_pairs(
         motions: usize,
@@ -137,10 +142,15 @@ impl Factor {
 
     /// Sums the matrices of elements.
     pub(crate) fn sum(&mut self, elements: impl Iterator<Item = ([u32; 2], Matrix12)>) {
-        self.cholesky.entries_mut().fill(0.0);
+        self.clear();
         for (nodes, matrix) in elements {
             self.add(nodes, &matrix);
         }
+    }
+
+    /// Forgets what was summed.
+    pub(crate) fn clear(&mut self) {
+        self.cholesky.entries_mut().fill(0.0);
     }
 
     /// Raises the diagonal by a share of its mean, displacements and rotations each of theirs, and factors
@@ -164,7 +174,8 @@ impl Factor {
         self.factor_entries(positions)
     }
 
-    fn factor_entries(&mut self, positions: &[Vector3<f64>]) -> Result<(), FrameError> {
+    /// Factors what is summed.
+    pub(crate) fn factor_entries(&mut self, positions: &[Vector3<f64>]) -> Result<(), FrameError> {
         self.cholesky.factor_entries().map_err(|error| match error {
             NoFactor::Indefinite { unknown } => {
                 let node = self.free[unknown / self.motions] as usize;
@@ -177,7 +188,8 @@ impl Factor {
         })
     }
 
-    fn add(&mut self, nodes: [u32; 2], matrix: &Matrix12) {
+    /// Adds a matrix over the motions of two nodes; of one, given twice, both its diagonal blocks.
+    pub(crate) fn add(&mut self, nodes: [u32; 2], matrix: &Matrix12) {
         let places = nodes.map(|node| self.place[node as usize]);
         for (end, &place) in places.iter().enumerate() {
             if place != HELD {

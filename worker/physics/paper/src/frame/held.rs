@@ -13,6 +13,7 @@ use super::input::NodeLoad;
 use super::network::Network;
 use super::state::PullCost;
 use super::survey::{Critical, breaks_at};
+use super::tubes::PointSprings;
 
 /// Unknowns up to which a factor is made where bonds have nodes. It holds some 100 numbers for each, and as
 /// many are read for every break: fewer than some 20 iterations read, which start at every break from
@@ -67,16 +68,17 @@ impl Means {
             Solver::ByCost => {
                 let unknowns = network.nodes() * network.motions();
                 let is_direct = network.hanging().is_empty() && unknowns <= DIRECT;
-                is_direct.then_some(Refactoring::ByCost)
+                (is_direct || network.tubes().is_some()).then_some(Refactoring::ByCost)
             }
         }
     }
 }
 
-/// A network at rest, with one of the two.
+/// A network at rest, with one of the two; tubes with a factor.
 #[derive(Debug)]
 pub(crate) enum Held<'n> {
     Direct(Box<Equilibrium<'n>>),
+    Tubes(Box<Equilibrium<'n, PointSprings>>),
     Iterative(Box<Relaxation<'n>>),
 }
 
@@ -92,7 +94,13 @@ impl<'n> Held<'n> {
         broken: (&[u32], &[u32]),
         (break_precision, motion): (f64, &[f64]),
     ) -> Result<Self, FrameError> {
-        if let Some(refactoring) = means.refactoring(network) {
+        let refactoring = means.refactoring(network);
+        if network.tubes().is_some() {
+            let refactoring = refactoring.ok_or(FrameError::Tubes)?;
+            let found = Equilibrium::new(network, clusters, pull, refactoring, broken)?;
+            return Ok(Self::Tubes(Box::new(found)));
+        }
+        if let Some(refactoring) = refactoring {
             if !network.hanging().is_empty() {
                 return Err(FrameError::Hanging);
             }
@@ -114,6 +122,9 @@ impl<'n> Held<'n> {
             Self::Direct(rest) => elements
                 .iter()
                 .try_for_each(|&element| rest.remove(element)),
+            Self::Tubes(rest) => elements
+                .iter()
+                .try_for_each(|&element| rest.remove(element)),
             Self::Iterative(rest) => rest.remove(elements),
         }
     }
@@ -130,7 +141,7 @@ impl<'n> Held<'n> {
         // an index of 1 - precision of the largest
         let last = critical.factor / (1.0 - precision);
         let mut breaking: Vec<(f64, usize)> = Vec::new();
-        for element in 0..self.network().elements().len() {
+        for element in 0..self.network().parts() {
             if let Some(loads) = self.loads_of(element) {
                 let factor = breaks_at(self.network(), element, &loads);
                 if factor <= last {
@@ -145,6 +156,7 @@ impl<'n> Held<'n> {
     pub(crate) fn network(&self) -> &'n Network {
         match self {
             Self::Direct(rest) => rest.network,
+            Self::Tubes(rest) => rest.network,
             Self::Iterative(rest) => rest.network,
         }
     }
@@ -153,13 +165,27 @@ impl<'n> Held<'n> {
     pub(crate) fn motion(&self) -> &Motion {
         match self {
             Self::Direct(rest) => &rest.motion,
+            Self::Tubes(rest) => &rest.motion,
             Self::Iterative(rest) => &rest.motion,
+        }
+    }
+
+    /// Largest turn of a node, of tubes that of a ring [rad per unit].
+    pub(crate) fn largest_turn(&self) -> f64 {
+        let nodes = &self.motion().nodes;
+        match self.network().tubes() {
+            Some(tubes) => tubes.largest_turn(self.network(), self.motion()),
+            None => nodes
+                .iter()
+                .map(|motion| motion[1].norm())
+                .fold(0.0, f64::max),
         }
     }
 
     pub(crate) fn forces(&self) -> &Forces {
         match self {
             Self::Direct(rest) => &rest.forces,
+            Self::Tubes(rest) => &rest.forces,
             Self::Iterative(rest) => &rest.forces,
         }
     }
@@ -167,6 +193,7 @@ impl<'n> Held<'n> {
     pub(crate) fn critical(&self) -> Option<Critical> {
         match self {
             Self::Direct(rest) => rest.critical,
+            Self::Tubes(rest) => rest.critical,
             Self::Iterative(rest) => rest.critical,
         }
     }
@@ -174,6 +201,7 @@ impl<'n> Held<'n> {
     pub(crate) fn residual(&self) -> f64 {
         match self {
             Self::Direct(rest) => rest.residual,
+            Self::Tubes(rest) => rest.residual,
             Self::Iterative(rest) => rest.residual,
         }
     }
@@ -181,7 +209,7 @@ impl<'n> Held<'n> {
     /// Unbalanced force over the largest force of an element that is allowed.
     pub(crate) fn residual_limit(&self) -> f64 {
         match self {
-            Self::Direct(_) => UNBALANCED,
+            Self::Direct(_) | Self::Tubes(_) => UNBALANCED,
             Self::Iterative(rest) => rest.limit(),
         }
     }
@@ -190,7 +218,7 @@ impl<'n> Held<'n> {
     /// solution is refined to round-off.
     pub(crate) fn index_error(&self) -> Option<f64> {
         match self {
-            Self::Direct(_) => None,
+            Self::Direct(_) | Self::Tubes(_) => None,
             Self::Iterative(rest) => Some(rest.index_error),
         }
     }
@@ -199,6 +227,7 @@ impl<'n> Held<'n> {
     pub(crate) fn loads_of(&self, element: usize) -> Option<[f64; PARTS]> {
         match self {
             Self::Direct(rest) => rest.loads_of(element),
+            Self::Tubes(rest) => rest.loads_of(element),
             Self::Iterative(rest) => rest.loads_of(element),
         }
     }
@@ -207,6 +236,7 @@ impl<'n> Held<'n> {
     pub(crate) fn is_whole(&self, element: usize) -> bool {
         match self {
             Self::Direct(rest) => rest.is_whole(element),
+            Self::Tubes(rest) => rest.is_whole(element),
             Self::Iterative(rest) => rest.is_whole(element),
         }
     }
@@ -215,6 +245,7 @@ impl<'n> Held<'n> {
     pub(crate) fn is_active(&self) -> bool {
         match self {
             Self::Direct(rest) => rest.is_active(),
+            Self::Tubes(rest) => rest.is_active(),
             Self::Iterative(rest) => rest.is_any_active(),
         }
     }
@@ -223,6 +254,7 @@ impl<'n> Held<'n> {
     pub(crate) fn is_spanning(&self) -> bool {
         match self {
             Self::Direct(rest) => rest.is_spanning(),
+            Self::Tubes(rest) => rest.is_spanning(),
             Self::Iterative(rest) => rest.is_spanning(),
         }
     }
@@ -231,6 +263,7 @@ impl<'n> Held<'n> {
     pub(crate) fn broken(&self) -> (&[u32], &[u32]) {
         match self {
             Self::Direct(rest) => rest.broken(),
+            Self::Tubes(rest) => rest.broken(),
             Self::Iterative(rest) => rest.broken(),
         }
     }
@@ -238,7 +271,7 @@ impl<'n> Held<'n> {
     /// What iterations go on from; empty where a factor finds it again.
     pub(crate) fn flat_motion(&self) -> &[f64] {
         match self {
-            Self::Direct(_) => &[],
+            Self::Direct(_) | Self::Tubes(_) => &[],
             Self::Iterative(rest) => rest.flat_motion(),
         }
     }
@@ -246,6 +279,7 @@ impl<'n> Held<'n> {
     pub(crate) fn cost(&self) -> PullCost {
         match self {
             Self::Direct(rest) => rest.cost(),
+            Self::Tubes(rest) => rest.cost(),
             Self::Iterative(rest) => rest.cost(),
         }
     }

@@ -64,6 +64,8 @@ pub enum Level {
     Beam,
     /// Bars: extension only; bonds hold displacements only.
     Truss,
+    /// Tubes of points and springs ([`crate::fibre::Tube`]); bonds hold the points of rings around them.
+    Tube,
 }
 
 /// Where bonds hold their fibres.

@@ -12,6 +12,9 @@
 //! is what it remembers and measures, `pulling` what every pull can be asked: `pull` drives, `yielding` where
 //! fibres yield, and which of them a network needs is `chosen`. `large` does all for large motions.
 //!
+//! Fibres are beams or bars, or `tubes` of points and springs: other nodes and other springs, the same equilibrium
+//! with a factor (`springs` is what it asks of them), the same events.
+//!
 //! A bond resists the relative displacement of its two centre-line points equally in all directions,
 //! and their relative rotation. When the points are apart (by the radii of the fibres) this resists a
 //! rigid rotation of the pair, too, and a shear force on it leaves a moment: the bond is a law between
@@ -41,11 +44,13 @@ mod order;
 mod places;
 mod pull;
 mod pulling;
+mod springs;
 mod state;
 mod survey;
 #[cfg(test)]
 mod tests;
 mod tie;
+mod tubes;
 mod yielding;
 
 pub use chosen::pull;
@@ -59,7 +64,7 @@ pub use input::{
 };
 pub use large::{LargePull, LargePullTest, LargeStep};
 pub use load::Rest;
-pub use network::Network;
+pub use network::{Drawing, Network};
 pub use places::Jaw;
 pub use pull::{Pull, PullTest};
 pub use pulling::{Loads, Pulling, run};

@@ -4,22 +4,23 @@
 //! fibre follow one another, and segment i of a fibre joins its nodes i and i + 1. Every bond has a
 //! node of its own on either fibre, so that beams bent by bonds are exact between them, or it hangs on
 //! the segments between nodes ([`Attachment::Inside`](super::Attachment)): its two points then follow all nodes of fibres
-//! and have no motion of their own.
+//! and have no motion of their own. Networks of tubes ([`Network::of_tubes`]) have the points of rings as nodes.
 use nalgebra::Vector3;
 
 use super::clusters::{Standing, standings};
 use super::element::Element;
-use super::error::{FrameError, check};
+use super::error::FrameError;
 use super::input::{BeamSection, FrameBond, FrameFibre, FrameModel, Level};
 use super::places::{BondPlace, CentreLine, Jaw, Place};
 use super::tie::Tie;
+use super::tubes::Tubes;
 
-/// A bond whose two points are closer than this share of its fibres' mean width has its face in the
-/// plane of the sheet: rounded coordinates of two crossing lines say nothing about a direction.
-const COINCIDENT: f64 = 0.01;
+mod drawing;
+mod ends;
+mod tubes;
 
-/// A bond this share of its fibre's length beyond the end is at the end: round-off of a sum.
-const AT_END: f64 = 1e-9;
+pub use drawing::Drawing;
+use ends::{bond_ends, normal_of, strengths, void};
 
 /// Fibres and bonds, ready to be pulled.
 #[derive(Debug, Clone)]
@@ -35,8 +36,9 @@ pub struct Network {
     starts: Vec<u32>,
     /// Points between nodes, which have the numbers after those of nodes.
     hanging: Vec<Hanging>,
-    /// Segments by fibre, then bonds.
+    /// Segments by fibre, then bonds; none of tubes.
     elements: Vec<Element>,
+    tubes: Option<Tubes>,
     /// Fibre of each segment.
     owners: Vec<u32>,
     /// Bonds without any strength.
@@ -63,6 +65,9 @@ impl Network {
         model: FrameModel,
     ) -> Result<Self, FrameError> {
         model.check()?;
+        if model.level == Level::Tube {
+            return Err(FrameError::Tubes);
+        }
         let mut lines = Vec::with_capacity(fibres.len());
         for (number, fibre) in fibres.iter().enumerate() {
             fibre.section.check(number)?;
@@ -140,14 +145,10 @@ impl Network {
             let width = bond
                 .fibres
                 .map(|fibre| fibres[fibre as usize].section.width_um);
-            let is_apart = apart.norm() > COINCIDENT * 0.5 * (width[0] + width[1]);
-            let normal = if is_apart { apart } else { Vector3::z() };
+            let normal = normal_of(apart, width);
             elements.push(Element::bond(*joined, normal, bond, model.level));
         }
 
-        let void: Vec<u32> = (0..bonds.len() as u32)
-            .filter(|&bond| bonds[bond as usize].is_void())
-            .collect();
         let mut network = Self {
             model,
             sections: fibres.iter().map(|fibre| fibre.section).collect(),
@@ -158,8 +159,9 @@ impl Network {
             starts,
             hanging: hung.into_iter().map(|(_, _, hanging)| hanging).collect(),
             elements,
+            tubes: None,
             owners,
-            void,
+            void: void(bonds),
             standing: Vec::new(),
         };
         network.standing = network.standing_without(&network.unbroken());
@@ -235,7 +237,11 @@ impl Network {
     /// The two nodes of a segment.
     #[must_use]
     pub fn segment_nodes(&self, segment: usize) -> [usize; 2] {
-        self.elements[segment].nodes.map(|node| node as usize)
+        let nodes = match &self.tubes {
+            Some(tubes) => [0, 1].map(|next| tubes.node_of(tubes.first_rings[segment] + next)),
+            None => self.elements[segment].nodes,
+        };
+        nodes.map(|node| node as usize)
     }
 
     /// The fibre of a node that a fibre has.
@@ -311,6 +317,16 @@ impl Network {
         }
     }
 
+    /// Segments and bonds: all that may break.
+    pub(crate) fn parts(&self) -> usize {
+        self.segments() + self.bonds()
+    }
+
+    /// Of a network of tubes.
+    pub(crate) fn tubes(&self) -> Option<&Tubes> {
+        self.tubes.as_ref()
+    }
+
     pub(crate) fn elements(&self) -> &[Element] {
         &self.elements
     }
@@ -332,7 +348,7 @@ impl Network {
     pub(crate) fn motions(&self) -> usize {
         match self.model.level {
             Level::Beam => 6,
-            Level::Truss => 3,
+            Level::Truss | Level::Tube => 3,
         }
     }
 
@@ -344,7 +360,8 @@ impl Network {
 
     /// Which elements are there before the pull: all but void bonds.
     pub(crate) fn unbroken(&self) -> Vec<bool> {
-        let mut is_whole = vec![true; self.elements.len()];
+        let tubes = self.tubes.as_ref().map_or(0, |tubes| tubes.parts.len());
+        let mut is_whole = vec![true; self.elements.len().max(tubes)];
         for &bond in &self.void {
             is_whole[self.segments() + bond as usize] = false;
         }
@@ -353,6 +370,9 @@ impl Network {
 
     /// The standing of every node when only these elements are whole.
     pub(crate) fn standing_without(&self, is_whole: &[bool]) -> Vec<Standing> {
+        if let Some(tubes) = &self.tubes {
+            return standings(&self.jaws, tubes.links(is_whole).into_iter());
+        }
         let whole = self
             .elements
             .iter()
@@ -366,60 +386,4 @@ impl Network {
             whole.map(|(element, _)| element.nodes).chain(hung),
         )
     }
-}
-
-fn strengths(bond: &FrameBond) -> [f64; 2] {
-    [bond.normal_strength_mn, bond.shear_strength_mn]
-        .map(|strength| strength.unwrap_or(f64::INFINITY))
-}
-
-/// One end of a bond on its fibre.
-#[derive(Debug)]
-struct BondEnd {
-    fibre: u32,
-    arc_um: f64,
-    bond: u32,
-    side: usize,
-}
-
-/// Both ends of all bonds, by fibre and arc length.
-fn bond_ends(lines: &[CentreLine], bonds: &[FrameBond]) -> Result<Vec<BondEnd>, FrameError> {
-    let mut ends = Vec::with_capacity(2 * bonds.len());
-    for (number, bond) in bonds.iter().enumerate() {
-        bond.check(number)?;
-        for side in 0..2 {
-            let (fibre, at_um) = (bond.fibres[side], bond.at_um[side]);
-            let Some(line) = lines.get(fibre as usize) else {
-                return Err(FrameError::NoSuchFibre {
-                    bond: number,
-                    fibre,
-                    fibres: lines.len(),
-                });
-            };
-            check(
-                || format!("place [um] of bond {number} on fibre {fibre}"),
-                at_um,
-                true,
-                "finite",
-            )?;
-            let length_um = line.length_um();
-            let slack = AT_END * length_um;
-            if at_um < -slack || at_um > length_um + slack {
-                return Err(FrameError::BeyondFibre {
-                    bond: number,
-                    fibre,
-                    at_um,
-                    length_um,
-                });
-            }
-            ends.push(BondEnd {
-                fibre,
-                arc_um: at_um.clamp(0.0, length_um),
-                bond: number as u32,
-                side,
-            });
-        }
-    }
-    ends.sort_by(|a, b| a.fibre.cmp(&b.fibre).then(a.arc_um.total_cmp(&b.arc_um)));
-    Ok(ends)
 }

@@ -87,7 +87,8 @@ impl CentreLine {
         self.arcs[self.arcs.len() - 1]
     }
 
-    fn at(&self, arc: f64) -> Vector3<f64> {
+    /// The point at an arc length [µm].
+    pub(crate) fn at(&self, arc: f64) -> Vector3<f64> {
         let last = self.points.len() - 1;
         let next = self
             .arcs
@@ -214,7 +215,8 @@ impl CentreLine {
     }
 }
 
-fn jaw_at(at: Vector3<f64>, model: &FrameModel) -> Option<Jaw> {
+/// The jaw in whose reach a point is.
+pub(crate) fn jaw_at(at: Vector3<f64>, model: &FrameModel) -> Option<Jaw> {
     let near = AT_JAW * model.length_um;
     if at.x <= near {
         Some(Jaw::Left)

@@ -246,9 +246,7 @@ impl Pulling for Pull<'_> {
     }
 
     fn turn_rad(&self) -> f64 {
-        let turns = self.rest.motion().nodes.iter();
-        let largest = turns.map(|motion| motion[1].norm()).fold(0.0, f64::max);
-        largest * self.state.elongation_um
+        self.rest.largest_turn() * self.state.elongation_um
     }
 
     fn loads(&self, element: usize) -> Option<Loads> {

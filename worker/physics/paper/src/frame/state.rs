@@ -163,7 +163,7 @@ impl PullState {
     /// # Errors
     /// [`FrameError::ForeignState`] when it names what the network does not have.
     pub(crate) fn check(&self, network: &Network) -> Result<(), FrameError> {
-        let count = network.elements().len();
+        let count = network.parts();
         match self
             .factored
             .iter()

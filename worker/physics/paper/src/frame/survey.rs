@@ -1,8 +1,9 @@
 //! A look at all elements: what they do to the nodes, and what breaks first.
 use super::balance::{Forces, Motion};
-use super::element::{Element, PARTS, stress_gpa};
+use super::element::{PARTS, stress_gpa};
 use super::input::Level;
 use super::network::Network;
+use super::springs::SpringSum;
 
 /// An element over its limit at unit elongation, by the factor that brings it there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,9 +32,9 @@ pub(crate) fn survey(
 }
 
 /// The same with elements other than the network's own, which may be softer.
-pub(crate) fn survey_of(
+pub(crate) fn survey_of<E: SpringSum>(
     network: &Network,
-    elements: &[Element],
+    elements: &[E],
     is_active: &[bool],
     motion: &Motion,
     gyration: f64,
@@ -47,11 +48,11 @@ pub(crate) fn survey_of(
         if !is_active[index] {
             continue;
         }
-        let loads = forces.add(element, motion, gyration);
+        let loads = element.push(motion, gyration, forces);
         if is_truss && index < segments {
             forces.taut_energy += 0.5
                 * (1..3)
-                    .map(|part| loads[part] * loads[part] / element.stiffness[part])
+                    .map(|part| loads[part] * loads[part] / element.stiffness()[part])
                     .sum::<f64>();
         }
         let factor = breaks_at(network, index, &loads);
@@ -69,6 +70,10 @@ pub(crate) fn survey_of(
 /// Factor of its loads at which an element breaks; infinite when it never does.
 pub(crate) fn breaks_at(network: &Network, element: usize, loads: &[f64; PARTS]) -> f64 {
     let segments = network.segments();
+    if element >= network.parts() {
+        // rings of tubes
+        return f64::INFINITY;
+    }
     if element >= segments {
         return 1.0 / bond_index(loads, network.strengths(element - segments));
     }

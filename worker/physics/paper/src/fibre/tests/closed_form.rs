@@ -1,3 +1,4 @@
+use loadframe_api::fibre::divide_piece;
 use proptest::prelude::*;
 
 use super::{SHEAR_RATIOS, elasticity, near, section, segment};
@@ -223,6 +224,50 @@ fn a_fibre_too_short_for_the_window_is_refused_with_it() {
     assert!(
         matches!(refused, Err(FibreError::NoWholeNumber { .. })),
         "{refused:?}"
+    );
+}
+
+#[test]
+fn a_piece_of_any_length_has_segments_and_keeps_its_moduli() {
+    let (section, elasticity) = (section(), elasticity(0.08));
+    let division = division(None, OnInadmissible::Refine);
+    let window = divide(2000.0, &section, &elasticity, &division)
+        .unwrap()
+        .window;
+    for length_um in [10.0, 30.0, 45.0, 60.0, 75.0, 90.0, 130.0, 1000.0] {
+        let piece = divide_piece(length_um, &section, &elasticity, &division).unwrap();
+        near(
+            piece.segments as f64 * piece.segment.length_um(),
+            length_um,
+            1e-12,
+        );
+        assert!(piece.segment.length_um() <= window.to_um && piece.springs.are_admissible());
+        let kept = elasticity.shear_modulus_gpa();
+        near(piece.springs.shear_modulus_gpa, kept, 1e-15);
+        assert_eq!(
+            piece.springs.is_robust,
+            !window.admits(piece.segment.length_um())
+        );
+    }
+    // c √ν = 13.58 µm × 0.548 = 7.4 µm is the shortest
+    let short = divide_piece(7.0, &section, &elasticity, &division).unwrap_err();
+    assert!(matches!(short, FibreError::TooShort { .. }), "{short:?}");
+    // a length of segments that is admissible is not rejected for what a whole number makes of it
+    let kept = Division {
+        segment_um: Some(35.0),
+        on_inadmissible: OnInadmissible::Reject,
+        ..division
+    };
+    let piece = divide_piece(60.0, &section, &elasticity, &kept).unwrap();
+    assert_eq!((piece.segments, piece.springs.is_robust), (2, true));
+    let wrong = Division {
+        segment_um: Some(50.0),
+        ..kept
+    };
+    let error = divide_piece(60.0, &section, &elasticity, &wrong).unwrap_err();
+    assert!(
+        matches!(error, FibreError::Inadmissible { given_um: 50.0, .. }),
+        "{error:?}"
     );
 }
 

@@ -2,7 +2,7 @@ use nalgebra::DMatrix;
 
 use super::{SHEAR_RATIOS, elasticity, near, section, segment};
 use crate::fibre::measure::{Ends, constants_of, pull};
-use crate::fibre::{Ring, Springs, Tube, Window};
+use crate::fibre::{Division, OnInadmissible, Ring, Sort, Springs, Tube, Window, divide};
 
 /// Constants are read off linear equations: what is left is their round-off.
 const ROUND_OFF: f64 = 1e-8;
@@ -175,4 +175,87 @@ fn a_tube_has_the_springs_that_the_reference_counts_and_second_ones() {
     let tube = Tube::straight(20, &segment(6, Ring::Gyration, length), &springs);
     // 549 of the reference, and 6 on each of 21 rings
     assert_eq!(tube.springs().len(), 120 + 126 + 240 + 63 + 126);
+}
+
+/// Springs of two tubes are as long at rest, one by one.
+fn same_springs(one: &Tube, other: &Tube) {
+    assert_eq!(one.springs().len(), other.springs().len());
+    for (one, other) in one.springs().iter().zip(other.springs()) {
+        assert_eq!((one.points, one.sort), (other.points, other.sort));
+        near(one.rest_um, other.rest_um, 1e-9);
+    }
+}
+
+#[test]
+fn a_tube_along_a_line_is_the_straight_and_the_curled_one() {
+    let division = Division {
+        points_on_ring: 6,
+        ring: Ring::Gyration,
+        segment_um: None,
+        on_inadmissible: OnInadmissible::Refine,
+    };
+    let divided = divide(1000.0, &section(), &elasticity(0.08), &division).unwrap();
+    let straight = Tube::straight(divided.segments, &divided.segment, &divided.springs);
+    // along x the points are the same ones; along 2-3-6, out of the plane, the springs are as long
+    let along = Tube::along_line(&[[0.0; 3], [1000.0, 0.0, 0.0]], &divided).unwrap();
+    for (one, other) in along.places_um().iter().zip(straight.places_um()) {
+        for axis in 0..3 {
+            assert!((one[axis] - other[axis]).abs() < 1e-9, "{one:?} {other:?}");
+        }
+    }
+    let slant = [[0.0; 3], [2000.0 / 7.0, 3000.0 / 7.0, 6000.0 / 7.0]];
+    same_springs(&Tube::along_line(&slant, &divided).unwrap(), &straight);
+    let upright = [[0.0; 3], [0.0, 0.0, 1000.0]];
+    same_springs(&Tube::along_line(&upright, &divided).unwrap(), &straight);
+
+    // along the centres of a curled tube all rings but the two at the ends, which lie across their segment here and half a
+    // turn further there
+    let curled = Tube::curled(&divided, 0.9).unwrap();
+    let centres: Vec<[f64; 3]> = (0..=divided.segments)
+        .map(|ring| curled.centre_um(ring))
+        .collect();
+    let along = Tube::along_line(&centres, &divided).unwrap();
+    let count = divided.segment.points_on_ring() as u32;
+    let inner = count..count * divided.segments as u32;
+    for (one, other) in along.springs().iter().zip(curled.springs()) {
+        if one.points.iter().all(|point| inner.contains(point)) {
+            near(one.rest_um, other.rest_um, 1e-9);
+        }
+    }
+}
+
+#[test]
+fn rings_along_a_helix_are_not_twisted_against_one_another() {
+    // five turns of 200 µm, rising by 10 µm a radian: no shear of springs along, however the line winds
+    let line: Vec<[f64; 3]> = (0..=2000)
+        .map(|point| {
+            let angle = f64::from(point) * std::f64::consts::PI / 200.0;
+            [200.0 * angle.cos(), 200.0 * angle.sin(), 10.0 * angle]
+        })
+        .collect();
+    let length_um = loadframe_api::fibre::line_length_um(&line);
+    let division = Division {
+        points_on_ring: 6,
+        ring: Ring::Gyration,
+        segment_um: None,
+        on_inadmissible: OnInadmissible::Refine,
+    };
+    let divided = divide(length_um, &section(), &elasticity(0.08), &division).unwrap();
+    let tube = Tube::along_line(&line, &divided).unwrap();
+    let (segment, springs) = (divided.segment, tube.springs());
+    let radius = 0.5 * segment.diameter_um();
+    let diagonals: Vec<f64> = springs
+        .iter()
+        .filter(|spring| spring.sort == Sort::Diagonal)
+        .map(|spring| spring.rest_um)
+        .collect();
+    // a twist would make those one way longer than those the other by c θ R/s for an angle θ; the curvature changes pairs
+    // alike, in the mean over a ring
+    let (plus, minus): (Vec<f64>, Vec<f64>) =
+        diagonals.chunks(2).map(|pair| (pair[0], pair[1])).unzip();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let chord = segment.chord_um();
+    let slope = chord / (segment.length_um().powi(2) + chord * chord).sqrt();
+    let twist = (mean(&plus) - mean(&minus)) / (2.0 * slope * radius);
+    assert!(twist.abs() < 1e-3, "{twist}");
 }

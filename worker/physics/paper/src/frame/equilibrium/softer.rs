@@ -24,12 +24,12 @@ impl<'n> Equilibrium<'n> {
         if axial.is_empty() {
             return Ok(());
         }
-        let mut is_changed = self.is_correction_due(axial.len().div_ceil(PARTS));
+        let mut is_changed = self.is_correction_due(axial.len().div_ceil(PARTS) * PARTS);
         for &(element, stiffness) in axial {
             let less = self.elements[element].stiffness[0] - stiffness;
             let mut taken = [0.0; PARTS];
             taken[0] = less;
-            is_changed = is_changed && (!self.is_active[element] || self.take(element, taken));
+            is_changed = is_changed && (!self.is_active[element] || self.take(element, &taken));
             self.elements.to_mut()[element].stiffness[0] = stiffness;
         }
         if is_changed {

@@ -88,7 +88,7 @@ impl<'n> Relaxation<'n> {
         }
         let (activity, _) = stand(network, clusters, &is_whole);
         let system: Box<dyn System + 'n> = match network.model().level {
-            Level::Beam => {
+            Level::Beam | Level::Tube => {
                 let equations = Equations::<6>::new(network, team, &is_whole, &activity, loads);
                 Box::new(equations?)
             }
@@ -308,7 +308,7 @@ impl<'n> Relaxation<'n> {
             let lever = 0.5 * section.width_um / section.inertia_um4;
             let bent = match self.network.model().level {
                 // two moments, each about two axes
-                Level::Beam => 2.0 * bent * lever,
+                Level::Beam | Level::Tube => 2.0 * bent * lever,
                 Level::Truss => 0.0,
             };
             let strength = section.strength_gpa.unwrap_or(f64::INFINITY);
@@ -335,7 +335,7 @@ impl<'n> Relaxation<'n> {
                 let [force, moment] =
                     [0, 1].map(|part| (self.forces.nodes[node][part] - load[part]).amax());
                 let moment = match self.network.model().level {
-                    Level::Beam => moment / self.gyration,
+                    Level::Beam | Level::Tube => moment / self.gyration,
                     Level::Truss => 0.0,
                 };
                 if force.is_nan() || moment.is_nan() {

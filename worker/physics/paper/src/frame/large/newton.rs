@@ -63,6 +63,9 @@ impl<'n> Newton<'n> {
         if !network.hanging().is_empty() {
             return Err(FrameError::Hanging);
         }
+        if network.tubes().is_some() {
+            return Err(FrameError::Tubes);
+        }
         let standing = network.standing_without(is_whole);
         let is_solved = |node: usize| clusters.include(standing[node]);
         let elements = network.elements();

@@ -41,7 +41,7 @@ pub(crate) fn response(network: &Network, index: usize, shape: &Shape) -> Option
     let element = &network.elements()[index];
     let is_segment = index < network.segments();
     match (is_segment, network.model().level) {
-        (true, Level::Beam) => beam(network, element, shape),
+        (true, Level::Beam | Level::Tube) => beam(network, element, shape),
         (true, Level::Truss) => bar(network, element, shape),
         (false, level) => Some(bond(network, element, shape, level)),
     }

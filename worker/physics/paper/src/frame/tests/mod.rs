@@ -63,3 +63,4 @@ mod joints;
 mod large;
 mod refusals;
 mod sheets;
+mod tubes;

@@ -21,6 +21,14 @@ pub(super) const SMALL: Scatter = Scatter {
     strength_gpa: Some(0.25),
 };
 
+/// Small, for as tubes it has thirteen times the entries of a factor of beams.
+pub(super) const TUBES: Scatter = Scatter {
+    size_um: [400.0, 250.0],
+    fibres: 11,
+    fibre_length_um: 330.0,
+    ..SMALL
+};
+
 /// Most fibres reach from jaw to jaw: as a truss it is no mechanism.
 const LONG: Scatter = Scatter {
     fibres: 14,
@@ -79,6 +87,9 @@ impl Scatter {
 
     pub(super) fn network(&self, level: Level, segment_um: Option<f64>) -> Network {
         let (fibres, bonds) = self.sheet();
+        if level == Level::Tube {
+            return super::tubes::network(&fibres, &bonds, self.size_um[0]);
+        }
         let model = FrameModel {
             segment_um,
             ..model(level, self.size_um[0])
@@ -175,7 +186,11 @@ fn same_events(found: &[Event], expected: &[Event], share: f64) {
 
 #[test]
 fn events_are_the_same_with_and_without_a_new_factor() {
-    for (level, scatter) in [(Level::Beam, SMALL), (Level::Truss, LONG)] {
+    for (level, scatter) in [
+        (Level::Beam, SMALL),
+        (Level::Truss, LONG),
+        (Level::Tube, TUBES),
+    ] {
         let network = scatter.network(level, None);
         let pull = |refactoring| {
             let state = PullState::default();
@@ -207,24 +222,26 @@ fn events_are_the_same_with_and_without_a_new_factor() {
 
 #[test]
 fn a_pull_goes_on_to_the_same_bits() {
-    let network = SMALL.network(Level::Beam, None);
-    let (whole, _) = Pull::new(&network, TO_THE_END).unwrap().run().unwrap();
-    let (again, _) = Pull::new(&network, TO_THE_END).unwrap().run().unwrap();
-    assert_eq!(whole, again);
-    for stop in [1, 7, whole.len() / 2] {
-        let mut first = Pull::new(&network, TO_THE_END).unwrap();
-        let mut events = Vec::new();
-        for _ in 0..stop {
-            if let Step::Broke(broke) = first.advance().unwrap() {
-                events.extend(broke);
+    for (level, scatter) in [(Level::Beam, SMALL), (Level::Tube, TUBES)] {
+        let network = scatter.network(level, None);
+        let (whole, _) = Pull::new(&network, TO_THE_END).unwrap().run().unwrap();
+        let (again, _) = Pull::new(&network, TO_THE_END).unwrap().run().unwrap();
+        assert_eq!(whole, again);
+        for stop in [1, 7, whole.len() / 2] {
+            let mut first = Pull::new(&network, TO_THE_END).unwrap();
+            let mut events = Vec::new();
+            for _ in 0..stop {
+                if let Step::Broke(broke) = first.advance().unwrap() {
+                    events.extend(broke);
+                }
             }
+            let state = first.state().clone();
+            let mut second = Pull::resume(&network, TO_THE_END, state, &Means::default()).unwrap();
+            let bits = |pull: &Pull| pull.jaw_force_mn().map(f64::to_bits);
+            assert_eq!(bits(&second), bits(&first));
+            events.extend(second.run().unwrap().0);
+            assert_eq!(events, whole);
         }
-        let state = first.state().clone();
-        let mut second = Pull::resume(&network, TO_THE_END, state, &Means::default()).unwrap();
-        let bits = |pull: &Pull| pull.jaw_force_mn().map(f64::to_bits);
-        assert_eq!(bits(&second), bits(&first));
-        events.extend(second.run().unwrap().0);
-        assert_eq!(events, whole);
     }
 }
 

@@ -90,7 +90,8 @@ impl Pulling for YieldingPull<'_> {
         let broken = (self.state.factored.as_slice(), [].as_slice());
         let by = Refactoring::ByCost;
         let unit = (1.0, [].as_slice());
-        let elastic = Equilibrium::new(network, Clusters::Spanning, unit, by, broken)?;
+        let elastic: Equilibrium<'_> =
+            Equilibrium::new(network, Clusters::Spanning, unit, by, broken)?;
         let stiffness = elastic.forces.at_jaws(network)[1];
         let force = self.jaw_force_mn()[1];
         Ok(if stiffness > 0.0 {

@@ -1,6 +1,6 @@
 //! The tensile test of a sheet of paper.
 //!
-//! In the order in which a run calls them: [`specimen`] makes a network of beams or bars of a sheet that
+//! In the order in which a run calls them: [`specimen`] makes a network of beams, bars or [`tubes`] of a sheet that
 //! is given or laid, with [`bonds`] by their area; [`laid`] measures the latter, and [`theory`] tells what
 //! it could bear; [`course`] pulls it from break to break and keeps all that counts; [`tables`],
 //! [`pictures`], [`results`], [`report`] and [`warnings`] turn that into files and results, and
@@ -22,6 +22,7 @@ mod straight_parts;
 mod tables;
 mod theory;
 mod together;
+mod tubes;
 mod warnings;
 
 #[cfg(test)]
@@ -128,6 +129,9 @@ fn run_one(
             network.bonds(),
             specimen.length_mm
         ));
+        if let Some(tubes) = &specimen.tubes {
+            recorder.log(&tubes.described());
+        }
         recorder.progress(0.0, "first equilibrium");
     }
     let test = PullTest {

@@ -1,7 +1,8 @@
 //! Pictures of a sheet for ParaView: at the start, at the largest force and at the end.
 //!
 //! Every picture holds all segments of all fibres, then all bonds, broken ones included and marked, so
-//! that cells keep their numbers.
+//! that cells keep their numbers. A segment of a tube is the lines along and around it, which all tell of the whole
+//! segment.
 use std::io;
 
 use loadframe_harness::Recorder;
@@ -66,19 +67,10 @@ fn take(
     recorder: &mut dyn Recorder,
 ) -> io::Result<()> {
     let network = &specimen.network;
-    let displacements: Vec<[f64; 3]> = (0..network.nodes())
-        .map(|node| pull.map_or([0.0; 3], |pull| pull.displacement_um(node)))
-        .collect();
-    let points: Vec<[f64; 3]> = displacements
-        .iter()
-        .enumerate()
-        .map(|(node, moved)| {
-            let at = network.position_um(node);
-            std::array::from_fn(|axis| at[axis] + moved[axis])
-        })
-        .collect();
-    let moved: Vec<f64> = displacements.iter().flatten().copied().collect();
-    let jaws = (0..network.nodes()).map(|node| match network.jaw(node) {
+    let displacement = |node: usize| pull.map_or([0.0; 3], |pull| pull.displacement_um(node));
+    let drawing = network.drawing(&displacement);
+    let moved: Vec<f64> = drawing.displacements_um.iter().flatten().copied().collect();
+    let jaws = drawing.jaws.iter().map(|jaw| match jaw {
         None => 0,
         Some(Jaw::Left) => 1,
         Some(Jaw::Right) => 2,
@@ -86,10 +78,6 @@ fn take(
     let jaws: Vec<u8> = jaws.collect();
 
     let (segments, bonds) = (network.segments(), network.bonds());
-    let pairs = (0..segments)
-        .map(|segment| network.segment_nodes(segment))
-        .chain((0..bonds).map(|bond| network.bond_nodes(bond)));
-    let ends: Vec<[u32; 2]> = pairs.map(|pair| pair.map(|node| node as u32)).collect();
     let zeros = || vec![0.0; segments + bonds];
     let (mut strain, mut force, mut stress) = (zeros(), zeros(), zeros());
     for (pull, segment) in pull
@@ -130,9 +118,18 @@ fn take(
         .collect();
     let owners = (0..segments).map(|segment| network.segment_fibre(segment) as i32);
     let owners: Vec<i32> = owners.chain((0..bonds).map(|bond| bond as i32)).collect();
+    // a line shows its part
+    let elements = drawing.parts.iter().map(|part| match *part {
+        Broken::Segment(segment) => segment,
+        Broken::Bond(bond) => segments + bond,
+    });
+    let elements: Vec<usize> = elements.collect();
+    let [strain, force, stress] = [strain, force, stress].map(|all| of_lines(&elements, &all));
+    let [broken, modes, is_bond] = [broken, modes, is_bond].map(|all| of_lines(&elements, &all));
+    let owners = of_lines(&elements, &owners);
     let lines = Lines {
-        points: &points,
-        ends: &ends,
+        points: &drawing.points_um,
+        ends: &drawing.lines,
         point_data: &[
             Array::vectors("displacement_um", &moved),
             Array::bytes("jaw", &jaws),
@@ -148,4 +145,9 @@ fn take(
         ],
     };
     recorder.file(name, &mut |out| lines.write(out))
+}
+
+/// What each line has of its part.
+fn of_lines<T: Copy>(elements: &[usize], of_parts: &[T]) -> Vec<T> {
+    elements.iter().map(|&element| of_parts[element]).collect()
 }

@@ -40,6 +40,10 @@ pub(super) fn report(
         residual_strain,
     );
     checks(&mut report, &measures, course.pull.residual_limit());
+    if let Some(tubes) = &specimen.tubes {
+        tubes.report(&mut report);
+        tubes.warn(&mut report, spec);
+    }
     warn(&mut report, spec, specimen, course, end);
     for (name, count) in [
         ("factorings", cost.factors),

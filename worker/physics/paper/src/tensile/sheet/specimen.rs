@@ -1,5 +1,5 @@
-//! The specimen of a test: a network of beams or bars, made of a sheet that is given or laid.
-use loadframe_api::fibre::Section;
+//! The specimen of a test: a network of beams, bars or tubes, made of a sheet that is given or laid.
+use loadframe_api::fibre::{Elasticity, Section};
 use loadframe_api::spec::paper_tensile::{
     BondsAt, Direction, ExplicitSheet, Level, MadeSheet, Orientation, PaperTensile, Placement,
     Pulp, Specimen as Kind,
@@ -10,6 +10,7 @@ use loadframe_numerics::Team;
 use super::bonds::{MPA, Side, Strengths, assumed, stiffness};
 use super::laid::Laid;
 use super::theory::Theory;
+use super::tubes::{self, Tubes};
 use crate::frame::{self, BeamSection, FrameBond, FrameFibre, FrameModel, Network};
 use crate::sheet;
 
@@ -27,6 +28,8 @@ pub(super) struct Specimen {
     pub(super) assumed_stiffness: Option<[f64; 2]>,
     /// What is known of a sheet that was laid.
     pub(super) laid: Option<Laid>,
+    /// What is known of its tubes, if its fibres are such.
+    pub(super) tubes: Option<Tubes>,
 }
 
 impl Specimen {
@@ -46,6 +49,7 @@ impl Specimen {
         let length_um = 1e3 * sheet.length_mm;
         let mut fibres = Vec::with_capacity(sheet.fibres.len());
         let mut sides = Vec::with_capacity(sheet.fibres.len());
+        let mut walls = Vec::with_capacity(sheet.fibres.len());
         let mut mass_ug = 0.0;
         for (index, fibre) in sheet.fibres.iter().enumerate() {
             let pulp = spec.pulp_named(&fibre.pulp);
@@ -63,6 +67,7 @@ impl Specimen {
                 thickness_um: section.area_um2() / section.width_um(),
                 youngs_modulus_gpa: pulp.youngs_modulus_gpa,
             });
+            walls.push((section, elasticity(pulp)?));
         }
         let strengths = Strengths::new(spec);
         let mut bonds = Vec::with_capacity(sheet.bonds.len());
@@ -85,14 +90,16 @@ impl Specimen {
         }
         // 1 µg/µm² is 10⁶ g/m²
         let grammage = 1e6 * mass_ug / (length_um * 1e3 * sheet.width_mm);
-        let segment_um = spec.model.segment_um;
+        let model = model(spec, length_um, spec.model.segment_um);
+        let (network, tubes) = network(spec, &fibres, &walls, &bonds, model)?;
         Ok(Self {
-            network: network(spec, &fibres, &bonds, length_um, segment_um)?,
+            network,
             length_mm: sheet.length_mm,
             width_mm: sheet.width_mm,
             grammage_g_per_m2: grammage,
             assumed_stiffness: assumed(spec, &bonds),
             laid: None,
+            tubes,
         })
     }
 
@@ -118,13 +125,16 @@ impl Specimen {
         };
         let tested = tested.map_err(SimulationError::of_paper)?;
         let mut fibres = Vec::with_capacity(tested.fibres.len());
+        let mut walls = Vec::with_capacity(tested.fibres.len());
         for fibre in &tested.fibres {
             let pulp = pulps[fibre.pulp];
             let section = Section::new(fibre.section.width_um, fibre.section.wall_um);
+            let section = section.map_err(SimulationError::of_paper)?;
             fibres.push(FrameFibre {
                 centre_line_um: fibre.centre_line_um.clone(),
-                section: beam(spec, pulp, &section.map_err(SimulationError::of_paper)?),
+                section: beam(spec, pulp, &section),
             });
+            walls.push((section, elasticity(pulp)?));
         }
         let strengths = Strengths::new(spec);
         let mut bonds = Vec::with_capacity(tested.contacts.len());
@@ -151,13 +161,16 @@ impl Specimen {
             Theory::of(&whole, &pulps, &bonds, measured, shear_mpa)
         });
         let length_um = tested.size_um[0];
+        let model = model(spec, length_um, None);
+        let (network, tubes) = network(spec, &fibres, &walls, &bonds, model)?;
         Ok(Self {
-            network: network(spec, &fibres, &bonds, length_um, None)?,
+            network,
             length_mm: 1e-3 * length_um,
             width_mm: made.width_mm,
             grammage_g_per_m2: laid.grammage_g_per_m2,
             assumed_stiffness: assumed(spec, &bonds),
             laid: Some(laid),
+            tubes,
         })
     }
 }
@@ -265,17 +278,16 @@ fn beam(spec: &PaperTensile, pulp: &Pulp, section: &Section) -> BeamSection {
     }
 }
 
-fn network(
-    spec: &PaperTensile,
-    fibres: &[FrameFibre],
-    bonds: &[FrameBond],
-    length_um: f64,
-    segment_um: Option<f64>,
-) -> Result<Network, SimulationError> {
-    let model = FrameModel {
+fn elasticity(pulp: &Pulp) -> Result<Elasticity, SimulationError> {
+    pulp.elasticity().map_err(SimulationError::of_paper)
+}
+
+fn model(spec: &PaperTensile, length_um: f64, segment_um: Option<f64>) -> FrameModel {
+    FrameModel {
         level: match spec.level() {
             Level::Truss => frame::Level::Truss,
-            Level::Beam | Level::Tube => frame::Level::Beam,
+            Level::Beam => frame::Level::Beam,
+            Level::Tube => frame::Level::Tube,
         },
         segment_um,
         attachment: match spec.accuracy.knobs().bonds_at {
@@ -283,8 +295,21 @@ fn network(
             BondsAt::Inside => frame::Attachment::Inside,
         },
         length_um,
-    };
-    Network::new(fibres, bonds, model).map_err(SimulationError::of_paper)
+    }
+}
+
+/// The network, and what its tubes are where the model has such.
+fn network(
+    spec: &PaperTensile,
+    fibres: &[FrameFibre],
+    walls: &[(Section, Elasticity)],
+    bonds: &[FrameBond],
+    model: FrameModel,
+) -> Result<(Network, Option<Tubes>), SimulationError> {
+    if model.level == frame::Level::Tube {
+        return tubes::network(spec, fibres, walls, bonds, model);
+    }
+    Ok((Network::new(fibres, bonds, model)?, None))
 }
 
 /// Length of a line within 0 ≤ x ≤ `length_um` [µm].

@@ -16,6 +16,7 @@ use crate::tensile::run;
 mod given;
 mod lab;
 mod made;
+mod tubes;
 mod yielding;
 
 /// Keeps what a run says.
