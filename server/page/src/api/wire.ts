@@ -2275,6 +2275,8 @@ export interface components {
              * @description `null` where the test did not get far enough to know it.
              */
             value: number | null;
+            /** @description Why it is not known. */
+            reason?: string;
             unit: string;
             /**
              * Format: double
@@ -3037,7 +3039,7 @@ export interface components {
         /** @description Which service this is. */
         VersionView: {
             version: string;
-            /** @description Commit it was built from, or `unknown`. */
+            /** @description Commit it was built from; without one, a hash of its sources. */
             commit: string;
         };
         /** @description A job handed to a worker. */
@@ -3139,6 +3141,8 @@ export interface components {
             kind: components["schemas"]["CallerKind"];
             /** @description Whether this server has accounts. */
             accounts: boolean;
+            /** @description Whether this server sends e-mail. */
+            mail: boolean;
             /** @description What the token allows; a session allows everything its person may do. */
             scope: components["schemas"]["Scope"] | null;
             person?: components["schemas"]["PersonView"] | null;
