@@ -5,9 +5,12 @@ use loadframe_api::{Envelope, JobKind, JobSpec};
 
 use crate::ServeConfig;
 
+/// A list, written out.
+type List = fn() -> String;
+
 /// The text with lists in the places of their marks.
 pub(super) fn with_lists(markdown: &str) -> String {
-    let marks: [(&str, fn() -> String); 2] = [
+    let marks: [(&str, List); 2] = [
         ("{{fields of every kind}}", fields),
         ("{{knobs of every kind}}", knobs),
     ];
