@@ -20,7 +20,7 @@ use crate::{
 /// Number of the grain of a body that is in none.
 pub(crate) const NO_GRAIN: u32 = u32::MAX;
 /// Bodies between two looks for interrupts.
-const BODIES_PER_LOOK: usize = 64;
+const BODIES_PER_LOOK: usize = 4096;
 
 /// What stays as it is during a run.
 #[derive(Clone, Debug)]
@@ -192,7 +192,7 @@ pub(crate) fn build(
     };
     let names: Vec<&String> = spec.materials.keys().collect();
     for (number, body) in specimen.bodies.iter().enumerate() {
-        if number.is_multiple_of(BODIES_PER_LOOK) {
+        if (number + 1).is_multiple_of(BODIES_PER_LOOK) {
             interrupt.heed()?;
         }
         let material = names.binary_search(&&body.material).unwrap_or_default();

@@ -39,7 +39,9 @@ pub(crate) struct Specimen<'a> {
 /// Streams of generators in stages begin here, so that a further generator at the start changes none.
 const FIRST_STAGE_STREAM: usize = 1 << 32;
 /// Places of a lattice between two looks for interrupts: each is held against all bodies before.
-const PLACES_PER_LOOK: usize = 64;
+const PLACES_PER_LOOK: usize = 512;
+/// Bodies that are filled with spheres between two looks.
+const FILLED_PER_LOOK: usize = 64;
 
 impl<'a> Specimen<'a> {
     /// # Errors
@@ -51,7 +53,9 @@ impl<'a> Specimen<'a> {
         let mut bodies = spec.given_bodies();
         if bodies.iter().any(Body::is_filled) {
             for (index, body) in bodies.to_mut().iter_mut().enumerate() {
-                interrupt.heed()?;
+                if (index + 1).is_multiple_of(FILLED_PER_LOOK) {
+                    interrupt.heed()?;
+                }
                 for shape in [&mut body.clump, &mut body.breakable].into_iter().flatten() {
                     *shape = shape
                         .resolved()
@@ -86,7 +90,9 @@ impl<'a> Specimen<'a> {
             present,
             waiting,
         };
-        interrupt.heed()?;
+        if specimen.bodies.len() >= PLACES_PER_LOOK {
+            interrupt.heed()?;
+        }
         if is_made || !specimen.waiting.is_empty() {
             let violations = spec.check_start(&specimen.bodies[..present], specimen.numbers());
             if let Some(first) = violations.first() {
@@ -231,7 +237,7 @@ impl<'a> Maker<'a> {
         let places = place_regularly(&self.region, lattice, 2.0 * largest, largest, 0.0, random);
         let mut centres = Vec::with_capacity(rooms.len().min(places.len()));
         for (number, centre) in places.into_iter().enumerate() {
-            if number.is_multiple_of(PLACES_PER_LOOK) {
+            if (number + 1).is_multiple_of(PLACES_PER_LOOK) {
                 interrupt.heed()?;
             }
             let is_free = obstacles
