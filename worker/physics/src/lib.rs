@@ -29,7 +29,13 @@ pub fn simulate(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    job_of(spec).run(context, recorder)
+    let interrupt = context.interrupt;
+    let ending = job_of(spec).run(context, recorder);
+    // what fails once nothing is wanted any more, such as a file that is given up, is no failure of the test
+    match (ending, interrupt.interrupt()) {
+        (Err(_), Some(Interrupt::Cancel)) => Ok(Ending::Cancelled),
+        (ending, _) => ending,
+    }
 }
 
 /// Gives the recorder pictures of the specimen of `spec` before its test, as its generator makes it and its

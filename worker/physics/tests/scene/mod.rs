@@ -181,7 +181,7 @@ impl Record {
     }
 }
 
-/// Interrupts at the n-th look, counted from 1.
+/// Interrupts from the n-th look on, counted from 1.
 #[derive(Debug)]
 pub(crate) struct AtLook {
     pub(crate) interrupt: Interrupt,
@@ -199,8 +199,11 @@ impl AtLook {
 
 impl InterruptSource for AtLook {
     fn interrupt(&self) -> Option<Interrupt> {
-        let before = self.looks_left.fetch_sub(1, Ordering::Relaxed);
-        (before == 1).then_some(self.interrupt)
+        let one_less = |left: u64| Some(left.saturating_sub(1));
+        let before = self
+            .looks_left
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, one_less);
+        (before.unwrap_or_default() <= 1).then_some(self.interrupt)
     }
 }
 
