@@ -108,19 +108,34 @@ fn repeats_go_on_from_a_checkpoint_left_on_the_way() {
     let spec = repeated();
     let expected = run(&spec);
     for (threads, looks) in [(1, 60), (1, 200), (2, 90), (3, 200)] {
-        let mut record = Record {
-            always_checkpoint: true,
-            ..Record::default()
-        };
-        let killed = AtLook::new(Interrupt::Cancel, looks);
-        let ending = run_with(&spec, &mut record, &killed, None, threads);
-        assert!(matches!(ending, Ending::Cancelled), "{ending:?}");
-        let checkpoint = record.checkpoint.clone().expect("there was time for one");
+        let (mut record, checkpoint) = killed_with_a_checkpoint(&spec, looks, threads);
         record.always_checkpoint = false;
         let from = Some(checkpoint.as_slice());
         let report = finished(run_with(&spec, &mut record, &Uninterrupted, from, threads));
         assert_same(&expected, &(report, record));
     }
+}
+
+/// Kills a run at a look, and with it what it had not yet written: a run whose checkpoint was not there by
+/// then is run again, because threads count looks together and answer when they come to it.
+fn killed_with_a_checkpoint(
+    spec: &NonwovenTensile,
+    looks: u64,
+    threads: usize,
+) -> (Record, Vec<u8>) {
+    for _ in 0..100 {
+        let mut record = Record {
+            always_checkpoint: true,
+            ..Record::default()
+        };
+        let killed = AtLook::new(Interrupt::Cancel, looks);
+        let ending = run_with(spec, &mut record, &killed, None, threads);
+        assert!(matches!(ending, Ending::Cancelled), "{ending:?}");
+        if let Some(checkpoint) = record.checkpoint.clone() {
+            return (record, checkpoint);
+        }
+    }
+    panic!("no checkpoint within {looks} looks of {threads} threads, a hundred times");
 }
 
 #[test]
