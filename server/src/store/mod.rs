@@ -28,6 +28,7 @@ mod backlog;
 mod backup;
 mod blobs;
 mod bucket;
+mod calls;
 mod checkpoints;
 mod choice;
 mod claim;
@@ -83,6 +84,8 @@ use tokio::sync::watch;
 pub use backup::{BackupReport, backup, backup_from, restore, restore_to};
 use blobs::Blobs;
 pub use bucket::{BucketKeys, BucketSettings};
+use calls::Calls;
+pub use calls::Waiting;
 pub use clock::Clock;
 pub use compared::{Compared, CurvePart};
 pub use database::{DatabaseAddress, DatabasePlace};
@@ -121,6 +124,7 @@ struct Inner {
     pulses: Arc<Pulses>,
     last_event: watch::Receiver<u64>,
     queued: watch::Receiver<u64>,
+    calls: Arc<Calls>,
     access: Arc<AccessState>,
     sharing: Sharing,
     /// Held as long as the store is open, by a server's store.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use tokio::sync::{mpsc, watch};
 
 use super::blobs::Blobs;
+use super::calls::Calls;
 use super::clock::Clock;
 use super::database::{Connection, Database, DatabasePlace, query_scalar};
 use super::error::{Result, StoreError};
@@ -156,6 +157,8 @@ impl Store {
             announcements.last_event.clone(),
             announcements.queued.clone(),
         ));
+        let calls = Arc::<Calls>::default();
+        tokio::spawn(Arc::clone(&calls).keep_calling(lookups.clone(), queued_receiver.clone()));
         let guards = Guards {
             reserve: Arc::clone(&reserve),
             restarts: Arc::clone(&restarts),
@@ -173,6 +176,7 @@ impl Store {
                 pulses: Arc::default(),
                 last_event: last_event_receiver,
                 queued: queued_receiver,
+                calls,
                 access,
                 sharing,
                 _lock: lock,
