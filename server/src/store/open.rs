@@ -3,7 +3,7 @@ use std::fs::{File, TryLockError};
 use std::path::Path;
 use std::sync::Arc;
 
-use tokio::sync::{mpsc, watch};
+use tokio::sync::{OnceCell, mpsc, watch};
 
 use super::blobs::Blobs;
 use super::calls::Calls;
@@ -41,6 +41,7 @@ impl Store {
         let lock = lock(&options.data, &options.database)?;
         require_same(&options.data, &options.files)?;
         let store = Self::connect(options, Some(lock)).await?;
+        store.require_same_key().await?;
         store.renew_leases().await?;
         store.blobs().recover().await?;
         tokio::spawn(store.clone().sweep_bucket());
@@ -178,6 +179,7 @@ impl Store {
                 queued: queued_receiver,
                 calls,
                 access,
+                webhook_key: OnceCell::new(),
                 sharing,
                 _lock: lock,
             }),
