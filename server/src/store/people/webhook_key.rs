@@ -135,3 +135,46 @@ fn keep(path: &Path, key: Key) -> Result<Key> {
         Err(error) => Err(failed()(error.error)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::types::FilesPlace;
+    use super::*;
+
+    #[tokio::test]
+    async fn servers_with_a_folder_each_have_one_key_or_are_told() {
+        let folders = [0; 3].map(|_| tempfile::tempdir().expect("a folder"));
+        let [shared, one, two] = &folders;
+        let storage = Storage::of(shared.path(), &FilesPlace::Folder).expect("a place");
+        let [one, two] = [one, two].map(|of| of.path().join(WEBHOOK_KEY));
+        let both = async |path: &Path| of_both(path, &storage).await;
+        assert!(both(&one).await.expect("none yet").is_none());
+        let key = keep(&one, new()).expect("a key");
+        let note = storage.leave_note(WEBHOOK_KEY, &written(&key)).await;
+        note.expect("a note");
+        assert_eq!(both(&one).await.expect("its own"), Some(key));
+        // the second takes it
+        assert_eq!(both(&two).await.expect("the first one's"), Some(key));
+        assert_eq!(read(&two).expect("a file"), Some(key));
+        // one that had made its own is refused, and keeps it
+        std::fs::remove_file(&two).expect("it is there");
+        let other = keep(&two, new()).expect("a key");
+        let refused = both(&two).await;
+        assert!(
+            matches!(refused, Err(StoreError::NotTogether(_))),
+            "{refused:?}"
+        );
+        assert_eq!(read(&two).expect("a file"), Some(other));
+        std::fs::remove_file(&two).expect("it is there");
+        for broken in ["", "abc", &"zz".repeat(32), &"a".repeat(63)] {
+            let note = storage.leave_note(WEBHOOK_KEY, broken).await;
+            note.expect("a note");
+            let refused = both(&two).await;
+            assert!(
+                matches!(refused, Err(StoreError::Corrupt { .. })),
+                "{broken}: {refused:?}"
+            );
+        }
+        assert_eq!(read(&two).expect("no file"), None);
+    }
+}
