@@ -50,15 +50,16 @@ impl Line {
 impl Change {
     /// The job that a worker is to have next, if one fits it.
     pub(super) async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<LifecycleRow>> {
-        let is_set_aside: bool = query_scalar(
-            "SELECT EXISTS (SELECT 1 FROM machines WHERE host = ? AND worker_name = ? AND until > ?)",
+        let may_have_one: bool = query_scalar(
+            "SELECT EXISTS (SELECT 1 FROM waiting_lines) AND NOT EXISTS
+                (SELECT 1 FROM machines WHERE host = ? AND worker_name = ? AND until > ?)",
         )
         .bind(&worker.host)
         .bind(&worker.name)
         .bind(self.now.as_millis())
         .fetch_one(&mut self.connection)
         .await?;
-        if is_set_aside {
+        if !may_have_one {
             return Ok(None);
         }
         let standings = self.standings().await?;

@@ -100,7 +100,10 @@ impl Change {
         .await?;
         let engine = &worker.engine_version;
         let connection = &mut self.connection;
-        let newest = CheckpointRow::newest(connection, claimed.job_row, engine, None).await?;
+        let newest = match claimed.number {
+            ..=1 => None,
+            _ => CheckpointRow::newest(connection, claimed.job_row, engine, None).await?,
+        };
         let checkpoint = match newest {
             Some(newest) => Some(newest.info(connection).await?),
             None => None,
@@ -132,15 +135,12 @@ impl Change {
         let why = format!("running on {} ({})", worker.name, worker.host);
         self.step(job, Input::Claim, Some(why), None).await?;
         let engine = &worker.engine_version;
-        let newest = CheckpointRow::newest(&mut self.connection, job.seq, engine, None).await?;
-        let number: u32 = query_scalar(
-            "UPDATE jobs SET attempt = attempt + 1, started_at = COALESCE(started_at, ?)
-             WHERE seq = ? RETURNING attempt",
-        )
-        .bind(self.now.as_millis())
-        .bind(job.seq)
-        .fetch_one(&mut self.connection)
-        .await?;
+        // at its first attempt a job has none
+        let newest = match job.attempt {
+            0 => None,
+            _ => CheckpointRow::newest(&mut self.connection, job.seq, engine, None).await?,
+        };
+        let number = job.attempt + 1;
         let attempt: i64 = query_scalar(
             "INSERT INTO attempts (seq, id, token, job, number, worker, worker_name, host, started_at,
                                    lease_until, resumed_wall_s, engine, threads)
@@ -169,7 +169,8 @@ impl Change {
                 self.carry_over(attempt, newest).await?;
                 self.carry_curve_over(attempt, newest).await?;
             }
-            None => self.tell_of_other_builds(job, number, engine).await?,
+            None if job.attempt > 0 => self.tell_of_other_builds(job, number, engine).await?,
+            None => {}
         }
         Ok(attempt)
     }

@@ -28,6 +28,7 @@ mod backlog;
 mod backup;
 mod blobs;
 mod bucket;
+mod calls;
 mod checkpoints;
 mod choice;
 mod claim;
@@ -78,11 +79,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use loadframe_api::Timestamp;
-use tokio::sync::watch;
+use tokio::sync::{OnceCell, watch};
 
 pub use backup::{BackupReport, backup, backup_from, restore, restore_to};
 use blobs::Blobs;
 pub use bucket::{BucketKeys, BucketSettings};
+use calls::Calls;
+pub use calls::Waiting;
 pub use clock::Clock;
 pub use compared::{Compared, CurvePart};
 pub use database::{DatabaseAddress, DatabasePlace};
@@ -92,7 +95,7 @@ pub(crate) use error::chain;
 pub use error::{Loss, StoreError};
 pub use events::StoredEvent;
 pub use moving::{MoveReport, move_store};
-use people::{AccessState, Actor};
+use people::{AccessState, Actor, Key};
 use pulses::Pulses;
 use reserve::Reserve;
 pub use scrub::{LostFile, ScrubReport};
@@ -121,7 +124,10 @@ struct Inner {
     pulses: Arc<Pulses>,
     last_event: watch::Receiver<u64>,
     queued: watch::Receiver<u64>,
+    calls: Arc<Calls>,
     access: Arc<AccessState>,
+    /// Once it is known.
+    webhook_key: OnceCell<Key>,
     sharing: Sharing,
     /// Held as long as the store is open, by a server's store.
     _lock: Option<File>,

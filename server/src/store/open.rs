@@ -3,9 +3,10 @@ use std::fs::{File, TryLockError};
 use std::path::Path;
 use std::sync::Arc;
 
-use tokio::sync::{mpsc, watch};
+use tokio::sync::{OnceCell, mpsc, watch};
 
 use super::blobs::Blobs;
+use super::calls::Calls;
 use super::clock::Clock;
 use super::database::{Connection, Database, DatabasePlace, query_scalar};
 use super::error::{Result, StoreError};
@@ -40,6 +41,7 @@ impl Store {
         let lock = lock(&options.data, &options.database)?;
         require_same(&options.data, &options.files)?;
         let store = Self::connect(options, Some(lock)).await?;
+        store.require_same_key().await?;
         store.renew_leases().await?;
         store.blobs().recover().await?;
         tokio::spawn(store.clone().sweep_bucket());
@@ -156,6 +158,8 @@ impl Store {
             announcements.last_event.clone(),
             announcements.queued.clone(),
         ));
+        let calls = Arc::<Calls>::default();
+        tokio::spawn(Arc::clone(&calls).keep_calling(lookups.clone(), queued_receiver.clone()));
         let guards = Guards {
             reserve: Arc::clone(&reserve),
             restarts: Arc::clone(&restarts),
@@ -173,7 +177,9 @@ impl Store {
                 pulses: Arc::default(),
                 last_event: last_event_receiver,
                 queued: queued_receiver,
+                calls,
                 access,
+                webhook_key: OnceCell::new(),
                 sharing,
                 _lock: lock,
             }),

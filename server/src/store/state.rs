@@ -23,7 +23,7 @@ row! {
         asked: Option<String>,
         losses: u32,
         /// Number of the last attempt.
-        attempt: u32,
+        pub(super) attempt: u32,
         version: i64,
     }
 }
@@ -122,7 +122,9 @@ impl Change {
                 finished_at = CASE ?1 WHEN 'finished' THEN ?7 END,
                 progress = CASE ?2 WHEN 'succeeded' THEN 1.0 ELSE progress END,
                 phase = CASE ?1 WHEN 'running' THEN phase ELSE '' END,
-                eta_s = CASE ?1 WHEN 'running' THEN eta_s END
+                eta_s = CASE ?1 WHEN 'running' THEN eta_s END,
+                attempt = attempt + ?10,
+                started_at = CASE ?10 WHEN 1 THEN COALESCE(started_at, ?7) ELSE started_at END
              WHERE seq = ?8 AND version = ?9",
         )
         .bind(wire_name(&status)?)
@@ -134,6 +136,8 @@ impl Change {
         .bind(self.now.as_millis())
         .bind(job.seq)
         .bind(job.version)
+        // a claim begins the next attempt
+        .bind(i64::from(input == Input::Claim))
         .execute(&mut self.connection)
         .await?;
         if updated.rows_affected() != 1 {

@@ -20,7 +20,7 @@ use uuid::Uuid;
 
 use super::clock::Clock;
 use super::collector::Garbage;
-use super::database::{self, Connection, Database, News, query, raise};
+use super::database::{self, Connection, Database, News, raise};
 use super::error::{Result, StoreError};
 use super::people::Actor;
 use super::reserve::{Reserve, told_full};
@@ -235,7 +235,7 @@ async fn run(
         change.effects = Effects::default();
         if is_usable {
             // the database may have rolled back by itself, and then there is nothing to undo
-            let _ = statement(&mut change, "ROLLBACK").await;
+            let _ = change.connection.run("ROLLBACK").await;
         } else {
             change.connection = until_done("writer", || database.connect()).await;
             change.last_trouble = change.clock.now().as_millis();
@@ -270,8 +270,10 @@ async fn commit(
     if start.elapsed() > LONG_WAIT {
         change.last_trouble = change.clock.now().as_millis();
     }
+    // what ends a command goes to the database together with what begins the next, or with the commit
+    let mut begin = "SAVEPOINT command";
     for command in batch {
-        statement(change, "SAVEPOINT command").await?;
+        change.connection.run(begin).await?;
         change.now = change.clock.now();
         let CommandEnd { stays, deliver } = command(change).await;
         answers.push(deliver);
@@ -279,10 +281,13 @@ async fn commit(
             // the database may have undone the whole transaction by itself: nothing of it is kept
             return Err(StoreError::Full);
         }
-        if !stays {
-            statement(change, "ROLLBACK TO command").await?;
-        }
-        statement(change, "RELEASE command").await?;
+        begin = if stays {
+            "RELEASE command; SAVEPOINT command"
+        } else {
+            let undo = "ROLLBACK TO command; RELEASE command";
+            change.connection.run(undo).await?;
+            "SAVEPOINT command"
+        };
         let made = std::mem::take(&mut change.effects);
         if stays {
             effects.last_event = made.last_event.or(effects.last_event);
@@ -301,11 +306,6 @@ async fn commit(
     }
     change.connection.commit().await?;
     Ok(effects)
-}
-
-async fn statement(change: &mut Change, sql: &'static str) -> Result<()> {
-    query(sql).execute(&mut change.connection).await?;
-    Ok(())
 }
 
 impl Announcements {

@@ -27,7 +27,7 @@ use loadframe_api::worker::{FaultCode, FaultRequest, Lease};
 use loadframe_api::{Calibration, JobSpec, sha256_hex};
 use loadframe_client::{ServerClient, ServerError};
 use loadframe_run::{
-    Destination, Ended, Engine, Plan, SavedRun, StopCause, execute, free_memory_mb,
+    Destination, Ended, Engine, Plan, RunError, SavedRun, StopCause, execute, free_memory_mb,
 };
 use tokio::sync::oneshot;
 use tokio_util::sync::CancellationToken;
@@ -187,18 +187,15 @@ impl AttemptContext {
             .name("simulation".to_owned())
             .spawn(run)
             .map_err(AttemptError::Thread)?;
-        let run: RunEnd = tokio::select! {
-            run = &mut end => run,
-            () = abandoned(switch) => {
-                // whoever cancelled is not kept waiting for a large system of equations to be solved
-                let ended = ending::end(client, switch, Ok(Ok(Ended::Cancelled)), Ok(())).await;
-                // and the next job not crowded by it
-                tokio::select! {
-                    _ = end => {}
-                    () = self.shutdown.cancelled() => {}
-                }
-                return Ok(ended);
+        let Some(run) = run_end(&mut end, switch).await else {
+            // whoever cancelled is not kept waiting for a large system of equations to be solved
+            let ended = ending::end(client, switch, Ok(Ok(Ended::Cancelled)), Ok(())).await;
+            // and the next job not crowded by it
+            tokio::select! {
+                _ = end => {}
+                () = self.shutdown.cancelled() => {}
             }
+            return Ok(ended);
         };
         let uploaded = uploader.await.unwrap_or(Err(ServerError::LeaseLost));
         Ok(ending::end(client, switch, run, uploaded).await)
@@ -234,11 +231,20 @@ impl AttemptContext {
     }
 }
 
-/// Returns when nothing of the run has been wanted for longer than one takes that looks at the switch as often
-/// as it should.
-async fn abandoned(switch: &AttemptSwitch) {
-    switch.given_up().await;
-    tokio::time::sleep(LAST_LOOK).await;
+/// What the run came to; `None` when nothing of it has been wanted for longer than one takes that looks at the
+/// switch as often as it should, and it does not come back.
+async fn run_end(
+    end: &mut oneshot::Receiver<Result<Ended, RunError>>,
+    switch: &AttemptSwitch,
+) -> Option<RunEnd> {
+    let abandoned = async {
+        switch.given_up().await;
+        tokio::time::sleep(LAST_LOOK).await;
+    };
+    tokio::select! {
+        run = end => Some(run),
+        () = abandoned => None,
+    }
 }
 
 /// Refuses a job that is estimated to need more memory than this machine has free; where the system does
@@ -283,5 +289,42 @@ impl AttemptError {
             Self::Server(_) => FaultCode::Checkpoint,
             Self::Stopped => FaultCode::Other,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+
+    /// A factorisation does not look at the switch: the lease must not wait for its end.
+    #[tokio::test]
+    async fn a_run_that_does_not_hear_a_cancel_is_waited_for_half_a_second() {
+        let switch = AttemptSwitch::default();
+        // it computes on, and says nothing
+        let (_deaf, mut end) = oneshot::channel();
+        switch.stop(StopCause::Cancel);
+        let begin = Instant::now();
+        assert!(run_end(&mut end, &switch).await.is_none());
+        let waited = begin.elapsed();
+        assert!(
+            waited >= LAST_LOOK,
+            "{waited:?}: one that hears is waited for"
+        );
+        assert!(waited < 3 * LAST_LOOK, "{waited:?}");
+    }
+
+    #[tokio::test]
+    async fn a_run_whose_checkpoint_is_wanted_is_waited_for() {
+        let switch = AttemptSwitch::default();
+        let (ends, mut end) = oneshot::channel();
+        switch.stop(StopCause::Pause);
+        let run = async {
+            tokio::time::sleep(2 * LAST_LOOK).await;
+            assert!(ends.send(Ok(Ended::Suspended)).is_ok(), "it is waited for");
+        };
+        let (run_end, ()) = tokio::join!(run_end(&mut end, &switch), run);
+        assert!(matches!(run_end, Some(Ok(Ok(Ended::Suspended)))));
     }
 }

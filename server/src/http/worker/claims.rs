@@ -39,10 +39,9 @@ pub(super) async fn claim(
 ) -> Result<Response> {
     let request: ClaimRequest = message(&state, body).await?;
     let end = Instant::now() + Duration::from_secs_f64(request.wait_s);
-    let mut queued = state.store.queued();
+    let mut waiting = state.store.wait_in_line(&request);
     loop {
-        // seen before looking: a job that comes in between wakes at once
-        queued.borrow_and_update();
+        waiting.looks();
         if let Some(lease) = state.store.claim(&request).await? {
             metrics::counter!("loadframe_claims_total").increment(1);
             let mut answer = Json(lease).into_response();
@@ -58,8 +57,8 @@ pub(super) async fn claim(
         }
         let look_again = end.min(now + LOOK_EVERY);
         tokio::select! {
-            // its end or a change: either way the next look tells
-            _ = timeout_at(look_again, queued.changed()) => {}
+            // its end or a call: either way the next look tells
+            _ = timeout_at(look_again, waiting.called()) => {}
             () = state.stopping.cancelled() => {
                 return Err(ApiError::busy("the server is stopping", 1));
             }

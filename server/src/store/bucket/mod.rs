@@ -17,6 +17,7 @@ use std::path::Path as LocalPath;
 use std::sync::Arc;
 use std::time::Duration;
 
+use backon::{ConstantBuilder, Retryable};
 use bytes::Bytes;
 use futures_util::stream::{self, BoxStream};
 use futures_util::{StreamExt, TryStreamExt};
@@ -25,7 +26,8 @@ use object_store::aws::{AmazonS3, AmazonS3Builder};
 use object_store::buffered::BufWriter;
 use object_store::path::Path;
 use object_store::{
-    ClientOptions, Error, GetOptions, GetRange, ObjectStore, ObjectStoreExt, RetryConfig,
+    ClientOptions, Error, GetOptions, GetRange, ObjectMeta, ObjectStore, ObjectStoreExt,
+    RetryConfig,
 };
 use sha2::{Digest, Sha256};
 use tokio::fs::File;
@@ -45,6 +47,9 @@ const SILENCE: Duration = Duration::from_secs(30);
 /// How often, and how long, a request that failed by the other side's fault is repeated.
 const TRIES: usize = 6;
 const TRYING: Duration = Duration::from_secs(30);
+/// How soon, and how often, a list is asked for again whose answer broke off.
+const LISTED_AGAIN: Duration = Duration::from_millis(200);
+const LISTED_TIMES: usize = 3;
 
 /// A bucket, below the prefix of one store.
 #[derive(Clone, Debug)]
@@ -181,8 +186,14 @@ impl Bucket {
                 return Err(error);
             }
         }
-        let ended = writer.shutdown().await;
-        ended.map_err(|error| self.failed()(generic(error)))?;
+        if let Err(error) = writer.shutdown().await {
+            // a bucket that takes long to put parts together may have done it when nobody listened any more;
+            // whatever lies there is read back before it is named
+            let found = self.look(sha256).await?;
+            if found.is_none_or(|found| found.bytes != sent) {
+                return Err(self.failed()(generic(error)));
+            }
+        }
         Ok(sent)
     }
 
@@ -290,24 +301,40 @@ impl Bucket {
     /// Names of all stored objects.
     pub(super) async fn names(&self) -> Result<Vec<String>> {
         let below = self.key(&["blobs"]);
-        let objects = self.store.list(Some(&below));
-        let names = objects.try_filter_map(|object| async move {
-            let name = object.location.filename().unwrap_or_default();
-            Ok((name.len() == 64).then(|| name.to_owned()))
-        });
-        names.try_collect().await.map_err(self.failed())
+        self.listed(|| async {
+            let objects = self.store.list(Some(&below));
+            let names = objects.try_filter_map(|object| async move { Ok(name_of(&object)) });
+            names.try_collect().await
+        })
+        .await
     }
 
     /// Whether any file lies there.
     pub(super) async fn has_files(&self) -> Result<bool> {
         let below = self.key(&["blobs"]);
-        let mut objects = self.store.list(Some(&below));
-        while let Some(object) = objects.try_next().await.map_err(self.failed())? {
-            if object.location.filename().unwrap_or_default().len() == 64 {
-                return Ok(true);
+        self.listed(|| async {
+            let mut objects = self.store.list(Some(&below));
+            while let Some(object) = objects.try_next().await? {
+                if name_of(&object).is_some() {
+                    return Ok(true);
+                }
             }
-        }
-        Ok(false)
+            Ok(false)
+        })
+        .await
+    }
+
+    /// Asks again for a list that broke off within an answer, which the crate does for objects alone.
+    async fn listed<T, F>(&self, list: impl Fn() -> F) -> Result<T>
+    where
+        F: Future<Output = object_store::Result<T>>,
+    {
+        let pauses = ConstantBuilder::new()
+            .with_delay(LISTED_AGAIN)
+            .with_max_times(LISTED_TIMES);
+        let list = list.retry(pauses);
+        let list = list.when(|error| matches!(error, Error::Generic { .. }));
+        list.await.map_err(self.failed())
     }
 
     pub(super) async fn remove(&self, names: Vec<String>) -> Result<()> {
@@ -347,6 +374,12 @@ impl Bucket {
         put.map_err(self.failed())?;
         self.store.delete(&key).await.map_err(self.failed())
     }
+}
+
+/// SHA-256 of a stored object; `None` of a note beside them.
+fn name_of(object: &ObjectMeta) -> Option<String> {
+    let name = object.location.filename().unwrap_or_default();
+    (name.len() == 64).then(|| name.to_owned())
 }
 
 /// An error that came through an interface of input and output.

@@ -78,16 +78,16 @@ impl Bucket {
             });
         }
         let incoming = self.key(&["incoming"]);
-        let objects = self
-            .store
-            .list(Some(&incoming))
-            .map_ok(|object| Unfinished {
+        let objects = self.listed(|| async {
+            let objects = self.store.list(Some(&incoming));
+            let objects = objects.map_ok(|object| Unfinished {
                 key: object.location,
                 upload: None,
                 since: object.last_modified.timestamp_millis(),
             });
-        let objects: Vec<_> = objects.try_collect().await.map_err(self.failed())?;
-        found.extend(objects);
+            objects.try_collect::<Vec<_>>().await
+        });
+        found.extend(objects.await?);
         Ok(found)
     }
 

@@ -250,6 +250,18 @@ impl Connection {
         Ok(())
     }
 
+    /// Runs statements without values, in one way to the database and back.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn run(&mut self, text: &'static str) -> Result<()> {
+        match self {
+            Self::Sqlite(link) => _ = sqlx::raw_sql(text).execute(link.connection()).await?,
+            Self::Postgres(link) => _ = sqlx::raw_sql(text).execute(link.connection()).await?,
+        }
+        Ok(())
+    }
+
     /// Tells other servers on the database something, when the transaction stays.
     ///
     /// # Errors

@@ -14,7 +14,8 @@ use super::super::encoding::{json, parsed};
 use super::super::error::{Result, StoreError};
 use super::invitations::DAY;
 use super::refused;
-use super::webhooks::{Channel, Key, QUIET_MAIL, once_each};
+use super::webhook_key::Key;
+use super::webhooks::{Channel, QUIET_MAIL, once_each};
 
 /// The event of the first e-mail, which asks for its address.
 pub(super) const VERIFY: &str = "verify";
@@ -155,7 +156,7 @@ impl Store {
         let not_found = || StoreError::NotFound("address that this link was sent to".to_owned());
         let (id, _) = link.secret.split_once('.').ok_or_else(not_found)?;
         let id = Uuid::try_parse(id).map_err(|_| not_found())?;
-        if !is_link(&self.webhook_key()?, id, &link.secret) {
+        if !is_link(&self.webhook_key().await?, id, &link.secret) {
             return Err(not_found());
         }
         self.write(move |change| {

@@ -20,6 +20,7 @@ mod sessions;
 mod shares;
 mod storage;
 mod tokens;
+mod webhook_key;
 mod webhooks;
 
 use loadframe_api::Violation;
@@ -32,7 +33,7 @@ pub use callers::AccessState;
 pub use identities::{Admission, Arrival, Identity};
 pub use retention::ANNOUNCED;
 pub use sessions::NewSession;
-pub(super) use webhooks::WEBHOOK_KEY;
+pub(super) use webhook_key::{Key, WEBHOOK_KEY};
 pub use webhooks::{Channel, Due, DueEvent};
 
 /// Longest name of a person, group, project or token [characters].

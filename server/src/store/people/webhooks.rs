@@ -1,12 +1,9 @@
 //! Webhooks, and the outbox of what they and addresses of e-mail ([`super::mails`], rows of the same table)
 //! are to be told. The outbox is written by triggers of the database, in the transaction of the change that
 //! it tells of.
-use std::io::Write;
-
 use hmac::{Hmac, KeyInit, Mac};
 use loadframe_api::Timestamp;
 use loadframe_api::people::{Named, NewWebhook, WebhookEvent, WebhookMade, WebhookView};
-use rand::Rng;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::Sha256;
@@ -18,6 +15,7 @@ use super::super::encoding::{json, parsed, variant, wire_name};
 use super::super::error::{Result, StoreError};
 use super::mails::{VERIFY, link_secret};
 use super::refused;
+use super::webhook_key::Key;
 
 /// Events that come in this time after the first go in one message [ms].
 const QUIET: i64 = 10_000;
@@ -37,13 +35,8 @@ const LONGEST_WAIT: i64 = 3_600_000;
 const GIVEN_UP: i64 = 24 * 3_600_000;
 /// Webhooks of a person.
 const MOST: i64 = 50;
-/// File with the key that secrets of webhooks follow from, in the data folder.
-pub(in super::super) const WEBHOOK_KEY: &str = "webhook-key";
 /// What a secret begins with, so that people and secret scanners know it.
 const PREFIX: &str = "lfw_";
-
-/// Key that secrets follow from.
-pub(super) type Key = [u8; 32];
 
 /// How somebody is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -136,7 +129,7 @@ impl Store {
     /// [`StoreError::Refused`] beyond the most that a person may have; the file system's.
     pub async fn create_webhook(&self, person: Uuid, new: NewWebhook) -> Result<WebhookMade> {
         let id = Uuid::now_v7();
-        let secret = secret_of(&self.webhook_key()?, id);
+        let secret = secret_of(&self.webhook_key().await?, id);
         let events = once_each(new.events);
         self.write(move |change| {
             Box::pin(async move {
@@ -263,7 +256,7 @@ impl Store {
         if told.is_empty() {
             return Ok(Vec::new());
         }
-        let key = self.webhook_key()?;
+        let key = self.webhook_key().await?;
         let mut due = Vec::with_capacity(told.len());
         for (id, channel, address, failures) in told {
             let channel: Channel = variant(&channel)?;
@@ -359,39 +352,6 @@ impl Store {
             })
         })
         .await
-    }
-
-    /// The key that secrets of webhooks and links to addresses follow from: in a file of its own, so that a copy of the database
-    /// signs nothing.
-    pub(super) fn webhook_key(&self) -> Result<Key> {
-        let path = self.options().data.join(WEBHOOK_KEY);
-        let failed = |error: std::io::Error| StoreError::file(&path)(error);
-        for _ in 0..2 {
-            match std::fs::read(&path) {
-                Ok(bytes) => {
-                    return bytes.try_into().map_err(|_| {
-                        failed(std::io::Error::other("it does not hold a key of 32 bytes"))
-                    });
-                }
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(failed(error));
-                }
-                Err(_) => {}
-            }
-            let mut key = [0; 32];
-            rand::rng().fill_bytes(&mut key);
-            // whole or not at all, and for this user alone
-            let mut file = tempfile::NamedTempFile::new_in(&self.options().data).map_err(failed)?;
-            file.write_all(&key).map_err(failed)?;
-            file.as_file().sync_all().map_err(failed)?;
-            match file.persist_noclobber(&path) {
-                Ok(_) => return Ok(key),
-                // another process was first
-                Err(error) if error.error.kind() == std::io::ErrorKind::AlreadyExists => {}
-                Err(error) => return Err(failed(error.error)),
-            }
-        }
-        Err(failed(std::io::Error::other("it comes and goes")))
     }
 }
 
