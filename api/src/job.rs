@@ -218,10 +218,13 @@ pub struct Page<T> {
     /// Rows of this page that could not be read and are left out; the server's log names them.
     #[serde(default)]
     pub unreadable: u64,
-    /// So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-    /// what is sorted is the newest of these alone.
+    /// So many jobs were looked at before the search stopped short of all; `next` goes on from there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stopped_after: Option<u64>,
+    /// The values that the list is by are being gathered from all jobs. Until that is done, some minutes where
+    /// there are a million, what is sorted is the newest `stopped_after` jobs alone.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub gathering: bool,
 }
 
 impl<T> Page<T> {
@@ -232,6 +235,7 @@ impl<T> Page<T> {
             next: None,
             unreadable: 0,
             stopped_after: None,
+            gathering: false,
         }
     }
 }

@@ -21,3 +21,4 @@ mod shared;
 mod submissions;
 mod sweeping;
 mod tokens;
+mod values;
