@@ -221,8 +221,11 @@ pub struct Page<T> {
     /// So many jobs were looked at before the search stopped short of all; `next` goes on from there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stopped_after: Option<u64>,
-    /// The values that the list is by are being gathered from all jobs. Until that is done, some minutes where
-    /// there are a million, what is sorted is the newest `stopped_after` jobs alone.
+    /// What is sorted is the newest `stopped_after` jobs alone, which were looked at.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub newest_only: bool,
+    /// The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+    /// a million; from then on it is one of all jobs.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub gathering: bool,
 }
@@ -235,6 +238,7 @@ impl<T> Page<T> {
             next: None,
             unreadable: 0,
             stopped_after: None,
+            newest_only: false,
             gathering: false,
         }
     }

@@ -148,6 +148,7 @@ pub(super) fn page_of(mut rows: Vec<JobRow>, limit: u32) -> Page<JobView> {
         next,
         unreadable,
         stopped_after: None,
+        newest_only: false,
         gathering: false,
     }
 }

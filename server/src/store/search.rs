@@ -78,6 +78,7 @@ impl Store {
             }
             None => self.matching(filter, wanted, &known, cursor, limit).await?,
         };
+        page.newest_only = wanted.order.is_some() && page.stopped_after.is_some();
         if looked_at >= u64::from(self.at_once()) {
             let are_kept = self.ask_to_keep(wanted, &known).await;
             page.gathering = are_kept && page.stopped_after.is_some() && !known.is_whole;
