@@ -82,7 +82,9 @@ export const state = (page, name) => page.locator(`[data-testid=status][data-sta
 export async function isAccessible(page, where) {
   await page.evaluate(AXE);
   const { violations } = await page.evaluate(() => globalThis.axe.run());
-  const lines = violations.flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.html}\n${node.failureSummary}`));
+  const lines = violations.flatMap(({ id, nodes }) =>
+    nodes.map((node) => `${id}: ${node.html}\n${node.failureSummary}`),
+  );
   assert.deepEqual(lines, [], where);
 }
 

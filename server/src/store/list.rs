@@ -245,7 +245,7 @@ impl Words {
                 text.number()
             }
         };
-        self.push_rest(&mut query, walk);
+        self.push_rest(&mut query, walk, Text::push);
         if let Some(Moment {
             at,
             bounds_numbers: true,
@@ -275,11 +275,16 @@ impl Words {
 
     /// The whole filter as a condition on the job `j`.
     pub(super) fn push_filter(&self, query: &mut Builder) {
-        self.push_rest(query, Walk::Jobs);
+        self.push_rest(query, Walk::Jobs, Text::push_among_many);
     }
 
-    /// The filter as a condition on the job `j` that a walk came to.
-    fn push_rest(&self, query: &mut Builder, walk: Walk<'_>) {
+    /// The filter as a condition on the job `j` that a walk came to, of the text in this way.
+    fn push_rest(
+        &self,
+        query: &mut Builder,
+        walk: Walk<'_>,
+        push_text: fn(&Text, &mut Builder),
+    ) {
         self.push_state(query);
         self.push_sight(query);
         if let (Some(tag), Walk::Jobs | Walk::Text(_)) = (&self.tag, walk) {
@@ -287,7 +292,7 @@ impl Words {
             query.push_bind(tag.clone()).push(")");
         }
         if let (Some(text), Walk::Jobs | Walk::Tag(_)) = (&self.text, walk) {
-            text.push(query);
+            push_text(text, query);
         }
         if let Some(Moment { at, .. }) = self.after {
             query.push(" AND j.created_at > ").push_bind(at);

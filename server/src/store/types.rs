@@ -64,7 +64,7 @@ impl Default for Looks {
     /// Some tens of milliseconds each.
     fn default() -> Self {
         Self {
-            read: 10_000,
+            read: 5_000,
             few: 10_000,
             walked: 20_000,
         }

@@ -85,7 +85,7 @@ fn size(picture: &[u8]) -> usize {
 fn pictures_before_a_job_are_its_first_snapshots() {
     for kind in JobKind::ALL {
         // the first example is the one to start from; of a calibration it is the job inside that is drawn
-        if kind == JobKind::Calibrate {
+        if *kind == JobKind::Calibrate {
             continue;
         }
         let example = kind.examples()[0];

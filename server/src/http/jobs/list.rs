@@ -68,7 +68,7 @@ pub(in crate::http) struct ListQuery {
     #[param(value_type = String, required = false, min_length = 1, max_length = 2000)]
     conditions: Option<Text<1, 2000>>,
     /// Sorts by a result (`/summary/max_force`) or a value of the spec (`/spec/seed`), falling with `-`
-    /// before it. The first list by a value of more than 10 000 jobs sorts the newest of them and begins to
+    /// before it. The first list by a value of more than 5 000 jobs sorts the newest of them and begins to
     /// gather that value from all (`gathering`).
     #[param(value_type = String, required = false, min_length = 1, max_length = 201)]
     sort: Option<Text<1, 201>>,
