@@ -218,10 +218,16 @@ pub struct Page<T> {
     /// Rows of this page that could not be read and are left out; the server's log names them.
     #[serde(default)]
     pub unreadable: u64,
-    /// So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-    /// what is sorted is the newest of these alone.
+    /// So many jobs were looked at before the search stopped short of all; `next` goes on from there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stopped_after: Option<u64>,
+    /// What is sorted is the newest `stopped_after` jobs alone, which were looked at.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub newest_only: bool,
+    /// The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+    /// a million; from then on it is one of all jobs.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub gathering: bool,
 }
 
 impl<T> Page<T> {
@@ -232,6 +238,8 @@ impl<T> Page<T> {
             next: None,
             unreadable: 0,
             stopped_after: None,
+            newest_only: false,
+            gathering: false,
         }
     }
 }

@@ -5,14 +5,17 @@ use std::time::Duration;
 
 use ipnet::IpNet;
 use loadframe_api::{JobSpec, Limits, Preview};
+use tokio_util::sync::CancellationToken;
 
 use crate::connections::{ConnectionLimits, TlsFiles};
 use crate::mail::Mailer;
 use crate::single_sign_on::SingleSignOn;
 use crate::store::StoreOptions;
 
-/// Draws the specimen of a spec, or says why there is none.
-pub type DrawSpecimen = fn(&JobSpec) -> Result<Preview, String>;
+/// Draws the specimen of a spec, or says why there is none; nothing when it was given up, which the token says.
+pub type DrawSpecimen = fn(&JobSpec, &CancellationToken) -> Result<Option<Preview>, String>;
+/// How long one may take, unless it is told.
+pub const PREVIEW_TIME: Duration = Duration::from_secs(10);
 
 /// Everything `loadframe serve` and `loadframe lab` can choose.
 #[derive(Clone, Debug)]
@@ -40,6 +43,8 @@ pub struct ServeConfig {
     pub mailer: Option<Arc<Mailer>>,
     /// What draws specimens before their jobs are submitted: the engine, which this library does not know.
     pub preview: Option<DrawSpecimen>,
+    /// How long drawing a specimen may take.
+    pub preview_time: Duration,
     /// Names besides `localhost`, `127.0.0.1` and `[::1]` under which an open server answers.
     pub allowed_hosts: Vec<String>,
     /// How many connections there may be, and how long clients may take.
@@ -74,6 +79,7 @@ impl ServeConfig {
             webhook_networks: Vec::new(),
             mailer: None,
             preview: None,
+            preview_time: PREVIEW_TIME,
             allowed_hosts: Vec::new(),
             connections: ConnectionLimits::default(),
             tls: None,

@@ -82,6 +82,10 @@ pub async fn serve(
     let retaining = keep_up("applying rules of projects", move || {
         as_duty(ordered.clone(), "retaining", Store::keep_retaining)
     });
+    let gathered = state.store.clone();
+    let gathering = keep_up("gathering values for lists", move || {
+        as_duty(gathered.clone(), "gathering", Store::keep_filling_values)
+    });
     let (told, ways) = (state.store.clone(), state.ways.clone());
     let telling = keep_up("telling what happens", move || {
         let ways = ways.clone();
@@ -99,7 +103,7 @@ pub async fn serve(
         );
     }
     let mut tasks = vec![
-        sweeping, scrubbing, looking, retaining, telling, announcing, folding,
+        sweeping, scrubbing, looking, retaining, gathering, telling, announcing, folding,
     ];
     if let Some(tls) = tls.clone() {
         tasks.push(keep_up("renewing the certificate", move || {

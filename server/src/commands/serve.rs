@@ -7,11 +7,13 @@ use std::time::Duration;
 use clap::Args;
 use ipnet::IpNet;
 use loadframe_api::{JobSpec, Preview};
+use loadframe_run::{Halt, Interrupt, InterruptSource};
 use loadframe_server::connections::{ConnectionLimits, TlsFiles};
 use loadframe_server::mail::{MailError, MailSettings, Mailer};
 use loadframe_server::single_sign_on::SingleSignOn;
 use loadframe_server::store::StoreOptions;
 use loadframe_server::{ServeConfig, ServeError, serve};
+use tokio_util::sync::CancellationToken;
 
 use super::database::DatabaseOptions;
 use super::failure::{Code, Failure, chain};
@@ -153,6 +155,7 @@ impl ServerOptions {
             webhook_networks: self.webhook_networks.clone(),
             mailer,
             preview: Some(draw_specimen),
+            preview_time: loadframe_server::config::PREVIEW_TIME,
             allowed_hosts: self.allowed_hosts.clone(),
             connections: ConnectionLimits::with_places(self.connections.into()),
             tls: None,
@@ -160,9 +163,22 @@ impl ServerOptions {
     }
 }
 
+/// Whether a picture is still wanted, as the engine asks it.
+struct Wanted<'a>(&'a CancellationToken);
+
+impl InterruptSource for Wanted<'_> {
+    fn interrupt(&self) -> Option<Interrupt> {
+        self.0.is_cancelled().then_some(Interrupt::Cancel)
+    }
+}
+
 /// The specimen of a spec, drawn by the engine.
-fn draw_specimen(spec: &JobSpec) -> Result<Preview, String> {
-    loadframe_run::preview(spec).map_err(|error| chain(&error))
+fn draw_specimen(spec: &JobSpec, given_up: &CancellationToken) -> Result<Option<Preview>, String> {
+    match loadframe_run::preview(spec, &Wanted(given_up)) {
+        Ok(preview) => Ok(Some(preview)),
+        Err(Halt::Interrupted(_)) => Ok(None),
+        Err(Halt::Failed(error)) => Err(chain(&error)),
+    }
 }
 
 pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {

@@ -1,6 +1,7 @@
 //! What all handlers share.
 use std::net::SocketAddr;
 use std::sync::Arc;
+use std::time::Duration;
 
 use loadframe_api::Limits;
 use tokio::sync::Semaphore;
@@ -34,6 +35,8 @@ pub struct AppState {
     pub(crate) access: Arc<Access>,
     pub(crate) ways: Ways,
     pub(super) preview: Option<DrawSpecimen>,
+    /// How long that may take.
+    pub(super) preview_time: Duration,
     pub(super) bodies: BodyBudget,
     pub(super) checks: Checks,
     pub(super) archives: Arc<Semaphore>,
@@ -56,6 +59,7 @@ impl AppState {
                 mailer: config.mailer.clone(),
             },
             preview: config.preview,
+            preview_time: config.preview_time,
             bodies: BodyBudget::default(),
             checks: Checks::default(),
             archives: Arc::new(Semaphore::new(ARCHIVES_AT_ONCE)),

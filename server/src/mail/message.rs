@@ -77,12 +77,17 @@ fn sentence(event: &DueEvent) -> (&'static str, String) {
         "quarantined" => ("set aside", format!("{job} was set aside")),
         "shared" => ("shared", "a share link was made".to_owned()),
         "quota" => {
-            let number = |name: &str| event.about[name].as_f64().unwrap_or(0.0);
-            let (used, limit) = (number("used_gb"), number("limit_gb"));
-            (
-                "at a limit",
-                format!("your files take {used:.2} GB of {limit:.2} GB"),
-            )
+            let number = |name: &str| event.about[name].as_f64();
+            let sentence = match (number("used_core_h"), number("limit_core_h")) {
+                (Some(used), Some(limit)) => {
+                    format!("your queued jobs take {used:.2} of {limit:.2} core h")
+                }
+                _ => {
+                    let [used, limit] = ["used_gb", "limit_gb"].map(|name| number(name).unwrap_or(0.0));
+                    format!("your files take {used:.2} GB of {limit:.2} GB")
+                }
+            };
+            ("at a limit", sentence)
         }
         _ if word("outcome") == "cancelled" => ("cancelled", format!("{job} was cancelled")),
         _ => ("succeeded", format!("{job} has succeeded")),
@@ -157,6 +162,29 @@ mod tests {
         assert_eq!(many.subject, "loadframe: 2 failed, 28 succeeded");
         assert_eq!(many.text.matches("https://lab/jobs/").count(), NAMED);
         assert!(many.text.contains("… and 10 more."), "{}", many.text);
+    }
+
+    #[test]
+    fn a_limit_is_that_of_files_or_of_queued_jobs() {
+        let quota = |about| DueEvent {
+            number: 1,
+            event: "quota".to_owned(),
+            at: Timestamp(0),
+            about,
+        };
+        for (about, words) in [
+            (
+                json!({ "person": "Anna", "used_gb": 9.5, "limit_gb": 10.0 }),
+                "your files take 9.50 GB of 10.00 GB",
+            ),
+            (
+                json!({ "person": "Anna", "used_core_h": 95.0, "limit_core_h": 100.0 }),
+                "your queued jobs take 95.00 of 100.00 core h",
+            ),
+        ] {
+            let mail = digest(&due(vec![quota(about)]), "https://lab/");
+            assert!(mail.text.contains(words), "{}", mail.text);
+        }
     }
 
     #[test]

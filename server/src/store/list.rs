@@ -23,7 +23,7 @@ const FEW: i64 = 500;
 const PASSED_OVER: i64 = 20_000;
 
 /// A filter in the database's words.
-struct Words {
+pub(super) struct Words {
     status: Option<String>,
     outcome: Option<String>,
     kind: Option<&'static str>,
@@ -49,7 +49,7 @@ struct Moment {
 
 /// What a page walks.
 #[derive(Clone, Copy)]
-enum Walk<'a> {
+pub(super) enum Walk<'a> {
     /// The jobs themselves, by their status, outcome or kind where these are asked for.
     Jobs,
     Tag(&'a str),
@@ -148,11 +148,13 @@ pub(super) fn page_of(mut rows: Vec<JobRow>, limit: u32) -> Page<JobView> {
         next,
         unreadable,
         stopped_after: None,
+        newest_only: false,
+        gathering: false,
     }
 }
 
 impl Words {
-    fn of(filter: &JobFilter, texts: &'static Texts) -> Result<Self> {
+    pub(super) fn of(filter: &JobFilter, texts: &'static Texts) -> Result<Self> {
         let projects = |of: fn(&Sight) -> &Vec<Uuid>| {
             let named = filter.sight.as_ref().map(of);
             hex_names(named.map_or(&[], Vec::as_slice))
@@ -175,7 +177,7 @@ impl Words {
 
     /// Finds out where numbers bound a page: numbers are given in the order of submission, but for a
     /// clock that was set. Few after a moment are soon found; so are those before it, unless many are not.
-    async fn bound(&mut self, connection: &mut Connection) -> Result<()> {
+    pub(super) async fn bound(&mut self, connection: &mut Connection) -> Result<()> {
         let after = "SELECT COUNT(*) FROM (SELECT 1 FROM jobs WHERE created_at > ";
         let from = "SELECT COUNT(*) FROM (SELECT 1 FROM jobs WHERE created_at >= ";
         if let Some(moment) = &mut self.after {
@@ -192,7 +194,7 @@ impl Words {
     }
 
     /// What to walk.
-    async fn walk(&self, connection: &mut Connection) -> Result<Walk<'_>> {
+    pub(super) async fn walk(&self, connection: &mut Connection) -> Result<Walk<'_>> {
         let has_state = self.status.is_some() || self.outcome.is_some() || self.kind.is_some();
         let text = self.text.as_ref().filter(|text| text.is_indexed());
         if has_state && (text.is_some() || self.tag.is_some()) {
@@ -219,7 +221,13 @@ impl Words {
     }
 
     /// The statement for a page of `limit` jobs before number `before`; `select` says what of them.
-    fn statement(&self, select: &str, walk: Walk<'_>, before: Option<i64>, limit: u32) -> Builder {
+    pub(super) fn statement(
+        &self,
+        select: &str,
+        walk: Walk<'_>,
+        before: Option<i64>,
+        limit: u32,
+    ) -> Builder {
         let mut query = Builder::new(select);
         let number = match walk {
             Walk::Jobs => {
@@ -237,32 +245,24 @@ impl Words {
                 text.number()
             }
         };
-        self.push_state(&mut query);
-        self.push_sight(&mut query);
-        if let (Some(tag), Walk::Jobs | Walk::Text(_)) = (&self.tag, walk) {
-            query.push(" AND EXISTS (SELECT 1 FROM job_tags o WHERE o.job = j.seq AND o.tag = ");
-            query.push_bind(tag.clone()).push(")");
+        self.push_rest(&mut query, walk, Text::push);
+        if let Some(Moment {
+            at,
+            bounds_numbers: true,
+        }) = self.after
+        {
+            let first = "(SELECT MIN(seq) FROM jobs INDEXED BY jobs_by_moment WHERE created_at > ";
+            query.push(format!(" AND {number} >= {first}"));
+            query.push_bind(at).push(")");
         }
-        if let (Some(text), Walk::Jobs | Walk::Tag(_)) = (&self.text, walk) {
-            text.push(&mut query);
-        }
-        if let Some(Moment { at, bounds_numbers }) = self.after {
-            query.push(" AND j.created_at > ").push_bind(at);
-            if bounds_numbers {
-                let first =
-                    "(SELECT MIN(seq) FROM jobs INDEXED BY jobs_by_moment WHERE created_at > ";
-                query.push(format!(" AND {number} >= {first}"));
-                query.push_bind(at).push(")");
-            }
-        }
-        if let Some(Moment { at, bounds_numbers }) = self.before {
-            query.push(" AND j.created_at < ").push_bind(at);
-            if bounds_numbers {
-                let last =
-                    "(SELECT MAX(seq) FROM jobs INDEXED BY jobs_by_moment WHERE created_at < ";
-                query.push(format!(" AND {number} <= {last}"));
-                query.push_bind(at).push(")");
-            }
+        if let Some(Moment {
+            at,
+            bounds_numbers: true,
+        }) = self.before
+        {
+            let last = "(SELECT MAX(seq) FROM jobs INDEXED BY jobs_by_moment WHERE created_at < ";
+            query.push(format!(" AND {number} <= {last}"));
+            query.push_bind(at).push(")");
         }
         if let Some(before) = before {
             query.push(format!(" AND {number} < ")).push_bind(before);
@@ -271,6 +271,51 @@ impl Words {
             .push(format!(" ORDER BY {number} DESC LIMIT "))
             .push_bind(limit);
         query
+    }
+
+    /// The whole filter as a condition on the job `j`.
+    pub(super) fn push_filter(&self, query: &mut Builder) {
+        self.push_rest(query, Walk::Jobs, Text::push_among_many);
+    }
+
+    /// The filter as a condition on the job `j` that a walk came to, of the text in this way.
+    fn push_rest(
+        &self,
+        query: &mut Builder,
+        walk: Walk<'_>,
+        push_text: fn(&Text, &mut Builder),
+    ) {
+        self.push_state(query);
+        self.push_sight(query);
+        if let (Some(tag), Walk::Jobs | Walk::Text(_)) = (&self.tag, walk) {
+            query.push(" AND EXISTS (SELECT 1 FROM job_tags o WHERE o.job = j.seq AND o.tag = ");
+            query.push_bind(tag.clone()).push(")");
+        }
+        if let (Some(text), Walk::Jobs | Walk::Tag(_)) = (&self.text, walk) {
+            push_text(text, query);
+        }
+        if let Some(Moment { at, .. }) = self.after {
+            query.push(" AND j.created_at > ").push_bind(at);
+        }
+        if let Some(Moment { at, .. }) = self.before {
+            query.push(" AND j.created_at < ").push_bind(at);
+        }
+    }
+
+    /// Whether the caller sees some jobs only.
+    pub(super) fn sees_a_part(&self) -> bool {
+        self.sight.as_ref().is_some_and(|sight| !sight.everything)
+    }
+
+    /// The statement for the numbers of all jobs that the caller sees, some of them twice, and some that are
+    /// not to be seen after all; of a caller who [`Self::sees_a_part`].
+    pub(super) fn push_seen(&self, query: &mut Builder) {
+        let owner = self.sight.as_ref().and_then(|sight| sight.owner);
+        query.push("SELECT seq FROM jobs WHERE owner = ").push_bind(owner);
+        query.push(" UNION ALL SELECT seq FROM jobs WHERE project IN (SELECT unhex(value) FROM json_each(");
+        query.push_bind(self.seen_projects.clone());
+        query.push(")) UNION ALL SELECT seq FROM jobs WHERE id IN (SELECT unhex(value) FROM json_each(");
+        query.push_bind(self.seen_jobs.clone()).push("))");
     }
 
     /// What the caller may see, and the project asked for.
@@ -314,7 +359,7 @@ impl Words {
 }
 
 /// Whether the rows of a count that is still open are no more than `few`.
-async fn is_few(mut query: Builder, few: i64, connection: &mut Connection) -> Result<bool> {
+pub(super) async fn is_few(mut query: Builder, few: i64, connection: &mut Connection) -> Result<bool> {
     query.push(" LIMIT ").push_bind(few + 1).push(") few");
     let count: i64 = query.build_query_scalar().fetch_one(connection).await?;
     Ok(count <= few)

@@ -14,7 +14,7 @@
 //! results, one for what takes a moment and must not wait behind them.
 //!
 //! What was deleted lies in the [`trash`] for a while. Lists are [`list`], by values
-//! of specs and results [`search`], jobs one by one [`jobs`], many side by side [`compared`]. The worker's side in the
+//! of specs and results [`search`], which are [`kept`] and sorted by a [`key`]; jobs one by one [`jobs`], many side by side [`compared`]. The worker's side in the
 //! order of a job: [`claim`], of what [`choice`] decides, [`lease`] (heartbeats in [`pulses`]) with [`curve`] and
 //! [`log`], [`files`] and [`checkpoints`] over [`blobs`] and [`arriving`] on the [`disk`] (or sent [`directly`] to the bucket),
 //! [`ending`]; if the worker falls silent by the [`clock`], [`sweep`]; if its machine is at fault, [`machines`]. Whose
@@ -47,6 +47,8 @@ mod files;
 mod folder;
 mod identity;
 mod jobs;
+mod kept;
+mod key;
 mod lease;
 mod list;
 mod log;
@@ -99,7 +101,7 @@ use people::{AccessState, Actor, Key};
 use pulses::Pulses;
 use reserve::Reserve;
 pub use scrub::{LostFile, ScrubReport};
-pub use search::{LOOKED_AT, Wanted};
+pub use search::Wanted;
 pub use storage::Content;
 use supervision::Restarts;
 pub use types::*;

@@ -15,7 +15,7 @@ use super::open::lock;
 use super::private::private_folder;
 
 /// All tables, those that others refer to first, and the order of their rows.
-const TABLES: [(&str, &str); 48] = [
+const TABLES: [(&str, &str); 50] = [
     ("store", "\"only\""),
     ("access", "\"only\""),
     ("people", "id"),
@@ -44,6 +44,8 @@ const TABLES: [(&str, &str); 48] = [
     ("events", "seq"),
     ("job_counts", "state"),
     ("job_tags", "tag, job"),
+    ("kept_fields", "id"),
+    ("kept_values", "field, job"),
     ("waiting_lines", "priority, owner, kind, needs"),
     ("waiting_counts", "bits, priority, owner, block"),
     ("disk_use", "person, project, kind"),

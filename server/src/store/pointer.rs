@@ -7,6 +7,8 @@ use std::str::FromStr;
 
 /// Longest pointer [bytes].
 const LONGEST: usize = 200;
+/// Longest text that is compared [bytes]: longer ones of specs are notes, no values.
+pub(super) const LONGEST_TEXT: usize = 500;
 
 /// Where a value stands in a job.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,6 +38,8 @@ pub enum PointerError {
     Condition(String),
     #[error("{0:?} is not a number: only numbers are less or more")]
     NoNumber(String),
+    #[error("a text of {0} bytes is compared with nothing: at most {LONGEST_TEXT}")]
+    LongText(usize),
 }
 
 impl Pointer {
@@ -182,6 +186,11 @@ impl FromStr for Condition {
             ("false", _) => Operand::Truth(false),
             _ => Operand::Text(value.trim_matches('"').to_owned()),
         };
+        if let Operand::Text(text) = &operand
+            && text.len() > LONGEST_TEXT
+        {
+            return Err(PointerError::LongText(text.len()));
+        }
         let is_ordered = !matches!(comparison, Comparison::Equal | Comparison::NotEqual);
         if is_ordered && !matches!(operand, Operand::Number(_)) {
             return Err(PointerError::NoNumber(value.to_owned()));

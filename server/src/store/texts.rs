@@ -84,6 +84,23 @@ impl Text {
         }
     }
 
+    /// The same where very many jobs are at hand. The index is slow to be asked for one after the other: what
+    /// consists of letters without accents is looked for in the job itself, all else once in the index.
+    pub(super) fn push_among_many(&self, query: &mut Builder) {
+        if !self.is_indexed() || !self.texts.index_decides {
+            self.push(query);
+        } else if self.typed.is_ascii() {
+            self.push_held(query);
+        } else {
+            let number = self.number();
+            query.push(format!(
+                " AND j.seq IN (SELECT {number} FROM job_texts t WHERE "
+            ));
+            self.push_found(query);
+            query.push(")");
+        }
+    }
+
     /// What the index says.
     fn push_found(&self, query: &mut Builder) {
         let [before, after] = self.texts.text_found;

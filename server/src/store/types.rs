@@ -45,6 +45,30 @@ pub struct StoreOptions {
     pub clock: Clock,
     /// How long what was deleted, or removed by a rule of a project, can be brought back.
     pub trash: Duration,
+    /// How many jobs a list by values looks at.
+    pub looks: Looks,
+}
+
+/// How many jobs a list by values of specs and results looks at: what one request may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Looks {
+    /// Jobs whose specs and results are read, before their values are kept.
+    pub read: u32,
+    /// So many are looked at all at once.
+    pub few: u32,
+    /// Entries of an index that are walked.
+    pub walked: u32,
+}
+
+impl Default for Looks {
+    /// Some tens of milliseconds each.
+    fn default() -> Self {
+        Self {
+            read: 5_000,
+            few: 10_000,
+            walked: 20_000,
+        }
+    }
 }
 
 impl StoreOptions {
@@ -60,6 +84,7 @@ impl StoreOptions {
             fault_pause: Duration::from_secs(10),
             clock: Clock::System,
             trash: Duration::from_secs(14 * 24 * 3600),
+            looks: Looks::default(),
         }
     }
 }

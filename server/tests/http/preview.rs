@@ -1,14 +1,59 @@
 //! Specimens drawn before their jobs are submitted.
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use loadframe_api::{JobKind, JobSpec, Preview};
+use loadframe_run::Uninterrupted;
 use serde_json::{Value, json};
+use tokio_util::sync::CancellationToken;
 
 use crate::people::group::Group;
 use crate::support::{Lab, example};
 
-fn draw(spec: &JobSpec) -> Result<Preview, String> {
-    loadframe_run::preview(spec).map_err(|error| error.to_string())
+fn draw(spec: &JobSpec, _given_up: &CancellationToken) -> Result<Option<Preview>, String> {
+    match loadframe_run::preview(spec, &Uninterrupted) {
+        Ok(preview) => Ok(Some(preview)),
+        Err(halt) => Err(format!("{halt:?}")),
+    }
+}
+
+/// A generator that does not come to its end, and how many are at work.
+fn draw_for_ever(_spec: &JobSpec, given_up: &CancellationToken) -> Result<Option<Preview>, String> {
+    AT_WORK.fetch_add(1, Ordering::SeqCst);
+    while !given_up.is_cancelled() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    AT_WORK.fetch_sub(1, Ordering::SeqCst);
+    Ok(None)
+}
+
+static AT_WORK: AtomicU32 = AtomicU32::new(0);
+
+async fn until_at_work(count: u32) {
+    while AT_WORK.load(Ordering::SeqCst) != count {
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+}
+
+#[tokio::test]
+async fn a_specimen_that_takes_too_long_is_answered_with_a_sentence_and_its_thread_ends() {
+    let lab = Lab::with(|config| {
+        config.preview = Some(draw_for_ever);
+        config.preview_time = Duration::from_millis(200);
+    })
+    .await;
+    let problem = lab.post(PATH, example()).await.problem(422, "invalid-request");
+    assert_eq!(problem["violations"][0]["code"], "too_long_to_draw", "{problem}");
+    let detail = problem["detail"].as_str().expect("a sentence");
+    assert!(detail.contains("within 0.2 s"), "{detail}");
+    until_at_work(0).await;
+    // and that of a client who has left before
+    let lab = Lab::with(|config| config.preview = Some(draw_for_ever)).await;
+    let asked = tokio::time::timeout(Duration::from_millis(300), lab.post(PATH, example()));
+    assert!(asked.await.is_err());
+    until_at_work(0).await;
 }
 
 async fn lab() -> Lab {

@@ -22,3 +22,4 @@ mod shared;
 mod submissions;
 mod sweeping;
 mod tokens;
+mod values;

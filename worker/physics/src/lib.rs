@@ -15,7 +15,7 @@ use loadframe_network::nonwoven;
 use loadframe_paper::tensile;
 
 pub use loadframe_harness::{
-    CheckpointError, Decorator, Ending, Interrupt, InterruptSource, Recorder, RunContext, Sample,
+    CheckpointError, Decorator, Ending, Halt, Interrupt, InterruptSource, Recorder, RunContext, Sample,
     SimulationError, Uninterrupted, Unrecorded, Wanted, Welch, csv,
 };
 pub use nonwoven::calibration_spec;
@@ -43,13 +43,13 @@ pub fn simulate(
 /// How much there is to draw tells [`JobSpec::extent`] beforehand.
 ///
 /// # Errors
-/// When there is no such specimen, or the recorder fails.
+/// When there is no such specimen, or the recorder fails; or an interrupt.
 pub fn preview(
     spec: &JobSpec,
-    threads: usize,
+    context: RunContext<'_>,
     recorder: &mut dyn Recorder,
-) -> Result<String, SimulationError> {
-    job_of(spec).preview(threads, recorder)
+) -> Result<String, Halt> {
+    job_of(spec).preview(context, recorder)
 }
 
 /// The spec with what its kind is computed by: its engine's run and its engine's preview.
@@ -71,7 +71,7 @@ fn job_of(spec: &JobSpec) -> Box<dyn Job + '_> {
         JobSpec::Calibrate(spec) => job(
             spec,
             |spec, context, recorder| calibrate::run(spec, simulate, context, recorder),
-            |spec, threads, recorder| calibrate::preview(spec, preview, threads, recorder),
+            |spec, context, recorder| calibrate::preview(spec, preview, context, recorder),
         ),
     }
 }
@@ -84,11 +84,8 @@ trait Job {
         recorder: &mut dyn Recorder,
     ) -> Result<Ending, SimulationError>;
 
-    fn preview(
-        &self,
-        threads: usize,
-        recorder: &mut dyn Recorder,
-    ) -> Result<String, SimulationError>;
+    fn preview(&self, context: RunContext<'_>, recorder: &mut dyn Recorder)
+    -> Result<String, Halt>;
 }
 
 struct Known<'a, S> {
@@ -116,9 +113,9 @@ impl<S> Job for Known<'_, S> {
 
     fn preview(
         &self,
-        threads: usize,
+        context: RunContext<'_>,
         recorder: &mut dyn Recorder,
-    ) -> Result<String, SimulationError> {
-        (self.preview)(self.spec, threads, recorder)
+    ) -> Result<String, Halt> {
+        (self.preview)(self.spec, context, recorder)
     }
 }

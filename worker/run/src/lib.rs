@@ -38,6 +38,8 @@ pub use machine::{
     thread_processor_time_s,
 };
 pub use outcome::{Circumstances, assemble};
+/// What a preview may be told, and end with.
+pub use loadframe_physics::{Halt, Interrupt, InterruptSource, Uninterrupted};
 pub use preview::preview;
 pub use recording::{Destination, Progress};
 pub use result_files::sha256_of_file;

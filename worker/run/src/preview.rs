@@ -2,7 +2,9 @@
 use std::io::{self, Write};
 
 use loadframe_api::{JobSpec, Preview, PreviewFile};
-use loadframe_physics::{Decorator, Recorder, SimulationError, Unrecorded};
+use loadframe_physics::{
+    Decorator, Halt, InterruptSource, Recorder, RunContext, Unrecorded,
+};
 
 /// Bytes of all files together: pictures of any part that is drawn have far fewer.
 const LARGEST: usize = 64_000_000;
@@ -10,10 +12,17 @@ const LARGEST: usize = 64_000_000;
 /// Pictures of the specimen of `spec` before its test, made on this thread.
 ///
 /// # Errors
-/// When there is no such specimen, or its pictures are too large.
-pub fn preview(spec: &JobSpec) -> Result<Preview, SimulationError> {
+/// When there is no such specimen, or its pictures are too large; an interrupt.
+pub fn preview(spec: &JobSpec, interrupt: &dyn InterruptSource) -> Result<Preview, Halt> {
     let mut album = Album::default();
-    let shows = loadframe_physics::preview(spec, 1, &mut album)?;
+    let context = RunContext {
+        threads: 1,
+        interrupt,
+        checkpoint: None,
+    };
+    let shows = loadframe_physics::preview(spec, context, &mut album)?;
+    // of what looks for none while it is made
+    interrupt.heed()?;
     Ok(Preview {
         shows,
         files: album.files,

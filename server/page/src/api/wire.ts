@@ -2708,10 +2708,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description What a job would be and take. */
         DryRun: {
@@ -2833,10 +2839,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description A page of a list. */
         LogLinePage: {
@@ -2851,10 +2863,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description A line of a job's log. */
         LogLine: {
@@ -2934,10 +2952,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description A page of a list. */
         ExampleViewPage: {
@@ -2952,10 +2976,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description A job to start from. */
         ExampleView: {
@@ -2978,10 +3008,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description A worker process. */
         WorkerView: {
@@ -3194,10 +3230,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description A page of a list. */
         SessionViewPage: {
@@ -3212,10 +3254,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description A browser in which somebody is signed in. */
         SessionView: {
@@ -3250,10 +3298,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description An invitation to open an account. */
         InvitationView: {
@@ -3290,10 +3344,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description An access token, without its secret. */
         TokenView: {
@@ -3330,10 +3390,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description Jobs that belong together, of a person or of a group. */
         ProjectView: {
@@ -3360,10 +3426,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description A share link just made; the only time its secret is seen. */
         ShareMade: {
@@ -3386,10 +3458,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description A share link, without its secret. */
         ShareView: {
@@ -3427,10 +3505,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description A line of the audit log, which only grows. */
         AuditEntry: {
@@ -3502,10 +3586,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description The latest report of a source. */
         ReportedAllocations: {
@@ -3611,10 +3701,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description What fills the disk: files of one kind, of one person in one project. */
         DiskUse: {
@@ -3644,10 +3740,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description Something in the trash. */
         TrashView: {
@@ -3695,10 +3797,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description Something that jobs can be listed by. */
         FieldView: {
@@ -3731,10 +3839,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description An address that is told, without its secret. */
         WebhookView: {
@@ -3798,10 +3912,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /** @description `GET /v1/differences`: what tells jobs apart. */
         Differences: {
@@ -3949,10 +4069,16 @@ export interface components {
             unreadable: number;
             /**
              * Format: uint64
-             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there, or
-             *     what is sorted is the newest of these alone.
+             * @description So many jobs were looked at before the search stopped short of all; `next` goes on from there.
              */
             stopped_after?: number;
+            /** @description What is sorted is the newest `stopped_after` jobs alone, which were looked at. */
+            newest_only?: boolean;
+            /**
+             * @description The values that the list is by are being gathered from all jobs, which takes some minutes where there are
+             *     a million; from then on it is one of all jobs.
+             */
+            gathering?: boolean;
         };
         /**
          * Nonwoven tensile test
@@ -6696,13 +6822,15 @@ export interface operations {
                 project?: string;
                 /**
                  * @description Only jobs for which these conditions hold, such as `/spec/seed=3,/summary/max_force>=1.5`: a
-                 *     pointer into the spec or to a result, a comparison, and a number, text, `true` or `false`. Looks at
-                 *     20 000 jobs that pass the rest, and says where it stopped.
+                 *     pointer into the spec or to a result, a comparison, and a number, text, `true` or `false`. Values that
+                 *     lists were by before are found by an index; of others, and where very many jobs have them, some
+                 *     thousand jobs that pass the rest are looked at, and the answer says where it stopped.
                  */
                 where?: string;
                 /**
                  * @description Sorts by a result (`/summary/max_force`) or a value of the spec (`/spec/seed`), falling with `-`
-                 *     before it; the newest 20 000 that pass the rest.
+                 *     before it. The first list by a value of more than 10 000 jobs sorts the newest of them and begins to
+                 *     gather that value from all (`gathering`).
                  */
                 sort?: string;
                 /** @description Values of specs to show, such as `/spec/seed,/spec/test/max_strain`. */
@@ -7036,7 +7164,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The job cannot be accepted, there is no such specimen, or it is too large to be drawn */
+            /** @description The job cannot be accepted, there is no such specimen, it is too large to be drawn, or it takes too long */
             422: {
                 headers: {
                     [name: string]: unknown;

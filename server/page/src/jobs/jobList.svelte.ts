@@ -41,6 +41,9 @@ export class JobList {
   error = $state("");
   /** So many jobs the server looked at before it stopped short of all; null where it did not. */
   stoppedAfter = $state<number | null>(null);
+  /** Whether what is sorted is the newest of all alone, and whether that will be otherwise in some minutes. */
+  newestOnly = $state(false);
+  isGathering = $state(false);
   #beside: Beside = { sort: "", show: "" };
   #filter: Filter = EVERYTHING;
   #loading: AbortController | null = null;
@@ -66,17 +69,15 @@ export class JobList {
     try {
       const jobs: Job[] = [];
       let cursor: string | null = null;
-      let stoppedAfter: number | null = null;
+      let page: Page<Job>;
       do {
-        const page: Page<Job> = await getJson(this.#address(cursor, count - jobs.length), loading.signal);
+        page = await getJson(this.#address(cursor, count - jobs.length), loading.signal);
         jobs.push(...page.items);
         cursor = page.next;
-        stoppedAfter = page.stopped_after ?? null;
         // A search that stopped is gone on with when somebody asks.
-      } while (cursor !== null && jobs.length < count && stoppedAfter === null);
+      } while (cursor !== null && jobs.length < count && page.stopped_after === undefined);
       this.jobs = jobs;
-      this.next = cursor;
-      this.stoppedAfter = stoppedAfter;
+      this.#goOnFrom(page);
       this.error = "";
       this.isLoaded = true;
     } catch (error) {
@@ -92,8 +93,7 @@ export class JobList {
       const page = await getJson<Page<Job>>(this.#address(this.next, PAGE));
       const known = this.jobs.map((job) => job.id);
       this.jobs = [...this.jobs, ...page.items.filter((job) => !known.includes(job.id))];
-      this.next = page.next;
-      this.stoppedAfter = page.stopped_after ?? null;
+      this.#goOnFrom(page);
     } catch (error) {
       this.error = messageOf(error);
     }
@@ -123,6 +123,13 @@ export class JobList {
   stop(): void {
     clearTimeout(this.#timer);
     this.#loading?.abort();
+  }
+
+  #goOnFrom(page: Page<Job>): void {
+    this.next = page.next;
+    this.stoppedAfter = page.stopped_after ?? null;
+    this.newestOnly = page.newest_only ?? false;
+    this.isGathering = page.gathering ?? false;
   }
 
   #address(cursor: string | null, count: number): string {

@@ -8,7 +8,7 @@ export const EVENTS: Record<WebhookEvent, string> = {
   failed: "one has failed",
   quarantined: "one was set aside",
   shared: "something was shared",
-  quota: "my files come near their limit",
+  quota: "my files or queued jobs come near their limit",
 };
 
 /** Projects that are one's own or one's group's, once they are there. */

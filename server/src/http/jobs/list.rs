@@ -33,8 +33,8 @@ pub(in crate::http) struct ListQuery {
     #[param(value_type = u32, required = false, minimum = 1, maximum = 200)]
     limit: Option<Number<1, 200>>,
     /// `next` of the page before.
-    #[param(value_type = String, required = false, min_length = 1, max_length = 200)]
-    cursor: Option<Text<1, 200>>,
+    #[param(value_type = String, required = false, min_length = 1, max_length = 800)]
+    cursor: Option<Text<1, 800>>,
     /// Only jobs in this status.
     #[param(schema_with = status_schema, required = false)]
     status: Option<JobStatus>,
@@ -61,13 +61,15 @@ pub(in crate::http) struct ListQuery {
     #[param(value_type = Uuid, required = false)]
     project: Option<Uuid>,
     /// Only jobs for which these conditions hold, such as `/spec/seed=3,/summary/max_force>=1.5`: a
-    /// pointer into the spec or to a result, a comparison, and a number, text, `true` or `false`. Looks at
-    /// 20 000 jobs that pass the rest, and says where it stopped.
+    /// pointer into the spec or to a result, a comparison, and a number, text, `true` or `false`. Values that
+    /// lists were by before are found by an index; of others, and where very many jobs have them, some
+    /// thousand jobs that pass the rest are looked at, and the answer says where it stopped.
     #[serde(rename = "where")]
     #[param(value_type = String, required = false, min_length = 1, max_length = 2000)]
     conditions: Option<Text<1, 2000>>,
     /// Sorts by a result (`/summary/max_force`) or a value of the spec (`/spec/seed`), falling with `-`
-    /// before it; the newest 20 000 that pass the rest.
+    /// before it. The first list by a value of more than 5 000 jobs sorts the newest of them and begins to
+    /// gather that value from all (`gathering`).
     #[param(value_type = String, required = false, min_length = 1, max_length = 201)]
     sort: Option<Text<1, 201>>,
     /// Values of specs to show, such as `/spec/seed,/spec/test/max_strain`.

@@ -5,6 +5,8 @@
 use axum::Json;
 use axum::extract::State;
 use loadframe_api::{Extent, Preview, Violation};
+use tokio::sync::oneshot;
+use tokio_util::sync::CancellationToken;
 
 use super::super::AppState;
 use super::super::body::JsonBody;
@@ -29,7 +31,7 @@ const MOST_PARTS: f64 = 200_000.0;
               (status = 409, description = "This server draws nothing"),
               (status = 413, description = "The body is larger than 32 MB"),
               (status = 415, description = "The body is not declared as JSON"),
-              (status = 422, description = "The job cannot be accepted, there is no such specimen, or it is too large to be drawn")))]
+              (status = 422, description = "The job cannot be accepted, there is no such specimen, it is too large to be drawn, or it takes too long")))]
 pub(super) async fn preview(
     State(state): State<AppState>,
     permit: Permit<Submit>,
@@ -52,18 +54,41 @@ pub(super) async fn preview(
         let refusal = ApiError::new(INVALID, "only smaller specimens are drawn");
         return Err(refusal.violations(vec![violation]));
     }
+    // whoever has left, or waited too long, wants it no more
+    let given_up = CancellationToken::new();
+    let _given_up = given_up.clone().drop_guard();
+    let (began, begins) = oneshot::channel();
     let draw = move || {
-        let drawn = draw(&spec);
+        let _ = began.send(());
+        let drawn = draw(&spec, &given_up);
         // its room is kept until then
         drop(body);
         drawn
     };
-    let drawn = state.checks.run(client, draw).await?;
-    let preview = drawn.map_err(|reason| {
-        ApiError::new(
-            INVALID_JOB,
-            format!("the specimen cannot be made: {reason}"),
-        )
-    })?;
-    Ok(Json(preview))
+    let time_is_over = async {
+        // its turn has yet to come
+        if begins.await.is_err() {
+            std::future::pending::<()>().await;
+        }
+        tokio::time::sleep(state.preview_time).await;
+    };
+    let drawn = tokio::select! {
+        drawn = state.checks.run(client, draw) => drawn?,
+        () = time_is_over => Ok(None),
+    };
+    match drawn {
+        Ok(Some(preview)) => Ok(Json(preview)),
+        Ok(None) => {
+            let seconds = state.preview_time.as_secs_f64();
+            let detail = format!(
+                "the specimen was not made within {seconds} s, which is all that a picture gets; a job makes it in its own time"
+            );
+            let violation = Violation::new("/spec", "too_long_to_draw", detail.clone());
+            Err(ApiError::new(INVALID, detail).violations(vec![violation]))
+        }
+        Err(reason) => {
+            let detail = format!("the specimen cannot be made: {reason}");
+            Err(ApiError::new(INVALID_JOB, detail))
+        }
+    }
 }

@@ -38,6 +38,7 @@ const SQLITE: &[Step] = steps! { "":
     14 "trash" "0014_trash.sql",
     15 "limits are told" "0015_limits_are_told.sql",
     16 "mails" "0016_mails.sql",
+    17 "kept values" "0017_kept_values.sql",
 };
 
 const POSTGRES: &[Step] = steps! { "postgres/":
@@ -45,6 +46,7 @@ const POSTGRES: &[Step] = steps! { "postgres/":
     2 "tables" "0002_tables.sql",
     3 "triggers" "0003_triggers.sql",
     4 "texts" "0004_texts.sql",
+    5 "kept values" "0005_kept_values.sql",
 };
 
 pub(super) fn of_sqlite() -> Migrator {
@@ -122,7 +124,8 @@ mod tests {
                 "1c81df07ed90fcb2",
                 "06d67708710a1c1f",
                 "944ffa9e1f350752",
-                "1e60e7629c76ed2c"
+                "1e60e7629c76ed2c",
+                "4cb74f3addabd3d8"
             ]
         );
     }

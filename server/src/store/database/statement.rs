@@ -165,7 +165,7 @@ impl<T: Column> QueryScalar<T> {
 }
 
 /// A statement that is put together from parts, none of which comes from a caller.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(in super::super) struct Builder {
     text: String,
     values: Vec<Value>,
@@ -195,6 +195,13 @@ impl Builder {
     pub(in super::super) fn push_value(&mut self, value: Value) -> &mut Self {
         self.text.push('?');
         self.values.push(value);
+        self
+    }
+
+    /// Another one, with its places and values, as it is.
+    pub(in super::super) fn append(&mut self, other: Self) -> &mut Self {
+        self.text.push_str(&other.text);
+        self.values.extend(other.values);
         self
     }
 

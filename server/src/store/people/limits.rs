@@ -10,6 +10,9 @@ use super::super::writer::Change;
 use super::accounts::PersonRow;
 use crate::queue::turns::used;
 
+/// A part of a limit that is told of when it is reached.
+const TOLD: f64 = 0.9;
+
 impl Store {
     /// What a person may use, uses, and may still.
     ///
@@ -110,10 +113,41 @@ impl Change {
         let now = self.now.as_millis();
         let allowance = allowance(&mut self.connection, person, now).await?;
         let violations = allowance.violations(priority, estimate);
-        if violations.is_empty() {
-            return Ok(());
+        if !violations.is_empty() {
+            return Err(StoreError::Refused(violations));
         }
-        Err(StoreError::Refused(violations))
+        let before = allowance.used.queued_core_h;
+        let queued = before + estimate.wall_s / 3600.0;
+        match allowance.limits.queued_core_h {
+            Some(limit) if before < TOLD * limit && queued >= TOLD * limit => {
+                self.tell_of_queue(person, queued, limit).await
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Tells who wants to know that the person's queued jobs have come near the limit. Of files the database
+    /// tells by itself: they grow by many ways.
+    async fn tell_of_queue(&mut self, person: Uuid, queued: f64, limit: f64) -> Result<()> {
+        let name = PersonRow::of(&mut self.connection, person)
+            .await?
+            .view()?
+            .name;
+        let about = serde_json::json!({
+            "person": name, "used_core_h": queued, "limit_core_h": limit
+        });
+        query(
+            "INSERT INTO outbox (webhook, event, at, body)
+             SELECT w.id, 'quota', ?, ? FROM webhooks w
+             WHERE w.removed_at IS NULL AND w.project IS NULL AND w.person = ?
+               AND EXISTS (SELECT 1 FROM json_each(w.events) e WHERE e.value = 'quota')",
+        )
+        .bind(self.now.as_millis())
+        .bind(about.to_string())
+        .bind(person)
+        .execute(&mut self.connection)
+        .await?;
+        Ok(())
     }
 
     /// Refuses to raise the priority of a job where the person may not.

@@ -119,6 +119,8 @@ impl Store {
             next,
             unreadable: 0,
             stopped_after: None,
+            newest_only: false,
+            gathering: false,
         })
     }
 

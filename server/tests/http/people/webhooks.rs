@@ -17,7 +17,7 @@ use tokio::net::TcpListener;
 use uuid::Uuid;
 
 use super::group::{Group, Somebody, to_job};
-use crate::support::Lab;
+use crate::support::{Lab, example};
 
 const MINUTE: i64 = 60_000;
 
@@ -392,4 +392,36 @@ async fn files_near_a_limit_are_told_once_at_each_step() {
         (events.len(), &events[0]["about"]["used_gb"]),
         (1, &json!(1.02e-6))
     );
+}
+
+#[tokio::test]
+async fn queued_core_hours_near_a_limit_are_told_once() {
+    let group = group().await;
+    let anna = &group.anna;
+    let (receiver, url) = Receiver::open().await;
+    let (_, secret) = made(&group, anna, &url, json!(["quota"]), None).await;
+    let project = group.project(anna, Visibility::Private, None).await.id;
+    let dry = group
+        .send(anna, "POST", "/v1/jobs?dry_run=true", example())
+        .await;
+    let one = dry.json()["estimate"]["wall_s"].as_f64().expect("seconds") / 3600.0;
+    // two are within nine tenths and the whole, a third is beyond
+    let limits = json!({ "queued_core_h": 2.1 * one }).to_string();
+    let path = format!("/v1/people/{}/limits", anna.id);
+    let set = group.send(&group.ada, "PUT", &path, &limits).await;
+    assert_eq!(set.status, 200, "{set:?}");
+    group.submit(anna, project).await;
+    assert_eq!(told(&group, 1).await, 0);
+    group.submit(anna, project).await;
+    let path = format!("/v1/jobs?project={project}");
+    let refused = group.send(anna, "POST", &path, example()).await;
+    refused.problem(422, "invalid-job");
+    assert_eq!(told(&group, 1).await, 1);
+    let events = receiver.take(&secret)[0]["events"].clone();
+    assert_eq!(events.as_array().map(Vec::len), Some(1), "{events}");
+    let about = &events[0]["about"];
+    assert_eq!(about["person"], "Anna");
+    let number = |name: &str| about[name].as_f64().expect("a number");
+    let part = number("used_core_h") / number("limit_core_h");
+    assert!((part - 2.0 / 2.1).abs() < 1e-3, "{about}");
 }

@@ -11,7 +11,7 @@ use crate::lab::{LONG, Lab, group, key, submission, worker};
 
 /// Prints the median, the 95th percentile and the longest of many tries.
 #[allow(clippy::print_stderr, reason = "the figures are what it is for")]
-async fn measure(what: &str, tries: usize, mut work: impl AsyncFnMut()) -> Duration {
+pub(super) async fn measure(what: &str, tries: usize, mut work: impl AsyncFnMut()) -> Duration {
     let mut times = Vec::with_capacity(tries);
     for _ in 0..tries {
         let start = Instant::now();

@@ -8,7 +8,7 @@ use uuid::Uuid;
 use crate::lab::Lab;
 
 /// The database beside the store.
-async fn beside(lab: &Lab) -> SqliteConnection {
+pub(super) async fn beside(lab: &Lab) -> SqliteConnection {
     let file = lab.folder.path().join("loadframe.db");
     let options = SqliteConnectOptions::new().filename(file);
     let options = options.busy_timeout(Duration::from_secs(60));
@@ -70,8 +70,8 @@ pub(super) async fn fill_in_bulk(lab: &Lab, count: i64, people: &[Uuid]) {
     if !people.is_empty() {
         let names: Vec<String> = people.iter().map(|id| id.simple().to_string()).collect();
         query(
-            "UPDATE jobs SET owner = (SELECT unhex(value) FROM json_each(?1)
-                LIMIT 1 OFFSET CASE seq % 2 WHEN 0 THEN 0 ELSE seq / 2 % ?2 END)",
+            "UPDATE jobs SET owner = unhex(json_extract(?1,
+                '$[' || CASE seq % 2 WHEN 0 THEN 0 ELSE seq / 2 % ?2 END || ']'))",
         )
         .bind(serde_json::to_string(&names).unwrap())
         .bind(i64::try_from(people.len()).unwrap())

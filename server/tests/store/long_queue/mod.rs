@@ -1,4 +1,5 @@
 //! Queues longer than anybody submits by hand: filled in bulk, beside the open store.
+mod by_values;
 mod figures;
 mod filling;
 

@@ -66,7 +66,7 @@ mod step;
 mod walls;
 
 use loadframe_api::spec::granular_scene::{GranularScene, Stage};
-use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
+use loadframe_harness::{Ending, Halt, Recorder, RunContext, SimulationError};
 
 /// Draws the scene of `spec` as it is before its first step; returns what is shown.
 ///
@@ -74,10 +74,10 @@ use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
 /// When there is no such scene, or the recorder fails.
 pub fn preview(
     spec: &GranularScene,
-    threads: usize,
+    context: RunContext<'_>,
     recorder: &mut dyn Recorder,
-) -> Result<String, SimulationError> {
-    stages::run::preview(spec, threads, recorder)?;
+) -> Result<String, Halt> {
+    stages::run::preview(spec, context, recorder)?;
     let words = "The scene before its first step.";
     let comes = |stage: &Stage| matches!(stage, Stage::Insert(_) | Stage::Place(_));
     Ok(match spec.stages.iter().any(comes) {

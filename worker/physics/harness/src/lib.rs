@@ -55,9 +55,9 @@ impl From<Interrupt> for Ending {
 /// How a job is run of whose spec only the kind's engine knows anything.
 pub type Run<S> = fn(&S, RunContext<'_>, &mut dyn Recorder) -> Result<Ending, SimulationError>;
 
-/// How its specimen is drawn before the test, on so many threads: pictures to the recorder, and what they
-/// show is returned, in a sentence or two. Of several specimens it is the first.
-pub type Preview<S> = fn(&S, usize, &mut dyn Recorder) -> Result<String, SimulationError>;
+/// How its specimen is drawn before the test: pictures to the recorder, and what they show is returned, in a
+/// sentence or two. Of several specimens it is the first. There is nothing to go on from.
+pub type Preview<S> = fn(&S, RunContext<'_>, &mut dyn Recorder) -> Result<String, Halt>;
 
 /// What a run is given beside its spec.
 #[derive(Clone, Copy)]

@@ -32,12 +32,12 @@ use trials::{Halt, Trials};
 pub(crate) fn preview(
     spec: &Calibrate,
     preview: Preview<JobSpec>,
-    threads: usize,
+    context: RunContext<'_>,
     recorder: &mut dyn Recorder,
-) -> Result<String, SimulationError> {
+) -> Result<String, loadframe_harness::Halt> {
     let inner = spec.job.read();
     let inner = inner.map_err(|found| SimulationError::Unbuildable(in_words(&found)))?;
-    let words = preview(&inner, threads, recorder)?;
+    let words = preview(&inner, context, recorder)?;
     Ok(format!(
         "Of the job whose parameters are sought, with the values that it has now. {words}"
     ))

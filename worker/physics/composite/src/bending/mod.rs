@@ -86,9 +86,9 @@ pub fn run(
 /// When there is no such section, or the recorder fails.
 pub fn preview(
     spec: &CompositeBending,
-    _threads: usize,
+    _context: RunContext<'_>,
     recorder: &mut dyn Recorder,
-) -> Result<String, SimulationError> {
+) -> Result<String, loadframe_harness::Halt> {
     let model = Model::before_rollers(spec, finest(spec))?;
     pictures::write_first(&model, recorder)?;
     let words = "The section on its grid, before its load.";

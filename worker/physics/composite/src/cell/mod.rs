@@ -10,7 +10,7 @@ mod results;
 
 use loadframe_api::spec::composite_cell::CompositeCell;
 use loadframe_harness::{
-    Ending, Recorder, RunContext, SimulationError,
+    Ending, Halt, Recorder, RunContext, SimulationError,
     checkpoint::Fingerprint,
     plan::{Conclusion, Place, Specimens, first_of, test_specimens},
 };
@@ -42,9 +42,9 @@ pub fn run(
 /// When there is no such cell, or the recorder fails.
 pub fn preview(
     spec: &CompositeCell,
-    _threads: usize,
+    _context: RunContext<'_>,
     recorder: &mut dyn Recorder,
-) -> Result<String, SimulationError> {
+) -> Result<String, Halt> {
     let cell = conduct::unit_cell(spec)?;
     let grid = spec.cells().map(|count| count as usize);
     let drawn = files::Drawn {

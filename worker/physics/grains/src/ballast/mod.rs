@@ -21,7 +21,7 @@ mod tests;
 mod voids;
 
 use loadframe_api::spec::ballast::{Apparatus, Ballast};
-use loadframe_harness::{Ending, Recorder, RunContext, SimulationError};
+use loadframe_harness::{Ending, Halt, Recorder, RunContext, SimulationError};
 
 use crate::stages;
 use tester::Tester;
@@ -36,10 +36,10 @@ const SHOWN: &str = "What there is before the first grain falls: walls, and the 
 /// When there is no such scene, or the recorder fails.
 pub fn preview<A: Apparatus>(
     spec: &Ballast<A>,
-    threads: usize,
+    context: RunContext<'_>,
     recorder: &mut dyn Recorder,
-) -> Result<String, SimulationError> {
-    stages::run::preview(&spec.script().scene, threads, recorder)?;
+) -> Result<String, Halt> {
+    stages::run::preview(&spec.script().scene, context, recorder)?;
     Ok(SHOWN.to_owned())
 }
 

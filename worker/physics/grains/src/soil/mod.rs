@@ -12,7 +12,7 @@ mod tester;
 mod triaxial;
 
 use loadframe_api::{Report, spec::soil::Soil};
-use loadframe_harness::{Ending, Recorder, ReportBuilder, RunContext, SimulationError};
+use loadframe_harness::{Ending, Halt, Recorder, ReportBuilder, RunContext, SimulationError};
 
 use crate::stages;
 use tester::Tester;
@@ -32,10 +32,10 @@ const SHOWN: &str = "Grains as they are placed, apart from one another. Pressing
 /// When there is no such scene, or the recorder fails.
 pub fn preview<T: Measured>(
     spec: &Soil<T>,
-    threads: usize,
+    context: RunContext<'_>,
     recorder: &mut dyn Recorder,
-) -> Result<String, SimulationError> {
-    stages::run::preview(&spec.script().scene, threads, recorder)?;
+) -> Result<String, Halt> {
+    stages::run::preview(&spec.script().scene, context, recorder)?;
     Ok(SHOWN.to_owned())
 }
 

@@ -1,7 +1,7 @@
 //! A run: steps, what is observed on the way, until the end of the last of its stages.
 use loadframe_api::spec::granular_scene::{GranularScene, Stage};
 use loadframe_harness::{
-    Ending, Halt, Interrupt, Recorder, RunContext, SimulationError, Uninterrupted,
+    Ending, Halt, Interrupt, Recorder, RunContext, SimulationError,
 };
 use loadframe_numerics::Team;
 
@@ -11,18 +11,14 @@ use crate::output::{errors, fragments, journal::Journal, report, snapshot, table
 /// Draws the scene of `spec` before its first step.
 pub(crate) fn preview(
     spec: &GranularScene,
-    threads: usize,
+    context: RunContext<'_>,
     recorder: &mut dyn Recorder,
-) -> Result<(), SimulationError> {
-    let mut runner = match Runner::new(spec, Team::new(threads)?, &Uninterrupted) {
-        Ok(runner) => runner,
-        Err(Halt::Failed(error)) => return Err(error),
-        // nobody did
-        Err(Halt::Interrupted(_)) => return Ok(()),
-    };
+) -> Result<(), Halt> {
+    let mut runner = Runner::new(spec, Team::new(context.threads)?, context.interrupt)?;
     runner.engine.push_still();
     let mut survey = runner.engine.survey(true);
-    runner.picture(recorder, &mut survey)
+    runner.picture(recorder, &mut survey)?;
+    Ok(())
 }
 
 /// Runs the scene of `spec`; returns its journal as well, for tests in terms of their own.

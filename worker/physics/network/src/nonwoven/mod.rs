@@ -61,9 +61,9 @@ struct Checkpoint {
 /// When there is no such specimen, or the recorder fails.
 pub fn preview(
     spec: &NonwovenTensile,
-    _threads: usize,
+    _context: RunContext<'_>,
     recorder: &mut dyn Recorder,
-) -> Result<String, SimulationError> {
+) -> Result<String, Halt> {
     let specimen = Specimen::new(spec)?;
     snapshot::take_first(&specimen, recorder)?;
     let words = "The fabric between its jaws, not strained yet.";

@@ -11,6 +11,8 @@ pub enum SheetError {
         unit: &'static str,
         allowed: String,
     },
+    #[error("nobody wants the sheet any more")]
+    GivenUp,
     #[error("a sheet is made of at least one pulp")]
     NoPulp,
     #[error("{quantity}: an empty list says nothing; give at least one entry")]

@@ -1,5 +1,6 @@
 //! Fibres laid one after the other until the sheet has its mass.
 use loadframe_harness::rng::{Purpose, Streams};
+use loadframe_harness::{Interrupt, InterruptSource, Uninterrupted};
 use loadframe_numerics::Team;
 use rand::RngExt as _;
 
@@ -12,6 +13,8 @@ use super::{Sheet, SheetFibre, contacts, curl};
 
 /// Streams of a pulp are this far from those of the next.
 const STREAMS_PER_PULP: usize = 1 << 40;
+/// Fibres of a pulp that are drawn between two looks for a cancel: far less than a second of work.
+const DRAWN_BETWEEN_LOOKS: usize = 256;
 
 impl SheetPlan {
     /// Lays the sheet of a seed; the same on any number of threads.
@@ -28,8 +31,21 @@ impl SheetPlan {
     /// # Errors
     /// See [`SheetError`].
     pub fn lay(&self, seed: u64, team: &Team) -> Result<Sheet, SheetError> {
+        self.lay_unless(seed, team, &Uninterrupted)
+    }
+
+    /// The same, given up at a cancel.
+    ///
+    /// # Errors
+    /// [`SheetError::GivenUp`]; as [`Self::lay`].
+    pub fn lay_unless(
+        &self,
+        seed: u64,
+        team: &Team,
+        interrupt: &dyn InterruptSource,
+    ) -> Result<Sheet, SheetError> {
         self.validate()?;
-        let mut fibres = self.lay_fibres(seed)?;
+        let mut fibres = self.lay_fibres(seed, interrupt)?;
         fibres.shrink_to_fit();
         let contacts = contacts(&fibres, self.gap(), team);
         Ok(Sheet {
@@ -39,7 +55,11 @@ impl SheetPlan {
         })
     }
 
-    fn lay_fibres(&self, seed: u64) -> Result<Vec<SheetFibre>, SheetError> {
+    fn lay_fibres(
+        &self,
+        seed: u64,
+        interrupt: &dyn InterruptSource,
+    ) -> Result<Vec<SheetFibre>, SheetError> {
         let area = self.size_um[0] * self.size_um[1];
         let sources = self.pulps.iter().enumerate().map(|(index, pulp)| {
             let source = Source::new(pulp, index, self.grammage_ug_per_um2 * area);
@@ -64,6 +84,12 @@ impl SheetPlan {
         };
         let mut fibres = Vec::new();
         while let Some(source) = furthest_behind(&mut sources) {
+            // a suspended one would never come further; most fibres may fall beside a small sheet
+            if source.drawn % DRAWN_BETWEEN_LOOKS == 0
+                && let Some(Interrupt::Cancel) = interrupt.interrupt()
+            {
+                return Err(SheetError::GivenUp);
+            }
             let size = source.pulp.draw(&mut draws.sizes.of(source.stream()));
             let pieces = draws.place(source, size);
             source.drawn += 1;

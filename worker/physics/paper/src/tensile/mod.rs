@@ -58,16 +58,16 @@ pub fn run(
 /// When there is no such specimen, or the recorder fails.
 pub fn preview(
     spec: &PaperTensile,
-    threads: usize,
+    context: RunContext<'_>,
     recorder: &mut dyn Recorder,
-) -> Result<String, SimulationError> {
+) -> Result<String, Halt> {
     let words = match &spec.specimen {
         Specimen::SingleFibre(single) => {
             let specimen = fibre::Specimen::new(spec, single)?;
             files::write_pictures(&specimen, &[specimen.unloaded()], recorder)?;
             "The fibre as a tube of springs, before its load."
         }
-        _ => sheet::preview(spec, threads, recorder)?,
+        _ => sheet::preview(spec, context, recorder)?,
     };
     Ok(first_of(words, spec.specimens()))
 }

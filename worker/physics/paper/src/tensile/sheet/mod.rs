@@ -33,7 +33,7 @@ use std::sync::Arc;
 use loadframe_api::spec::paper_tensile::{PaperTensile, SHEET_CURVE, Specimen as Kind};
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::plan::{Compared, Place, Specimens, test_specimens};
-use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
+use loadframe_harness::{Ending, Halt, Interrupt, Recorder, RunContext, SimulationError};
 use loadframe_numerics::Team;
 use serde::{Deserialize, Serialize};
 
@@ -87,10 +87,11 @@ pub(super) fn run(
 /// When there is no such sheet, or the recorder fails.
 pub(super) fn preview(
     spec: &PaperTensile,
-    threads: usize,
+    context: RunContext<'_>,
     recorder: &mut dyn Recorder,
-) -> Result<&'static str, SimulationError> {
-    let specimen = Specimen::new(spec, &Team::new(threads)?)?;
+) -> Result<&'static str, Halt> {
+    let team = Team::new(context.threads)?;
+    let specimen = Specimen::new(spec, &team, context.interrupt)?;
     pictures::unheld(&specimen, recorder)?;
     Ok(match &spec.specimen {
         Kind::Explicit(_) => "The sheet as it is given, before it is pulled.",
@@ -119,7 +120,12 @@ fn run_one(
     let is_new = kept.is_none();
     recorder.progress(0.0, "fibres and bonds");
     let team = Arc::new(Team::new(context.threads)?);
-    let specimen = Specimen::new(spec, &team)?;
+    let specimen = match Specimen::new(spec, &team, context.interrupt) {
+        Ok(specimen) => specimen,
+        // nothing of it is done yet
+        Err(Halt::Interrupted(interrupt)) => return Ok(interrupt.into()),
+        Err(Halt::Failed(error)) => return Err(error),
+    };
     let network = &specimen.network;
     if is_new {
         recorder.log(&format!(

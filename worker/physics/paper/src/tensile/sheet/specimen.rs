@@ -4,7 +4,7 @@ use loadframe_api::spec::paper_tensile::{
     BondsAt, Direction, ExplicitSheet, Level, MadeSheet, Orientation, PaperTensile, Placement,
     Pulp, Specimen as Kind,
 };
-use loadframe_harness::SimulationError;
+use loadframe_harness::{Halt, Interrupt, InterruptSource, SimulationError};
 use loadframe_numerics::Team;
 
 use super::bonds::{MPA, Side, Strengths, assumed, stiffness};
@@ -12,7 +12,7 @@ use super::laid::Laid;
 use super::theory::Theory;
 use super::tubes::{self, Tubes};
 use crate::frame::{self, BeamSection, FrameBond, FrameFibre, FrameModel, Network};
-use crate::sheet;
+use crate::sheet::{self, SheetError};
 
 /// 1 N in mN.
 const N: f64 = 1e3;
@@ -36,13 +36,19 @@ impl Specimen {
     /// Builds the specimen of a spec and its seed; the same on any number of threads.
     ///
     /// # Errors
-    /// [`SimulationError::Paper`] when there is no such sheet.
-    pub(super) fn new(spec: &PaperTensile, team: &Team) -> Result<Self, SimulationError> {
-        match &spec.specimen {
-            Kind::Explicit(sheet) => Self::given(spec, sheet),
-            Kind::Sheet(sheet) => Self::made(spec, sheet, team),
-            Kind::SingleFibre(_) => Err(SimulationError::of_paper("a single fibre is no sheet")),
-        }
+    /// [`SimulationError::Paper`] when there is no such sheet; a cancel.
+    pub(super) fn new(
+        spec: &PaperTensile,
+        team: &Team,
+        interrupt: &dyn InterruptSource,
+    ) -> Result<Self, Halt> {
+        Ok(match &spec.specimen {
+            Kind::Explicit(sheet) => Self::given(spec, sheet)?,
+            Kind::Sheet(sheet) => Self::made(spec, sheet, team, interrupt)?,
+            Kind::SingleFibre(_) => {
+                return Err(SimulationError::of_paper("a single fibre is no sheet").into());
+            }
+        })
     }
 
     fn given(spec: &PaperTensile, sheet: &ExplicitSheet) -> Result<Self, SimulationError> {
@@ -103,16 +109,23 @@ impl Specimen {
         })
     }
 
-    fn made(spec: &PaperTensile, made: &MadeSheet, team: &Team) -> Result<Self, SimulationError> {
+    fn made(
+        spec: &PaperTensile,
+        made: &MadeSheet,
+        team: &Team,
+        interrupt: &dyn InterruptSource,
+    ) -> Result<Self, Halt> {
         let pulps: Vec<&Pulp> = spec
             .pulp
             .iter()
             .filter(|pulp| pulp.mass_fraction > 0.0)
             .collect();
         let plan = plan(spec, made, &pulps)?;
-        let whole = plan
-            .lay(spec.seed, team)
-            .map_err(SimulationError::of_paper)?;
+        let laid = plan.lay_unless(spec.seed, team, interrupt);
+        let whole = laid.map_err(|error| match error {
+            SheetError::GivenUp => Halt::Interrupted(Interrupt::Cancel),
+            error => SimulationError::of_paper(error).into(),
+        })?;
         let whole = if spec.test.pulled() == Direction::Cd {
             whole.turned()
         } else {
