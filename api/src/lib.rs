@@ -43,6 +43,7 @@ pub mod table;
 mod timestamp;
 mod violations;
 mod waiting;
+mod words;
 pub mod worker;
 
 pub use accuracy::{Accuracy, Preset};
@@ -77,3 +78,4 @@ pub use submission_error::SubmissionError;
 pub use timestamp::Timestamp;
 pub use violations::Violations;
 pub use waiting::{NeedsView, WaitCode, WaitingView};
+pub use words::words;

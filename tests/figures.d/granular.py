@@ -237,10 +237,72 @@ def features(folder: Path) -> list[list[str]]:
     return rows
 
 
+# ── what it costs that contacts are watched ─────────────────────────────────────────────────────────
+
+WATCHED_BED, ROUNDS = 2_000, 15
+# Of which instructions are counted: the difference of a long and a short run leaves out how it begins.
+COUNTED = (90, 1170)
+
+
+def executable(*features: str) -> str:
+    """The bench, built with these features of the physics."""
+    command = ["cargo", "bench", "-p", "loadframe-physics", "--bench", "granular", "--no-run", "--message-format=json"]
+    if features:
+        command += ["--features", ",".join(features)]
+    output = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True).stdout
+    messages = [json.loads(line) for line in output.splitlines() if line.startswith("{")]
+    (path,) = [message["executable"] for message in messages if message.get("executable")]
+    return path
+
+
+def instructions(bench: str, environment: dict, folder: Path) -> float:
+    """Instructions of a particle step, counted by valgrind, which knows vectors of 256 bits at most."""
+    counts = []
+    for steps in COUNTED:
+        out = folder / "callgrind.out"
+        command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", bench, "--bench"]
+        subprocess.run(command, env={**environment, "WARM": "0", "STEPS": str(steps)}, check=True, stdout=subprocess.DEVNULL)
+        (total,) = [line.split()[1] for line in out.read_text().splitlines() if line.startswith(("totals:", "summary:"))][:1]
+        counts.append(int(total))
+    return (counts[1] - counts[0]) / (COUNTED[1] - COUNTED[0]) / WATCHED_BED
+
+
+def measure_watched(folder: Path) -> dict:
+    width, steps = BEDS[WATCHED_BED]
+    bed_file = str(bed(WATCHED_BED, folder.parent).resolve())
+    builds = {"watched": executable(), "unwatched": executable("unwatched")}
+    found = {}
+    for friction in ("0.5", "0"):
+        environment = {**os.environ, "BED": bed_file, "WIDTH": str(width), "FRICTION": friction, "STEPS": str(steps)}
+        rates: dict[str, list[float]] = {name: [] for name in builds}
+        for _ in range(ROUNDS):
+            for name, build in builds.items():
+                line = subprocess.run([build, "--bench"], env=environment, stdout=subprocess.PIPE, text=True, check=True).stdout
+                rates[name].append(json.loads(line)["particle_steps_per_cpu_s"])
+        counts = {name: instructions(build, environment, folder) for name, build in builds.items()}
+        found[friction] = {"rates": rates, "instructions": counts}
+    (folder / "watched.json").write_text(json.dumps(found))
+    return {"commit": commit_of_tree()}
+
+
+def watched(folder: Path) -> list[list[str]]:
+    rows = [["bed of 2000 at rest", "time of a step: median (middle half)", "instructions of a step"]]
+    share = lambda ratio: f"{100 * (ratio - 1):+.1f} %".replace("-", "−")
+    for friction, words in (("0.5", "friction"), ("0", "no friction")):
+        found = json.loads((folder / "watched.json").read_text())[friction]
+        # time is the inverse of the rate
+        ratios = [without / own for own, without in zip(found["rates"]["watched"], found["rates"]["unwatched"])]
+        low, median, high = statistics.quantiles(ratios, n=4)
+        counts = found["instructions"]
+        rows.append([words, f"{share(median)} ({share(low)} to {share(high)})", share(counts["watched"] / counts["unwatched"])])
+    return rows
+
+
 TABLES = {
     "granular_restitution": Table("2 min of processor time", measure_restitution, restitution),
     "granular_yade_statistics": Table("3 min of processor time; needs yade", measure_statistics, yade_statistics),
     "granular_peers": Table("20 min of processor time, beds included; needs lammps and yade", measure_peers, peers),
     "granular_threads": Table("8 min of two cores, beds included", measure_threads, threads),
+    "granular_watched": Table("15 min of processor time; needs valgrind", measure_watched, watched),
     "granular_features": Table("5 min of processor time", measure_features, features),
 }

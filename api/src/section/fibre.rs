@@ -88,11 +88,22 @@ impl Band {
         low >= self.half_thickness_mm || high <= -self.half_thickness_mm
     }
 
+    /// Whether it lies across an axis, 0 for x and 1 for y: what round-off leaves of its own along it counts
+    /// for nothing.
+    pub fn is_across(&self, axis: usize) -> bool {
+        self.axis[axis].abs() < f64::EPSILON
+    }
+
+    /// Whether it lies at an angle to both axes.
+    pub fn is_slanted(&self) -> bool {
+        !self.is_across(0) && !self.is_across(1)
+    }
+
     /// The stretch of an axis that it fills with so many cells, where it lies across that axis.
     pub fn fine_across(&self, axis: usize, across: u32) -> Option<Fine> {
         let middle = self.through_mm[axis];
         let half = self.half_thickness_mm;
-        (self.axis[axis].abs() < f64::EPSILON)
+        self.is_across(axis)
             .then(|| Fine::through([middle - half, middle + half], across))
     }
 

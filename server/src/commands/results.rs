@@ -1,5 +1,5 @@
 //! The result of a job as a table for people.
-use loadframe_api::{Outcome, QualityCheck, Quantity};
+use loadframe_api::{Outcome, QualityCheck, Quantity, words};
 
 use super::terminal::{print_line, size, span};
 
@@ -36,7 +36,7 @@ pub(crate) fn show(outcome: &Outcome) {
     tenths.iter().for_each(|line| print_line(line));
     print_line(&format!(
         "\nThe test ended because of {}. It took {} on {} ({} of processor time, {} of memory).",
-        outcome.stop_reason.replace('_', " "),
+        words(&outcome.stop_reason),
         span(cost.wall_s),
         match cost.threads {
             1 => "one thread".to_owned(),
@@ -54,7 +54,7 @@ fn tenths(outcome: &Outcome) -> Vec<String> {
     let lines = parts.filter_map(|part| {
         let tenth = part.tenth.as_ref()?;
         let time = span(tenth.time_factor * outcome.cost.wall_s);
-        let source = readable(&part.source);
+        let source = words(&part.source);
         Some(format!("  {source}: {}, for about {time}", tenth.change))
     });
     let mut once: Vec<String> = Vec::new();
@@ -69,7 +69,7 @@ fn tenths(outcome: &Outcome) -> Vec<String> {
 /// Name, value, unit, description.
 fn result_row(name: &str, quantity: &Quantity) -> [String; 4] {
     [
-        readable(name),
+        words(name),
         quantity.value.map_or("unknown".to_owned(), |value| {
             let deviation = quantity.deviation.filter(|s| *s > 0.0);
             let error = quantity.error.as_ref().map(|error| error.value);
@@ -96,15 +96,11 @@ fn result_row(name: &str, quantity: &Quantity) -> [String; 4] {
 fn quality_row(name: &str, check: &QualityCheck) -> [String; 4] {
     let verdict = if check.ok { "good" } else { "doubtful" };
     [
-        readable(name),
+        words(name),
         number(check.value),
         unit(&check.unit),
         format!("{verdict} (at most {})", number(check.bound)),
     ]
-}
-
-fn readable(name: &str) -> String {
-    name.replace('_', " ")
 }
 
 fn unit(unit: &str) -> String {

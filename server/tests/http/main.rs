@@ -15,6 +15,8 @@ mod guide;
 mod jobs;
 mod kinds;
 mod openapi;
+#[path = "../shared/outcome.rs"]
+mod outcome;
 mod page;
 mod people;
 mod preview;

@@ -7,8 +7,7 @@ use axum::extract::ConnectInfo;
 use axum::http::{HeaderMap, Request, Response, header};
 use loadframe_api::people::{NewToken, Scope, TokenMade};
 use loadframe_api::worker::{ClaimRequest, CompleteRequest, CurveBlock, Lease, ProgressReport};
-use loadframe_api::{JobKind, JobSpec, Limits, Outcome, Quantity, Report, sha256_hex};
-use loadframe_run::{Circumstances, Engine, Spent, assemble};
+use loadframe_api::{JobKind, Limits, sha256_hex};
 use loadframe_server::ServeConfig;
 use loadframe_server::http::{AppState, router};
 use loadframe_server::store::{LeaseKey, Store};
@@ -16,6 +15,8 @@ use serde_json::Value;
 use tempfile::TempDir;
 use tower::ServiceExt;
 use uuid::Uuid;
+
+use crate::outcome::outcome;
 
 /// Larger answers than any test reads.
 const MOST: usize = 64 << 20;
@@ -169,7 +170,7 @@ impl Lab {
         assert_eq!(lease.job_id, id);
         self.report(&lease, 0, vec![vec![0.0, 1.0], vec![1.0, 2.5e-7]])
             .await;
-        let outcome = outcome(&lease);
+        let outcome = outcome(&lease, &[]);
         let text = serde_json::to_string(&outcome).expect("plain data");
         let mut entries = Vec::new();
         for (name, bytes) in files.iter().chain(&[("outcome.json", text.as_bytes())]) {
@@ -251,28 +252,4 @@ pub(crate) fn key(lease: &Lease) -> LeaseKey {
         id: lease.id,
         token: lease.token,
     }
-}
-
-/// What a worker says of a run that found one result.
-fn outcome(lease: &Lease) -> Outcome {
-    let spec = JobSpec::from_json(lease.kind, lease.spec.get()).expect("a checked spec");
-    let force = Quantity::new(12.5, "N", "");
-    let report = Report {
-        stop_reason: "max_strain".to_owned(),
-        summary: [("max_force".to_owned(), force)].into_iter().collect(),
-        ..Report::default()
-    };
-    let circumstances = Circumstances {
-        engine: Engine {
-            version: "0",
-            commit: "unknown",
-        },
-        threads: 1,
-        started_at: "2026-11-21T09:00:00Z".to_owned(),
-        spent: Spent {
-            wall_s: 1.0,
-            cpu_s: 1.0,
-        },
-    };
-    assemble(&spec, report, circumstances, Vec::new())
 }

@@ -9,10 +9,8 @@ use loadframe_api::worker::{
     CheckpointInfo, CheckpointQuery, ClaimRequest, CompleteRequest, Lease,
 };
 use loadframe_api::{
-    Calibration, FileEntry, JobKind, JobSpec, JobView, Outcome, Quantity, Report, Submission,
-    sha256_hex,
+    Calibration, FileEntry, JobKind, JobView, Submission, sha256_hex,
 };
-use loadframe_run::{Circumstances, Engine, Spent, assemble};
 use loadframe_server::store::people::Actor;
 use loadframe_server::store::{
     BucketKeys, BucketSettings, Content, FilesPlace, LeaseKey, Store, StoreError, StoreOptions,
@@ -20,6 +18,8 @@ use loadframe_server::store::{
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use uuid::Uuid;
+
+use crate::outcome::outcome;
 
 /// A store that is gone with its folder.
 pub(crate) struct Lab {
@@ -255,30 +255,6 @@ pub(crate) fn worker(name: &str) -> ClaimRequest {
         time_left_s: None,
         wait_s: 0.0,
     }
-}
-
-/// What a worker says of a run that found one result.
-pub(crate) fn outcome(lease: &Lease, files: &[FileEntry]) -> Outcome {
-    let spec = JobSpec::from_json(lease.kind, lease.spec.get()).unwrap();
-    let force = Quantity::new(12.5, "N", "largest force");
-    let report = Report {
-        stop_reason: "max_strain".to_owned(),
-        summary: [("max_force".to_owned(), force)].into_iter().collect(),
-        ..Report::default()
-    };
-    let circumstances = Circumstances {
-        engine: Engine {
-            version: "1",
-            commit: "unknown",
-        },
-        threads: 1,
-        started_at: "2026-11-21T09:00:00Z".to_owned(),
-        spent: Spent::default(),
-    };
-    let mut outcome = assemble(&spec, report, circumstances, files.to_vec());
-    // that of this process grows from test to test; outcomes of equal runs have equal bytes here
-    outcome.cost.peak_memory_mb = Default::default();
-    outcome
 }
 
 pub(crate) fn is_lost<T>(result: Result<T, StoreError>) -> bool {

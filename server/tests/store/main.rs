@@ -15,6 +15,8 @@ mod lab;
 mod long_queue;
 mod losses;
 mod matched;
+#[path = "../shared/outcome.rs"]
+mod outcome;
 mod recovery;
 mod requests;
 mod safety;

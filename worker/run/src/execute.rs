@@ -109,13 +109,10 @@ fn execute_from<D: Destination>(
             return Err(failed(recording, spec, error));
         }
     };
-    // whatever it came to: a file that was not wanted any more says that it could not be written
-    if plan.switch.interrupt() == Some(Interrupt::Cancel) {
-        return Ok(Ended::Cancelled);
-    }
     match ending {
         Ok(Ending::Finished(report)) => {
             let finished = recording.finish(spec, plan.threads, report);
+            // a file that was not wanted any more says that it could not be written
             if plan.switch.interrupt() == Some(Interrupt::Cancel) {
                 return Ok(Ended::Cancelled);
             }

@@ -1,7 +1,7 @@
 //! `results.csv`: the results in a table, with how wrong each may be and what would make it less.
 use std::io::{self, Write};
 
-use loadframe_api::{Report, csv_cell};
+use loadframe_api::{Report, csv_cell, words};
 use loadframe_physics::csv::{self, Number};
 
 /// Name of the file.
@@ -10,8 +10,9 @@ pub(crate) const RESULTS_FILE: &str = "results.csv";
 /// What stands in a row. The last four are of the largest part of the error: its source, its size in the
 /// unit of the value, the change of the spec that makes it a tenth, and the time of the job over its own
 /// for that.
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 14] = [
     "result",
+    "label",
     "value",
     "unit",
     "error",
@@ -36,6 +37,7 @@ pub(crate) fn write(out: &mut dyn Write, report: &Report) -> io::Result<()> {
         let [low, high] = quantity.interval.map_or([None; 2], |ends| ends.map(Some));
         let row = [
             csv_cell(name).into_owned(),
+            csv_cell(&words(name)).into_owned(),
             number(quantity.value),
             csv_cell(&quantity.unit).into_owned(),
             number(quantity.error.as_ref().map(|error| error.value)),
@@ -74,7 +76,7 @@ mod tests {
         let modulus = Quantity::new(f64::NAN, "N/m", "").or_because("it had parted before");
         let summary = [
             ("deflection".to_owned(), deflection.with_error(parts)),
-            ("modulus".to_owned(), modulus),
+            ("modulus_at_2_5_percent".to_owned(), modulus),
         ];
         let report = Report {
             summary: summary.into_iter().collect(),
@@ -86,8 +88,8 @@ mod tests {
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], COLUMNS.join(","));
         // 3² + 4² = 5²
-        let row = "deflection,12.5,mm,5,,,,,,grid,4,\"grid.cells [800, 400]\",240";
+        let row = "deflection,deflection,12.5,mm,5,,,,,,grid,4,\"grid.cells [800, 400]\",240";
         assert_eq!(lines[1], row);
-        assert_eq!(lines[2], "modulus,,N/m,,,,,,it had parted before,,,,");
+        assert_eq!(lines[2], "modulus_at_2_5_percent,modulus at 2.5 %,,N/m,,,,,,it had parted before,,,,");
     }
 }

@@ -1,16 +1,13 @@
 //! Numbers, names and tables of studies as people read them.
 use std::fmt::Write;
 
+use loadframe_api::words;
+
 /// Letters in a line of a column's head.
 const HEAD: usize = 11;
-/// A name as words.
-pub(super) fn plain(name: &str) -> String {
-    name.replace('_', " ")
-}
-
 /// A name as the beginning of a sentence.
 pub(super) fn sentence(name: &str) -> String {
-    let words = plain(name);
+    let words = words(name);
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| {
         first.to_uppercase().chain(letters).collect()

@@ -1,8 +1,9 @@
+import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
 import { formatJson } from "./json";
 import { formatBytes, formatChosen, formatError, formatNumber } from "./numbers";
 import { formatAgo, formatDuration, formatEta } from "./time";
-import { sentence, showQuantity, showUnit } from "./words";
+import { inWords, sentence, showQuantity, showUnit } from "./words";
 
 const plain = (text: string): string => text.replaceAll("\u202f", " ");
 
@@ -94,6 +95,12 @@ describe("quantities", () => {
   it("leaves other pure numbers alone and says when a value is unknown", () => {
     expect(showQuantity("poisson_ratio", { value: 0.56, unit: "1" }).unit).toBe("");
     expect(showQuantity("max_force", { value: null, unit: "N" }).text).toBe("–");
+  });
+
+  it("turns names into words as the program does", () => {
+    const list = new URL("../../../../tests/data/words.json", import.meta.url);
+    const cases = JSON.parse(readFileSync(list, "utf8")) as [string, string][];
+    for (const [name, words] of cases) expect(inWords(name)).toBe(words);
   });
 
   it("speaks of MPa and kPa", () => {

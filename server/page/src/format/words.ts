@@ -2,9 +2,18 @@
 import type { Job, Quantity } from "../api/types";
 import { formatError, formatNumber, NARROW } from "./numbers";
 
-/** `strain_at_max_force` as `Strain at max force`. */
+/** `strain_at_max_force` as `strain at max force`, and `modulus_at_2_5_percent` as `modulus at 2.5 %`: the rule of the
+ * program (`api/src/words.rs`), held to the same list. */
+export function inWords(name: string): string {
+  const numbers = name.replace(/(?<=(?:^|_)at_)(\d+)(?:_(\d+))?_percent(?=_|$)/g, (_, whole: string, part?: string) =>
+    part === undefined ? `${whole} %` : `${whole}.${part} %`,
+  );
+  return numbers.replaceAll("_", " ");
+}
+
+/** The same as the beginning of a sentence: `Strain at max force`. */
 export function humanise(name: string): string {
-  const words = name.replaceAll("_", " ");
+  const words = inWords(name);
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 

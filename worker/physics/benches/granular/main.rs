@@ -1,10 +1,14 @@
 //! Particle steps per second of processor time on settled beds.
 //!
 //! `BED=file.xyzr WIDTH=1.0 [DEPTH=1.0] cargo bench --bench granular` takes a bed of spheres as
-//! lines `x y z r` between five planes, `STEPS`, `THREADS` as you like; without `BED` it settles
+//! lines `x y z r` between five planes, `STEPS`, `THREADS`, `FRICTION` as you like; without `BED` it settles
 //! a small one of its own. Friction with memory, rotation and searches are included. Prints one
 //! JSON line for each friction setting. With `TURNS=60` it tells instead what two threads gain, from
 //! so many pieces by turns.
+//!
+//! With `--features unwatched` no step looks for the deepest contact and the shortest critical step, and
+//! nobody sums the work of walls: what is faster then is what that costs. `tests/figures granular_watched`
+//! runs both builds by turns and counts their instructions.
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 #[path = "../beds/mod.rs"]
 mod beds;
@@ -15,7 +19,7 @@ use std::fs;
 use beds::{PIECES, bed, run, setting, settled};
 use serde_json::json;
 
-/// Steps before the clock starts: the bed finds its contacts again.
+/// Steps before the clock starts, unless `WARM` says otherwise: the bed finds its contacts again.
 const WARM: u64 = 1500;
 
 fn main() {
@@ -44,10 +48,15 @@ fn main() {
     }
     let steps = setting("STEPS", 9000.0) as u64 / PIECES * PIECES;
     let threads = setting("THREADS", 1.0) as usize;
-    for friction in [0.5, 0.0] {
+    let frictions = match std::env::var("FRICTION") {
+        Ok(_) => vec![setting("FRICTION", 0.5)],
+        Err(_) => vec![0.5, 0.0],
+    };
+    for friction in frictions {
         let mut spec = bed(&spheres, width, depth, friction);
         let piece = steps / PIECES;
-        spec["stages"] = json!([{"run": {"steps": WARM.div_ceil(piece) * piece + steps}}]);
+        let warm = setting("WARM", WARM as f64) as u64;
+        spec["stages"] = json!([{"run": {"steps": warm.div_ceil(piece) * piece + steps}}]);
         spec["record"] = json!({"every_steps": piece, "bodies": []});
         let (clock, report) = run(&spec, threads);
         let rates = |column: usize| clock.rates(column, spheres.len());
@@ -58,7 +67,7 @@ fn main() {
         println!(
             "{}",
             json!({
-                "engine": "loadframe", "particles": spheres.len(), "friction": friction, "threads": threads,
+                "engine": "loadframe", "is_watched": !cfg!(feature = "unwatched"), "particles": spheres.len(), "friction": friction, "threads": threads,
                 "particle_steps_per_cpu_s": by_processor.map(|rates| rates[rates.len() / 2].round()),
                 "particle_steps_per_s": by_wall[by_wall.len() / 2].round(),
                 "fastest_per_s": by_wall[by_wall.len() - 1].round(),

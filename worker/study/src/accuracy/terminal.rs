@@ -1,8 +1,10 @@
 //! A study as tables and sentences for a terminal.
 use std::fmt::Write;
 
+use loadframe_api::words;
+
 use super::analysis::{KnobStudy, Row, Study};
-use crate::text::{digits, percent, plain, table};
+use crate::text::{digits, percent, table};
 
 /// An error is small beside a scatter of three times its size: it adds a twentieth to it.
 const SMALL: f64 = 1.0 / 3.0;
@@ -47,7 +49,7 @@ pub(super) fn terminal_text(study: &Study) -> String {
 /// Names of the columns: the first has the mark of the spec's own setting.
 fn heads(study: &Study) -> Vec<String> {
     let own = ["", "value", "cpu s", "times"].map(str::to_owned);
-    let results = study.scatter.keys().map(|name| plain(name));
+    let results = study.scatter.keys().map(|name| words(name));
     own.into_iter().chain(results).collect()
 }
 
@@ -119,7 +121,7 @@ fn advice(knob: &KnobStudy, study: &Study) -> String {
         return format!(
             "Against {}, {} is {} off{uncertain}, the others less.",
             reference.value,
-            plain(name),
+            words(name),
             percent(error)
         );
     }
@@ -128,10 +130,10 @@ fn advice(knob: &KnobStudy, study: &Study) -> String {
         digits(reference.time),
         reference.value,
         percent(error),
-        plain(name)
+        words(name)
     );
     if let Some((second, error)) = errors.get(1) {
-        let _ = write!(text, " and {} from {}", percent(*error), plain(second));
+        let _ = write!(text, " and {} from {}", percent(*error), words(second));
     }
     if let Some((_, error)) = errors.get(2) {
         let _ = write!(text, ", at most {} from all others", percent(*error));

@@ -1,9 +1,11 @@
 //! `parameters.md`: the study as a page.
 use std::fmt::Write;
 
+use loadframe_api::words;
+
 use super::analysis::Study;
 use super::labels::Labels;
-use crate::text::{digits, plain};
+use crate::text::digits;
 
 /// The page.
 pub(super) fn page(study: &Study) -> String {
@@ -18,7 +20,7 @@ pub(super) fn page(study: &Study) -> String {
     let heads = study.findings.keys().map(|name| study.head(name));
     let heads: Vec<String> = heads.collect();
     let labels = Labels::of(&study.cases);
-    let first = plain(labels.name());
+    let first = words(labels.name());
     let all: Vec<&str> = [first.as_str()]
         .into_iter()
         .chain(heads.iter().map(String::as_str))

@@ -1,10 +1,12 @@
 //! A study as a table and sentences for a terminal.
 use std::fmt::Write;
 
+use loadframe_api::words;
+
 use super::analysis::Study;
 use super::case::{CaseResult, CaseRow};
 use super::labels::Labels;
-use crate::text::{Digits, digits, plain, table};
+use crate::text::{Digits, digits, table};
 
 /// What is shown of a result that no test got to.
 const UNKNOWN: &str = "?";
@@ -48,7 +50,7 @@ impl CaseRow {
         }
         let codes = self.warnings.iter();
         let codes: Vec<String> = codes
-            .map(|(code, count)| format!("{} ({count})", plain(code)))
+            .map(|(code, count)| format!("{} ({count})", words(code)))
             .collect();
         format!(
             "{} of {}: {}",
@@ -63,8 +65,8 @@ impl Study {
     /// The name of a result with its unit.
     pub(super) fn head(&self, name: &str) -> String {
         match self.findings[name].unit.as_str() {
-            "1" | "" => plain(name),
-            unit => format!("{} [{unit}]", plain(name)),
+            "1" | "" => words(name),
+            unit => format!("{} [{unit}]", words(name)),
         }
     }
 
@@ -86,7 +88,7 @@ impl Study {
 pub(super) fn terminal_text(study: &Study) -> String {
     let seeds = study.seeds.len();
     let labels = Labels::of(&study.cases);
-    let mut heads = vec![plain(labels.name())];
+    let mut heads = vec![words(labels.name())];
     heads.extend(study.findings.keys().map(|name| study.head(name)));
     heads.extend(["cpu s", "warnings"].map(str::to_owned));
     let rows = study.cases.iter().map(|case| {

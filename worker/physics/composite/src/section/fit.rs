@@ -16,10 +16,9 @@ pub enum Fit {
 }
 
 pub(super) fn fit(grid: &Grid, faces: &[Vec<f64>; 2], bands: &[Band]) -> Fit {
-    let is_slanted = |band: &Band| band.axis.iter().all(|part| part.abs() > f64::EPSILON);
     if !pass_through(grid.x_mm(), &faces[0]) || !pass_through(grid.y_mm(), &faces[1]) {
         Fit::Cut
-    } else if bands.iter().any(is_slanted) {
+    } else if bands.iter().any(Band::is_slanted) {
         Fit::Slanted
     } else {
         Fit::Exact

@@ -274,9 +274,7 @@ pub(crate) fn matrix_share(fibres: f64) -> f64 {
 /// Faces of fibres along an axis and of plies, across x and across y [mm].
 fn faces_across(section: &Section, ply_faces: &[f64], bands: &[Band]) -> [Vec<f64>; 2] {
     [0, 1].map(|axis| {
-        let along = bands
-            .iter()
-            .filter(|band| band.axis[axis].abs() < f64::EPSILON);
+        let along = bands.iter().filter(|band| band.is_across(axis));
         let mut faces: Vec<f64> = along
             .flat_map(|band| {
                 let middle = band.through_mm[axis];

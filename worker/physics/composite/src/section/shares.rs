@@ -25,11 +25,11 @@ const SPREAD: f64 = 1.5;
 
 /// Half of the thickness over which a cell of these sides holds a fibre [mm].
 fn half_spread_mm(band: &Band, [width, height]: [f64; 2]) -> f64 {
-    let [along, up] = band.axis.map(f64::abs);
-    if along < f64::EPSILON || up < f64::EPSILON {
+    if !band.is_slanted() {
         // lines of particles lie on its faces, or it is a layer of whole rows
         return band.half_thickness_mm;
     }
+    let [along, up] = band.axis.map(f64::abs);
     let across = width * up + height * along;
     band.half_thickness_mm.max(0.5 * SPREAD * across)
 }

@@ -139,6 +139,10 @@ pub(crate) struct Passage {
     pub(crate) wall: u32,
 }
 
+/// Whether every step watches its contacts, for what `quality` tells of them. Only the benchmark of what
+/// that costs is built without.
+pub(crate) const WATCHES: bool = !cfg!(feature = "unwatched");
+
 /// Largest compression over the smaller radius that contacts had, step by step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Deepest {
@@ -196,6 +200,9 @@ impl<S: Simd> Push<S> {
     /// those before, so that this is a comparison.
     #[inline(always)]
     fn tell(&self, simd: S, radius: Lanes<S>, deepest: &mut Deepest) {
+        if !WATCHES {
+            return;
+        }
         let known = radius * Lanes::splat(simd, deepest.known);
         let is_deeper = simd.and_m64s(known.below(self.compression), self.acts);
         if any::<S>(is_deeper) {

@@ -13,7 +13,7 @@ use super::{
     state::State,
 };
 use crate::{
-    contact::{Scenery, chosen::Chosen, lists::Lists},
+    contact::{Scenery, WATCHES, chosen::Chosen, lists::Lists},
     geometry::neighbours::skin::Skin,
     motion::{Drive, Wrenches, clump::Members},
     numbers::Vector,
@@ -291,7 +291,9 @@ impl Engine {
         let state = &mut self.state;
         state.speed_bound = speed_square.sqrt();
         for patch in &mut state.patches {
-            (state.seen).see(&self.law, patch.deepest, &mut patch.shortest, time_step);
+            if WATCHES {
+                (state.seen).see(&self.law, patch.deepest, &mut patch.shortest, time_step);
+            }
             for passage in patch.passed.drain(..) {
                 let body = state.particles.owners[passage.particle as usize];
                 let through = state.through.entry(passage.wall).or_insert(Through {
@@ -443,6 +445,9 @@ impl Engine {
 /// F·v [W] with the mean of the velocities half a step before and after the force: on a plate that swings
 /// on a spring nothing is left over then, step by step.
 fn work(force: &[f64; 4], before: &[f64; 3], after: &[f64; 3]) -> f64 {
+    if !WATCHES {
+        return 0.0;
+    }
     let axes = 0..3;
     axes.map(|axis| force[axis] * 0.5 * (before[axis] + after[axis]))
         .sum()

@@ -16,7 +16,7 @@ const KEPT_COLUMNS: [usize; 2] = [2, 4];
 const COMPARED: [Compared; 4] = [
     ("strength", "Strength"),
     ("strain_at_max_force", "Strain at max force"),
-    ("modulus_at_10_percent", "Modulus at 10 percent"),
+    ("modulus_at_10_percent", "Modulus at 10 %"),
     ("poisson_ratio", "Poisson ratio"),
 ];
 

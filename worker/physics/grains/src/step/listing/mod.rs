@@ -13,6 +13,7 @@ use super::{
 };
 use crate::{
     contact::{
+        WATCHES,
         chosen::Chosen,
         lists::Lists,
         past::Past,
@@ -133,6 +134,9 @@ impl Filling<'_> {
                 *sum += part;
             }
         }
+        if !WATCHES {
+            return;
+        }
         let owner = |particle: u32| listing.particles.owners[particle as usize];
         let own = &self.mobilities[a as usize];
         let (partner, other) = match wall {
@@ -184,7 +188,11 @@ impl Listing<'_> {
             self.may_touch(a, b)
         });
         let ranges = cut(&candidates, clumps);
-        let mobilities = self.mobilities(clumps);
+        let mobilities = if WATCHES {
+            self.mobilities(clumps)
+        } else {
+            Vec::new()
+        };
         let filled = team.map(ranges, |(particles, clumps)| {
             let mut lists = (self.law.lists)();
             let others = others(particles.clone(), &candidates);

@@ -97,7 +97,7 @@ impl Specimen {
         // 1 µg/µm² is 10⁶ g/m²
         let grammage = 1e6 * mass_ug / (length_um * 1e3 * sheet.width_mm);
         let model = model(spec, length_um, spec.model.segment_um);
-        let (network, tubes) = network(spec, &fibres, &walls, &bonds, model)?;
+        let (network, tubes) = tubes::network(spec, &fibres, &walls, &bonds, model)?;
         Ok(Self {
             network,
             length_mm: sheet.length_mm,
@@ -175,7 +175,7 @@ impl Specimen {
         });
         let length_um = tested.size_um[0];
         let model = model(spec, length_um, None);
-        let (network, tubes) = network(spec, &fibres, &walls, &bonds, model)?;
+        let (network, tubes) = tubes::network(spec, &fibres, &walls, &bonds, model)?;
         Ok(Self {
             network,
             length_mm: 1e-3 * length_um,
@@ -309,20 +309,6 @@ fn model(spec: &PaperTensile, length_um: f64, segment_um: Option<f64>) -> FrameM
         },
         length_um,
     }
-}
-
-/// The network, and what its tubes are where the model has such.
-fn network(
-    spec: &PaperTensile,
-    fibres: &[FrameFibre],
-    walls: &[(Section, Elasticity)],
-    bonds: &[FrameBond],
-    model: FrameModel,
-) -> Result<(Network, Option<Tubes>), SimulationError> {
-    if model.level == frame::Level::Tube {
-        return tubes::network(spec, fibres, walls, bonds, model);
-    }
-    Ok((Network::new(fibres, bonds, model)?, None))
 }
 
 /// Length of a line within 0 ≤ x ≤ `length_um` [µm].

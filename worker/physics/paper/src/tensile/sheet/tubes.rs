@@ -5,7 +5,7 @@ use loadframe_harness::{ReportBuilder, SimulationError};
 
 use crate::fibre::Tube;
 use crate::fibre::measure::{self, Constants};
-use crate::frame::{FrameBond, FrameFibre, FrameModel, Network};
+use crate::frame::{FrameBond, FrameFibre, FrameModel, Level, Network};
 use crate::tensile::report::{constants_check, miss};
 
 /// What the tubes of a sheet are.
@@ -28,7 +28,7 @@ pub(super) struct Tubes {
     miss: f64,
 }
 
-/// A network of tubes, and what they are if there are any; `walls` are those of all fibres.
+/// The network, and what its tubes are where the model has such; `walls` are those of all fibres.
 ///
 /// # Errors
 /// [`SimulationError::Paper`] when a fibre cannot be divided, or turns too sharply for its rings.
@@ -39,6 +39,9 @@ pub(super) fn network(
     bonds: &[FrameBond],
     model: FrameModel,
 ) -> Result<(Network, Option<Tubes>), SimulationError> {
+    if model.level != Level::Tube {
+        return Ok((Network::new(fibres, bonds, model)?, None));
+    }
     let division = spec.model.division();
     let mut tubes = Vec::with_capacity(fibres.len());
     let mut all: Vec<(f64, Divided)> = Vec::with_capacity(fibres.len());
