@@ -177,7 +177,7 @@ impl KeptList<'_> {
         match few {
             Few::Seen => words.push_seen(&mut source),
             Few::Filtered => {
-                source = words.statement("SELECT j.seq FROM ", walk, None, self.looks.few)
+                source = words.statement("SELECT j.seq FROM ", walk, None, self.looks.few);
             }
             Few::Found(place) => {
                 let (field, condition) = self.conditions[place];

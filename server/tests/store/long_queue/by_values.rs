@@ -284,7 +284,7 @@ async fn a_million_values_are_sorted_and_found() {
     for (what, filter, conditions, sort) in lists {
         let page = list(&filter, conditions, sort).await;
         let p95 = measure(what, TRIES, async || {
-            drop(list(&filter, conditions, sort).await)
+            drop(list(&filter, conditions, sort).await);
         })
         .await;
         eprintln!(
