@@ -83,7 +83,8 @@ fn sentence(event: &DueEvent) -> (&'static str, String) {
                     format!("your queued jobs take {used:.2} of {limit:.2} core h")
                 }
                 _ => {
-                    let [used, limit] = ["used_gb", "limit_gb"].map(|name| number(name).unwrap_or(0.0));
+                    let [used, limit] =
+                        ["used_gb", "limit_gb"].map(|name| number(name).unwrap_or(0.0));
                     format!("your files take {used:.2} GB of {limit:.2} GB")
                 }
             };

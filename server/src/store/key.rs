@@ -61,7 +61,13 @@ impl Key {
                     let bytes = URL_SAFE_NO_PAD.decode(text).ok()?;
                     (None, String::from_utf8(bytes).ok())
                 }
-                ("o", "") => return Some(Self { number: None, text: None, seq }),
+                ("o", "") => {
+                    return Some(Self {
+                        number: None,
+                        text: None,
+                        seq,
+                    });
+                }
                 _ => return None,
             };
             let key = Self { number, text, seq };
@@ -112,7 +118,9 @@ mod tests {
         ] {
             assert_eq!(Key::of_cursor(&key.cursor()).expect("a cursor"), key);
         }
-        for wrong in ["", "7", "n_7", "nNaN_7", "ninf_7", "t*_7", "o_", "ox_1", "\u{e9}_1", "from-20"] {
+        for wrong in [
+            "", "7", "n_7", "nNaN_7", "ninf_7", "t*_7", "o_", "ox_1", "\u{e9}_1", "from-20",
+        ] {
             assert!(Key::of_cursor(wrong).is_err(), "{wrong}");
         }
     }

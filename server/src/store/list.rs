@@ -279,12 +279,7 @@ impl Words {
     }
 
     /// The filter as a condition on the job `j` that a walk came to, of the text in this way.
-    fn push_rest(
-        &self,
-        query: &mut Builder,
-        walk: Walk<'_>,
-        push_text: fn(&Text, &mut Builder),
-    ) {
+    fn push_rest(&self, query: &mut Builder, walk: Walk<'_>, push_text: fn(&Text, &mut Builder)) {
         self.push_state(query);
         self.push_sight(query);
         if let (Some(tag), Walk::Jobs | Walk::Text(_)) = (&self.tag, walk) {
@@ -311,10 +306,16 @@ impl Words {
     /// not to be seen after all; of a caller who [`Self::sees_a_part`].
     pub(super) fn push_seen(&self, query: &mut Builder) {
         let owner = self.sight.as_ref().and_then(|sight| sight.owner);
-        query.push("SELECT seq FROM jobs WHERE owner = ").push_bind(owner);
-        query.push(" UNION ALL SELECT seq FROM jobs WHERE project IN (SELECT unhex(value) FROM json_each(");
+        query
+            .push("SELECT seq FROM jobs WHERE owner = ")
+            .push_bind(owner);
+        query.push(
+            " UNION ALL SELECT seq FROM jobs WHERE project IN (SELECT unhex(value) FROM json_each(",
+        );
         query.push_bind(self.seen_projects.clone());
-        query.push(")) UNION ALL SELECT seq FROM jobs WHERE id IN (SELECT unhex(value) FROM json_each(");
+        query.push(
+            ")) UNION ALL SELECT seq FROM jobs WHERE id IN (SELECT unhex(value) FROM json_each(",
+        );
         query.push_bind(self.seen_jobs.clone()).push("))");
     }
 
@@ -359,7 +360,11 @@ impl Words {
 }
 
 /// Whether the rows of a count that is still open are no more than `few`.
-pub(super) async fn is_few(mut query: Builder, few: i64, connection: &mut Connection) -> Result<bool> {
+pub(super) async fn is_few(
+    mut query: Builder,
+    few: i64,
+    connection: &mut Connection,
+) -> Result<bool> {
     query.push(" LIMIT ").push_bind(few + 1).push(") few");
     let count: i64 = query.build_query_scalar().fetch_one(connection).await?;
     Ok(count <= few)

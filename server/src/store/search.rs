@@ -365,7 +365,9 @@ impl Known {
     fn push_key(&self, query: &mut Builder, pointer: &Pointer) {
         if let Some(field) = self.whole(pointer) {
             for (column, end) in [("number", "), "), ("text", ")")] {
-                query.push(format!("(SELECT v.{column} FROM kept_values v WHERE v.job = n.seq AND v.field = "));
+                query.push(format!(
+                    "(SELECT v.{column} FROM kept_values v WHERE v.job = n.seq AND v.field = "
+                ));
                 query.push_bind(field).push(end);
             }
             return;

@@ -44,8 +44,14 @@ async fn a_specimen_that_takes_too_long_is_answered_with_a_sentence_and_its_thre
         config.preview_time = Duration::from_millis(200);
     })
     .await;
-    let problem = lab.post(PATH, example()).await.problem(422, "invalid-request");
-    assert_eq!(problem["violations"][0]["code"], "too_long_to_draw", "{problem}");
+    let problem = lab
+        .post(PATH, example())
+        .await
+        .problem(422, "invalid-request");
+    assert_eq!(
+        problem["violations"][0]["code"], "too_long_to_draw",
+        "{problem}"
+    );
     let detail = problem["detail"].as_str().expect("a sentence");
     assert!(detail.contains("within 0.2 s"), "{detail}");
     until_at_work(0).await;

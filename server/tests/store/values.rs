@@ -88,7 +88,10 @@ async fn filled(lab: &Lab) -> Vec<Job> {
 
 fn wanted(conditions: &[&str], sort: Option<&str>) -> Wanted {
     Wanted {
-        conditions: conditions.iter().map(|text| text.parse().unwrap()).collect(),
+        conditions: conditions
+            .iter()
+            .map(|text| text.parse().unwrap())
+            .collect(),
         order: sort.map(|text| text.parse().unwrap()),
         shown: Vec::new(),
     }
@@ -168,19 +171,28 @@ async fn check(store: &Store, jobs: &[Job]) -> u32 {
     type Holds = fn(&Job) -> bool;
     let conditions: [(&[&str], Holds); 9] = [
         (&[], |_| true),
-        (&["/spec/test/strain_step>=0.03"], |job| job.number >= Some(0.03)),
-        (&["/spec/test/strain_step=0.03"], |job| job.number == Some(0.03)),
-        (&["/spec/test/breaking=none"], |job| job.word == Some("none")),
+        (&["/spec/test/strain_step>=0.03"], |job| {
+            job.number >= Some(0.03)
+        }),
+        (&["/spec/test/strain_step=0.03"], |job| {
+            job.number == Some(0.03)
+        }),
+        (&["/spec/test/breaking=none"], |job| {
+            job.word == Some("none")
+        }),
         (&["/spec/test/breaking!=none"], |job| {
             job.word.is_some_and(|word| word != "none")
         }),
-        (&["/spec/seed<3", "/spec/seed>0"], |job| job.seed < 3 && job.seed > 0),
+        (&["/spec/seed<3", "/spec/seed>0"], |job| {
+            job.seed < 3 && job.seed > 0
+        }),
         (&["/spec/seed!=2", "/summary/max_force>12"], |job| {
             job.seed != 2 && job.has_result
         }),
-        (&["/spec/seed=2", "/spec/test/breaking=weakest_first"], |job| {
-            job.seed == 2 && job.word == Some("weakest_first")
-        }),
+        (
+            &["/spec/seed=2", "/spec/test/breaking=weakest_first"],
+            |job| job.seed == 2 && job.word == Some("weakest_first"),
+        ),
         // of another type
         (&["/spec/seed=true"], |_| false),
     ];
@@ -201,11 +213,15 @@ async fn check(store: &Store, jobs: &[Job]) -> u32 {
                     let mut sorted: Vec<(usize, &Job)> = passing().collect();
                     sorted.sort_by(|(m, a), (n, b)| {
                         let (mine, theirs) = (value(a, pointer), value(b, pointer));
-                        let has = |of: (Option<f64>, Option<&str>)| of.0.is_some() || of.1.is_some();
+                        let has =
+                            |of: (Option<f64>, Option<&str>)| of.0.is_some() || of.1.is_some();
                         if !has(mine) || !has(theirs) {
                             return has(theirs).cmp(&has(mine)).then(n.cmp(m));
                         }
-                        let rising = mine.partial_cmp(&theirs).unwrap_or(Ordering::Equal).then(m.cmp(n));
+                        let rising = mine
+                            .partial_cmp(&theirs)
+                            .unwrap_or(Ordering::Equal)
+                            .then(m.cmp(n));
                         if is_falling { rising.reverse() } else { rising }
                     });
                     let expected: Vec<Uuid> = sorted.iter().map(|(_, job)| job.id).collect();
@@ -314,7 +330,14 @@ async fn a_list_by_a_new_value_says_that_it_is_being_gathered_and_is_whole_after
     assert_eq!((first.items.len(), first.stopped_after), (6, Some(6)));
     assert!(first.newest_only && first.gathering);
     let newest: BTreeSet<Uuid> = jobs[34..].iter().map(|job| job.id).collect();
-    assert_eq!(first.items.iter().map(|job| job.id).collect::<BTreeSet<_>>(), newest);
+    assert_eq!(
+        first
+            .items
+            .iter()
+            .map(|job| job.id)
+            .collect::<BTreeSet<_>>(),
+        newest
+    );
     while lab.fill_values().await.unwrap() {}
     let whole = lab.jobs_wanted(&all, &by_seed, None, 50).await.unwrap();
     assert_eq!((whole.items.len(), whole.stopped_after), (40, None));
@@ -322,7 +345,10 @@ async fn a_list_by_a_new_value_says_that_it_is_being_gathered_and_is_whole_after
     // what no job has is not gathered
     let misspelt = wanted(&[], Some("/spec/sede"));
     let page = lab.jobs_wanted(&all, &misspelt, None, 50).await.unwrap();
-    assert_eq!((page.stopped_after, page.newest_only, page.gathering), (Some(6), true, false));
+    assert_eq!(
+        (page.stopped_after, page.newest_only, page.gathering),
+        (Some(6), true, false)
+    );
     assert!(!lab.fill_values().await.unwrap());
 }
 
@@ -380,13 +406,23 @@ async fn a_field_that_nobody_asks_for_gives_way_to_another_after_a_day() {
     // a day later the first is asked for and the second is not
     now.fetch_add(25 * 3600 * 1000, Memory::SeqCst);
     let by_first = wanted(&[], Some(fields[0].text()));
-    store.jobs_wanted(&JobFilter::default(), &by_first, None, 5).await.unwrap();
+    store
+        .jobs_wanted(&JobFilter::default(), &by_first, None, 5)
+        .await
+        .unwrap();
     assert!(store.keep_values(&fields[32]).await.unwrap());
     while store.fill_values().await.unwrap() {}
     for (field, is_kept) in [(0, true), (1, false), (2, true), (32, true)] {
         let list = wanted(&[], Some(fields[field].text()));
-        let page = store.jobs_wanted(&JobFilter::default(), &list, None, 5).await.unwrap();
+        let page = store
+            .jobs_wanted(&JobFilter::default(), &list, None, 5)
+            .await
+            .unwrap();
         assert_eq!(page.items.len(), 1, "{field}");
-        assert_eq!(store.keeps_values(&fields[field]).await.unwrap(), is_kept, "{field}");
+        assert_eq!(
+            store.keeps_values(&fields[field]).await.unwrap(),
+            is_kept,
+            "{field}"
+        );
     }
 }

@@ -15,8 +15,8 @@ use loadframe_network::nonwoven;
 use loadframe_paper::tensile;
 
 pub use loadframe_harness::{
-    CheckpointError, Decorator, Ending, Halt, Interrupt, InterruptSource, Recorder, RunContext, Sample,
-    SimulationError, Uninterrupted, Unrecorded, Wanted, Welch, csv,
+    CheckpointError, Decorator, Ending, Halt, Interrupt, InterruptSource, Recorder, RunContext,
+    Sample, SimulationError, Uninterrupted, Unrecorded, Wanted, Welch, csv,
 };
 pub use nonwoven::calibration_spec;
 

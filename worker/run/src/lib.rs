@@ -33,13 +33,13 @@ pub use directory::{DirectoryEnd, DirectoryError, DirectoryOptions, RunUpdate, r
 pub use engine::Engine;
 pub use eta::TimeToGo;
 pub use execute::{Ended, Plan, RunError, execute};
+/// What a preview may be told, and end with.
+pub use loadframe_physics::{Halt, Interrupt, InterruptSource, Uninterrupted};
 pub use machine::{
     available_threads, free_disk_mb, free_memory_mb, host_name, resident_memory_mb,
     thread_processor_time_s,
 };
 pub use outcome::{Circumstances, assemble};
-/// What a preview may be told, and end with.
-pub use loadframe_physics::{Halt, Interrupt, InterruptSource, Uninterrupted};
 pub use preview::preview;
 pub use recording::{Destination, Progress};
 pub use result_files::sha256_of_file;

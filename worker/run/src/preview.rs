@@ -2,9 +2,7 @@
 use std::io::{self, Write};
 
 use loadframe_api::{JobSpec, Preview, PreviewFile};
-use loadframe_physics::{
-    Decorator, Halt, InterruptSource, Recorder, RunContext, Unrecorded,
-};
+use loadframe_physics::{Decorator, Halt, InterruptSource, Recorder, RunContext, Unrecorded};
 
 /// Bytes of all files together: pictures of any part that is drawn have far fewer.
 const LARGEST: usize = 64_000_000;

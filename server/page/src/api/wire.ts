@@ -6829,7 +6829,7 @@ export interface operations {
                 where?: string;
                 /**
                  * @description Sorts by a result (`/summary/max_force`) or a value of the spec (`/spec/seed`), falling with `-`
-                 *     before it. The first list by a value of more than 10 000 jobs sorts the newest of them and begins to
+                 *     before it. The first list by a value of more than 5 000 jobs sorts the newest of them and begins to
                  *     gather that value from all (`gathering`).
                  */
                 sort?: string;

@@ -82,7 +82,8 @@ impl Store {
                 (keys(rows)?, None)
             }
             (None, Some(walk)) => {
-                list.walked(walk, &words, after, limit + 1, &mut connection).await?
+                list.walked(walk, &words, after, limit + 1, &mut connection)
+                    .await?
             }
             (None, None) => return Ok(None),
         };
@@ -143,7 +144,8 @@ impl KeptList<'_> {
             if condition.comparison == Comparison::NotEqual {
                 continue;
             }
-            let mut query = Builder::new("SELECT COUNT(*) FROM (SELECT 1 FROM kept_values v WHERE ");
+            let mut query =
+                Builder::new("SELECT COUNT(*) FROM (SELECT 1 FROM kept_values v WHERE ");
             push_condition(&mut query, "v", *field, condition);
             if is_few(query, i64::from(self.looks.few), connection).await? {
                 return Ok(Some(Few::Found(place)));
@@ -174,7 +176,9 @@ impl KeptList<'_> {
         let mut source = Builder::default();
         match few {
             Few::Seen => words.push_seen(&mut source),
-            Few::Filtered => source = words.statement("SELECT j.seq FROM ", walk, None, self.looks.few),
+            Few::Filtered => {
+                source = words.statement("SELECT j.seq FROM ", walk, None, self.looks.few);
+            }
             Few::Found(place) => {
                 let (field, condition) = self.conditions[place];
                 source.push("SELECT v.job AS seq FROM kept_values v WHERE ");
@@ -195,7 +199,9 @@ impl KeptList<'_> {
     ) -> Builder {
         // CROSS: in this order
         let mut query = match self.order {
-            Some(_) => Builder::new("SELECT n.seq, v.number, v.text FROM (SELECT DISTINCT seq FROM ("),
+            Some(_) => {
+                Builder::new("SELECT n.seq, v.number, v.text FROM (SELECT DISTINCT seq FROM (")
+            }
             None => Builder::new("SELECT n.seq, NULL, NULL FROM (SELECT DISTINCT seq FROM ("),
         };
         query.append(source);
@@ -223,17 +229,37 @@ impl KeptList<'_> {
         let [direction, sign] = directions(is_falling);
         match after {
             None => {}
-            Some(Key { number: Some(number), seq, .. }) => {
-                query.push(format!(" AND (v.number IS NULL OR (v.number, n.seq) {sign} ("));
-                query.push_bind(*number).push(", ").push_bind(*seq).push("))");
+            Some(Key {
+                number: Some(number),
+                seq,
+                ..
+            }) => {
+                query.push(format!(
+                    " AND (v.number IS NULL OR (v.number, n.seq) {sign} ("
+                ));
+                query
+                    .push_bind(*number)
+                    .push(", ")
+                    .push_bind(*seq)
+                    .push("))");
             }
-            Some(Key { text: Some(text), seq, .. }) => {
+            Some(Key {
+                text: Some(text),
+                seq,
+                ..
+            }) => {
                 query.push(" AND v.number IS NULL AND (v.text IS NULL OR ");
                 query.push(format!("(v.text, n.seq) {sign} ("));
-                query.push_bind(text.clone()).push(", ").push_bind(*seq).push("))");
+                query
+                    .push_bind(text.clone())
+                    .push(", ")
+                    .push_bind(*seq)
+                    .push("))");
             }
             Some(Key { seq, .. }) => {
-                query.push(" AND v.field IS NULL AND n.seq < ").push_bind(*seq);
+                query
+                    .push(" AND v.field IS NULL AND n.seq < ")
+                    .push_bind(*seq);
             }
         }
         query.push(" ORDER BY CASE WHEN v.number IS NOT NULL THEN 0 WHEN v.text IS NOT NULL THEN 1 ELSE 2 END");
@@ -257,9 +283,16 @@ impl KeptList<'_> {
         let walked = u64::from(self.looks.walked);
         let mut found: Vec<Key> = Vec::new();
         let mut looked_at = 0;
-        let only_own = self.conditions.iter().all(|(field, _)| *field == walk.field);
+        let only_own = self
+            .conditions
+            .iter()
+            .all(|(field, _)| *field == walk.field);
         let all_pass = only_own && self.filter.narrows_nothing_else() && !words.sees_a_part();
-        let step = if all_pass { u64::from(limit) } else { FIRST_STEP };
+        let step = if all_pass {
+            u64::from(limit)
+        } else {
+            FIRST_STEP
+        };
         let mut step = step.min(walked);
         for part in self.parts(walk, after.as_ref()) {
             loop {
@@ -289,14 +322,24 @@ impl KeptList<'_> {
     /// Parts of the list from the cursor on.
     fn parts(&self, walk: Walk, after: Option<&Key>) -> Vec<Part> {
         // what a condition on the field itself leaves
-        let own = self.conditions.iter().find(|(field, _)| *field == walk.field);
+        let own = self
+            .conditions
+            .iter()
+            .find(|(field, _)| *field == walk.field);
         let all = match own.map(|(_, condition)| &condition.operand) {
             Some(Operand::Text(_)) => vec![Part::Texts],
             Some(_) => vec![Part::Numbers],
             None => vec![Part::Numbers, Part::Texts, Part::Others],
         };
         let first = match (self.order, after) {
-            (None, _) | (_, None | Some(Key { number: Some(_), .. })) => Part::Numbers,
+            (None, _)
+            | (
+                _,
+                None
+                | Some(Key {
+                    number: Some(_), ..
+                }),
+            ) => Part::Numbers,
             (_, Some(Key { text: Some(_), .. })) => Part::Texts,
             (_, Some(_)) => Part::Others,
         };
@@ -327,7 +370,9 @@ impl KeptList<'_> {
         };
         let [direction, sign] = directions(walk.is_falling);
         let mut query = Builder::new("SELECT v.job AS seq, ");
-        query.push(format!("v.{column} AS value FROM kept_values v WHERE v.field = "));
+        query.push(format!(
+            "v.{column} AS value FROM kept_values v WHERE v.field = "
+        ));
         query.push_bind(walk.field);
         query.push(format!(" AND v.{column} IS NOT NULL"));
         for (field, condition) in &self.conditions {
@@ -377,7 +422,9 @@ impl KeptList<'_> {
         words.push_filter(&mut query);
         self.push_conditions(&mut query, |_, field| field != walk.field);
         if part == Part::Others {
-            query.push(" AND NOT EXISTS (SELECT 1 FROM kept_values o WHERE o.job = n.seq AND o.field = ");
+            query.push(
+                " AND NOT EXISTS (SELECT 1 FROM kept_values o WHERE o.job = n.seq AND o.field = ",
+            );
             query.push_bind(walk.field).push(")");
         }
         push_order(&mut query, walk, part);
@@ -438,16 +485,25 @@ fn directions(is_falling: bool) -> [&'static str; 2] {
 }
 
 /// That a kept value, by this name in the statement, is one of the field that the condition holds for.
-pub(in super::super) fn push_condition(query: &mut Builder, name: &str, field: i64, condition: &Condition) {
+pub(in super::super) fn push_condition(
+    query: &mut Builder,
+    name: &str,
+    field: i64,
+    condition: &Condition,
+) {
     let sign = condition.comparison.sql();
     query.push(format!("{name}.field = ")).push_bind(field);
     match &condition.operand {
         Operand::Number(number) => {
-            query.push(format!(" AND {name}.is_truth = 0 AND {name}.number {sign} "));
+            query.push(format!(
+                " AND {name}.is_truth = 0 AND {name}.number {sign} "
+            ));
             query.push_bind(*number);
         }
         Operand::Truth(truth) => {
-            query.push(format!(" AND {name}.is_truth = 1 AND {name}.number {sign} "));
+            query.push(format!(
+                " AND {name}.is_truth = 1 AND {name}.number {sign} "
+            ));
             query.push_bind(f64::from(u8::from(*truth)));
         }
         Operand::Text(text) => {

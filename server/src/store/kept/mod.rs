@@ -93,9 +93,7 @@ impl Store {
     /// # Errors
     /// The database's, [`super::StoreError::Full`] and [`super::StoreError::Unavailable`].
     pub async fn keep_values(&self, pointer: &Pointer) -> Result<bool> {
-        let newest = self
-            .numbers(&JobFilter::default(), None, LOOKED_AT)
-            .await?;
+        let newest = self.numbers(&JobFilter::default(), None, LOOKED_AT).await?;
         let by_it = Wanted {
             order: Some(Order {
                 pointer: pointer.clone(),
@@ -157,9 +155,10 @@ impl Change {
             if is_kept {
                 return Ok(true);
             }
-            let fields: i64 = query_scalar("SELECT COUNT(*) FROM kept_fields WHERE pointer IS NOT NULL")
-                .fetch_one(&mut *connection)
-                .await?;
+            let fields: i64 =
+                query_scalar("SELECT COUNT(*) FROM kept_fields WHERE pointer IS NOT NULL")
+                    .fetch_one(&mut *connection)
+                    .await?;
             let now = self.now.as_millis();
             if fields >= MOST_FIELDS && !give_one_up(connection, now - UNASKED).await? {
                 return Ok(false);
@@ -186,10 +185,11 @@ impl Change {
     fn fill_values(&mut self) -> super::writer::Work<'_, ()> {
         Box::pin(async move {
             let connection = &mut self.connection;
-            let given_up: Option<i64> =
-                query_scalar("SELECT id FROM kept_fields WHERE pointer IS NULL ORDER BY id LIMIT 1")
-                    .fetch_optional(&mut *connection)
-                    .await?;
+            let given_up: Option<i64> = query_scalar(
+                "SELECT id FROM kept_fields WHERE pointer IS NULL ORDER BY id LIMIT 1",
+            )
+            .fetch_optional(&mut *connection)
+            .await?;
             if let Some(field) = given_up {
                 return remove_some(connection, field).await;
             }

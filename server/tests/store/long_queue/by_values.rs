@@ -39,7 +39,10 @@ async fn fill(lab: &Lab, count: i64, people: &[Uuid]) {
         return;
     };
     let mut database = PgConnection::connect(&address).await.unwrap();
-    let owners: Vec<String> = people.iter().map(|id| format!("'\\x{}'", id.simple())).collect();
+    let owners: Vec<String> = people
+        .iter()
+        .map(|id| format!("'\\x{}'", id.simple()))
+        .collect();
     let others = owners.len().max(1);
     let owners = match owners.is_empty() {
         true => "NULL".to_owned(),
@@ -106,7 +109,10 @@ async fn a_million_values_are_sorted_and_found() {
 
     let list = async |filter: &JobFilter, conditions: &[&str], sort: Option<&str>| {
         let wanted = Wanted {
-            conditions: conditions.iter().map(|text| text.parse().unwrap()).collect(),
+            conditions: conditions
+                .iter()
+                .map(|text| text.parse().unwrap())
+                .collect(),
             order: sort.map(|text| text.parse().unwrap()),
             shown: Vec::new(),
         };
@@ -133,7 +139,11 @@ async fn a_million_values_are_sorted_and_found() {
             longest = longest.max(step.elapsed());
             steps += 1;
         }
-        eprintln!("  {} gathered in {:.1?}, {steps} steps, longest {longest:.1?}", field.text(), start.elapsed());
+        eprintln!(
+            "  {} gathered in {:.1?}, {steps} steps, longest {longest:.1?}",
+            field.text(),
+            start.elapsed()
+        );
     }
     measure("a submission, four values kept", 200, submit).await;
 
@@ -170,32 +180,118 @@ async fn a_million_values_are_sorted_and_found() {
     };
     let lists: [(&str, JobFilter, &[&str], Option<&str>); 21] = [
         ("sorted by seed", all(), &[], Some("/spec/seed")),
-        ("by strain step, falling, with ties", all(), &[], Some("-/spec/test/strain_step")),
+        (
+            "by strain step, falling, with ties",
+            all(),
+            &[],
+            Some("-/spec/test/strain_step"),
+        ),
         ("by words", all(), &[], Some("/spec/test/breaking")),
-        ("by results, falling", all(), &[], Some("-/summary/max_force")),
+        (
+            "by results, falling",
+            all(),
+            &[],
+            Some("-/summary/max_force"),
+        ),
         ("one seed", all(), &["/spec/seed=77"], None),
         ("a thousand seeds", all(), &["/spec/seed<1000"], None),
-        ("a seventh of all", all(), &["/spec/test/strain_step=0.03"], None),
-        ("half of all", all(), &["/spec/test/strain_step>=0.03"], None),
+        (
+            "a seventh of all",
+            all(),
+            &["/spec/test/strain_step=0.03"],
+            None,
+        ),
+        (
+            "half of all",
+            all(),
+            &["/spec/test/strain_step>=0.03"],
+            None,
+        ),
         ("none", all(), &["/spec/seed<0"], Some("/spec/seed")),
-        ("a thousand seeds by results", all(), &["/spec/seed<1000"], Some("-/summary/max_force")),
-        ("a third by seed", all(), &["/spec/test/breaking=none"], Some("/spec/seed")),
-        ("a range by itself", all(), &["/spec/seed>500000"], Some("/spec/seed")),
-        ("three conditions", all(), &["/spec/seed>9", "/spec/test/breaking!=none", "/spec/test/strain_step<0.05"], Some("-/spec/seed")),
-        ("paper by seed", paper.clone(), &["/spec/test/breaking=none"], Some("/spec/seed")),
-        ("queued by results, which none has", queued, &[], Some("/summary/max_force")),
-        ("succeeded by results", succeeded, &["/summary/max_force>100"], Some("/summary/max_force")),
+        (
+            "a thousand seeds by results",
+            all(),
+            &["/spec/seed<1000"],
+            Some("-/summary/max_force"),
+        ),
+        (
+            "a third by seed",
+            all(),
+            &["/spec/test/breaking=none"],
+            Some("/spec/seed"),
+        ),
+        (
+            "a range by itself",
+            all(),
+            &["/spec/seed>500000"],
+            Some("/spec/seed"),
+        ),
+        (
+            "three conditions",
+            all(),
+            &[
+                "/spec/seed>9",
+                "/spec/test/breaking!=none",
+                "/spec/test/strain_step<0.05",
+            ],
+            Some("-/spec/seed"),
+        ),
+        (
+            "paper by seed",
+            paper.clone(),
+            &["/spec/test/breaking=none"],
+            Some("/spec/seed"),
+        ),
+        (
+            "queued by results, which none has",
+            queued,
+            &[],
+            Some("/summary/max_force"),
+        ),
+        (
+            "succeeded by results",
+            succeeded,
+            &["/summary/max_force>100"],
+            Some("/summary/max_force"),
+        ),
         ("failed, which none has", failed, &[], Some("/spec/seed")),
-        ("a tag by seed", wet, &["/spec/seed>1000"], Some("/spec/seed")),
-        ("a text of all by seed", text("sample"), &[], Some("/spec/seed")),
-        ("a text of some by seed", text("series 77"), &[], Some("/spec/seed")),
-        ("what one of ten sees, by seed", of(ids[9]), &["/spec/seed>1000"], Some("-/spec/seed")),
+        (
+            "a tag by seed",
+            wet,
+            &["/spec/seed>1000"],
+            Some("/spec/seed"),
+        ),
+        (
+            "a text of all by seed",
+            text("sample"),
+            &[],
+            Some("/spec/seed"),
+        ),
+        (
+            "a text of some by seed",
+            text("series 77"),
+            &[],
+            Some("/spec/seed"),
+        ),
+        (
+            "what one of ten sees, by seed",
+            of(ids[9]),
+            &["/spec/seed>1000"],
+            Some("-/spec/seed"),
+        ),
     ];
     let mut slow = Vec::new();
     for (what, filter, conditions, sort) in lists {
         let page = list(&filter, conditions, sort).await;
-        let p95 = measure(what, TRIES, async || drop(list(&filter, conditions, sort).await)).await;
-        eprintln!("      {} jobs, stopped after {:?}", page.items.len(), page.stopped_after);
+        let p95 = measure(what, TRIES, async || {
+            drop(list(&filter, conditions, sort).await);
+        })
+        .await;
+        eprintln!(
+            "      {} jobs, stopped after {:?}",
+            page.items.len(),
+            page.stopped_after
+        );
         if p95 > LONGEST {
             slow.push(format!("{what}: {p95:?}"));
         }
@@ -207,7 +303,11 @@ async fn a_million_values_are_sorted_and_found() {
     };
     let p95 = measure("sorted by seed, from the middle on", TRIES, async || {
         let cursor = Some("n500000.0_7");
-        drop(lab.jobs_wanted(&all(), &by_seed, cursor, 200).await.unwrap());
+        drop(
+            lab.jobs_wanted(&all(), &by_seed, cursor, 200)
+                .await
+                .unwrap(),
+        );
     });
     if p95.await > LONGEST {
         slow.push("from the middle on".to_owned());

@@ -1,8 +1,6 @@
 //! A run: steps, what is observed on the way, until the end of the last of its stages.
 use loadframe_api::spec::granular_scene::{GranularScene, Stage};
-use loadframe_harness::{
-    Ending, Halt, Interrupt, Recorder, RunContext, SimulationError,
-};
+use loadframe_harness::{Ending, Halt, Interrupt, Recorder, RunContext, SimulationError};
 use loadframe_numerics::Team;
 
 use super::runner::Runner;
