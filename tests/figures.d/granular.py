@@ -135,7 +135,7 @@ def bed(count: int, work: Path) -> Path:
         # anywhere in its cell
         spheres.append([SPACING_M * place + chance.uniform(radius, SPACING_M - radius) for place in cell] + [radius])
     plane = lambda name, axis, at, facing: {"name": name, "axis": axis, "position_m": at, "facing": facing, "material": "stone"}
-    sides = [plane(f"{axis}{facing}", axis, at, facing) for axis in "xy" for at, facing in ((0, 1), (width, -1))]
+    sides = [plane(f"{axis}_{side}", axis, at, facing) for axis in "xy" for side, at, facing in (("low", 0, 1), ("high", width, -1))]
     spec = {
         "version": 1,
         "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e8, "stiffness_ratio": 0.3, "friction_angle_rad": 0.5}},

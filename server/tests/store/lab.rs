@@ -8,9 +8,7 @@ use loadframe_api::people::{Acceptance, NewInvitation, Role};
 use loadframe_api::worker::{
     CheckpointInfo, CheckpointQuery, ClaimRequest, CompleteRequest, Lease,
 };
-use loadframe_api::{
-    Calibration, FileEntry, JobKind, JobView, Submission, sha256_hex,
-};
+use loadframe_api::{Calibration, FileEntry, JobKind, JobView, Submission, sha256_hex};
 use loadframe_server::store::people::Actor;
 use loadframe_server::store::{
     BucketKeys, BucketSettings, Content, FilesPlace, LeaseKey, Store, StoreError, StoreOptions,

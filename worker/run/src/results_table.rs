@@ -90,6 +90,9 @@ mod tests {
         // 3² + 4² = 5²
         let row = "deflection,deflection,12.5,mm,5,,,,,,grid,4,\"grid.cells [800, 400]\",240";
         assert_eq!(lines[1], row);
-        assert_eq!(lines[2], "modulus_at_2_5_percent,modulus at 2.5 %,,N/m,,,,,,it had parted before,,,,");
+        assert_eq!(
+            lines[2],
+            "modulus_at_2_5_percent,modulus at 2.5 %,,N/m,,,,,,it had parted before,,,,"
+        );
     }
 }
