@@ -2,6 +2,7 @@
 use loadframe_api::section::lines::pass_through;
 
 use crate::section::Band;
+use crate::section::bars::is_slanted;
 use crate::section::grid::Grid;
 
 /// How well a grid follows what lies in it.
@@ -16,7 +17,6 @@ pub enum Fit {
 }
 
 pub(super) fn fit(grid: &Grid, faces: &[Vec<f64>; 2], bands: &[Band]) -> Fit {
-    let is_slanted = |band: &Band| band.axis.iter().all(|part| part.abs() > f64::EPSILON);
     if !pass_through(grid.x_mm(), &faces[0]) || !pass_through(grid.y_mm(), &faces[1]) {
         Fit::Cut
     } else if bands.iter().any(is_slanted) {
