@@ -99,11 +99,7 @@ pub(super) fn moments(
 }
 
 /// Where a line at this offset enters and leaves a polygon.
-fn line(
-    part: &Polygon,
-    across: impl Fn([f64; 2]) -> f64,
-    offset: f64,
-) -> Option<[[f64; 2]; 2]> {
+fn line(part: &Polygon, across: impl Fn([f64; 2]) -> f64, offset: f64) -> Option<[[f64; 2]; 2]> {
     let corners = part.corners();
     let mut ends = (0..corners.len()).filter_map(|place| {
         let (from, to) = (corners[place], corners[(place + 1) % corners.len()]);
