@@ -107,12 +107,6 @@ impl Band {
             .then(|| Fine::through([middle - half, middle + half], across))
     }
 
-    /// A band of the same axis and length with another thickness, inside the section and beyond.
-    pub fn of_half_thickness(&self, half_thickness_mm: f64) -> Polygon {
-        let sides = [self.half_length_mm, half_thickness_mm];
-        turned(self.through_mm, self.axis, sides)
-    }
-
     /// The part of it inside the section.
     pub fn polygon(&self) -> &Polygon {
         &self.polygon

@@ -30,6 +30,9 @@ const ORDERS: [f64; 2] = [0.5, 1.0];
 const STEADY: [f64; 2] = [1.0, 3.0];
 const LARGEST_ORDER: f64 = 2.0;
 
+/// Results below this share of another one may be what larger ones cancel to, and say nothing of it.
+const LEAST_BESIDE: f64 = 0.05;
+
 /// The order that is counted on where steps from grid to grid have this ratio.
 fn order(ratio: f64) -> f64 {
     if ratio.is_nan() {
@@ -51,26 +54,47 @@ impl Finding {
     /// How far a value is from that of ever finer grids.
     ///
     /// From coarser grids |f₁ − f₂| / (2ᵖ − 1), p from the third one where the three approach a limit,
-    /// else the least; where results wander, the larger of that and what the coarser two say of the
-    /// finest. From graded grids g the distance |f − g₁| and the error |g₁ − g₂| of that.
-    pub(super) fn of_grid(&self, measured: &Measured, comparison: Comparison) -> f64 {
+    /// else the least; where results wander, of the largest of both steps of all results `beside` that have
+    /// the unit, over their size: one of them can be small by chance, as where a thin fibre comes to fill a cell. From graded grids g the distance |f − g₁| and the error |g₁ − g₂| of that.
+    pub(super) fn of_grid(
+        &self,
+        measured: &Measured,
+        beside: &[Measured],
+        comparison: Comparison,
+    ) -> f64 {
         let other = |index: usize| {
             let all = self.others.get(index);
             all.map_or(f64::NAN, |all| Self::of(all, measured.name))
         };
         let (step, before) = (measured.value - other(0), other(0) - other(1));
+        let size = measured.value.abs();
+        let shares = beside
+            .iter()
+            .filter(|one| one.unit == measured.unit && one.value.abs() > LEAST_BESIDE * size)
+            .map(|one| self.largest_step(one) / one.value.abs());
         match comparison {
             Comparison::None => f64::NAN,
             Comparison::Graded => step.abs() + before.abs(),
             Comparison::Coarser { wanders: true } => {
                 let slow = 1.0 / (ORDERS[0].exp2() - 1.0);
-                // max takes the number of a number and what is none
-                slow * step.abs().max(before.abs() / ORDERS[1].exp2())
+                let own = self.largest_step(measured);
+                slow * shares.map(|share| share * size).fold(own, f64::max)
             }
             Comparison::Coarser { wanders: false } => {
                 step.abs() / (order(before / step).exp2() - 1.0)
             }
         }
+    }
+
+    /// The larger step of a result between grids.
+    fn largest_step(&self, measured: &Measured) -> f64 {
+        let other = |index: usize| {
+            let all = self.others.get(index);
+            all.map_or(f64::NAN, |all| Self::of(all, measured.name))
+        };
+        let step = (measured.value - other(0)).abs();
+        // max takes the number of a number and what is none
+        step.max((other(0) - other(1)).abs())
     }
 
     /// What a result on ever finer grids tends to, with how far off that may be.
@@ -118,10 +142,11 @@ impl Finding {
     pub(super) fn parts(
         &self,
         measured: &Measured,
+        beside: &[Measured],
         comparison: Comparison,
         tenth: impl Fn(f64) -> Option<Tenth>,
     ) -> Vec<ErrorPart> {
-        let grid = self.of_grid(measured, comparison);
+        let grid = self.of_grid(measured, beside, comparison);
         let tenth = self.finer_by(measured, comparison).and_then(tenth);
         let grid = ErrorPart::new("grid", grid, ErrorBasis::TwoGrids).with_tenth(tenth);
         let mut parts = vec![grid];
@@ -194,27 +219,31 @@ mod tests {
     #[test]
     fn the_error_of_a_first_order_method_is_what_is_left_of_it() {
         // 1 + h at h = 1/4, 1/2, 1
-        let error = finding(&[1.5, 2.0]).of_grid(&measured(1.25), CONVERGING);
+        let error = finding(&[1.5, 2.0]).of_grid(&measured(1.25), &[], CONVERGING);
         assert!((error - 0.25).abs() < 1e-12, "{error}");
         // a faster one is counted as of first order
-        let error = finding(&[1.25, 2.0]).of_grid(&measured(1.0625), CONVERGING);
+        let error = finding(&[1.25, 2.0]).of_grid(&measured(1.0625), &[], CONVERGING);
         assert!((error - 0.1875).abs() < 1e-12, "{error}");
         // one that has not begun to converge as of half an order
-        let error = finding(&[1.0, 2.0]).of_grid(&measured(1.5), CONVERGING);
+        let error = finding(&[1.0, 2.0]).of_grid(&measured(1.5), &[], CONVERGING);
         assert!(
             (error - 0.5 / (2.0_f64.sqrt() - 1.0)).abs() < 1e-12,
             "{error}"
         );
-        assert!(finding(&[]).of_grid(&measured(1.0), CONVERGING).is_nan());
+        assert!(
+            finding(&[])
+                .of_grid(&measured(1.0), &[], CONVERGING)
+                .is_nan()
+        );
     }
 
     #[test]
     fn where_results_wander_the_larger_step_counts() {
         let wandering = Comparison::Coarser { wanders: true };
         let slow = 2.0_f64.sqrt() - 1.0;
-        let error = finding(&[1.01, 1.5]).of_grid(&measured(1.0), wandering);
-        assert!((error - 0.245 / slow).abs() < 1e-12, "{error}");
-        let error = finding(&[1.01, 1.02]).of_grid(&measured(1.5), Comparison::Graded);
+        let error = finding(&[1.01, 1.5]).of_grid(&measured(1.0), &[], wandering);
+        assert!((error - 0.49 / slow).abs() < 1e-12, "{error}");
+        let error = finding(&[1.01, 1.02]).of_grid(&measured(1.5), &[], Comparison::Graded);
         assert!((error - 0.5).abs() < 1e-12, "{error}");
     }
 

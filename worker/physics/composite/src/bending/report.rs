@@ -84,7 +84,9 @@ pub(super) fn report(
         None => "full_load",
     });
     for one in measured {
-        let parts = finding.parts(one, model.comparison(), |times| finer(model.spec, times));
+        let parts = finding.parts(one, measured, model.comparison(), |times| {
+            finer(model.spec, times)
+        });
         report.result_with_error(one.name, one.value, one.unit, one.description, parts);
     }
     for (name, of, about) in LIMITS {
@@ -168,7 +170,7 @@ fn checks(
         );
     }
     if let Some(main) = errors::main(measured) {
-        let error = finding.of_grid(main, model.comparison()) / main.value.abs();
+        let error = finding.of_grid(main, measured, model.comparison()) / main.value.abs();
         // a grid that cannot be coarser tells nothing of its error
         if error.is_finite() {
             report.check(

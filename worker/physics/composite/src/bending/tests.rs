@@ -243,7 +243,7 @@ fn fibres_at_an_angle_lie_near_finite_elements_and_within_their_errors() {
                 let off = (found.value.unwrap() - truth).abs();
                 let said = found.error.as_ref().unwrap().value;
                 let share = off / truth;
-                assert!(share < 0.07, "{} {grid} {face}: {share}", body["name"]);
+                assert!(share < 0.02, "{} {grid} {face}: {share}", body["name"]);
                 assert!(
                     off < 2.0 * said,
                     "{} {grid} {face}: {off} {said}",

@@ -35,7 +35,7 @@ impl Begun {
         for cell in 0..layout.grid().cells() {
             let of = parts.of(cell);
             let damage = &begun.damage[of.clone()];
-            let stiffness = compose(
+            let left = compose(
                 &parts.all[of.clone()],
                 &parts.laws,
                 damage,
@@ -43,8 +43,8 @@ impl Begun {
                 &mut begun.bearings[of],
             );
             if !damage.iter().all(Damage::is_none) {
-                begun.lost[cell] = lost(&layout.stiffness()[cell], &stiffness);
-                begun.lattice.replace_stiffness(cell, stiffness);
+                begun.lost[cell] = lost(&layout.stiffness()[cell], &left.stiffness);
+                begun.lattice.replace_stiffness(cell, left);
             }
         }
         begun

@@ -12,6 +12,8 @@ use nalgebra::{Matrix2, Matrix3, RowVector2, Vector2, Vector3};
 
 use super::part::{BrokenPart, Damage, Law, Part};
 use super::saw::LEAST_RESIDUAL;
+use crate::lattice::CellStiffness;
+use crate::section::along;
 use crate::stiffness::{Stiffness, compliance, turned_to};
 
 /// What a part makes of the strain of its cell, in the axes of its planes.
@@ -190,15 +192,14 @@ pub(crate) fn bed(layers: &[(f64, Stiffness)], along: [f64; 2]) -> [f64; 2] {
     [total / soft[(0, 0)], total / soft[(1, 1)]]
 }
 
-/// The stiffness of a cell [MPa] with these parts, sorted by stage; what each bears is written to
-/// `bearings`.
+/// What a cell with these parts, sorted by stage, is left with; what each bears is written to `bearings`.
 pub(crate) fn compose(
     parts: &[Part],
     laws: &[Law],
     damage: &[Damage],
     teeth: u16,
     bearings: &mut [Bearing],
-) -> Stiffness {
+) -> CellStiffness {
     let law = |place: usize| &laws[parts[place].law as usize];
     let own = |place: usize| damaged(&parts[place], law(place), &damage[place], teeth);
 
@@ -274,7 +275,20 @@ pub(crate) fn compose(
             strain = back * stage.layers[0].bears(&stage.local) * here;
         }
     }
-    ground.map_or_else(Matrix3::zeros, |(_, stiffness)| stiffness)
+    // bars must not bear more than what is left of their fibres: C - E t t is never negative
+    let modulus_left = |(place, part): (usize, &Part)| {
+        if damage[place].is_none() {
+            return 1.0;
+        }
+        let left = turned_to(&own(place), damage[place].axis);
+        along(&left, part.along) / along(&part.stiffness, part.along)
+    };
+    let fibres = parts.iter().enumerate();
+    let fibres = fibres.filter(|(_, part)| matches!(part.kind, BrokenPart::Fibre(_)));
+    CellStiffness {
+        stiffness: ground.map_or_else(Matrix3::zeros, |(_, stiffness)| stiffness),
+        along_fibres: fibres.map(modulus_left).fold(1.0, f64::min),
+    }
 }
 
 /// Layers of one direction.

@@ -69,7 +69,7 @@ use scatter::Drawn;
 use system::{Loss, MOST_COLUMNS, System};
 
 use crate::error::CompositeError;
-use crate::lattice::{Geometry, Lattice};
+use crate::lattice::{CellStiffness, Geometry, Lattice};
 use crate::stiffness::Stiffness;
 
 /// Part of the peak force below which nothing real is left.
@@ -405,8 +405,8 @@ impl Breaking {
         })
     }
 
-    /// Stiffness of a cell as damaged as its parts are [MPa].
-    fn composed(&mut self, cell: usize) -> Stiffness {
+    /// What a cell is left with, as damaged as its parts are.
+    fn composed(&mut self, cell: usize) -> CellStiffness {
         let of = self.parts.of(cell);
         let is_intact = self.damage[of.clone()].iter().all(Damage::is_none);
         let composed = compose(
@@ -417,17 +417,20 @@ impl Breaking {
             &mut self.bearings[of],
         );
         // to the last bit, as it was before
-        let stiffness = if is_intact {
-            self.intact[cell]
+        let left = if is_intact {
+            CellStiffness {
+                stiffness: self.intact[cell],
+                along_fibres: 1.0,
+            }
         } else {
             composed
         };
         self.lost[cell] = if is_intact {
             0.0
         } else {
-            lost(&self.intact[cell], &stiffness)
+            lost(&self.intact[cell], &left.stiffness)
         };
-        stiffness
+        left
     }
 
     /// Remembers the damage with which the system is factored.

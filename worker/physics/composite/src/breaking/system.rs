@@ -9,10 +9,9 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use crate::error::CompositeError;
-use crate::lattice::{Geometry, Lattice, Measures, Rates, Tangent, gather};
+use crate::lattice::{CellStiffness, Geometry, Lattice, Measures, Rates, Tangent, gather};
 use crate::matrix::GridMatrix;
 use crate::solve::direct::{Direct, NoFactor};
-use crate::stiffness::Stiffness;
 use crate::supports::Supports;
 
 /// Columns that a factor carries before it is made anew. On 100 by 30 cells twice as many are as fast, see the table in [`breaking`](crate::breaking).
@@ -36,12 +35,11 @@ pub(crate) enum Drive {
     Displacements(f64),
 }
 
-/// What a cell's stiffness loses: of the mean strains, volume included [N mm], and of both hourglass
-/// amplitudes [N/mm].
+/// What a cell's stiffness loses, of all its measures: volume included [N mm] of the mean strains, [N/mm] of
+/// the hourglass amplitudes, and [N] between both.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Loss {
-    pub(crate) moduli: [[f64; 3]; 3],
-    pub(crate) hourglass: [f64; 2],
+    pub(crate) moduli: [[f64; 5]; 5],
 }
 
 impl Loss {
@@ -53,9 +51,47 @@ impl Loss {
                 sum += a * modulus * b;
             }
         }
-        sum + self.hourglass[0] * a[3] * b[3] + self.hourglass[1] * a[4] * b[4]
+        sum
+    }
+
+    /// The measures it is the sum of, each with its part: its eigenvectors, of strains and of either hourglass
+    /// amplitude alone where nothing couples them. What is below `ROUND_OFF` beside what is `left` is none.
+    fn modes(&self, left: &[[f64; 5]; 5]) -> Vec<(f64, [f64; 5])> {
+        let mut modes = Vec::with_capacity(5);
+        if (0..3).any(|row| self.moduli[row][3..] != [0.0; 2]) || self.moduli[3][4] != 0.0 {
+            let eigen = Matrix5::from(self.moduli).symmetric_eigen();
+            let largest = eigen.eigenvalues.amax();
+            for place in 0..5 {
+                let value = eigen.eigenvalues[place];
+                if value.abs() > ROUND_OFF * largest {
+                    modes.push((value, eigen.eigenvectors.column(place).into_owned().into()));
+                }
+            }
+            return modes;
+        }
+        let strains = Matrix3::from_fn(|row, column| self.moduli[row][column]);
+        let eigen = strains.symmetric_eigen();
+        let largest = eigen.eigenvalues.amax();
+        for place in 0..3 {
+            let value = eigen.eigenvalues[place];
+            if value.abs() > ROUND_OFF * largest {
+                let vector = eigen.eigenvectors.column(place);
+                modes.push((value, [vector[0], vector[1], vector[2], 0.0, 0.0]));
+            }
+        }
+        for axis in 3..5 {
+            let value = self.moduli[axis][axis];
+            if value.abs() > ROUND_OFF * left[axis][axis] {
+                let mut mode = [0.0; 5];
+                mode[axis] = 1.0;
+                modes.push((value, mode));
+            }
+        }
+        modes
     }
 }
+
+type Matrix5 = nalgebra::SMatrix<f64, 5, 5>;
 
 #[derive(Debug)]
 pub(crate) struct System {
@@ -156,7 +192,7 @@ impl System {
     /// Gives cells new stiffnesses and factors.
     pub(crate) fn restart(
         &mut self,
-        cells: impl Iterator<Item = (usize, Stiffness)>,
+        cells: impl Iterator<Item = (usize, CellStiffness)>,
     ) -> Result<(), CompositeError> {
         for (cell, stiffness) in cells {
             self.lattice.replace_stiffness(cell, stiffness);
@@ -168,15 +204,14 @@ impl System {
     pub(crate) fn alter(
         &mut self,
         cell: usize,
-        stiffness: Stiffness,
+        stiffness: CellStiffness,
     ) -> Result<(Loss, bool), CompositeError> {
-        let before = self.lattice.cell(cell);
+        let before = self.lattice.cell(cell).moduli();
         self.lattice.replace_stiffness(cell, stiffness);
-        let after = self.lattice.cell(cell);
-        let lost = (before.stiffness - after.stiffness) * before.volume;
+        let after = self.lattice.cell(cell).moduli();
         let loss = Loss {
-            moduli: lost.transpose().into(),
-            hourglass: [0, 1].map(|axis| before.hourglass[axis] - after.hourglass[axis]),
+            moduli: [0, 1, 2, 3, 4]
+                .map(|row| [0, 1, 2, 3, 4].map(|column| before[row][column] - after[row][column])),
         };
         if self.softening.len() + 5 > self.most_columns || !self.take(cell, &loss) {
             self.factor()?;
@@ -194,24 +229,7 @@ impl System {
     fn take(&mut self, cell: usize, loss: &Loss) -> bool {
         let rates = self.lattice.cell(cell).rates();
         let corners = self.lattice.grid().corners(cell);
-        let eigen = Matrix3::from(loss.moduli).symmetric_eigen();
-        let largest = eigen.eigenvalues.amax();
-        let mut modes: Vec<(f64, [f64; 5])> = Vec::with_capacity(5);
-        for place in 0..3 {
-            let value = eigen.eigenvalues[place];
-            if value.abs() > ROUND_OFF * largest {
-                let vector = eigen.eigenvectors.column(place);
-                modes.push((value, [vector[0], vector[1], vector[2], 0.0, 0.0]));
-            }
-        }
-        for (axis, &value) in loss.hourglass.iter().enumerate() {
-            // beside the hourglass stiffness itself a smaller part is round-off
-            if value.abs() > ROUND_OFF * self.lattice.cell(cell).hourglass[axis] {
-                let mut mode = [0.0; 5];
-                mode[3 + axis] = 1.0;
-                modes.push((value, mode));
-            }
-        }
+        let modes = loss.modes(&self.lattice.cell(cell).moduli());
         self.solve_measures(cell as u32, &modes, &rates, corners);
         for (coefficient, mode) in modes {
             let mut entries = Vec::with_capacity(8);

@@ -14,6 +14,9 @@
 //! make the cell the assumed-stress rectangle of [PianSumihara1984], whose bending is right: along
 //! the way σ_xx = β η and σ_yy = β' ξ store no energy together with the mean stress, for every S.
 //!
+//! What slanted fibres bear as bars depends on the hourglass, too, and couples it to the mean strain, see
+//! [`bars`](crate::section::Bars); (2) is then of the stiffness without them.
+//!
 //! Source: [PianSumihara1984] for rectangles, with full C. Of an aligned orthotropic C this is the
 //! lattice of edge and diagonal springs with an area term and a hourglass correction, see
 //! [`springs`](crate::lattice::springs).
@@ -40,6 +43,22 @@ pub(crate) struct Cell {
     pub(crate) stiffness: Stiffness,
     /// k_x and k_y [N/mm].
     pub(crate) hourglass: [f64; 2],
+    /// Of fibres at an angle to the grid.
+    pub(crate) bars: Option<CellBars>,
+}
+
+/// What bars add to a cell beside their part of its mean stiffness, see [`Bars`](crate::section::Bars).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CellBars {
+    /// Cosine and sine of their axis.
+    pub(crate) axis: [f64; 2],
+    /// Between strain and hourglass [N], and of the hourglass [N/mm], both along the axis.
+    pub(crate) stiffness: [f64; 2],
+}
+
+/// How mean strains make the strain along an axis.
+pub(crate) fn strain_along([c, s]: [f64; 2]) -> [f64; 3] {
+    [c * c, s * s, c * s]
 }
 
 /// The five measures of a cell's deformation: ε_xx, ε_yy, γ_xy [-], q_x, q_y [mm].
@@ -96,13 +115,26 @@ impl Cell {
     pub(crate) fn answers(&self, e: &Measures) -> Measures {
         let c = &self.stiffness;
         let v = self.volume;
-        [
+        let mut answers = [
             v * (c[(0, 0)] * e[0] + c[(0, 1)] * e[1] + c[(0, 2)] * e[2]),
             v * (c[(1, 0)] * e[0] + c[(1, 1)] * e[1] + c[(1, 2)] * e[2]),
             v * (c[(2, 0)] * e[0] + c[(2, 1)] * e[1] + c[(2, 2)] * e[2]),
             self.hourglass[0] * e[3],
             self.hourglass[1] * e[4],
-        ]
+        ];
+        if let Some(bars) = &self.bars {
+            let along = strain_along(bars.axis);
+            let [c, s] = bars.axis;
+            let strain = along[0] * e[0] + along[1] * e[1] + along[2] * e[2];
+            let bent = c * e[3] + s * e[4];
+            for (answer, part) in answers.iter_mut().zip(along) {
+                *answer += part * (bars.stiffness[0] * bent);
+            }
+            let force = bars.stiffness[0] * strain + bars.stiffness[1] * bent;
+            answers[3] += c * force;
+            answers[4] += s * force;
+        }
+        answers
     }
 
     /// Second derivatives of the energy by the measures.
@@ -115,6 +147,18 @@ impl Cell {
         }
         moduli[3][3] = self.hourglass[0];
         moduli[4][4] = self.hourglass[1];
+        if let Some(bars) = &self.bars {
+            for (axis, part) in bars.axis.into_iter().enumerate() {
+                for (row, strain) in strain_along(bars.axis).into_iter().enumerate() {
+                    let coupled = bars.stiffness[0] * strain * part;
+                    moduli[row][3 + axis] += coupled;
+                    moduli[3 + axis][row] += coupled;
+                }
+                for (other, beside) in bars.axis.into_iter().enumerate() {
+                    moduli[3 + axis][3 + other] += bars.stiffness[1] * part * beside;
+                }
+            }
+        }
         moduli
     }
 

@@ -16,13 +16,14 @@ mod tests;
 pub use bond::Bond;
 pub(crate) use bond::{Ends, ends};
 pub(crate) use cell::{Cell, Corners, Measures, Rates};
+use cell::{CellBars, strain_along};
 pub use geometry::Geometry;
 pub(crate) use geometry::Tangent;
 pub use paper::{BondPattern, BondStiffness, PaperRule};
 
 use crate::error::CompositeError;
 use crate::matrix::GridMatrix;
-use crate::section::{Grid, Layout};
+use crate::section::{Bars, Grid, Layout};
 use crate::stiffness::Stiffness;
 
 /// Particles, and the cells or bonds between them.
@@ -34,9 +35,20 @@ pub struct Lattice {
     stiffness: Vec<Stiffness>,
     /// Hourglass stiffness of each cell [N/mm].
     hourglass: Vec<[f64; 2]>,
+    /// Of fibres at an angle to the grid, by cell, and which share of them is left.
+    bars: Vec<(Bars, f64)>,
     bonds: Vec<Bond>,
     /// Mass of each particle [t], so that forces in N give mm/s².
     masses_t: Vec<f64>,
+}
+
+/// What a cell is left with where parts of it are damaged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CellStiffness {
+    /// Of the mean strain [MPa].
+    pub(crate) stiffness: Stiffness,
+    /// Share of the modulus of its fibres along their axis.
+    pub(crate) along_fibres: f64,
 }
 
 /// kg/m³ in t/mm³.
@@ -46,21 +58,46 @@ impl Lattice {
     /// The lattice that is exact in uniform strain.
     #[must_use]
     pub fn exact(layout: &Layout) -> Self {
-        let hourglass = layout
-            .stiffness
-            .iter()
-            .enumerate()
-            .map(|(place, stiffness)| {
-                cell::hourglass(stiffness, layout.grid.sides_mm(place), layout.thickness_mm)
-            })
-            .collect();
-        Self {
+        let cells = layout.grid.cells();
+        let mut lattice = Self {
             grid: layout.grid.clone(),
             thickness_mm: layout.thickness_mm,
             stiffness: layout.stiffness.clone(),
-            hourglass,
+            hourglass: vec![[0.0; 2]; cells],
+            bars: layout.bars.iter().map(|bars| (*bars, 1.0)).collect(),
             bonds: Vec::new(),
             masses_t: masses(layout),
+        };
+        for place in 0..cells {
+            lattice.hourglass[place] = lattice.hourglass_beside_bars(place);
+        }
+        lattice
+    }
+
+    /// The hourglass stiffness of a cell without what its bars bear [N/mm].
+    fn hourglass_beside_bars(&self, place: usize) -> [f64; 2] {
+        let sides = self.grid.sides_mm(place);
+        let mut stiffness = self.stiffness[place];
+        if let Some((bars, left)) = self.find_bars(place).map(|at| &self.bars[at]) {
+            let along = nalgebra::Vector3::from(strain_along(bars.axis));
+            let borne = left * bars.moments[0] / (sides[0] * sides[1]);
+            stiffness -= along * along.transpose() * borne;
+        }
+        cell::hourglass(&stiffness, sides, self.thickness_mm)
+    }
+
+    fn find_bars(&self, place: usize) -> Option<usize> {
+        let found = self
+            .bars
+            .binary_search_by_key(&place, |(bars, _)| bars.cell as usize);
+        found.ok()
+    }
+
+    fn bars_of(&self, (bars, left): &(Bars, f64)) -> CellBars {
+        let share = left * self.thickness_mm;
+        CellBars {
+            axis: bars.axis,
+            stiffness: [share * bars.moments[1], share * bars.moments[2]],
         }
     }
 
@@ -78,6 +115,7 @@ impl Lattice {
             thickness_mm: layout.thickness_mm,
             stiffness: Vec::new(),
             hourglass: Vec::new(),
+            bars: Vec::new(),
             bonds: paper::bonds(section, layout, rule)?,
             masses_t: masses(layout),
         })
@@ -131,6 +169,7 @@ impl Lattice {
             volume: sides[0] * sides[1] * self.thickness_mm,
             stiffness: self.stiffness[place],
             hourglass: self.hourglass[place],
+            bars: self.find_bars(place).map(|at| self.bars_of(&self.bars[at])),
         }
     }
 
@@ -141,24 +180,34 @@ impl Lattice {
         let height = y[row + 1] - y[row];
         let cells = row * columns..(row + 1) * columns;
         let stiffness = &self.stiffness[cells.clone()];
+        let first = cells.start;
+        let before = self
+            .bars
+            .partition_point(|(bars, _)| (bars.cell as usize) < first);
+        let mut bars = self.bars[before..].iter().peekable();
         let held = stiffness.iter().zip(&self.hourglass[cells]);
         held.zip(x.windows(2))
-            .map(move |((stiffness, hourglass), pair)| {
+            .enumerate()
+            .map(move |(column, ((stiffness, hourglass), pair))| {
+                let is_here = |(bars, _): &&(Bars, f64)| bars.cell as usize == first + column;
                 let sides = [pair[1] - pair[0], height];
                 Cell {
                     sides,
                     volume: sides[0] * sides[1] * self.thickness_mm,
                     stiffness: *stiffness,
                     hourglass: *hourglass,
+                    bars: bars.next_if(is_here).map(|bars| self.bars_of(bars)),
                 }
             })
     }
 
     /// Gives a cell another stiffness, and the hourglass stiffness that goes with it.
-    pub(crate) fn replace_stiffness(&mut self, place: usize, stiffness: Stiffness) {
-        self.hourglass[place] =
-            cell::hourglass(&stiffness, self.grid.sides_mm(place), self.thickness_mm);
-        self.stiffness[place] = stiffness;
+    pub(crate) fn replace_stiffness(&mut self, place: usize, left: CellStiffness) {
+        self.stiffness[place] = left.stiffness;
+        if let Some(at) = self.find_bars(place) {
+            self.bars[at].1 = left.along_fibres;
+        }
+        self.hourglass[place] = self.hourglass_beside_bars(place);
     }
 
     pub(crate) fn cells(&self) -> usize {

@@ -58,10 +58,7 @@ impl Lattice {
         let edge_x = 0.5 * (xx * t * b - sum * a / length);
         let edge_y = 0.5 * (yy * t * a - sum * b / length);
         // The hourglass pulls one edge as it pushes the other.
-        let (bend_x, bend_y) = (
-            cell.hourglass[0] * measures[3],
-            cell.hourglass[1] * measures[4],
-        );
+        let [.., bend_x, bend_y] = cell.answers(&measures);
         Some(CellBonds {
             bottom: edge_x - bend_x,
             top: edge_x + bend_x,

@@ -27,6 +27,7 @@ fn cell(stiffness: Stiffness, sides: [f64; 2], thickness: f64) -> Cell {
         volume: sides[0] * sides[1] * thickness,
         stiffness,
         hourglass: cell::hourglass(&stiffness, sides, thickness),
+        bars: None,
     }
 }
 
@@ -260,6 +261,7 @@ fn bond_forces_balance_what_the_cells_exert() {
     let stiffness = turned(&orthotropic(11_500.0, 6_430.0, 0.28, 3_555.2), 20.0);
     let lattice = Lattice {
         hourglass: vec![cell::hourglass(&stiffness, [1.3, 0.7], 2.0)],
+        bars: Vec::new(),
         stiffness: vec![stiffness],
         thickness_mm: 2.0,
         bonds: Vec::new(),
@@ -313,4 +315,67 @@ fn bond_forces_balance_what_the_cells_exert() {
     assert!((bonds.right - 0.5 * k1 * eyy).abs() < 1e-12);
     let stretch = std::f64::consts::SQRT_2 * 0.5 * (exx + eyy + gxy);
     assert!((bonds.rising - k2 * stretch).abs() < 1e-12);
+}
+
+/// Bars against their own arithmetic: each line's ends in the bilinear field of the corners, its elongation,
+/// and the energy of many of them side by side.
+#[test]
+fn bars_stretch_as_their_ends_in_the_field_of_the_corners_do() {
+    let ([a, b], t, axis) = ([1.3, 0.7], 2.0, [0.6, 0.8]);
+    let (modulus, lines) = (9_000.0, 4_000);
+    let corners = shaken(0.01);
+    let at = |p: [f64; 2], part: usize| -> f64 {
+        (0..4)
+            .map(|k| {
+                let x = 0.5 * (1.0 + ALONG_X[k] * 2.0 * p[0] / a);
+                let y = 0.5 * (1.0 + ALONG_Y[k] * 2.0 * p[1] / b);
+                x * y * corners[2 * k + part]
+            })
+            .sum()
+    };
+    // from the lower to the upper edge, at places 0.05 to 0.25 of the middle of the cell
+    let (mut energy, mut moments) = (0.0, [0.0; 3]);
+    for line in 0..lines {
+        let middle = [0.05 + 0.2 * (f64::from(line) + 0.5) / f64::from(lines), 0.0];
+        let length = b / axis[1];
+        let end = |sign: f64| [0, 1].map(|k| middle[k] + sign * 0.5 * length * axis[k]);
+        let (from, to) = (end(-1.0), end(1.0));
+        let longer: f64 = (0..2)
+            .map(|part| axis[part] * (at(to, part) - at(from, part)))
+            .sum();
+        // across the fibre lines are nearer than along x
+        let area = length * 0.2 * axis[1] / f64::from(lines);
+        energy += 0.5 * modulus * t * area * (longer / length).powi(2);
+        let g = (axis[0] * middle[1] + axis[1] * middle[0]) / (a * b);
+        for (power, moment) in moments.iter_mut().enumerate() {
+            *moment += modulus * area * g.powi(power as i32);
+        }
+    }
+    let stiffness = {
+        let along = nalgebra::Vector3::from(strain_along(axis));
+        along * along.transpose() * (moments[0] / (a * b))
+    };
+    let cell = Cell {
+        hourglass: [0.0; 2],
+        bars: Some(CellBars {
+            axis,
+            stiffness: [t * moments[1], t * moments[2]],
+        }),
+        ..cell(Stiffness::identity(), [a, b], t)
+    };
+    let cell = Cell { stiffness, ..cell };
+    let (stored, _) = cell.linear_forces(&corners);
+    assert!((stored / energy - 1.0).abs() < 1e-9, "{stored} {energy}");
+    // forces and matrix are the derivatives of that energy
+    let plain = Cell {
+        stiffness: stiffness + orthotropic(85.0, 85.0, 0.3, 32.0),
+        hourglass: [4.0, 5.0],
+        ..cell
+    };
+    derivatives_agree(&plain, &shaken(0.05));
+    let (_, forces) = plain.linear_forces(&corners);
+    for (row, force) in plain.linear_matrix().iter().zip(forces) {
+        let product: f64 = row.iter().zip(&corners).map(|(k, u)| k * u).sum();
+        assert!((product - force).abs() < 1e-9 * force.abs().max(1.0));
+    }
 }

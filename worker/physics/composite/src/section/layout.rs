@@ -3,6 +3,7 @@ use loadframe_api::section::lines::{Fine, Towards, fitted_lines, graded_lines, p
 
 use crate::error::{CompositeError, positive};
 use crate::material::{Material, Note, PlaneState};
+use crate::section::bars::Bars;
 use crate::section::fit::{Fit, fit};
 use crate::section::grid::{Division, Grid, Refinement, with_thin_rows};
 use crate::section::ply::{Strip, faces_mm, shares_between, strip};
@@ -33,6 +34,8 @@ pub struct Layout {
     pub(crate) fibres: Vec<Constituent>,
     /// Fibres in cells, by cell and then by band.
     pub(crate) parts: Vec<Part>,
+    /// What slanted fibres bear along their axes, by cell.
+    pub(crate) bars: Vec<Bars>,
 }
 
 /// What a ply or a band of fibre is of.
@@ -146,10 +149,16 @@ impl Layout {
         }
         let mut fibre_share = vec![0.0; grid.cells()];
         let parts = shares(&grid, &bands);
+        let mut bars = Vec::new();
         for held in parts.chunk_by(|a, b| a.cell == b.cell) {
             let cell = held[0].cell as usize;
             let whole: f64 = held.iter().map(|part| part.share).sum();
             let rest = matrix_share(whole);
+            let fibres_here = held.iter().map(|part| {
+                let band = part.band as usize;
+                (&bands[band], &fibres[band].stiffness, part.moments)
+            });
+            bars.extend(Bars::of(held[0].cell, &stiffness[cell], fibres_here));
             stiffness[cell] = mixture(stiffness[cell], rest, held, &bands, &fibres);
             fibre_share[cell] = whole.min(1.0);
             density[cell] = rest * density[cell]
@@ -172,6 +181,7 @@ impl Layout {
             ply_faces_mm: faces,
             fibres,
             parts,
+            bars,
         })
     }
 

@@ -2,6 +2,7 @@
 //!
 //! A [`Section`] is what a user describes; [`Section::layout`] checks it and makes the [`Layout`],
 //! the grid of particles with what every cell holds. How a cell answers to strain is not known here.
+mod bars;
 mod described;
 mod fit;
 mod grid;
@@ -11,6 +12,7 @@ mod shares;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use bars::{Bars, along};
 pub use described::{Ply, Section, Substance};
 pub use fit::Fit;
 pub use grid::{Division, Grid, Refinement};

@@ -229,7 +229,8 @@ fn composed_cells_are_the_layouts_and_their_parts_bear_their_stress() {
             &breaking.damage[of],
             10,
             &mut bearings,
-        );
+        )
+        .stiffness;
         assert!(
             (composed - stiffness).amax() < 1e-12 * stiffness.amax(),
             "{cell}"
@@ -388,7 +389,7 @@ fn no_damage_makes_a_cell_indefinite_or_stiffer() {
             state.roots = [0.1; 2];
             state.level = (state.level + 1).min(10);
             state.opened = state.level;
-            let after = breaking.composed(cell);
+            let after = breaking.composed(cell).stiffness;
             let scale = breaking.intact[cell].amax();
             let least = after.symmetric_eigenvalues().min();
             assert!(least > 1e-10 * scale, "{cell} {step} {least}");
