@@ -114,8 +114,11 @@ impl ErrorTable {
             let touches = levels.iter().any(|level| level.errors.contains_key(base));
             if touches {
                 let error = level(levels, *at)?.errors.get(base)?;
-                let basis = ErrorBasis::MeasuredTable;
-                parts.push(ErrorPart::new(source, error * size, basis));
+                // nothing was found beyond what other sources are off
+                if *error > 0.0 {
+                    let basis = ErrorBasis::MeasuredTable;
+                    parts.push(ErrorPart::new(source, error * size, basis));
+                }
             }
         }
         (!parts.is_empty()).then_some(parts)

@@ -15,11 +15,6 @@
 use crate::section::{Band, Polygon};
 use crate::stiffness::{Stiffness, compliance};
 
-/// Whether a fibre follows neither axis: then no line of particles lies on its faces.
-pub(crate) fn is_slanted(band: &Band) -> bool {
-    band.axis.iter().all(|part| part.abs() > f64::EPSILON)
-}
-
 /// The bars of a cell's fibres, which have one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bars {
@@ -43,7 +38,7 @@ impl Bars {
         let mut moments = [0.0; 3];
         for (band, stiffness, areas) in fibres {
             let sine = c * band.axis[1] - s * band.axis[0];
-            if !is_slanted(band) || sine.abs() > 1e-9 {
+            if !band.is_slanted() || sine.abs() > 1e-9 {
                 return None;
             }
             let more = along(stiffness, [c, s]) - along(around, [c, s]);

@@ -2,7 +2,6 @@
 use loadframe_api::section::lines::pass_through;
 
 use crate::section::Band;
-use crate::section::bars::is_slanted;
 use crate::section::grid::Grid;
 
 /// How well a grid follows what lies in it.

@@ -5,10 +5,11 @@
 //! the state of the bed from the points of the scene's curve ([`heard`], each at its [`place`] in the cycles), and makes the test's own curve of
 //! them. When the engine is done, [`cycles`] finds peaks, residuals and stiffnesses, [`blocks`] those of each load, [`oedometer`] void ratio and
 //! modulus, [`moments`] what the journal
-//! says of grains that broke, [`voids`] where the bed became loose, [`report`] the summary, [`tables`] the files. A resumed run hears the whole curve again,
+//! says of grains that broke, [`voids`] where the bed became loose, [`report`] the summary, [`errors`] how wrong it may be, [`tables`] the files. A resumed run hears the whole curve again,
 //! so that nothing here needs to be kept in a checkpoint.
 mod blocks;
 mod cycles;
+mod errors;
 mod heard;
 mod moments;
 mod oedometer;
@@ -25,6 +26,8 @@ use loadframe_harness::{Ending, Halt, Recorder, RunContext, SimulationError};
 
 use crate::stages;
 use tester::Tester;
+
+pub use errors::Tabled;
 
 /// Shown of the specimen: a bed is the result of its preparation, which is part of the simulation.
 const SHOWN: &str = "What there is before the first grain falls: walls, and the grains of the first layer \
@@ -47,7 +50,7 @@ pub fn preview<A: Apparatus>(
 ///
 /// # Errors
 /// What made a result impossible, see [`SimulationError`].
-pub fn run<A: Apparatus>(
+pub fn run<A: Tabled>(
     spec: &Ballast<A>,
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
@@ -57,7 +60,13 @@ pub fn run<A: Apparatus>(
     let run = stages::run::run(&script.scene, context, &mut tester);
     let (ending, journal) = run.inspect_err(|_| tester.keep())?;
     Ok(match ending {
-        Ending::Finished(report) => Ending::Finished(tester.conclude(report, &journal)?),
+        Ending::Finished(report) => {
+            let mut report = tester.conclude(report, &journal)?;
+            if let Some(words) = errors::add(&mut report, spec) {
+                tester.log(&words);
+            }
+            Ending::Finished(report)
+        }
         ending => ending,
     })
 }

@@ -2,7 +2,8 @@
 //!
 //! The [`journal`] is filled on the way: rows of [`tables`], [`fragments`] and [`breaks`], maps of [`voids`], the worst
 //! that was seen. A [`snapshot`] is written at once. At the end the tables become files ([`table`](self::table)) and
-//! the [`report`] says whether to believe them, [`warnings`](self::warnings) what would help, and [`errors`] how wrong energies may be. Below: [`observe`](crate::observe).
+//! the [`report`] says whether to believe them, [`warnings`](self::warnings) what would help, and [`errors`] how wrong energies may be, [`bed_errors`] how wrong what is read off a bed. Below: [`observe`](crate::observe).
+pub(crate) mod bed_errors;
 pub(crate) mod breaks;
 pub(crate) mod errors;
 pub(crate) mod fragments;
