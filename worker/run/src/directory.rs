@@ -7,8 +7,9 @@ use std::time::Duration;
 use loadframe_api::{FileEntry, JobSpec, Outcome};
 
 use super::engine::Engine;
-use super::execute::{Ended, Plan, RunError, execute};
+use super::execute::{Ended, RunError, execute};
 use super::outcome::OUTCOME_FILE;
+use super::plan::Plan;
 use super::recording::{Destination, FAILURE_FILE, Progress};
 use super::result_files::sha256_of_file;
 use super::saved_run::{SavedRun, SavedRunError};

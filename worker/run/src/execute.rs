@@ -2,31 +2,15 @@
 use std::any::Any;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
-use std::time::Duration;
 
 use loadframe_api::{FileEntry, JobSpec, Outcome};
 use loadframe_physics::{
     Ending, Interrupt, InterruptSource, RunContext, SimulationError, simulate,
 };
 
-use super::engine::Engine;
+use super::plan::Plan;
 use super::recording::{Destination, Recording};
 use super::saved_run::SavedRun;
-use super::stop::StopSwitch;
-
-/// How a run is to be carried out.
-#[derive(Clone, Copy, Debug)]
-pub struct Plan<'a> {
-    /// What computes.
-    pub engine: Engine,
-    /// Where result files are written.
-    pub folder: &'a Path,
-    pub threads: usize,
-    /// Time between checkpoints.
-    pub checkpoint_every: Duration,
-    pub switch: &'a StopSwitch,
-}
 
 /// How a run ended.
 #[derive(Debug)]
@@ -156,11 +140,12 @@ fn message(panic: &(dyn Any + Send)) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
     use std::thread;
-    use std::time::Instant;
+    use std::time::{Duration, Instant};
 
     use super::*;
-    use crate::{Progress, StopCause};
+    use crate::{Engine, Progress, StopCause, StopSwitch};
     use loadframe_api::Submission;
     use serde_json::{Value, json};
 

@@ -19,6 +19,7 @@ mod eta;
 mod execute;
 mod machine;
 mod outcome;
+mod plan;
 mod preview;
 mod recording;
 mod result_files;
@@ -32,7 +33,7 @@ pub use cost::Spent;
 pub use directory::{DirectoryEnd, DirectoryError, DirectoryOptions, RunUpdate, run_to_directory};
 pub use engine::Engine;
 pub use eta::TimeToGo;
-pub use execute::{Ended, Plan, RunError, execute};
+pub use execute::{Ended, RunError, execute};
 /// What a preview may be told, and end with.
 pub use loadframe_physics::{Halt, Interrupt, InterruptSource, Uninterrupted};
 pub use machine::{
@@ -40,6 +41,7 @@ pub use machine::{
     thread_processor_time_s,
 };
 pub use outcome::{Circumstances, assemble};
+pub use plan::Plan;
 pub use preview::preview;
 pub use recording::{Destination, Progress};
 pub use result_files::sha256_of_file;

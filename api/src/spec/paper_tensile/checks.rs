@@ -1,8 +1,9 @@
 //! What the JSON Schema cannot say: names that must exist, fractions that must sum up, walls that must
 //! fit, segments that must need no negative spring.
 use super::sheet_checks::{check_explicit, check_made, check_test, unknown_pulp};
-use super::{Level, PaperTensile, Pulp, SingleFibre, Specimen, measured, tube_checks};
-use crate::fibre::{FibreError, divide};
+use super::tube_checks::{self, MOST_POINTS, indivisible};
+use super::{Level, PaperTensile, Pulp, SingleFibre, Specimen, measured};
+use crate::fibre::divide;
 use crate::{Violation, Violations};
 
 /// Fractions sum up to one within this.
@@ -11,8 +12,6 @@ const FRACTIONS_SUM: f64 = 1e-6;
 const SHEAR_RATIOS: [f64; 2] = [0.001, 2.0];
 /// Hardening moduli over Young's moduli that a sheet is solved with.
 const HARDENING: [f64; 2] = [1e-3, 0.99];
-/// More points than this are refused.
-pub(super) const MOST_POINTS: usize = 2_000_000;
 
 pub(super) fn check(spec: &PaperTensile, violations: &mut Violations) {
     let before = violations.count();
@@ -156,53 +155,5 @@ fn check_fibre(spec: &PaperTensile, fibre: &SingleFibre, violations: &mut Violat
             }
         }
         Err(error) => violations.push(indivisible(spec, &error)),
-    }
-}
-
-/// What to tell of a fibre that has no tube.
-pub(super) fn indivisible(spec: &PaperTensile, error: &FibreError) -> Violation {
-    let detail = error.to_string();
-    let window = |from_um: f64, to_um: f64| format!("{from_um:.4} … {to_um:.4}");
-    match error {
-        FibreError::Inadmissible {
-            given_um,
-            from_um,
-            to_um,
-        } => Violation::new("/model/segment_um", "inadmissible_segment", detail)
-            .value(*given_um)
-            .allowed(window(*from_um, *to_um))
-            .unit("µm"),
-        FibreError::NoWholeNumber {
-            length_um,
-            from_um,
-            to_um,
-        } => Violation::new("/model/segment_um", "no_whole_number_of_segments", detail)
-            .value(*length_um)
-            .allowed(format!(
-                "a whole number of segments of {}; \"robust\" takes any",
-                window(*from_um, *to_um)
-            ))
-            .unit("µm"),
-        FibreError::TooShort { given_um, above_um } => {
-            Violation::new("/model/segment_um", "segment_too_short", detail)
-                .value(*given_um)
-                .allowed(format!("above {above_um:.4}"))
-                .unit("µm")
-        }
-        FibreError::TooBent { at_um, .. } => {
-            Violation::new("/model/segment_um", "turns_too_sharply", detail)
-                .value(*at_um)
-                .allowed("longer segments")
-                .unit("µm")
-        }
-        FibreError::OutOfRange { given, allowed, .. } => {
-            let field = match spec.model.ring {
-                super::Ring::Patent => "/model/ring",
-                super::Ring::Gyration => "/model/points_on_ring",
-            };
-            Violation::new(field, "out_of_range", detail)
-                .value(*given)
-                .allowed(allowed.as_str())
-        }
     }
 }

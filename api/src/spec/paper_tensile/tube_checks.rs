@@ -1,11 +1,13 @@
-//! What the JSON Schema cannot say of sheets of tubes: segments that need no negative spring, lines that rings can follow,
-//! and what tubes do not do.
-use super::checks::{MOST_POINTS, indivisible};
+//! What the JSON Schema cannot say of tubes: segments that need no negative spring, lines that rings can
+//! follow, and what sheets of tubes do not do.
 use super::{BondsAt, ExplicitSheet, PaperTensile, Specimen};
 use crate::fibre::{
     FibreError, OnInadmissible, Window, divide_piece, line_length_um, ring_centres,
 };
 use crate::{Violation, Violations};
+
+/// More points than this are refused.
+pub(super) const MOST_POINTS: usize = 2_000_000;
 
 /// At most this many violations of a list are told.
 const LISTED: usize = 20;
@@ -133,5 +135,53 @@ fn check_lines(spec: &PaperTensile, sheet: &ExplicitSheet, violations: &mut Viol
                 .value("tube")
                 .allowed(format!("at most {MOST_POINTS} points, or beams")),
         );
+    }
+}
+
+/// What to tell of a fibre that has no tube.
+pub(super) fn indivisible(spec: &PaperTensile, error: &FibreError) -> Violation {
+    let detail = error.to_string();
+    let window = |from_um: f64, to_um: f64| format!("{from_um:.4} … {to_um:.4}");
+    match error {
+        FibreError::Inadmissible {
+            given_um,
+            from_um,
+            to_um,
+        } => Violation::new("/model/segment_um", "inadmissible_segment", detail)
+            .value(*given_um)
+            .allowed(window(*from_um, *to_um))
+            .unit("µm"),
+        FibreError::NoWholeNumber {
+            length_um,
+            from_um,
+            to_um,
+        } => Violation::new("/model/segment_um", "no_whole_number_of_segments", detail)
+            .value(*length_um)
+            .allowed(format!(
+                "a whole number of segments of {}; \"robust\" takes any",
+                window(*from_um, *to_um)
+            ))
+            .unit("µm"),
+        FibreError::TooShort { given_um, above_um } => {
+            Violation::new("/model/segment_um", "segment_too_short", detail)
+                .value(*given_um)
+                .allowed(format!("above {above_um:.4}"))
+                .unit("µm")
+        }
+        FibreError::TooBent { at_um, .. } => {
+            Violation::new("/model/segment_um", "turns_too_sharply", detail)
+                .value(*at_um)
+                .allowed("longer segments")
+                .unit("µm")
+        }
+        FibreError::OutOfRange { given, allowed, .. } => {
+            let field = match spec.model.ring {
+                super::Ring::Patent => "/model/ring",
+                super::Ring::Gyration => "/model/points_on_ring",
+            };
+            Violation::new(field, "out_of_range", detail)
+                .value(*given)
+                .allowed(allowed.as_str())
+        }
     }
 }

@@ -55,7 +55,8 @@ impl Finding {
     ///
     /// From coarser grids |f₁ − f₂| / (2ᵖ − 1), p from the third one where the three approach a limit,
     /// else the least; where results wander, of the largest of both steps of all results `beside` that have
-    /// the unit, over their size: one of them can be small by chance, as where a thin fibre comes to fill a cell. From graded grids g the distance |f − g₁| and the error |g₁ − g₂| of that.
+    /// the unit, over their size: one of them can be small by chance, as where a thin fibre comes to fill a
+    /// cell. From graded grids g the distance |f − g₁| and the error |g₁ − g₂| of that.
     pub(super) fn of_grid(
         &self,
         measured: &Measured,
