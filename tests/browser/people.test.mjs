@@ -29,6 +29,9 @@ function submitQuick(page) {
   });
 }
 
+/** From an invitation to a curve that a stranger sees by a link, with all that is looked at here [ms]. */
+const INVITED_UNTIL_SHARED = 60_000;
+
 test("a group shares its jobs, and a stranger sees one by a link", async () => {
   lab.createAdministrator("Ada", PASSWORD);
   // The server follows the command within a second.
@@ -59,6 +62,7 @@ test("a group shares its jobs, and a stranger sees one by a link", async () => {
   );
 
   let link = "";
+  const invited = performance.now();
   await visit(
     invitation.slice(lab.url.length),
     async (page) => {
@@ -102,6 +106,9 @@ test("a group shares its jobs, and a stranger sees one by a link", async () => {
     link.slice(lab.url.length),
     async (page) => {
       await state(page, "succeeded").waitFor();
+      await part(page, "curve-over").waitFor();
+      const took = performance.now() - invited;
+      assert.ok(took < INVITED_UNTIL_SHARED, `${took} ms`);
       assert.ok(!page.url().includes("#"), "the secret leaves the address");
       for (const hidden of ["share", "delete", "rename", "new-job"]) {
         assert.equal(await part(page, hidden).count(), 0, hidden);
