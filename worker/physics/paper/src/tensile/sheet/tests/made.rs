@@ -111,13 +111,13 @@ fn a_sheet_across_the_machine_is_the_sheet_along_it_turned() {
     assert!(record.files.contains_key("along_cd/curve.csv"));
 }
 
-/// Suspends after so many questions.
-struct After(std::sync::atomic::AtomicUsize);
+/// Suspends after so many questions, as a worker does: until it is heard.
+struct After(std::sync::atomic::AtomicIsize);
 
 impl InterruptSource for After {
     fn interrupt(&self) -> Option<Interrupt> {
         let left = self.0.fetch_sub(1, std::sync::atomic::Ordering::Relaxed);
-        (left == 0).then_some(Interrupt::Suspend)
+        (left <= 0).then_some(Interrupt::Suspend)
     }
 }
 
@@ -131,7 +131,7 @@ pub(super) fn goes_on(body: &Value, steps: &[usize]) {
     let (report, whole) = go(body, 1);
     for &steps in steps {
         let mut record = Record::default();
-        let interrupt = After(steps.into());
+        let interrupt = After((steps as isize).into());
         let context = RunContext {
             threads: 1,
             interrupt: &interrupt,
