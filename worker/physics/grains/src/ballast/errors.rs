@@ -22,8 +22,9 @@ impl Tabled for Oedometer {
     const ERRORS: Option<&'static str> = Some(include_str!("errors/ballast_oedometer.json"));
 }
 
+/// Some beds give way far more than others, and errors measured on twelve did not hold for fourteen further ones.
 impl Tabled for BoxTest {
-    const ERRORS: Option<&'static str> = Some(include_str!("errors/ballast_box.json"));
+    const ERRORS: Option<&'static str> = None;
 }
 
 /// A reference of a rail bed takes too long for as many as a table needs.
@@ -32,16 +33,13 @@ impl Tabled for Railbed {
 }
 
 /// Of the first cycle, whatever comes after it. What is left of it may be next to nothing: its error is over
-/// the largest way.
-const RESULTS: [Sized; 5] = [
+/// the largest way. Porosities are not among them: errors measured like these did not hold, see the guide.
+const RESULTS: [Sized; 4] = [
     ("unloading_stiffness", "unloading_stiffness"),
     ("peak_displacement", "peak_displacement"),
     ("residual_displacement", "peak_displacement"),
-    ("initial_porosity", "initial_porosity"),
     ("oedometric_modulus", "oedometric_modulus"),
 ];
-/// The same where the first cycle is the last.
-const OF_THE_END: Sized = ("porosity", "porosity");
 
 /// Densities of rock [kg/m³]: they act with gravity and as the time scale alone.
 const DENSITIES: std::ops::RangeInclusive<f64> = 2400.0..=3000.0;
@@ -87,12 +85,10 @@ pub(super) fn add<A: Tabled>(report: &mut Report, spec: &Ballast<A>) -> Option<S
         [critical_step_fraction, softening, inertial_number]
     };
     let of_preset = |preset: Preset| numbers(Accuracy::Preset(preset).knobs());
-    let mut results = RESULTS.to_vec();
-    results.extend((spec.test.cycles == 1 && spec.test.then.is_empty()).then_some(OF_THE_END));
     let bed = Bed {
         traits: &traits,
         level: bed_errors::level(numbers(spec.accuracy.knobs()), of_preset),
-        results: &results,
+        results: &RESULTS,
     };
     bed_errors::add(report, table, &bed)
 }

@@ -1,5 +1,7 @@
 //! Which tests have errors, and what they are made of. Values are those of the tables times the results.
-use loadframe_api::{ErrorPart, JobSpec, Quantity, Report, Submission, spec::ballast::BallastBox};
+use loadframe_api::{
+    ErrorPart, JobSpec, Quantity, Report, Submission, spec::ballast::BallastOedometer,
+};
 use serde_json::{Value, json};
 
 use super::add;
@@ -7,25 +9,25 @@ use super::add;
 const STIFFNESS: f64 = 2e6;
 const WAY: f64 = -3.0;
 
-/// What is stated of a box test with a change: of stiffness and residual way, and what is said.
+/// What is stated of an oedometer test with a change: of stiffness and residual way, and what is said.
 fn stated(pointer: &str, value: &Value) -> ([Option<Vec<ErrorPart>>; 2], Option<String>) {
-    let mut body = json!({"kind": "ballast_box", "spec": {"version": 1,
-        "grains": {"sizes": {"uniform": {"smallest_radius_m": 0.02, "largest_radius_m": 0.035}}},
-        "materials": {"aggregate": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 4e7,
-            "stiffness_ratio": 0.3, "friction_angle_rad": 0.5}},
-        "preparation": {"compaction": {"time_s": 1.0}},
+    let mut body = json!({"kind": "ballast_oedometer", "spec": {"version": 1,
+        "grains": {"sizes": {"uniform": {"smallest_radius_m": 0.016, "largest_radius_m": 0.031}}},
+        "materials": {"aggregate": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 7e7,
+            "stiffness_ratio": 0.38, "friction_angle_rad": 0.54}},
+        "preparation": {"longest_settling_s": 6},
         "accuracy": "draft",
-        "test": {"smallest_force_n": 100, "peak_force_n": 3000}}});
+        "test": {"smallest_force_n": 100, "peak_force_n": 6100}}});
     let (parent, name) = pointer.rsplit_once('/').expect("a pointer");
     body["spec"].pointer_mut(parent).expect("a place")[name] = value.clone();
     let job = Submission::from_slice(body.to_string().as_bytes());
-    let JobSpec::BallastBox(spec) = job.expect("a valid job").spec else {
+    let JobSpec::BallastOedometer(spec) = job.expect("a valid job").spec else {
         panic!("another kind")
     };
     told(&spec)
 }
 
-fn told(spec: &BallastBox) -> ([Option<Vec<ErrorPart>>; 2], Option<String>) {
+fn told(spec: &BallastOedometer) -> ([Option<Vec<ErrorPart>>; 2], Option<String>) {
     let mut report = Report::default();
     for (name, value) in [
         ("unloading_stiffness", STIFFNESS),
@@ -47,7 +49,8 @@ fn told(spec: &BallastBox) -> ([Option<Vec<ErrorPart>>; 2], Option<String>) {
 
 /// An entry of the table: of a source, at its place among the levels.
 fn tabled(source: &str, level: usize, name: &str) -> f64 {
-    let table: Value = serde_json::from_str(include_str!("ballast_box.json")).expect("a table");
+    let table: Value =
+        serde_json::from_str(include_str!("ballast_oedometer.json")).expect("a table");
     let error = &table["sources"][source][level]["errors"][name];
     error.as_f64().expect("a number")
 }
@@ -77,7 +80,7 @@ fn an_error_has_what_beds_differ_by_and_what_the_preset_is_off() {
 #[test]
 fn knobs_have_the_error_of_the_finest_preset_that_none_of_them_is_coarser_than() {
     let of = |accuracy: Value| stated("/accuracy", &accuracy).0;
-    // a bed of 40 MPa is softened by no preset
+    // a bed of 70 MPa is softened by no preset
     let knobs = json!({"critical_step_fraction": 0.3, "inertial_number": 4e-4});
     assert_eq!(of(knobs), of(json!("standard")));
     let knobs = json!({"critical_step_fraction": 0.3, "inertial_number": 6e-4});
@@ -101,7 +104,7 @@ fn what_was_not_measured_has_no_error_and_says_why() {
         ("/laws", json!({"local_damping": 0.1}), "laws and walls"),
         (
             "/apparatus",
-            json!({"height_below_m": 0.25}),
+            json!({"height_m": 0.25}),
             "apparatus as it is",
         ),
         (
@@ -114,7 +117,7 @@ fn what_was_not_measured_has_no_error_and_says_why() {
             json!(1e12),
             "youngs_modulus_pa is",
         ),
-        ("/test/peak_force_n", json!(1e5), "stress_over_modulus is"),
+        ("/test/peak_force_n", json!(1e6), "stress_over_modulus is"),
     ] {
         let (parts, words) = stated(pointer, &value);
         assert_eq!(parts, [None, None], "{pointer}");
