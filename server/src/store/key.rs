@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 
+use super::database::Row;
 use super::error::{Result, StoreError};
 
 /// What a job is sorted by: a number, else a text; neither comes last. Among equals the order is that of
@@ -16,6 +17,18 @@ pub(super) struct Key {
 }
 
 impl Key {
+    /// Those of rows that are a job's number, a number, and a text.
+    pub(super) fn all(rows: Vec<Row>) -> Result<Vec<Self>> {
+        let key = |row: Row| {
+            Ok(Self {
+                number: row.get(1)?,
+                text: row.get(2)?,
+                seq: row.get(0)?,
+            })
+        };
+        rows.into_iter().map(key).collect()
+    }
+
     pub(super) fn compare(&self, other: &Self, is_falling: bool) -> Ordering {
         let rank = |key: &Self| match (&key.number, &key.text) {
             (Some(_), _) => 0,

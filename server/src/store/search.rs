@@ -212,14 +212,7 @@ impl Store {
         // in the order of the numbers, which fall
         query.push(" ORDER BY n.key");
         let rows: Vec<Row> = query.build().fetch_all(self.reads()).await?;
-        let key = |row: Row| {
-            Ok(Key {
-                number: row.get(1)?,
-                text: row.get(2)?,
-                seq: row.get(0)?,
-            })
-        };
-        rows.into_iter().map(key).collect()
+        Key::all(rows)
     }
 
     /// These jobs, in this order.

@@ -7,7 +7,7 @@
 //! and then gives what it has found and the place to go on from, and says so.
 use loadframe_api::{JobView, Page};
 
-use super::super::database::{Builder, Connection, Row};
+use super::super::database::{Builder, Connection};
 use super::super::error::Result;
 use super::super::key::Key;
 use super::super::list::{LONGEST_PAGE, Walk as JobWalk, Words, is_few, number_of, page_of};
@@ -79,7 +79,7 @@ impl Store {
                 let source = list.source(few, &words, of);
                 let query = list.gathered(source, few, &words, after.as_ref(), limit + 1);
                 let rows = query.build().fetch_all(&mut connection).await?;
-                (keys(rows)?, None)
+                (Key::all(rows)?, None)
             }
             (None, Some(walk)) => {
                 list.walked(walk, &words, after, limit + 1, &mut connection)
@@ -300,7 +300,7 @@ impl KeptList<'_> {
                 let source = self.step(walk, part, after.as_ref(), step);
                 let query = self.passing(walk, part, &source, words, wanted);
                 let rows = query.build().fetch_all(&mut *connection).await?;
-                found.extend(keys(rows)?);
+                found.extend(Key::all(rows)?);
                 if found.len() >= limit as usize {
                     return Ok((found, None));
                 }
@@ -462,7 +462,7 @@ async fn last_of(
     push_order(&mut query, walk, part);
     query.push(" LIMIT 1 OFFSET ");
     query.push_bind(i64::try_from(entries - 1).unwrap_or(i64::MAX));
-    Ok(keys(query.build().fetch_all(connection).await?)?.pop())
+    Ok(Key::all(query.build().fetch_all(connection).await?)?.pop())
 }
 
 /// The order of a step's entries.
@@ -511,15 +511,4 @@ pub(in super::super) fn push_condition(
             query.push_bind(text.clone());
         }
     }
-}
-
-fn keys(rows: Vec<Row>) -> Result<Vec<Key>> {
-    let key = |row: Row| {
-        Ok(Key {
-            number: row.get(1)?,
-            text: row.get(2)?,
-            seq: row.get(0)?,
-        })
-    };
-    rows.into_iter().map(key).collect()
 }
