@@ -5,6 +5,8 @@
 //! filter or one of the conditions ([`Looks::few`]), these are looked at, all at once. Else an index is walked: that of what is
 //! sorted by, or of a value that is asked for, or the jobs themselves. A walk looks at [`Looks::walked`] jobs
 //! and then gives what it has found and the place to go on from, and says so.
+//!
+//! One file, long as it is: the steps of a walk and where it ends are only right together.
 use loadframe_api::{JobView, Page};
 
 use super::super::database::{Builder, Connection};
@@ -13,6 +15,7 @@ use super::super::key::Key;
 use super::super::list::{LONGEST_PAGE, Walk as JobWalk, Words, is_few, number_of, page_of};
 use super::super::pointer::{Comparison, Condition, Operand};
 use super::super::{JobFilter, Looks, Store};
+use super::condition::push_condition;
 
 /// Jobs of a walk's first step, where not all of them are found; each further one has four times as many.
 const FIRST_STEP: u64 = 1_000;
@@ -481,34 +484,5 @@ fn directions(is_falling: bool) -> [&'static str; 2] {
     match is_falling {
         true => ["DESC", "<"],
         false => ["ASC", ">"],
-    }
-}
-
-/// That a kept value, by this name in the statement, is one of the field that the condition holds for.
-pub(in super::super) fn push_condition(
-    query: &mut Builder,
-    name: &str,
-    field: i64,
-    condition: &Condition,
-) {
-    let sign = condition.comparison.sql();
-    query.push(format!("{name}.field = ")).push_bind(field);
-    match &condition.operand {
-        Operand::Number(number) => {
-            query.push(format!(
-                " AND {name}.is_truth = 0 AND {name}.number {sign} "
-            ));
-            query.push_bind(*number);
-        }
-        Operand::Truth(truth) => {
-            query.push(format!(
-                " AND {name}.is_truth = 1 AND {name}.number {sign} "
-            ));
-            query.push_bind(f64::from(u8::from(*truth)));
-        }
-        Operand::Text(text) => {
-            query.push(format!(" AND {name}.text {sign} "));
-            query.push_bind(text.clone());
-        }
     }
 }

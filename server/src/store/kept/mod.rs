@@ -4,6 +4,7 @@
 //! reads the specs of the newest jobs ([`super::search`]) and asks for the field to be kept. From then on
 //! triggers keep it of every new spec and result; of the jobs before, some at a time are filled in, from the
 //! newest on, by a duty beside all other work. Lists by fields that are kept of all jobs: [`lists`].
+pub(super) mod condition;
 pub(super) mod lists;
 
 use std::time::Duration;
