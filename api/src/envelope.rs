@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use serde_json::value::RawValue;
 
+use crate::calibration::{Calibration, Estimate};
 use crate::earlier::Earlier;
 use crate::json::{parse, typed};
 use crate::kind_schemas::spec_violations;
@@ -75,6 +76,11 @@ impl Submission {
     /// Every violation found, with pointers into the whole body.
     pub fn from_slice(body: &[u8]) -> Result<Self, SubmissionError> {
         Self::from_slice_after(body, &Earlier::default())
+    }
+
+    /// What the job will take, also on the threads that it asks for.
+    pub fn estimate(&self, calibration: &Calibration) -> Estimate {
+        self.spec.estimate(calibration).on_threads(self.threads)
     }
 
     /// Reads and checks a submission that may refer to results of `earlier` jobs.

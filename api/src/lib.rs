@@ -47,7 +47,7 @@ mod words;
 pub mod worker;
 
 pub use accuracy::{Accuracy, Preset};
-pub use calibration::{Calibration, Estimate};
+pub use calibration::{Calibration, Estimate, Sharing};
 pub use changes::JobChanges;
 pub use digest::sha256_hex;
 pub use disjoint_sets::DisjointSets;

@@ -129,6 +129,8 @@ mod tests {
             memory_mb: 80.0,
             disk_mb: 0.1,
             calibrated: true,
+            threads_wall_s: None,
+            sharing: crate::Sharing::ALONE,
         };
         let limits = JobLimits::beyond(&estimate, OVERRUN_FACTOR);
         // 10 · 3600 s and 10 · 80 MB; 1 MB of files is less than the 100 that are free
@@ -158,6 +160,8 @@ mod tests {
             memory_mb: 35_000.0,
             disk_mb: 1.0,
             calibrated: false,
+            threads_wall_s: None,
+            sharing: crate::Sharing::ALONE,
         };
         assert_eq!(Limits::NONE.exceeded(&estimate), []);
         let limits = Limits {

@@ -2,7 +2,7 @@
 use loadframe_api::{AttemptEnd, JobOutcome, JobStatus, JobView, ReasonCode};
 use loadframe_tests::{SLOW, Server, TINY, Worker, is_sound, until, with_seed};
 use nix::sys::signal::Signal;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 use uuid::Uuid;
 
@@ -92,6 +92,34 @@ fn while_running_it_frees_the_worker_in_time() {
             (server.client.job(next).status == JobStatus::Finished).then_some(())
         });
     }
+}
+
+/// What factorises a large system of equations hears nothing meanwhile.
+#[test]
+fn while_the_engine_is_deaf_it_ends_in_time_and_the_worker_goes_on() {
+    let server = Server::start_with(&["--lease-s", "2", "--limit-wall-s", "1e11"]);
+    let _worker = Worker::start(&server, "worker");
+    let text = include_str!("../../api/examples/composite_bending.json");
+    let mut body: Value = serde_json::from_str(text).expect("JSON");
+    body["spec"]["grid"]["cells"] = json!([800, 800]);
+    // while it is built, while it is factorised, and whatever a slower machine is at by then
+    for wait_s in [0.3, 2.0, 5.0] {
+        let id = server.client.submit(&body);
+        until("the worker has the job", || {
+            (server.client.job(id).status == JobStatus::Running).then_some(())
+        });
+        std::thread::sleep(Duration::from_secs_f64(wait_s));
+        let begin = Instant::now();
+        cancel(&server, id);
+        let job = ends_cancelled(&server, id);
+        let ended_after = begin.elapsed();
+        assert!(ended_after < FREE_WITHIN, "{ended_after:?}: {job:#?}");
+        assert_eq!(job.attempts[0].end_reason, Some(AttemptEnd::Cancelled));
+    }
+    let next = server.client.submit(&with_seed(TINY, 1));
+    until("the next job is done", || {
+        (server.client.job(next).outcome == Some(JobOutcome::Succeeded)).then_some(())
+    });
 }
 
 #[test]

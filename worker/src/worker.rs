@@ -56,7 +56,7 @@ pub enum WorkerEnd {
     Stopped,
     /// Its time was over, or too little of it left for another job.
     TimeOver,
-    /// No job came.
+    /// No job came for as long as it was to wait, or in all its time.
     Idle,
 }
 
@@ -151,14 +151,16 @@ impl Worker {
             server = self.context.server.address(), calibration = ?self.claim.calibration, "ready");
         let mut idle_since = Instant::now();
         let mut away_pause = None;
+        let mut has_worked = false;
         while !shutdown.is_cancelled() {
             if self.is_too_late() {
-                return Ok(WorkerEnd::TimeOver);
+                return Ok(self.time_over(has_worked));
             }
             match self.claim().await {
                 Ok(Some((lease, direct_from))) => {
                     tracing::info!(job = %lease.job_id, attempt = lease.attempt, kind = %lease.kind, "claimed");
                     let job_id = lease.job_id;
+                    has_worked = true;
                     match self.context.carry_out(lease, direct_from).await {
                         Ok(()) => tracing::info!(job = %job_id, "lease ended"),
                         Err(error) => {
@@ -191,9 +193,19 @@ impl Worker {
             }
         }
         Ok(match is_over.is_cancelled() {
-            true => WorkerEnd::TimeOver,
+            true => self.time_over(has_worked),
             false => WorkerEnd::Stopped,
         })
+    }
+
+    /// What the end of its time is called. One that was to end when idle and had nothing to do in all its time
+    /// is: were it run again because its time was over, and its time is shorter than it may be idle, it would
+    /// be run again for ever.
+    fn time_over(&self, has_worked: bool) -> WorkerEnd {
+        match has_worked || self.exit_when_idle.is_none() {
+            true => WorkerEnd::TimeOver,
+            false => WorkerEnd::Idle,
+        }
     }
 
     /// Time until it ends, `None` when it goes on for ever.

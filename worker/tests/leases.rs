@@ -91,6 +91,14 @@ impl Lab {
     }
 
     fn worker(&self) -> (CancellationToken, JoinHandle<WorkerEnd>) {
+        self.worker_ending(None, None)
+    }
+
+    fn worker_ending(
+        &self,
+        exit_when_idle: Option<Duration>,
+        max_runtime: Option<Duration>,
+    ) -> (CancellationToken, JoinHandle<WorkerEnd>) {
         let options = WorkerOptions {
             engine: ENGINE,
             server: self.client.clone(),
@@ -99,8 +107,8 @@ impl Lab {
             threads: 1,
             scratch: self.folder.path().join("scratch"),
             checkpoint_every: Duration::from_millis(200),
-            exit_when_idle: None,
-            max_runtime: None,
+            exit_when_idle,
+            max_runtime,
             server_away: NEVER,
             memory_mb: None,
         };
@@ -224,6 +232,21 @@ async fn a_job_is_claimed_carried_out_and_completed() {
     );
     shutdown.cancel();
     assert_eq!(worker.await.expect("no panic"), WorkerEnd::Stopped);
+}
+
+/// In a batch script that is run again when its worker's time was over.
+#[tokio::test(flavor = "multi_thread")]
+async fn one_without_a_job_in_all_its_time_is_idle_where_it_may_end() {
+    let lab = Lab::open().await;
+    let time = Some(Duration::from_millis(600));
+    for (idle, end) in [(None, WorkerEnd::TimeOver), (Some(NEVER), WorkerEnd::Idle)] {
+        let (_shutdown, worker) = lab.worker_ending(idle, time);
+        assert_eq!(worker.await.expect("it works"), end, "{idle:?}");
+    }
+    let job = lab.post("/v1/jobs", &long_job()).await;
+    let (_shutdown, worker) = lab.worker_ending(Some(NEVER), time);
+    assert_eq!(worker.await.expect("it works"), WorkerEnd::TimeOver);
+    lab.until(&job, |job| job.status == JobStatus::Queued).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -157,6 +157,8 @@ mod tests {
         memory_mb: 10.0,
         disk_mb: 500.0,
         calibrated: true,
+        threads_wall_s: None,
+        sharing: crate::Sharing::ALONE,
     };
 
     #[test]

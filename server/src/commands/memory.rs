@@ -58,6 +58,8 @@ mod tests {
             memory_mb,
             disk_mb: 1e12,
             calibrated: false,
+            threads_wall_s: None,
+            sharing: loadframe_api::Sharing::ALONE,
         }
     }
 

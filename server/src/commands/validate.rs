@@ -31,7 +31,7 @@ pub(crate) fn perform(arguments: &Arguments) -> Result<(), Failure> {
     };
     // a spec is checked in a moment, so a moment more is spent on an estimate that holds here
     let calibration = calibrate();
-    let estimate = submission.spec.estimate(&calibration.unwrap_or_default());
+    let estimate = submission.estimate(&calibration.unwrap_or_default());
     if arguments.json {
         let spec: Value = serde_json::from_str(&submission.spec.to_json()).unwrap_or_default();
         return print_json(&json!({"valid": true, "spec": spec,
@@ -42,8 +42,11 @@ pub(crate) fn perform(arguments: &Arguments) -> Result<(), Failure> {
         submission.name,
         submission.spec.kind()
     ));
+    let on_threads = (estimate.threads_wall_s.zip(submission.threads))
+        .map(|(time, threads)| format!(", {} on {threads}", span(time)))
+        .unwrap_or_default();
     print_line(&format!(
-        "About {} on one core{}, {} of memory, {} of files.",
+        "About {} on one core{}{on_threads}, {} of memory, {} of files.",
         span(estimate.wall_s),
         if calibration.is_some() {
             " of this machine"

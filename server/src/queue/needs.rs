@@ -60,7 +60,7 @@ impl Needs {
         version: &str,
     ) -> Self {
         let slowness = speed.bond_evaluations_per_s / Calibration::default().bond_evaluations_per_s;
-        let whole = estimate.wall_s * slowness;
+        let whole = estimate.threads_wall_s.unwrap_or(estimate.wall_s) * slowness;
         let in_one_go = if kind.is_resumable() {
             whole.min(CHECKPOINTS_APART_S)
         } else {
@@ -151,12 +151,15 @@ pub fn version(release: u32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use loadframe_api::Sharing;
 
     const ESTIMATE: Estimate = Estimate {
         wall_s: 7200.0,
         memory_mb: 14_321.0,
         disk_mb: 3.0,
         calibrated: true,
+        threads_wall_s: None,
+        sharing: Sharing::ALONE,
     };
 
     fn offer() -> Offer {

@@ -119,7 +119,7 @@ impl CheckedSubmission {
         let speed = measured.unwrap_or_default();
         let estimate = Estimate {
             calibrated: measured.is_some(),
-            ..submission.spec.estimate(&speed)
+            ..submission.estimate(&speed)
         };
         let (kind, threads) = (submission.spec.kind(), submission.threads);
         Self {

@@ -1,6 +1,6 @@
 //! What a study tests.
 use indexmap::IndexMap;
-use loadframe_api::{Calibration, Estimate, JobSpec};
+use loadframe_api::{Calibration, Estimate, JobSpec, Sharing};
 
 /// The settings of a study, equal ones once, each with the same seeds.
 #[derive(Clone, Debug)]
@@ -60,6 +60,8 @@ impl Settings {
             // a test of a study writes no files of its own
             disk_mb: 0.0,
             calibrated: false,
+            threads_wall_s: None,
+            sharing: Sharing::ALONE,
         };
         let seeds = self.seeds.len() as f64;
         let side_by_side = threads.clamp(1, self.tests().max(1)) as f64;

@@ -2,7 +2,7 @@
 use super::{Calibrate, Template, checks};
 use crate::results::Named;
 use crate::spec_trait::{Spec, Studied};
-use crate::{Calibration, Estimate, Extent, Violations, study::Knob};
+use crate::{Calibration, Estimate, Extent, Sharing, Violations, study::Knob};
 
 /// Megabytes a trial leaves in memory and files, besides its results.
 const TRIAL_MB: f64 = 1e-3;
@@ -45,6 +45,11 @@ impl Spec for Calibrate {
             memory_mb: inner.map_or(0.0, |inner| inner.memory_mb) + kept,
             disk_mb: 1.0 + kept,
             calibrated: false,
+            threads_wall_s: None,
+            sharing: Sharing {
+                tests: f64::from(self.realisations) * (1.0 + self.free.len() as f64),
+                within: 0.0,
+            },
         }
     }
 

@@ -9,7 +9,7 @@ use super::lowest::lowest_per_s;
 use super::{CompositeBending, Geometry, MOTION_RESIDUAL, Material, Ply, Solver, Way};
 use crate::section::settling::steps_to_rest;
 use crate::section::solving::is_factored;
-use crate::{Calibration, Estimate};
+use crate::{Calibration, Estimate, Sharing};
 
 /// One particle in a solution of the equations of 10 000 particles, and the power of the number of
 /// particles with which that grows.
@@ -21,6 +21,10 @@ const REST_PBD: f64 = 800.0;
 const REST_XPBD: f64 = 75.0;
 /// One particle in a time step.
 const STEP: f64 = 2.5;
+/// Particles from which threads share the motion, and the share of the time that they divide (the guide's
+/// table `threads`).
+const SHARED_FROM: f64 = 20_000.0;
+const SHARED: f64 = 0.7;
 /// The automatic time step over the time a wave takes through a cell.
 const STEP_OVER_CROSSING: f64 = 0.5;
 /// Rounds of contact and of Newton's method in a step of the load.
@@ -123,6 +127,14 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
             0.0
         },
         calibrated: false,
+        threads_wall_s: None,
+        sharing: Sharing {
+            tests: 1.0,
+            within: match knobs.solver {
+                Solver::Verlet if particles >= SHARED_FROM => SHARED,
+                _ => 0.0,
+            },
+        },
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a unit cell takes: cells of its grid, iterations, and repeats over measured speed.
 use super::CompositeCell;
-use crate::{Calibration, Estimate};
+use crate::{Calibration, Estimate, Sharing};
 
 /// Work of a cell of the grid in all load cases, in evaluations of one bond of the calibrating
 /// fabric, with the contrast of carbon in epoxy.
@@ -28,5 +28,10 @@ pub(super) fn estimate(spec: &CompositeCell, calibration: &Calibration) -> Estim
             0.0
         },
         calibrated: false,
+        threads_wall_s: None,
+        sharing: Sharing {
+            tests: f64::from(spec.repeats),
+            within: 0.0,
+        },
     }
 }

@@ -1,12 +1,16 @@
 //! What a granular scene takes: particle steps over measured speed.
 use super::{Body, Grain, GranularScene, Insert, LARGEST_WAY, Stage, TimeStep};
-use crate::{Calibration, Estimate};
+use crate::{Calibration, Estimate, Sharing};
 
 /// Particle steps in the time of one evaluation of a bond of the calibrating fabric. A step of a
 /// sphere in a dense bed with friction is worth about 13 such evaluations.
 const PARTICLE_STEPS_PER_BOND_EVALUATION: f64 = 1.0 / 13.0;
 /// A member of a clump touches fewer others than a sphere does: its cost over that of a sphere.
 const MEMBER: f64 = 0.4;
+/// Particles from which threads gain anything by sharing a scene, and the share of its time that they divide
+/// (the guide's table `threads`).
+const SHARED_FROM: f64 = 3_000.0;
+const SHARED: f64 = 0.75;
 /// Automatic step of spheres with several contacts over that with one. Measured in beds: 0.5 under
 /// load to 0.9 in a loose heap.
 const PACKED: f64 = 0.6;
@@ -201,5 +205,10 @@ pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estim
             + places * PLACE_MB,
         disk_mb: tables + snapshots * particles * SNAPSHOT_MB_PER_PARTICLE,
         calibrated: false,
+        threads_wall_s: None,
+        sharing: Sharing {
+            tests: 1.0,
+            within: if particles < SHARED_FROM { 0.0 } else { SHARED },
+        },
     }
 }

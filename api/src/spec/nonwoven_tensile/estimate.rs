@@ -7,7 +7,7 @@
 //! present one, up to 2.7 million bonds and 20 layers. There is no theory behind this beyond the
 //! powers that one expects: longer waves in larger networks, more digits for a tighter limit.
 use super::{Breaking, DescentGradient, Fabric, Jaws, Lattice, NonwovenTensile, Solver, Target};
-use crate::{Calibration, Estimate};
+use crate::{Calibration, Estimate, Sharing};
 
 /// Relaxations take longer per evaluation than the solver that calibrates: they visit bonds node
 /// by node, in double precision and one at a time.
@@ -34,6 +34,10 @@ const CALIBRATED_ROW: f64 = 49.0;
 /// Bonds in a row of a network that is given, at most: they are gathered.
 const GATHERED_ROW: f64 = 8.0;
 const STEP_MB: f64 = 250e-6;
+/// Nodes from which threads gain anything by sharing one specimen, and the share of the time that they divide:
+/// of 300 000 nodes (the guide's table `threads`).
+const SHARED_FROM: f64 = 1e5;
+const SHARED: f64 = 0.6;
 /// What a step on a way that was gone before takes, over a step of the first pull.
 const LATER_STEP: f64 = 0.5;
 /// Strain and force of a step, and the results of one test, where there are repeats [MB].
@@ -162,6 +166,15 @@ pub(super) fn estimate(spec: &NonwovenTensile, calibration: &Calibration) -> Est
             * (steps * STEP_MB + bonds * (EVENT_MB + SNAPSHOT_MB_PER_BOND * snapshots))
             + curves,
         calibrated: false,
+        threads_wall_s: None,
+        sharing: Sharing {
+            tests,
+            within: if (spec.fabric.nodes() as f64) < SHARED_FROM {
+                0.0
+            } else {
+                SHARED
+            },
+        },
     }
 }
 

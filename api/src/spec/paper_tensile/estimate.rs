@@ -5,7 +5,7 @@ use super::expected::{
 };
 use super::{BondsAt, Level, PaperTensile, SingleFibre, SingleFibreLoad, Specimen};
 use crate::fibre::divide;
-use crate::{Calibration, Estimate, Extent};
+use crate::{Calibration, Estimate, Extent, Sharing};
 
 /// One entry of a block of two rings in a factor, in evaluations of one bond, and the constants of
 /// the fibre, which are measured on 40 segments.
@@ -175,6 +175,12 @@ fn of_sheet(
             events * EVENT_MB
         },
         calibrated: false,
+        threads_wall_s: None,
+        sharing: Sharing {
+            tests: repeats,
+            // iterations are shared, and sheets that were measured gained nothing by it
+            within: 0.0,
+        },
     }
 }
 
@@ -216,5 +222,7 @@ fn of_fibre(spec: &PaperTensile, fibre: &SingleFibre, calibration: &Calibration)
         memory_mb: PROCESS_MB + 2.0 * rings * (3.0 * points_on_ring).powi(2) * ENTRY_MB,
         disk_mb: pictures * rings * points_on_ring * POINT_MB,
         calibrated: false,
+        threads_wall_s: None,
+        sharing: Sharing::ALONE,
     }
 }

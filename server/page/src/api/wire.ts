@@ -2742,6 +2742,11 @@ export interface components {
             wall_s: number;
             /**
              * Format: double
+             * @description Wall time on the threads that the submission asks for [s]; absent where it asks for one or for none.
+             */
+            threads_wall_s?: number;
+            /**
+             * Format: double
              * @description Peak memory [MB].
              */
             memory_mb: number;
