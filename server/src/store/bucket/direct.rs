@@ -99,7 +99,7 @@ impl Bucket {
         let key = self.arriving(lease, sha256);
         let parts = parts.into_iter().map(|content_id| PartId { content_id });
         let id = upload.to_owned();
-        let completed = self.store.complete_multipart(&key, &id, parts.collect());
+        let completed = self.patient.complete_multipart(&key, &id, parts.collect());
         // it may have been completed before, by a message whose answer was lost
         let completed = completed.await;
         let found = match self.hash_of(&key).await? {
@@ -130,7 +130,7 @@ impl Bucket {
     /// Nobody can change the object any more: its upload is over, and no address for it was ever signed.
     async fn move_to_place(&self, key: &Path, sha256: &str, bytes: u64) -> Result<Option<Found>> {
         let copy = if bytes <= COPIED_AT_ONCE {
-            let copied = self.store.copy(key, &self.place(sha256)).await;
+            let copied = self.patient.copy(key, &self.place(sha256)).await;
             copied.map_err(self.failed())?;
             self.look(sha256).await?
         } else {

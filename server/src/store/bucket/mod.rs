@@ -44,6 +44,8 @@ const AT_ONCE: usize = 16 << 20;
 /// How long the bucket's server may take to be connected to, and may be silent within an answer.
 const CONNECT: Duration = Duration::from_secs(5);
 const SILENCE: Duration = Duration::from_secs(30);
+/// The same where it puts a large object together or copies one: S3's documentation speaks of several minutes.
+const LONG_SILENCE: Duration = Duration::from_secs(300);
 /// How often, and how long, a request that failed by the other side's fault is repeated.
 const TRIES: usize = 6;
 const TRYING: Duration = Duration::from_secs(30);
@@ -55,6 +57,8 @@ const LISTED_TIMES: usize = 3;
 #[derive(Clone, Debug)]
 pub(super) struct Bucket {
     store: AmazonS3,
+    /// As `store`, for what a bucket may think about for long.
+    patient: AmazonS3,
     /// For what the crate does not ask: see [`unfinished`].
     http: reqwest::Client,
     prefix: Path,
@@ -76,15 +80,16 @@ impl Bucket {
     pub(super) fn open(settings: &BucketSettings) -> Result<Self> {
         // a second installation finds the first
         let _ = rustls::crypto::ring::default_provider().install_default();
-        let client = ClientOptions::new()
-            .with_connect_timeout(CONNECT)
-            .with_read_timeout(SILENCE)
-            .with_timeout_disabled()
-            .with_allow_http(true);
+        let client = |silence| {
+            ClientOptions::new()
+                .with_connect_timeout(CONNECT)
+                .with_read_timeout(silence)
+                .with_timeout_disabled()
+                .with_allow_http(true)
+        };
         let mut builder = AmazonS3Builder::new()
             .with_bucket_name(&settings.bucket)
             .with_region(&settings.region)
-            .with_client_options(client)
             .with_retry(RetryConfig {
                 max_retries: TRIES,
                 retry_timeout: TRYING,
@@ -101,16 +106,19 @@ impl Bucket {
                 builder = builder.with_token(token);
             }
         }
-        let store = builder
-            .build()
-            .map_err(|error| StoreError::Invalid(format!("{settings}: {error}")))?;
+        let build = |silence| {
+            let builder = builder.clone().with_client_options(client(silence));
+            let built = builder.build();
+            built.map_err(|error| StoreError::Invalid(format!("{settings}: {error}")))
+        };
         let http = reqwest::Client::builder()
             .connect_timeout(CONNECT)
             .read_timeout(SILENCE)
             .build()
             .map_err(|error| StoreError::Invalid(format!("{settings}: {error}")))?;
         Ok(Self {
-            store,
+            store: build(SILENCE)?,
+            patient: build(LONG_SILENCE)?,
             http,
             prefix: Path::from(settings.prefix.as_str()),
             settings: settings.clone(),
@@ -149,7 +157,12 @@ impl Bucket {
     ) -> Result<()> {
         let unreadable = |error| StoreError::file(file)(error);
         let mut source = File::open(file).await.map_err(unreadable)?;
-        let sent = self.send(&mut source, sha256, unreadable).await?;
+        let store = if bytes > AT_ONCE as u64 {
+            &self.patient
+        } else {
+            &self.store
+        };
+        let sent = self.send(store, &mut source, sha256, unreadable).await?;
         if sent == bytes {
             Ok(())
         } else {
@@ -160,13 +173,14 @@ impl Bucket {
     /// Sends what `source` gives to the place of `sha256`; tells how many bytes that was.
     async fn send(
         &self,
+        store: &AmazonS3,
         source: &mut (impl AsyncRead + Unpin),
         sha256: &str,
         unreadable: impl Fn(std::io::Error) -> StoreError,
     ) -> Result<u64> {
         let place = self.place(sha256);
         // up to so many bytes it is one put, and in parts beyond; what fails is aborted
-        let mut writer = BufWriter::with_capacity(Arc::new(self.store.clone()), place, AT_ONCE)
+        let mut writer = BufWriter::with_capacity(Arc::new(store.clone()), place, AT_ONCE)
             .with_max_concurrency(2);
         let mut chunk = vec![0; CHUNK];
         let mut sent = 0;
@@ -203,7 +217,9 @@ impl Bucket {
         let chunks = got.into_stream().map_err(std::io::Error::other);
         let mut reader = tokio_util::io::StreamReader::new(chunks.boxed());
         let unread = |error| self.failed()(generic(error));
-        self.send(&mut reader, sha256, unread).await.map(|_| ())
+        self.send(&self.patient, &mut reader, sha256, unread)
+            .await
+            .map(|_| ())
     }
 
     /// What the bucket tells of a stored object; `None` when there is none.
