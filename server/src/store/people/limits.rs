@@ -79,8 +79,19 @@ fn told(limits: &PersonLimits) -> String {
     )
 }
 
+async fn limits(connection: &mut Connection, person: Uuid) -> Result<PersonLimits> {
+    Ok(PersonRow::of(connection, person).await?.view()?.limits)
+}
+
 async fn allowance(connection: &mut Connection, person: Uuid, now: i64) -> Result<Allowance> {
-    let limits = PersonRow::of(connection, person).await?.view()?.limits;
+    let limits = limits(connection, person).await?;
+    Ok(Allowance::of(
+        limits,
+        used_by(connection, person, now).await?,
+    ))
+}
+
+async fn used_by(connection: &mut Connection, person: Uuid, now: i64) -> Result<PersonUse> {
     let (level, bytes, queued_ms, running): (Option<f64>, i64, i64, u32) = query_as(
         "SELECT p.use_level, p.file_bytes,
             (SELECT CAST(COALESCE(SUM(core_ms), 0) AS BIGINT) FROM waiting_lines WHERE owner = p.id),
@@ -91,13 +102,12 @@ async fn allowance(connection: &mut Connection, person: Uuid, now: i64) -> Resul
     .bind(person)
     .fetch_one(connection)
     .await?;
-    let use_now = PersonUse {
+    Ok(PersonUse {
         running,
         queued_core_h: queued_ms as f64 / 3.6e6,
         disk_gb: bytes as f64 / 1e9,
         recent_core_h: used(level, now) / 3600.0,
-    };
-    Ok(Allowance::of(limits, use_now))
+    })
 }
 
 impl Change {
@@ -111,7 +121,14 @@ impl Change {
             return Ok(());
         };
         let now = self.now.as_millis();
-        let allowance = allowance(&mut self.connection, person, now).await?;
+        let limits = limits(&mut self.connection, person).await?;
+        // most people have none, and every submission waits here
+        let used = if limits.has_any() {
+            used_by(&mut self.connection, person, now).await?
+        } else {
+            PersonUse::default()
+        };
+        let allowance = Allowance::of(limits, used);
         let violations = allowance.violations(priority, estimate);
         if !violations.is_empty() {
             return Err(StoreError::Refused(violations));
