@@ -1,8 +1,8 @@
 //! Where the nodes are expected after the jaw moved.
 use super::state::Increment;
-use crate::{Hold, Network, Vector, load_path::Part};
+use crate::{Network, Vector, boundary::free_part, load_path::Part};
 
-/// A move of the top jaw.
+/// A move of the top jaw, whose way is the load parameter.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct JawMove {
     /// Displacement of the jaw before and after [mm].
@@ -42,7 +42,7 @@ impl JawMove {
         self.apply(network, parts, displacements, share)
     }
 
-    /// Moves the jaw and what hangs on it, and every loaded free node by `share`.
+    /// Moves the jaw and what is held, what hangs on one of these, and every loaded free node by `share`.
     fn apply(
         &self,
         network: &Network,
@@ -50,14 +50,19 @@ impl JawMove {
         displacements: &[Vector],
         share: impl Fn(usize) -> Vector,
     ) -> Vec<Vector> {
-        let moved =
-            |(node, displacement): (usize, &Vector)| match (network.holds[node], parts[node]) {
-                // set, not accumulated: the jaw is exactly where the nominal strain puts it
-                (Hold::Top, _) => Vector::new(0.0, self.to, 0.0),
-                (_, Part::Loaded) => displacement + share(node),
-                (_, Part::WithTop) => displacement + Vector::new(0.0, self.to - self.from, 0.0),
-                (_, Part::AtRest) => *displacement,
+        let way = self.to - self.from;
+        let moved = |(node, displacement): (usize, &Vector)| {
+            let moved = match parts[node] {
+                Part::Loaded => displacement + share(node),
+                Part::With(set) => displacement + network.sets[usize::from(set)].displacement(way),
+                Part::AtRest => *displacement,
             };
+            match network.set_of(node as u32) {
+                // set, not accumulated: what is held is exactly where the nominal strain puts it
+                Some(set) => free_part(set.held(), &moved) + set.displacement(self.to),
+                None => moved,
+            }
+        };
         displacements.iter().enumerate().map(moved).collect()
     }
 }
