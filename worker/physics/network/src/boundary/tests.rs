@@ -229,6 +229,30 @@ fn a_guide_takes_what_pulls_aside_and_nothing_else() -> Result<(), SimulationErr
 }
 
 #[test]
+fn what_is_drawn_aside_and_out_of_the_plane_pulls_along_the_chain() -> Result<(), SimulationError> {
+    // bars of 2 and 4 N, 1 mm each, in series; the far end goes along all axes
+    let nodes = [
+        ([0.0, 0.0], Some(BOTTOM)),
+        ([0.0, 1.0], None),
+        ([0.0, 2.0], Some(2)),
+    ];
+    let bonds = [([0, 1], 2.0), ([1, 2], 4.0)];
+    let ways = [0.5, 1.0, 0.25];
+    let network = network(&nodes, &bonds, [set("far", ways.map(Some))]);
+    let load = 0.4;
+    let chain = Vector::new(0.0, 2.0, 0.0) + Vector::from(ways) * load;
+    // T = 2 e = 4 f of the strains e and f of the bars, which add up to the elongation
+    let tension = (chain.norm() - 2.0) * 8.0 / 6.0;
+    for (method, limit) in ALL {
+        let (assembly, settled) = at(&network, load, (method, limit))?;
+        let forces = balanced(&assembly, &settled, limit);
+        let expected = -tension * chain.normalize();
+        assert!((forces[2] - expected).norm() < near(limit), "{method:?}");
+    }
+    Ok(())
+}
+
+#[test]
 fn sides_held_in_width_keep_it_and_their_forces_balance() -> Result<(), SimulationError> {
     let side = 12;
     let mut network = squares(side);
