@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use loadframe_server::store::{BucketKeys, BucketSettings, FilesPlace};
 
 use super::failure::{Code, Failure};
-use super::serve::positive;
+use super::number::positive;
 
 /// Variables that hold keys, as other programs that speak S3 know them.
 const KEY_ID: &str = "AWS_ACCESS_KEY_ID";

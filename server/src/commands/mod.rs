@@ -18,6 +18,7 @@ mod lab;
 mod list;
 mod memory;
 mod move_store;
+mod number;
 mod people;
 mod progress;
 mod results;

@@ -18,6 +18,7 @@ use tokio_util::sync::CancellationToken;
 use super::database::DatabaseOptions;
 use super::failure::{Code, Failure, chain};
 use super::files::{FilesOptions, WaysOptions};
+use super::number::positive;
 use super::secret::TokenSource;
 use super::signals::stop_signal;
 use super::terminal::start_log;
@@ -106,15 +107,6 @@ impl TlsOptions {
     fn files(self) -> Option<TlsFiles> {
         let (certificate, key) = self.tls_certificate.zip(self.tls_key)?;
         Some(TlsFiles { certificate, key })
-    }
-}
-
-/// A number of seconds or megabytes; a day in a thousand years is as good as none.
-pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    const MOST: f64 = 1e11;
-    match text.parse::<f64>() {
-        Ok(number) if number > 0.0 && number <= MOST => Ok(number),
-        _ => Err(format!("a number above 0 and up to {MOST:e} is needed")),
     }
 }
 

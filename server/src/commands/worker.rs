@@ -11,7 +11,7 @@ use tokio_util::sync::CancellationToken;
 use super::connection::Connection;
 use super::engine::ENGINE;
 use super::failure::{Code, Failure};
-use super::serve::positive;
+use super::number::positive;
 use super::signals::{end_of_input, worker_stop_signal};
 use super::terminal::start_log;
 

@@ -15,8 +15,8 @@ use std::path::Path;
 use axum::http::HeaderMap;
 use ipnet::IpNet;
 
-pub use provider::{Provider, ProviderError};
-pub use settings::{ProviderSettings, ProxySettings, Rule, Settings, SettingsError};
+pub use provider::{Provider, ProviderError, ProviderSettings};
+pub use settings::{ProxySettings, Rule, Settings, SettingsError};
 pub use started::{LONGEST, Seal, Started};
 pub use vouched::Vouched;
 

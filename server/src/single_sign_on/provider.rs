@@ -3,6 +3,7 @@
 //! Its metadata and keys are fetched when first needed, again after an hour, and at once when a token is
 //! signed by a key that is not known: providers change their keys. Tokens are taken only with a signature
 //! by a public key, from this issuer, for this client, in time and with the nonce of their sign-in.
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -23,9 +24,10 @@ use openidconnect::{
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use tokio::sync::Mutex;
+use url::Url;
 use uuid::Uuid;
 
-use super::{ProviderSettings, Started, Vouched};
+use super::{Started, Vouched};
 
 /// Metadata and keys are fetched again after this,
 const FRESH: Duration = Duration::from_secs(3600);
@@ -75,6 +77,43 @@ type Client = openidconnect::Client<
     EndpointMaybeSet,
     EndpointMaybeSet,
 >;
+
+/// A provider, and how this server is known to it.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProviderSettings {
+    /// What people call it.
+    pub name: String,
+    /// Its address, letter by letter as its tokens name it.
+    pub issuer: String,
+    pub client_id: String,
+    /// File that holds the client's secret; without one the client is public.
+    #[serde(default)]
+    pub client_secret_file: Option<PathBuf>,
+    /// Address of this server, as browsers see it.
+    pub address: Url,
+    /// What is asked for besides `openid`.
+    #[serde(default = "usual_scopes")]
+    pub scopes: Vec<String>,
+    /// The claim that lists somebody's groups there.
+    #[serde(default = "usual_claim")]
+    pub groups_claim: String,
+}
+
+fn usual_scopes() -> Vec<String> {
+    vec!["profile".to_owned(), "email".to_owned()]
+}
+
+fn usual_claim() -> String {
+    "groups".to_owned()
+}
+
+impl ProviderSettings {
+    /// Where the provider sends browsers back to.
+    pub fn return_address(&self) -> String {
+        format!("{}v1/sign-in/provider", self.address)
+    }
+}
 
 /// Why a provider could not be asked, or is not believed.
 #[derive(Debug, thiserror::Error)]

@@ -1,13 +1,13 @@
 //! What `--single-sign-on FILE` says.
 use std::net::IpAddr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use ipnet::IpNet;
 use loadframe_api::people::Role;
 use serde::Deserialize;
 use url::Url;
 
-use super::Vouched;
+use super::{ProviderError, ProviderSettings, Vouched};
 use crate::store::people::Admission;
 
 /// Who vouches, and who comes in.
@@ -23,28 +23,6 @@ pub struct Settings {
     /// Who gets an account without an invitation; the first that fits holds.
     #[serde(default)]
     pub admit: Vec<Rule>,
-}
-
-/// A provider, and how this server is known to it.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ProviderSettings {
-    /// What people call it.
-    pub name: String,
-    /// Its address, letter by letter as its tokens name it.
-    pub issuer: String,
-    pub client_id: String,
-    /// File that holds the client's secret; without one the client is public.
-    #[serde(default)]
-    pub client_secret_file: Option<PathBuf>,
-    /// Address of this server, as browsers see it.
-    pub address: Url,
-    /// What is asked for besides `openid`.
-    #[serde(default = "usual_scopes")]
-    pub scopes: Vec<String>,
-    /// The claim that lists somebody's groups there.
-    #[serde(default = "usual_claim")]
-    pub groups_claim: String,
 }
 
 /// A proxy that says in a header who sends a request.
@@ -83,14 +61,6 @@ pub struct Rule {
     pub joins: Vec<String>,
 }
 
-fn usual_scopes() -> Vec<String> {
-    vec!["profile".to_owned(), "email".to_owned()]
-}
-
-fn usual_claim() -> String {
-    "groups".to_owned()
-}
-
 fn usual_header() -> String {
     "x-forwarded-user".to_owned()
 }
@@ -112,7 +82,7 @@ pub enum SettingsError {
         source: serde_json::Error,
     },
     #[error("the provider cannot be asked")]
-    Provider(#[source] super::ProviderError),
+    Provider(#[source] ProviderError),
     #[error("{field} is {value:?}: {allowed}")]
     Field {
         field: String,
@@ -161,7 +131,7 @@ impl Settings {
             ));
         }
         if let Some(provider) = &self.provider {
-            provider.check()?;
+            check_provider(provider)?;
         }
         if let Some(proxy) = &self.proxy {
             proxy.networks()?;
@@ -226,39 +196,6 @@ impl Rule {
     }
 }
 
-impl ProviderSettings {
-    fn check(&self) -> Result<(), SettingsError> {
-        let allowed = "an address of https, or of http on this machine";
-        let issuer = Url::parse(&self.issuer)
-            .map_err(|_| wrong("provider.issuer", &self.issuer, allowed))?;
-        for (field, address) in [
-            ("provider.issuer", &issuer),
-            ("provider.address", &self.address),
-        ] {
-            let is_here = matches!(
-                address.host_str(),
-                Some("localhost" | "127.0.0.1" | "[::1]")
-            );
-            if address.scheme() != "https" && !(address.scheme() == "http" && is_here) {
-                return Err(wrong(field, address, allowed));
-            }
-        }
-        if self.address.path() != "/" {
-            return Err(wrong(
-                "provider.address",
-                &self.address,
-                "an address without a path",
-            ));
-        }
-        Ok(())
-    }
-
-    /// Where the provider sends browsers back to.
-    pub fn return_address(&self) -> String {
-        format!("{}v1/sign-in/provider", self.address)
-    }
-}
-
 impl ProxySettings {
     /// Where the proxy speaks from.
     ///
@@ -278,6 +215,32 @@ impl ProxySettings {
         }
         self.addresses.iter().map(read).collect()
     }
+}
+
+fn check_provider(provider: &ProviderSettings) -> Result<(), SettingsError> {
+    let allowed = "an address of https, or of http on this machine";
+    let issuer = Url::parse(&provider.issuer)
+        .map_err(|_| wrong("provider.issuer", &provider.issuer, allowed))?;
+    for (field, address) in [
+        ("provider.issuer", &issuer),
+        ("provider.address", &provider.address),
+    ] {
+        let is_here = matches!(
+            address.host_str(),
+            Some("localhost" | "127.0.0.1" | "[::1]")
+        );
+        if address.scheme() != "https" && !(address.scheme() == "http" && is_here) {
+            return Err(wrong(field, address, allowed));
+        }
+    }
+    if provider.address.path() != "/" {
+        return Err(wrong(
+            "provider.address",
+            &provider.address,
+            "an address without a path",
+        ));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -4,14 +4,15 @@ use loadframe_api::worker::{CheckpointInfo, ClaimRequest, Lease};
 use serde_json::value::RawValue;
 use uuid::Uuid;
 
+use super::Store;
 use super::checkpoints::CheckpointRow;
+use super::clock::millis;
 use super::database::{query_as, query_scalar, row};
 use super::encoding::variant;
 use super::error::{Result, StoreError};
 use super::jobs::limits;
 use super::state::LifecycleRow;
 use super::writer::Change;
-use super::{Store, millis};
 use crate::queue::Input;
 
 /// Heartbeats are due this often [s], so that a cancel reaches its worker in less than 2 s,

@@ -1,6 +1,7 @@
 //! What the store takes for the time.
 use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
+use std::time::Duration;
 
 use loadframe_api::Timestamp;
 
@@ -37,4 +38,9 @@ impl Clock {
             difference.store(moment - here, Ordering::Relaxed);
         }
     }
+}
+
+/// A duration in the database's unit.
+pub(super) fn millis(duration: Duration) -> i64 {
+    i64::try_from(duration.as_millis()).unwrap_or(i64::MAX)
 }

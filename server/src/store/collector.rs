@@ -13,10 +13,10 @@ use loadframe_api::Timestamp;
 use serde::{Deserialize, Serialize};
 use tokio::sync::{RwLock, mpsc, oneshot};
 
+use super::clock::millis;
 use super::database::{Pool, Sharing, query_scalar};
 use super::encoding::{json, parsed};
 use super::error::Result;
-use super::millis;
 use super::storage::Storage;
 use super::supervision::{Restarts, caught};
 

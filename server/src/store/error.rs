@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 use uuid::Uuid;
 
-use super::database;
+use super::database::refuses_text;
 
 /// What the store gives, or why not.
 pub(super) type Result<T, E = StoreError> = std::result::Result<T, E>;
@@ -105,7 +105,7 @@ pub enum StoreError {
 
 impl From<sqlx::Error> for StoreError {
     fn from(error: sqlx::Error) -> Self {
-        if database::refuses_text(&error) {
+        if refuses_text(&error) {
             let sentence = "a text holds a zero byte, which this server's database does not keep";
             return Self::Invalid(sentence.to_owned());
         }

@@ -6,6 +6,7 @@
 //! again when it has carried out another job in between.
 use loadframe_api::worker::{ClaimRequest, FaultRequest};
 
+use super::clock::millis;
 use super::database::{query, query_as, query_scalar};
 use super::encoding::wire_name;
 use super::ending::digest;
@@ -13,7 +14,7 @@ use super::error::Result;
 use super::lease::LeasedAttempt;
 use super::state::LifecycleRow;
 use super::writer::Change;
-use super::{LeaseKey, Store, millis};
+use super::{LeaseKey, Store};
 use crate::queue::{Input, MACHINES_UNTIL_FAILED};
 
 /// Doublings of the pause: from 10 s to a little over 10 min.

@@ -78,7 +78,6 @@ mod writer;
 
 use std::fs::File;
 use std::sync::Arc;
-use std::time::Duration;
 
 use loadframe_api::Timestamp;
 use tokio::sync::{OnceCell, watch};
@@ -227,9 +226,4 @@ impl Store {
     pub async fn keep_looking_for_room(self) {
         self.0.reserve.keep_looking().await;
     }
-}
-
-/// A duration in the database's unit.
-fn millis(duration: Duration) -> i64 {
-    i64::try_from(duration.as_millis()).unwrap_or(i64::MAX)
 }

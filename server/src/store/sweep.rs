@@ -6,11 +6,12 @@ use std::time::Duration;
 use loadframe_api::Timestamp;
 use uuid::Uuid;
 
+use super::Store;
+use super::clock::millis;
 use super::database::{query, query_as, query_scalar, row};
 use super::error::{Result, StoreError, chain};
 use super::state::{Ending, LifecycleRow};
 use super::writer::{Change, EventType};
-use super::{Store, millis};
 use crate::queue::{Input, LOSSES_UNTIL_QUARANTINE, State, transition};
 
 /// The sweeper's step.

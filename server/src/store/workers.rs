@@ -6,11 +6,12 @@ use loadframe_api::worker::ClaimRequest;
 use loadframe_api::{Calibration, SetAside, Timestamp, WorkerView};
 use uuid::Uuid;
 
+use super::clock::millis;
 use super::database::{query, query_as, query_scalar, row};
 use super::encoding::{json, variant};
 use super::error::Result;
 use super::writer::Change;
-use super::{Counts, Store, millis};
+use super::{Counts, Store};
 use crate::queue::needs::{believed, release};
 
 /// A waiting worker is written down again when it was last seen this long ago [ms].

@@ -14,6 +14,7 @@ use loadframe_harness::{Preview, Run};
 use loadframe_network::nonwoven;
 use loadframe_paper::tensile;
 
+pub use grains::WATCHES;
 pub use loadframe_harness::{
     CheckpointError, Decorator, Ending, Halt, Interrupt, InterruptSource, Recorder, RunContext,
     Sample, SimulationError, Uninterrupted, Unrecorded, Wanted, Welch, csv,

@@ -47,3 +47,9 @@ pub use recording::{Destination, Progress};
 pub use result_files::sha256_of_file;
 pub use saved_run::{SavedRun, SavedRunError};
 pub use stop::{StopCause, StopSwitch};
+
+// what was not looked at must not be called fine
+const _: () = assert!(
+    loadframe_physics::WATCHES,
+    "the feature `unwatched` is for the benchmark `granular` alone: `quality` means nothing with it, so no job runs with it"
+);

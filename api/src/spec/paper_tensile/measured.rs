@@ -1,48 +1,7 @@
-//! Fibres as a fibre analyser lists them.
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::Pulp;
+//! The fibres of a pulp one by one, as a fibre analyser lists them, and what lists must be.
+use super::{MeasuredFibres, Pulp};
 use crate::fibre::Section;
 use crate::{Violation, Violations};
-
-/// Fibres one by one, each as likely as any other: number `i` of every list is one fibre. What is not
-/// listed is that of the pulp.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MeasuredFibres {
-    /// Lengths along the fibres.
-    #[schemars(
-        length(min = 1, max = 1_000_000),
-        inner(range(min = 0.01, max = 100.0)),
-        extend("x-unit" = "mm")
-    )]
-    pub lengths_mm: Vec<f64>,
-    /// Outer diameters. Left out: that of the pulp.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(
-        length(min = 1, max = 1_000_000),
-        inner(range(min = 0.1, max = 1000.0)),
-        extend("x-unit" = "µm")
-    )]
-    pub widths_um: Option<Vec<f64>>,
-    /// Thicknesses of the walls, at most half the widths. Left out: that of the pulp.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(
-        length(min = 1, max = 1_000_000),
-        inner(range(min = 0.001, max = 500.0)),
-        extend("x-unit" = "µm")
-    )]
-    pub walls_um: Option<Vec<f64>>,
-    /// Distances of the ends over the lengths. Left out: that of the pulp.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(
-        length(min = 1, max = 1_000_000),
-        inner(range(min = 0.01, max = 1.0)),
-        extend("x-unit" = "1")
-    )]
-    pub shape_factors: Option<Vec<f64>>,
-}
 
 /// One fibre of a pulp: of its list, or the one that it is said to have.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -31,9 +31,9 @@ use serde::{Deserialize, Serialize};
 
 pub use accuracy::{Accuracy, BondsAt, Knobs};
 pub use bond::Bond;
-pub use measured::{FibreSizes, MeasuredFibres};
+pub use measured::FibreSizes;
 pub use model::{Level, Model, OnInadmissible, Ring};
-pub use pulp::{Pulp, Yielding};
+pub use pulp::{MeasuredFibres, Pulp, Yielding};
 pub use sheet::{
     AngleHistogram, Deposition, ExplicitBond, ExplicitFibre, ExplicitSheet, MadeSheet, Orientation,
     Placement, RandomPlacement, VonMises,

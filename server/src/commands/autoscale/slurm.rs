@@ -9,7 +9,7 @@ use reqwest::Method;
 
 use super::super::connection::Connection;
 use super::super::failure::{Code, Failure};
-use super::super::serve::positive;
+use super::super::number::positive;
 use super::super::signals::stop_signal;
 use super::super::terminal::{print_line, start_log};
 use super::plan::{Allocation, requests};

@@ -11,8 +11,8 @@ use object_store::{Error, ObjectStore, ObjectStoreExt};
 use quick_xml::de::from_str;
 use serde::Deserialize;
 
+use super::super::clock::millis;
 use super::super::error::{Result, StoreError};
-use super::super::millis;
 use super::Bucket;
 
 /// What no lease stands behind is abandoned after this time: longer than any upload takes.

@@ -3,8 +3,7 @@ use futures_util::stream::{BoxStream, StreamExt};
 use sqlx::{Arguments, Encode, Executor, IntoArguments, Pool, SqlStr, Type};
 
 use super::Link;
-use super::statement::Done;
-use super::value::{Row, Value};
+use super::value::{Done, Row, Value};
 
 /// A database that statements are run on.
 pub(in super::super) trait Backend:

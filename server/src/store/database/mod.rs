@@ -3,10 +3,12 @@
 //! A [`Database`] gives a [`Connection`] for the writer and [`Pool`]s of such as only read. Statements
 //! ([`statement`]) are written once, in words that every database understands, with [`value`]s of a few
 //! types, and run alike ([`backend`]); where there are no such words, the texts of each are in its file
-//! ([`sqlite`], [`postgres`]) and have a name here. The history of the schema: [`migrations`]. What servers on
+//! ([`sqlite`], [`postgres`]) and have a name here. What its errors mean: [`failures`]. The history of the schema: [`migrations`]. What servers on
 //! one database tell each other, and keep each other from: [`sharing`]. What is done to a [`whole`] database:
 //! copied, moved.
 mod backend;
+mod column;
+mod failures;
 mod migrations;
 mod place;
 mod postgres;
@@ -19,12 +21,13 @@ mod whole;
 use std::path::Path;
 
 use sqlx::pool::PoolConnection;
-use sqlx::postgres::{PgDatabaseError, PgPool, Postgres};
-use sqlx::sqlite::{Sqlite, SqliteConnectOptions, SqliteError, SqlitePool};
+use sqlx::postgres::{PgPool, Postgres};
+use sqlx::sqlite::{Sqlite, SqliteConnectOptions, SqlitePool};
 use sqlx::{ConnectOptions, Transaction};
 use uuid::Uuid;
 
 use super::error::Result;
+pub(super) use failures::{is_broken, refuses_text, told_full};
 pub use place::{DatabaseAddress, DatabasePlace};
 pub(super) use sharing::{Held, News, Sharing, raise};
 pub(super) use sqlite::FILE;
@@ -316,33 +319,4 @@ impl Connection {
         }
         Ok(())
     }
-}
-
-/// What an error says of a full disk.
-pub(super) fn told_full(error: &sqlx::Error) -> Option<String> {
-    let error = error.as_database_error()?;
-    if let Some(error) = error.try_downcast_ref::<SqliteError>() {
-        return sqlite::told_full(error);
-    }
-    let of_postgres = error.try_downcast_ref::<PgDatabaseError>();
-    of_postgres.and_then(postgres::told_full)
-}
-
-/// Whether it is because of a text that the database cannot keep.
-pub(super) fn refuses_text(error: &sqlx::Error) -> bool {
-    let error = error.as_database_error();
-    let of_postgres = error.and_then(|error| error.try_downcast_ref::<PgDatabaseError>());
-    of_postgres.is_some_and(postgres::refuses_text)
-}
-
-/// Whether the connection itself has failed: it is not there any more, or its disk does not read or write.
-pub(super) fn is_broken(error: &sqlx::Error) -> bool {
-    let Some(error) = error.as_database_error() else {
-        return true;
-    };
-    if let Some(error) = error.try_downcast_ref::<SqliteError>() {
-        return sqlite::is_broken(error);
-    }
-    let of_postgres = error.try_downcast_ref::<PgDatabaseError>();
-    of_postgres.is_some_and(postgres::is_broken)
 }

@@ -9,16 +9,13 @@
 //! decision is made on the newest state, in one place. Claims by `SKIP LOCKED` would make a second such
 //! place; what limits both is the disk's time for a commit, which a batch shares.
 use sqlx::postgres::{
-    PgArguments, PgConnectOptions, PgConnection, PgDatabaseError, PgPool, PgPoolOptions,
-    PgQueryResult, PgRow, Postgres,
+    PgArguments, PgConnectOptions, PgConnection, PgPool, PgPoolOptions, PgQueryResult, Postgres,
 };
-use sqlx::{AssertSqlSafe, ConnectOptions, Executor, SqlSafeStr, SqlStr, TypeInfo, ValueRef};
-use uuid::Uuid;
+use sqlx::{AssertSqlSafe, ConnectOptions, Executor, SqlSafeStr, SqlStr};
 
 use super::Texts;
 use super::backend::{self, Backend};
-use super::statement::Done;
-use super::value::{Kind, Value};
+use super::value::{Done, Kind, Value};
 
 /// Takes the store in this schema of this database for a transaction, and tells the moment.
 const BEGIN: &str = "BEGIN ISOLATION LEVEL READ COMMITTED;
@@ -75,13 +72,6 @@ pub(super) const KINDS: &str =
 /// A writer that stands still in a transaction for longer keeps all other servers from writing: its machine may
 /// be gone, and the database ends it.
 const STANDSTILL: &str = "10s";
-/// Classes of errors: the server could not be reached or is going down, its disk failed, or it has ended a
-/// connection that stood still.
-const BROKEN: [&str; 4] = ["08", "57P", "58", "25P03"];
-/// `character_not_in_repertoire` and `untranslatable_character`: a text holds a zero byte.
-const NO_TEXT: [&str; 2] = ["22021", "22P05"];
-/// `disk_full`.
-const FULL: &str = "53100";
 
 /// A connection that writes.
 pub(super) async fn connect(database: &PgConnectOptions) -> sqlx::Result<PgConnection> {
@@ -118,79 +108,6 @@ pub(super) async fn reading(database: &PgConnectOptions, connections: u32) -> sq
         .max_connections(connections)
         .connect_with(read_only)
         .await
-}
-
-/// A type that a column is read as.
-pub(in super::super) trait Column: Sized {
-    /// # Errors
-    /// When there is no such column, or it holds something else.
-    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self>;
-}
-
-macro_rules! column {
-    ($($type:ty)+) => {
-        $(impl Column for $type {
-            fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
-                sqlx::Row::try_get(row, place)
-            }
-        })+
-    };
-}
-
-column! { f64 bool String Vec<u8> }
-
-impl Column for i64 {
-    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
-        use sqlx::Row;
-        // numbers that stand in a statement have 32 bits
-        if row.try_get_raw(place)?.type_info().name() == "INT4" {
-            return row.try_get::<i32, _>(place).map(Self::from);
-        }
-        row.try_get(place)
-    }
-}
-
-/// A narrower number, all of which have 64 bits there.
-fn narrow<T: TryFrom<i64, Error: std::error::Error + Send + Sync + 'static>>(
-    row: &PgRow,
-    place: usize,
-) -> sqlx::Result<T> {
-    T::try_from(<i64 as Column>::read(row, place)?).map_err(|error| decode(place, error))
-}
-
-fn decode(place: usize, error: impl Into<sqlx::error::BoxDynError>) -> sqlx::Error {
-    sqlx::Error::ColumnDecode {
-        index: place.to_string(),
-        source: error.into(),
-    }
-}
-
-impl Column for u32 {
-    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
-        narrow(row, place)
-    }
-}
-
-impl Column for i32 {
-    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
-        narrow(row, place)
-    }
-}
-
-impl Column for Uuid {
-    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
-        let bytes: &[u8] = sqlx::Row::try_get(row, place)?;
-        Self::from_slice(bytes).map_err(|error| decode(place, error))
-    }
-}
-
-impl<T: Column> Column for Option<T> {
-    fn read(row: &PgRow, place: usize) -> sqlx::Result<Self> {
-        if sqlx::Row::try_get_raw(row, place)?.is_null() {
-            return Ok(None);
-        }
-        T::read(row, place).map(Some)
-    }
 }
 
 impl Backend for Postgres {
@@ -271,21 +188,6 @@ fn word(text: &str) -> usize {
 
 fn ends_in_word(text: &str) -> bool {
     text.ends_with(|c: char| c.is_ascii_alphanumeric() || c == '_')
-}
-
-/// What an error says of a full disk of the database's.
-pub(super) fn told_full(error: &PgDatabaseError) -> Option<String> {
-    (error.code() == FULL).then(|| error.message().to_owned())
-}
-
-/// Whether the database cannot keep a text.
-pub(super) fn refuses_text(error: &PgDatabaseError) -> bool {
-    NO_TEXT.contains(&error.code())
-}
-
-/// Whether the connection has failed.
-pub(super) fn is_broken(error: &PgDatabaseError) -> bool {
-    BROKEN.iter().any(|class| error.code().starts_with(class))
 }
 
 #[cfg(test)]

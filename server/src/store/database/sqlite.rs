@@ -5,16 +5,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use sqlx::sqlite::{
-    Sqlite, SqliteArguments, SqliteConnectOptions, SqliteConnection, SqliteError,
-    SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteQueryResult, SqliteRow,
-    SqliteSynchronous,
+    Sqlite, SqliteArguments, SqliteConnectOptions, SqliteConnection, SqliteJournalMode, SqlitePool,
+    SqlitePoolOptions, SqliteQueryResult, SqliteSynchronous,
 };
 use sqlx::{ConnectOptions, Executor, SqlStr};
 
 use super::Texts;
 use super::backend::{self, Backend};
-use super::statement::Done;
-use super::value::Value;
+use super::value::{Done, Value};
 
 /// The file of the database in its data folder.
 pub(in super::super) const FILE: &str = "loadframe.db";
@@ -24,11 +22,6 @@ const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 const LONG_BUSY_TIMEOUT: Duration = Duration::from_secs(60);
 /// The write-ahead log is cut back to this [bytes] after a burst.
 const LOG_KEPT: &str = "67108864";
-/// Codes for a full disk: `SQLITE_FULL`, and what the shared memory's file says of it.
-const FULL: [&str; 2] = ["13", "4874"];
-/// The connection's disk does not read or write: `SQLITE_IOERR`, `SQLITE_CORRUPT`, `SQLITE_NOTADB`; the
-/// low byte of a code is its class.
-const BROKEN: [u32; 3] = [10, 11, 26];
 
 /// Begins a transaction that may write.
 pub(super) const BEGIN: &str = "BEGIN IMMEDIATE";
@@ -111,22 +104,6 @@ pub(super) async fn reading(
         .await
 }
 
-/// A type that a column is read as.
-pub(in super::super) trait Column: Sized {
-    /// # Errors
-    /// When there is no such column, or it holds something else.
-    fn read(row: &SqliteRow, place: usize) -> sqlx::Result<Self>;
-}
-
-impl<T> Column for T
-where
-    T: for<'r> sqlx::Decode<'r, Sqlite> + sqlx::Type<Sqlite>,
-{
-    fn read(row: &SqliteRow, place: usize) -> sqlx::Result<Self> {
-        sqlx::Row::try_get(row, place)
-    }
-}
-
 impl Backend for Sqlite {
     fn worded(text: SqlStr) -> SqlStr {
         text
@@ -152,18 +129,4 @@ impl From<SqliteQueryResult> for Done {
             last_number: done.last_insert_rowid(),
         }
     }
-}
-
-/// What an error says of a full disk.
-pub(super) fn told_full(error: &SqliteError) -> Option<String> {
-    use sqlx::error::DatabaseError;
-    let code = error.code()?;
-    FULL.contains(&&*code).then(|| error.message().to_owned())
-}
-
-/// Whether the connection has failed with its disk.
-pub(super) fn is_broken(error: &SqliteError) -> bool {
-    use sqlx::error::DatabaseError;
-    let code = error.code().and_then(|code| code.parse::<u32>().ok());
-    code.is_some_and(|code| BROKEN.contains(&(code & 0xff)))
 }

@@ -8,7 +8,8 @@ use std::marker::PhantomData;
 use futures_util::stream::{BoxStream, TryStreamExt};
 use sqlx::{AssertSqlSafe, SqlSafeStr, SqlStr};
 
-use super::value::{Bind, Column, FromRow, Row, Value};
+use super::column::Column;
+use super::value::{Bind, Done, FromRow, Row, Value};
 use super::{Connection, On};
 
 /// A statement that is run for what it does.
@@ -25,21 +26,6 @@ pub(in super::super) struct QueryAs<R>(Query, PhantomData<fn() -> R>);
 /// A statement of which the first column is read, as `T`.
 #[derive(Debug)]
 pub(in super::super) struct QueryScalar<T>(Query, PhantomData<fn() -> T>);
-
-/// What a statement has done.
-#[derive(Clone, Copy, Debug)]
-pub(in super::super) struct Done {
-    pub(super) rows_affected: u64,
-    /// The number that the last new row got, where the database tells.
-    pub(super) last_number: i64,
-}
-
-impl Done {
-    /// Rows that it wrote or removed.
-    pub(in super::super) fn rows_affected(self) -> u64 {
-        self.rows_affected
-    }
-}
 
 pub(in super::super) fn query(text: impl SqlSafeStr) -> Query {
     Query {

@@ -3,7 +3,7 @@ use sqlx::postgres::PgRow;
 use sqlx::sqlite::SqliteRow;
 use uuid::Uuid;
 
-use super::{postgres, sqlite};
+use super::column::{Column, OfPostgres, OfSqlite};
 
 /// A value that is bound to a place of a statement; `None` is null, of that type.
 #[derive(Clone, Debug)]
@@ -114,11 +114,6 @@ impl From<PgRow> for Row {
     }
 }
 
-/// A type that a column is read as.
-pub(in super::super) trait Column: sqlite::Column + postgres::Column {}
-
-impl<T: sqlite::Column + postgres::Column> Column for T {}
-
 impl Row {
     /// The value in a column, by its place from 0 on.
     ///
@@ -126,8 +121,8 @@ impl Row {
     /// When there is no such column, or it holds something else.
     pub(in super::super) fn get<T: Column>(&self, place: usize) -> sqlx::Result<T> {
         match self {
-            Self::Sqlite(row) => sqlite::Column::read(row, place),
-            Self::Postgres(row) => postgres::Column::read(row, place),
+            Self::Sqlite(row) => OfSqlite::of_sqlite(row, place),
+            Self::Postgres(row) => OfPostgres::of_postgres(row, place),
         }
     }
 
@@ -155,6 +150,21 @@ impl Row {
             Self::Sqlite(row) => Ok(row.try_column(name)?.ordinal()),
             Self::Postgres(row) => Ok(row.try_column(name)?.ordinal()),
         }
+    }
+}
+
+/// What a statement has done.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Done {
+    pub(super) rows_affected: u64,
+    /// The number that the last new row got, where the database tells.
+    pub(super) last_number: i64,
+}
+
+impl Done {
+    /// Rows that it wrote or removed.
+    pub(in super::super) fn rows_affected(self) -> u64 {
+        self.rows_affected
     }
 }
 

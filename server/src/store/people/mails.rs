@@ -15,10 +15,12 @@ use super::super::error::{Result, StoreError};
 use super::invitations::DAY;
 use super::refused;
 use super::webhook_key::Key;
-use super::webhooks::{Channel, QUIET_MAIL, once_each};
+use super::webhooks::{Channel, once_each};
 
 /// The event of the first e-mail, which asks for its address.
 pub(super) const VERIFY: &str = "verify";
+/// Events that come in this time after the first go in one e-mail [ms].
+pub(super) const QUIET_MAIL: i64 = 60_000;
 /// Addresses of a person.
 const MOST: i64 = 10;
 /// Addresses that a person asks to write to in a day: each gets an e-mail that nobody there asked for.

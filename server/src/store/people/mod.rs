@@ -4,6 +4,7 @@
 //! [`crate::access`]. A change that a request makes carries its [`Actor`], under which [`audit`] writes
 //! it down in the same transaction.
 mod accounts;
+mod actor;
 mod audit;
 mod callers;
 mod comparisons;
@@ -13,6 +14,7 @@ mod invitations;
 mod limits;
 mod listing;
 mod mails;
+mod outbox;
 mod projects;
 mod retention;
 mod secret;
@@ -24,49 +26,21 @@ mod webhook_key;
 mod webhooks;
 
 use loadframe_api::Violation;
-use uuid::Uuid;
 
 use super::error::{Result, StoreError};
 use super::{Inner, Store};
+pub use actor::Actor;
 pub use audit::AuditFilter;
 pub use callers::AccessState;
 pub use identities::{Admission, Arrival, Identity};
+pub use outbox::{Due, DueEvent};
 pub use retention::ANNOUNCED;
 pub use sessions::NewSession;
 pub(super) use webhook_key::{Key, WEBHOOK_KEY};
-pub use webhooks::{Channel, Due, DueEvent};
+pub use webhooks::Channel;
 
 /// Longest name of a person, group, project or token [characters].
 const LONGEST_NAME: usize = 60;
-
-/// Who makes a change, for the audit log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Actor {
-    pub who: String,
-    pub person: Option<Uuid>,
-    /// Id of the session, token or link.
-    pub credential: Option<Uuid>,
-    pub request: Option<Uuid>,
-    pub address: String,
-}
-
-impl Actor {
-    /// A command on the server's own machine.
-    pub fn shell() -> Self {
-        Self::named("shell")
-    }
-
-    /// Nobody in particular, under a word of its own.
-    pub(super) fn named(who: &str) -> Self {
-        Self {
-            who: who.to_owned(),
-            person: None,
-            credential: None,
-            request: None,
-            address: String::new(),
-        }
-    }
-}
 
 impl Store {
     /// A handle whose changes are written down as those of `actor`.

@@ -11,12 +11,13 @@ use loadframe_api::Timestamp;
 use loadframe_api::people::Deleted;
 use uuid::Uuid;
 
+use super::Store;
+use super::clock::millis;
 use super::database::{query, query_as, query_scalar};
 use super::error::{Result, StoreError};
 use super::people::Actor;
 use super::state::LifecycleRow;
 use super::writer::{Change, EventType};
-use super::{Store, millis};
 pub use listing::TrashSight;
 
 /// Jobs that go or come in one change: others wait for it.

@@ -67,7 +67,7 @@ fn main() {
         println!(
             "{}",
             json!({
-                "engine": "loadframe", "is_watched": !cfg!(feature = "unwatched"), "particles": spheres.len(), "friction": friction, "threads": threads,
+                "engine": "loadframe", "is_watched": loadframe_physics::WATCHES, "particles": spheres.len(), "friction": friction, "threads": threads,
                 "particle_steps_per_cpu_s": by_processor.map(|rates| rates[rates.len() / 2].round()),
                 "particle_steps_per_s": by_wall[by_wall.len() / 2].round(),
                 "fastest_per_s": by_wall[by_wall.len() - 1].round(),

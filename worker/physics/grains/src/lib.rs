@@ -65,6 +65,7 @@ mod stages;
 mod step;
 mod walls;
 
+pub use contact::WATCHES;
 use loadframe_api::spec::granular_scene::{GranularScene, Stage};
 use loadframe_harness::{Ending, Halt, Recorder, RunContext, SimulationError};
 

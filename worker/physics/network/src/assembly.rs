@@ -7,6 +7,7 @@ use std::{ops::Range, sync::OnceLock};
 use super::{
     Laws, Network, Row, Vector,
     blocks::{Block, Blocks},
+    boundary::free_part,
     field::Field,
     incidence::Incidence,
     law::{BondLaw, StrainLaw},
@@ -36,6 +37,10 @@ pub(crate) struct Assembly {
     pub(crate) laws: Laws,
     /// Strain over which the kinks of all laws are rounded off, on the way to the true ones.
     pub(crate) rounding: Option<f64>,
+    /// Nodes that are held along some axes, by their place, which is among the free ones.
+    guided: Vec<(u32, [bool; 3])>,
+    /// Places of the nodes of each set, ascending.
+    sets: Vec<Vec<u32>>,
     /// 1 for a bond that is intact and carries load, else 0.
     pub(crate) acts: Vec<u8>,
     acting: usize,
@@ -106,13 +111,31 @@ impl Assembly {
         };
         let heights = network.positions.iter().map(|node| node.z);
         let lowest = heights.clone().fold(f64::INFINITY, f64::min);
-        let is_flat = heights.fold(f64::NEG_INFINITY, f64::max) <= lowest;
+        let mut ways = network.sets.iter().filter_map(|set| set.ways[2]);
+        let is_level = ways.all(|way| way == 0.0);
+        let is_flat = is_level && heights.fold(f64::NEG_INFINITY, f64::max) <= lowest;
+        let mut sets = vec![Vec::new(); network.sets.len()];
+        let mut guided = Vec::new();
+        for (place, node) in (0..).zip(&places.nodes) {
+            if *node == NONE {
+                continue;
+            }
+            if let Some(set) = network.holds[*node as usize] {
+                sets[usize::from(set)].push(place);
+                let set = &network.sets[usize::from(set)];
+                if !set.is_fixed() {
+                    guided.push((place, set.held()));
+                }
+            }
+        }
         let dimensions = if is_flat { 2 } else { 3 };
         let mut assembly = Self {
             rest_lengths: rest_lengths.collect(),
             excess,
             laws,
             rounding: None,
+            guided,
+            sets,
             acts: vec![0; bonds.len()],
             acting: 0,
             dimensions,
@@ -309,12 +332,35 @@ impl Assembly {
         }
     }
 
-    /// Forces of the loaded bonds on the jaws along y [N], tension positive: top, bottom.
-    pub(crate) fn jaw_forces(&self, resultants: &Field<f64>) -> [f64; 2] {
-        let along_y = |places: Range<usize>| resultants.axis(1)[places].iter().sum::<f64>();
-        // a difference, because the negative of zero is written as -0
-        let top = 0.0 - along_y(self.free().end..self.places());
-        [top, along_y(0..self.free().start)]
+    /// Nodes that are held along some axes, by their place, ascending.
+    pub(crate) fn guided(&self) -> &[(u32, [bool; 3])] {
+        &self.guided
+    }
+
+    /// Along which axes the node at a free place is held, where it is along any.
+    pub(crate) fn guide_of(&self, place: usize) -> Option<[bool; 3]> {
+        self.guide_at(place).map(|guide| self.guided[guide].1)
+    }
+
+    /// Which of [`Assembly::guided`] is at a place, if any.
+    pub(crate) fn guide_at(&self, place: usize) -> Option<usize> {
+        let found = self
+            .guided
+            .binary_search_by_key(&place, |(of, _)| *of as usize);
+        found.ok()
+    }
+
+    /// The part of a vector at a free place along which its node can move.
+    pub(crate) fn free_part(&self, place: usize, vector: Vector) -> Vector {
+        match self.guide_of(place) {
+            Some(held) => free_part(held, &vector),
+            None => vector,
+        }
+    }
+
+    /// Places of the nodes of each set, ascending.
+    pub(crate) fn sets(&self) -> &[Vec<u32>] {
+        &self.sets
     }
 
     /// The state of the bond in a slot whose ends are displaced by `first` and `second`, (4)-(7).

@@ -22,8 +22,11 @@ pub(crate) struct Configuration<T = f32> {
     pub(crate) energy: f64,
     /// T of the bond in each slot [N], zero where it does not act.
     pub(crate) tensions: Vec<f64>,
-    /// Sum of the bond forces on every node [N], held ones included.
+    /// Sum of the bond forces on every node [N], fixed ones included; of guided ones without what their
+    /// guides take.
     pub(crate) resultants: Field<f64>,
+    /// What each of [`Assembly::guided`] takes [N], 0 along the axes in which it is free.
+    pub(crate) held_back: Vec<Vector>,
     pub(crate) stiffness: Stiffness<T>,
     /// Whether energy and resultants were changed by differences since they were summed: what
     /// rounding leaves of them depends on the way then.
@@ -69,6 +72,7 @@ impl<T: Real> Configuration<T> {
             energy: 0.0,
             tensions: vec![0.0; slots],
             resultants: Field::zeros(assembly.places(), dimensions),
+            held_back: vec![Vector::zeros(); assembly.guided().len()],
             stiffness: Stiffness::zeros(slots, dimensions),
             is_patched: false,
             spill: Spill::new(&assembly.strips, dimensions),
@@ -90,7 +94,41 @@ impl<T: Real> Configuration<T> {
     /// Makes everything follow the displacements, (4)-(7).
     pub(crate) fn update(&mut self, assembly: &Assembly, team: &Team) {
         with_laws(assembly, Update(self, team));
+        self.held_back.fill(Vector::zeros());
+        self.hold_back(assembly);
         self.is_patched = false;
+    }
+
+    /// Moves what resultants have along axes in which guides hold their nodes to what these take.
+    pub(crate) fn hold_back(&mut self, assembly: &Assembly) {
+        let resultants = self.resultants.components_mut();
+        for (axis, sums) in resultants
+            .into_iter()
+            .enumerate()
+            .filter(|(_, sums)| !sums.is_empty())
+        {
+            for ((place, held), taken) in assembly.guided().iter().zip(&mut self.held_back) {
+                if held[axis] {
+                    taken[axis] += std::mem::take(&mut sums[*place as usize]);
+                }
+            }
+        }
+    }
+
+    /// Forces of the loaded bonds on each set [N], along the axes that it holds: the negative of its
+    /// reaction. Sums in the order of places.
+    pub(crate) fn forces_on_sets(&self, assembly: &Assembly) -> Vec<Vector> {
+        let force = |place: &u32| {
+            let place = *place as usize;
+            match assembly.guide_at(place) {
+                Some(guide) => self.held_back[guide],
+                None => self.resultants.at(place),
+            }
+        };
+        let of_set = |places: &Vec<u32>| {
+            Vector::from_fn(|axis, _| places.iter().map(|place| force(place)[axis]).sum())
+        };
+        assembly.sets().iter().map(of_set).collect()
     }
 
     /// Leaves out the bonds that acted and act no more: much less work than to update everything.
@@ -111,6 +149,7 @@ impl<T: Real> Configuration<T> {
             }
             self.stiffness.clear(slot);
         }
+        self.hold_back(assembly);
         self.is_patched = true;
     }
 

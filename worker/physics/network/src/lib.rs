@@ -1,7 +1,8 @@
 //! Networks of bonds in equilibrium.
 //!
 //! **Model.** Nodes are points, bonds are straight and carry force along their line only. Some
-//! nodes are held by the bottom jaw, which rests, some by the top jaw, which moves along +y. The
+//! nodes are held by the bottom jaw, which rests, some by the top jaw, which moves along +y, and some
+//! may belong to other sets that are held along some axes ([`boundary`]). The
 //! state of a network is the displacement of each node and whether each bond is intact.
 //!
 //! With X the initial vector from a bond's first node to its second, w the difference of their
@@ -29,6 +30,7 @@
 //! change length and count as unloaded as well.
 pub(crate) mod assembly;
 mod blocks;
+pub(crate) mod boundary;
 pub(crate) mod configuration;
 pub(crate) mod equilibrium;
 pub(crate) mod field;
@@ -46,28 +48,21 @@ mod stiffness;
 mod strips;
 mod sums;
 
+use boundary::{Hold, Set};
 use law::BondLaw;
 
 /// A point or vector in space [mm], a force [N].
 pub(crate) type Vector = nalgebra::Vector3<f64>;
-
-/// What holds a node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Hold {
-    /// Nothing: it moves to its equilibrium.
-    Free,
-    /// The jaw at rest.
-    Bottom,
-    /// The jaw that moves along +y.
-    Top,
-}
 
 /// Nodes and bonds before the test.
 #[derive(Clone, Debug)]
 pub(crate) struct Network {
     /// Initial position of each node [mm].
     pub(crate) positions: Vec<Vector>,
+    /// What holds each node.
     pub(crate) holds: Vec<Hold>,
+    /// The jaws, and other sets of nodes that are held.
+    pub(crate) sets: Vec<Set>,
     pub(crate) bonds: Bonds,
     /// Rows of nodes, by ascending number; nodes of no row stand alone.
     pub(crate) rows: Vec<Row>,
@@ -130,11 +125,21 @@ impl Laws {
 }
 
 impl Network {
+    /// The set that a node belongs to, if any.
+    pub(crate) fn set_of(&self, node: u32) -> Option<&Set> {
+        self.holds[node as usize].map(|set| &self.sets[usize::from(set)])
+    }
+
+    /// Whether a node is held along all axes.
+    pub(crate) fn is_fixed(&self, node: u32) -> bool {
+        self.set_of(node).is_some_and(Set::is_fixed)
+    }
+
     /// Mean y of the nodes of a jaw [mm], `None` when it holds none.
-    pub(crate) fn jaw_height(&self, jaw: Hold) -> Option<f64> {
+    pub(crate) fn jaw_height(&self, jaw: u16) -> Option<f64> {
         let nodes = self.positions.iter().zip(&self.holds);
         let heights = nodes
-            .filter(|(_, hold)| **hold == jaw)
+            .filter(|(_, hold)| **hold == Some(jaw))
             .map(|(position, _)| position.y);
         let (sum, count) = heights.fold((0.0, 0), |(sum, count), y| (sum + y, count + 1));
         (count > 0).then(|| sum / f64::from(count))

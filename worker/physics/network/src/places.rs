@@ -1,13 +1,14 @@
 //! Where the kernels keep each node.
 //!
-//! First the nodes held by the bottom jaw, then the free ones, then those held by the top jaw, so
-//! that unknowns are a slice and no loop asks what is held. Free nodes keep their order; rows of
+//! First the nodes held along all axes that rest, those of the bottom jaw, then the free ones, then those
+//! that move, of the top jaw, so that unknowns are a slice and no loop asks what is held. Nodes held along
+//! some axes are among the free ones, and few. Free nodes keep their order; rows of
 //! them begin at equal distances, which lets bonds that lie side by side in one row go on side by
 //! side in the next. The places this leaves over belong to no node, and neither do the last
 //! [`LANES`] or more, which vectors may touch: their number is whole vectors.
 use std::ops::Range;
 
-use super::{Hold, Network, Row, field::LANES};
+use super::{Network, Row, boundary::Set, field::LANES};
 
 /// Stands for no node and for no bond.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -33,9 +34,9 @@ impl Places {
             free: 0..0,
             rows: Vec::new(),
         };
-        places.take_held(network, Hold::Bottom);
+        places.take_fixed(network, Set::is_at_rest);
         places.take_free(network);
-        places.take_held(network, Hold::Top);
+        places.take_fixed(network, |set| !set.is_at_rest());
         places.fill_up();
         places
     }
@@ -54,16 +55,20 @@ impl Places {
     }
 
     /// In the order of their bonds, so that bonds side by side are so at the jaws too.
-    fn take_held(&mut self, network: &Network, jaw: Hold) {
+    fn take_fixed(&mut self, network: &Network, is_wanted: impl Fn(&Set) -> bool) {
         let met = network.bonds.ends.iter().flatten().copied();
         let all = met.chain(0..network.positions.len() as u32);
-        all.filter(|node| network.holds[*node as usize] == jaw)
+        let is_wanted = |node: u32| {
+            let set = network.set_of(node);
+            set.is_some_and(|set| set.is_fixed() && is_wanted(set))
+        };
+        all.filter(|node| is_wanted(*node))
             .for_each(|node| self.take(node));
     }
 
     fn take_free(&mut self, network: &Network) {
         let first = self.nodes.len();
-        let is_free = |node: u32| network.holds[node as usize] == Hold::Free;
+        let is_free = |node: u32| !network.is_fixed(node);
         let width = network.rows.iter().map(|row| row.count as usize).max();
         let mut rows = network.rows.iter().peekable();
         for node in 0..network.positions.len() as u32 {
@@ -87,11 +92,13 @@ impl Places {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Bonds, Vector};
+    use crate::{
+        Bonds, Vector,
+        boundary::{BOTTOM, TOP},
+    };
 
     #[test]
     fn rows_of_free_nodes_begin_at_equal_distances_between_the_held_nodes() {
-        use Hold::{Bottom, Free, Top};
         let row = |first, count| Row {
             first,
             count,
@@ -100,7 +107,8 @@ mod tests {
         };
         let network = Network {
             positions: vec![Vector::zeros(); 8],
-            holds: vec![Top, Free, Free, Free, Free, Free, Bottom, Free],
+            holds: vec![Some(TOP), None, None, None, None, None, Some(BOTTOM), None],
+            sets: Set::jaws(),
             bonds: Bonds::default(),
             rows: vec![row(1, 2), row(3, 3)],
         };

@@ -1,6 +1,10 @@
 //! A network for tests.
 use super::{
-    Bonds, Hold, Laws, Network, Vector, assembly::Assembly, law::BondLaw, load_path::parts,
+    Bonds, Laws, Network, Vector,
+    assembly::Assembly,
+    boundary::{BOTTOM, Set, TOP},
+    law::BondLaw,
+    load_path::parts,
 };
 
 /// Squares of 1 mm with one diagonal, so many nodes a side, in the plane between two jaws.
@@ -19,9 +23,9 @@ pub(super) fn squares(side: u32) -> Network {
         positions: (0..side * side).map(position).collect(),
         holds: (0..side * side)
             .map(|node| match node / side {
-                0 => Hold::Bottom,
-                row if row + 1 == side => Hold::Top,
-                _ => Hold::Free,
+                0 => Some(BOTTOM),
+                row if row + 1 == side => Some(TOP),
+                _ => None,
             })
             .collect(),
         bonds: Bonds {
@@ -34,6 +38,7 @@ pub(super) fn squares(side: u32) -> Network {
             }),
             ends,
         },
+        sets: Set::jaws(),
         rows: Vec::new(),
     };
     stretch(&mut network, 1.0);

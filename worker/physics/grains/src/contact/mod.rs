@@ -140,8 +140,8 @@ pub(crate) struct Passage {
 }
 
 /// Whether every step watches its contacts, for what `quality` tells of them. Only the benchmark of what
-/// that costs is built without.
-pub(crate) const WATCHES: bool = !cfg!(feature = "unwatched");
+/// that costs is built without: whoever runs jobs refuses to be compiled with such a build.
+pub const WATCHES: bool = !cfg!(feature = "unwatched");
 
 /// Largest compression over the smaller radius that contacts had, step by step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -74,6 +74,7 @@ impl<T: Real> BlockJacobi<T> {
                 || sum(&self.inverses[0][free.clone()]) + sum(&self.inverses[1][free.clone()]),
             )
         });
+        self.leave_out(assembly);
         let blocks = AtPlaces(self.inverses.each_mut().map(Vec::as_mut_slice));
         let diagonals = strips.sum(team, blocks, |strip, AtPlaces(blocks)| {
             wide(
@@ -94,10 +95,28 @@ impl<T: Real> BlockJacobi<T> {
             }
             DIAGONAL.map(|part| sum(blocks[part])).iter().sum()
         });
+        // what was raised along a held axis
+        self.leave_out(assembly);
         self.compliance = diagonals / 3.0;
         let xx = &self.inverses[0];
         for (mobility, xx) in self.mobility.iter_mut().zip(xx) {
             *mobility = T::new(f64::from(u8::from(*xx > T::zero())));
+        }
+    }
+
+    /// Leaves out what blocks have along the axes in which guides hold their nodes.
+    fn leave_out(&mut self, assembly: &Assembly) {
+        /// The axes of each part.
+        const AXES: [[usize; 2]; 6] = [[0, 0], [1, 1], [0, 1], [2, 2], [0, 2], [1, 2]];
+        for (part, axes) in self.inverses.iter_mut().zip(AXES) {
+            if part.is_empty() {
+                continue;
+            }
+            for (place, held) in assembly.guided() {
+                if axes.iter().any(|axis| held[*axis]) {
+                    part[*place as usize] = T::zero();
+                }
+            }
         }
     }
 

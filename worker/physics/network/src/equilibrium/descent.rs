@@ -107,6 +107,7 @@ impl Around<'_> {
             Gradient::Printed => (-pull.rise, 1),
             Gradient::Smoothed { spacing } => (self.smoothed(place, spacing), 13),
         };
+        let gradient = self.assembly.free_part(self.node, gradient);
         let fixed = descent
             .step
             .unwrap_or(search.force_limit / pull.axial.powi(2));
@@ -137,6 +138,7 @@ impl Around<'_> {
             pull.axial += state.axial;
             pull.rounding += state.round_off(moved);
         }
+        pull.resultant = self.assembly.free_part(self.node, pull.resultant);
         pull
     }
 

@@ -104,7 +104,8 @@ impl Search {
 mod tests {
     use super::*;
     use crate::{
-        Bonds, Hold, Laws, Network,
+        Bonds, Laws, Network,
+        boundary::{BOTTOM, Set, TOP},
         configuration::Verdict,
         law::BondLaw,
         load_path::parts,
@@ -126,13 +127,14 @@ mod tests {
                 Vector::new(0.1, 5.0, 0.0),
                 Vector::new(0.0, 10.0, 0.0),
             ],
-            holds: vec![Hold::Bottom, Hold::Free, Hold::Top],
+            holds: vec![Some(BOTTOM), None, Some(TOP)],
             bonds: Bonds {
                 ends: vec![[0, 1], [1, 2]],
                 rest_lengths: vec![rest_length; 2],
                 laws: Laws::Same(law),
                 strengths: vec![f64::INFINITY; 2],
             },
+            sets: Set::jaws(),
             rows: Vec::new(),
         };
         let intact = [true; 2];

@@ -86,13 +86,14 @@ impl Neighbourhoods {
             (SHARE_OF_LIMIT, AGAIN[0])
         };
         let far = (SHARE_OF_WORST * residual.largest).max(share * search.force_limit);
-        if !self.gather(assembly, here, far) {
+        if !self.gather(assembly, here, far) || self.members.is_empty() {
             return Ok(None);
         }
         for member in &self.members {
             if self.numbers[*member as usize] == WAITING {
                 self.pocket.grow(assembly, *member, &mut self.numbers);
                 self.pocket.balance(search, assembly, here, meter)?;
+                here.hold_back(assembly);
             }
         }
         Ok(Some(again * residual.largest))
@@ -105,6 +106,9 @@ impl Neighbourhoods {
             [LARGEST_SHARE, MOST_FAR].map(|share| (share * assembly.free().len() as f64) as usize);
         self.members.clear();
         here.list_beyond(assembly, force, &mut self.members);
+        // what a guide holds rests as long as only parts move
+        self.members
+            .retain(|member| assembly.guide_of(*member as usize).is_none());
         if self.members.len() > most_far {
             return false;
         }
@@ -127,6 +131,7 @@ impl Neighbourhoods {
                     if *number == NONE
                         && assembly.acts(slot as usize)
                         && free.contains(&(neighbour as usize))
+                        && assembly.guide_of(neighbour as usize).is_none()
                     {
                         *number = WAITING;
                         self.members.push(neighbour);

@@ -49,6 +49,7 @@ pub(super) fn node_step(
         }
         rounding += state.round_off(displacements[first].amax() + displacements[second].amax());
     }
+    let resultant = assembly.free_part(node, resultant);
     let magnitude = resultant.norm();
     // a resultant that is not a number ends the search; whoever started it will find it
     if magnitude.is_nan() || magnitude <= force_limit.max(rounding) {

@@ -12,7 +12,7 @@ use loadframe_harness::{Recorder, SimulationError, csv};
 
 use super::{experiment::Experiment, specimen::Specimen};
 use crate::{
-    Hold, Vector,
+    Vector,
     law::{BondLaw, StrainLaw},
 };
 
@@ -31,9 +31,9 @@ pub(super) fn check(spec: &NonwovenTensile, specimen: &Specimen) -> Result<(), S
         return Ok(());
     };
     match specimen.network.holds.get(node as usize) {
-        Some(Hold::Free) => Ok(()),
+        Some(None) => Ok(()),
         _ => Err(SimulationError::Unbuildable(format!(
-            "/output/force_landscape/node: node {node} is held by a jaw"
+            "/output/force_landscape/node: node {node} is held"
         ))),
     }
 }
@@ -119,7 +119,7 @@ fn middle(specimen: &Specimen) -> usize {
     let sum: Vector = network.positions.iter().sum();
     let middle = sum / network.positions.len() as f64;
     let distance = |node: usize| (network.positions[node] - middle).norm_squared();
-    let free = (0..network.holds.len()).filter(|node| network.holds[*node] == Hold::Free);
+    let free = (0..network.holds.len()).filter(|node| network.holds[*node].is_none());
     free.min_by(|one, other| distance(*one).total_cmp(&distance(*other)))
         .unwrap_or(0)
 }

@@ -14,7 +14,10 @@ use loadframe_api::spec::nonwoven_tensile::{Jaws, Lattice};
 use loadframe_harness::rng::{Purpose, Streams};
 use rand::{RngExt, distr::StandardUniform};
 
-use crate::{Hold, Row, Vector};
+use crate::{
+    Row, Vector,
+    boundary::{BOTTOM, Hold, TOP},
+};
 
 /// Nodes and bonds of a lattice, before laws and strengths are given to the bonds.
 #[derive(Clone, Debug, Default)]
@@ -84,7 +87,7 @@ pub(super) fn points(lattice: &Lattice, seed: u64) -> Points {
     match lattice.jaws {
         Jaws::HalfBond => {
             points.gauge_length = f64::from(lattice.rows) * spacing;
-            points.add_jaw(lattice, Hold::Bottom, -0.5 * spacing);
+            points.add_jaw(lattice, Some(BOTTOM), -0.5 * spacing);
             points.grips[0] = points.join_jaw(&numbering, first_row, 0);
         }
         Jaws::ClampedRows => points.gauge_length = f64::from(last_row) * spacing,
@@ -97,7 +100,7 @@ pub(super) fn points(lattice: &Lattice, seed: u64) -> Points {
     }
     if lattice.jaws == Jaws::HalfBond {
         let top = points.positions.len() as u32;
-        points.add_jaw(lattice, Hold::Top, (f64::from(last_row) + 0.5) * spacing);
+        points.add_jaw(lattice, Some(TOP), (f64::from(last_row) + 0.5) * spacing);
         points.grips[1] = points.join_jaw(&numbering, last_row, top);
     }
     points.middle_rows = middle_rows(&numbering);
@@ -149,9 +152,9 @@ impl Points {
         let mut number = 0;
         for row in 0..lattice.rows {
             let hold = match (numbering.is_clamped(row), row) {
-                (false, _) => Hold::Free,
-                (true, 0) => Hold::Bottom,
-                (true, _) => Hold::Top,
+                (false, _) => None,
+                (true, 0) => Some(BOTTOM),
+                (true, _) => Some(TOP),
             };
             let offset = if row.is_multiple_of(2) { 0.5 } else { 0.0 };
             for layer in 0..lattice.layers {
@@ -169,8 +172,8 @@ impl Points {
                         let drawn: f64 = generator.sample(StandardUniform);
                         let irregularity = lattice.irregularity[axis];
                         let moved = match hold {
-                            Hold::Free => irregularity * drawn - 0.5 * irregularity,
-                            Hold::Bottom | Hold::Top => 0.0,
+                            None => irregularity * drawn - 0.5 * irregularity,
+                            Some(_) => 0.0,
                         };
                         (place[axis] + moved) * lattice.spacing_mm[axis]
                     };
@@ -269,7 +272,7 @@ mod tests {
         let grips = (0..points.ends.len()).filter(|bond| points.is_grip(*bond));
         let touches_jaw = |bond: usize| {
             let holds = points.ends[bond].map(|node| points.holds[node as usize]);
-            holds != [Hold::Free; 2]
+            holds != [None; 2]
         };
         assert!(grips.clone().all(touches_jaw) && grips.count() == 2 * 2 * 49 * 3);
         let held = |jaw| {
@@ -277,9 +280,9 @@ mod tests {
             let held = nodes.filter(move |(_, hold)| **hold == jaw);
             held.map(|(position, _)| *position).collect::<Vec<_>>()
         };
-        assert_eq!(held(Hold::Bottom).len(), 98);
-        assert_eq!(held(Hold::Bottom)[1], Vector::new(15.0, -10.0, 10.0));
-        assert_eq!(held(Hold::Top)[97], Vector::new(975.0, 1010.0, 10.0));
+        assert_eq!(held(Some(BOTTOM)).len(), 98);
+        assert_eq!(held(Some(BOTTOM))[1], Vector::new(15.0, -10.0, 10.0));
+        assert_eq!(held(Some(TOP))[97], Vector::new(975.0, 1010.0, 10.0));
     }
 
     #[test]

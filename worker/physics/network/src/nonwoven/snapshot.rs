@@ -16,7 +16,7 @@ use super::{
     specimen::Specimen,
     state::{HistogramBin, State},
 };
-use crate::{Hold, Vector, configuration::Configuration};
+use crate::{Vector, configuration::Configuration};
 
 /// Bond quantities of a snapshot; zero for broken and unloaded bonds.
 struct Fields {
@@ -107,11 +107,9 @@ fn write(
     let displacement: Vec<f64> = moved
         .flat_map(|moved| [moved.x, moved.y, moved.z])
         .collect();
-    let jaw = network.holds.iter().map(|hold| match hold {
-        Hold::Free => 0,
-        Hold::Bottom => 1,
-        Hold::Top => 2,
-    });
+    // 0 for none, 1 and 2 for the jaws, then other sets; more than a byte tells are one
+    let number = |set: u16| u8::try_from(set + 1).unwrap_or(u8::MAX);
+    let jaw = network.holds.iter().map(|hold| hold.map_or(0, number));
     let jaw: Vec<u8> = jaw.collect();
     let lines = Lines {
         points: &points,

@@ -10,7 +10,8 @@ use super::{
     width::WidthGauge,
 };
 use crate::{
-    Bonds, Hold, Laws, Network, Vector,
+    Bonds, Laws, Network, Vector,
+    boundary::{BOTTOM, Hold, Set, TOP},
     law::BondLaw,
     load_path::{carries_load, parts},
 };
@@ -73,12 +74,13 @@ impl Specimen {
         let network = Network {
             positions: points.positions,
             holds: points.holds,
+            sets: Set::jaws(),
             bonds,
             rows: points.rows,
         };
         Ok(Self {
             gauge_length: points.gauge_length,
-            bottom: jaw_height(&network, Hold::Bottom)?,
+            bottom: jaw_height(&network, BOTTOM)?,
             width: points.width,
             thickness: lattice.thickness_mm,
             grammage: lattice.grammage_g_per_m2,
@@ -125,6 +127,7 @@ impl Specimen {
         let given_strengths = given.bonds.iter().map(|bond| bond.strength_n).enumerate();
         let network = Network {
             holds: given.jaws.iter().map(hold).collect(),
+            sets: Set::jaws(),
             bonds: Bonds {
                 ends,
                 rest_lengths,
@@ -134,8 +137,8 @@ impl Specimen {
             positions,
             rows: Vec::new(),
         };
-        let bottom = jaw_height(&network, Hold::Bottom)?;
-        let gauge_length = jaw_height(&network, Hold::Top)? - bottom;
+        let bottom = jaw_height(&network, BOTTOM)?;
+        let gauge_length = jaw_height(&network, TOP)? - bottom;
         if gauge_length <= 0.0 {
             return Err(unbuildable("the top jaw is not above the bottom jaw"));
         }
@@ -258,15 +261,20 @@ fn breaks(spec: &NonwovenTensile) -> bool {
 
 fn hold(jaw: &Jaw) -> Hold {
     match jaw {
-        Jaw::Free => Hold::Free,
-        Jaw::Bottom => Hold::Bottom,
-        Jaw::Top => Hold::Top,
+        Jaw::Free => None,
+        Jaw::Bottom => Some(BOTTOM),
+        Jaw::Top => Some(TOP),
     }
 }
 
-fn jaw_height(network: &Network, jaw: Hold) -> Result<f64, SimulationError> {
+fn jaw_height(network: &Network, jaw: u16) -> Result<f64, SimulationError> {
     let height = network.jaw_height(jaw);
-    height.ok_or_else(|| unbuildable(format!("no node is held by the {jaw:?} jaw")))
+    height.ok_or_else(|| {
+        unbuildable(format!(
+            "no node is held by the {} jaw",
+            network.sets[usize::from(jaw)].name
+        ))
+    })
 }
 
 fn distances(positions: &[Vector], ends: &[[u32; 2]]) -> Vec<f64> {

@@ -7,7 +7,10 @@
 use loadframe_api::spec::nonwoven_tensile::Lattice;
 
 use super::lattice::{self, Numbering, Points};
-use crate::{Hold, Vector};
+use crate::{
+    Vector,
+    boundary::{BOTTOM, TOP},
+};
 
 /// Builds the turned lattice; `seed` moves its nodes as it does those of the upright one.
 pub(super) fn points(lattice: &Lattice, seed: u64) -> Points {
@@ -19,7 +22,7 @@ pub(super) fn points(lattice: &Lattice, seed: u64) -> Points {
     let turn = |position: &Vector| Vector::new(position.y, position.x, position.z);
     let mut points = Points {
         positions: upright.positions[nodes.clone()].iter().map(turn).collect(),
-        holds: vec![Hold::Free; nodes.len()],
+        holds: vec![None; nodes.len()],
         middle_rows: middle_columns(&numbering),
         width: f64::from(lattice.rows) * lattice.spacing_mm[1],
         ..Points::default()
@@ -29,8 +32,8 @@ pub(super) fn points(lattice: &Lattice, seed: u64) -> Points {
         for layer in 0..lattice.layers {
             let first = (numbering.first(row, layer) - before) as usize;
             let last = first + numbering.columns(row) as usize - 1;
-            points.holds[first] = Hold::Bottom;
-            points.holds[last] = Hold::Top;
+            points.holds[first] = Some(BOTTOM);
+            points.holds[last] = Some(TOP);
             lengths += points.positions[last].y - points.positions[first].y;
         }
     }
@@ -43,7 +46,7 @@ pub(super) fn points(lattice: &Lattice, seed: u64) -> Points {
         // between two held nodes a bond does nothing
         if ends
             .iter()
-            .any(|node| points.holds[*node as usize] == Hold::Free)
+            .any(|node| points.holds[*node as usize].is_none())
         {
             points.ends.push(ends);
             points.numbers.push(number);
@@ -140,7 +143,7 @@ mod tests {
         let lattice = fabric(Jaws::HalfBond);
         let turned = points(&lattice, 3);
         // even rows begin at 10 and end at 130, odd ones at 0 and 140; nodes move by 5 at most
-        for (jaw, y) in [(Hold::Bottom, -5.0..=15.0), (Hold::Top, 125.0..=145.0)] {
+        for (jaw, y) in [(Some(BOTTOM), -5.0..=15.0), (Some(TOP), 125.0..=145.0)] {
             let nodes = turned.positions.iter().zip(&turned.holds);
             let held: Vec<f64> = nodes
                 .filter(|(_, hold)| **hold == jaw)

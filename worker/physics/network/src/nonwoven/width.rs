@@ -1,5 +1,5 @@
 //! Lateral contraction of the specimen.
-use crate::{Hold, Network, Vector};
+use crate::{Network, Vector};
 
 /// What the width strain is read from.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ impl WidthGauge {
     pub(super) fn slope(network: &Network, bottom: f64, gauge_length: f64) -> Option<Self> {
         let middle = bottom + gauge_length / 3.0..=bottom + gauge_length * (2.0 / 3.0);
         let is_inside = |node: &usize| {
-            network.holds[*node] == Hold::Free && middle.contains(&network.positions[*node].y)
+            network.holds[*node].is_none() && middle.contains(&network.positions[*node].y)
         };
         let nodes: Vec<usize> = (0..network.positions.len()).filter(is_inside).collect();
         let sum: f64 = nodes.iter().map(|node| network.positions[*node].x).sum();
@@ -71,6 +71,7 @@ fn along_x(vectors: &[Vector], [first, last]: [u32; 2]) -> f64 {
 mod tests {
     use super::*;
     use crate::Bonds;
+    use crate::boundary::Set;
 
     const ROUND_OFF: f64 = 1e-15;
 
@@ -88,8 +89,9 @@ mod tests {
         let positions = [0.0, 1.0, 4.0, 2.0].map(|x| Vector::new(x, 1.5, 0.0));
         let network = Network {
             positions: positions.to_vec(),
-            holds: vec![Hold::Free; 4],
+            holds: vec![None; 4],
             bonds: Bonds::default(),
+            sets: Set::jaws(),
             rows: Vec::new(),
         };
         let gauge = WidthGauge::slope(&network, 0.0, 3.0).expect("nodes spread along x");
@@ -103,8 +105,9 @@ mod tests {
         assert!(WidthGauge::rows(&positions, vec![[0, 0], [1, 1]]).is_none());
         let network = Network {
             positions,
-            holds: vec![Hold::Free; 2],
+            holds: vec![None; 2],
             bonds: Bonds::default(),
+            sets: Set::jaws(),
             rows: Vec::new(),
         };
         assert!(WidthGauge::slope(&network, -1.0, 3.0).is_none());

@@ -2,7 +2,6 @@
 use nalgebra::Vector3;
 
 use super::element::{Element, Ends, PARTS};
-use super::network::Network;
 use super::places::Jaw;
 
 /// Displacement and rotation of every node.
@@ -98,16 +97,16 @@ impl Forces {
         self.scale = self.scale.max(forces[2].amax()).max(moment / gyration);
     }
 
-    /// Forces of the left and the right jaw along x, positive when they pull [mN].
-    pub(crate) fn at_jaws(&self, network: &Network) -> [f64; 2] {
-        let mut jaws = [0.0; 2];
-        for (node, [force, _]) in self.nodes.iter().enumerate() {
-            match network.jaw(node) {
-                Some(Jaw::Left) => jaws[0] -= force.x,
-                Some(Jaw::Right) => jaws[1] += force.x,
+    /// Forces of the left and the right jaw along x, positive when they pull [mN], given the jaw of every node.
+    pub(crate) fn at_jaws(&self, jaws: &[Option<Jaw>]) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for (jaw, [force, _]) in jaws.iter().zip(&self.nodes) {
+            match jaw {
+                Some(Jaw::Left) => sums[0] -= force.x,
+                Some(Jaw::Right) => sums[1] += force.x,
                 None => {}
             }
         }
-        jaws
+        sums
     }
 }

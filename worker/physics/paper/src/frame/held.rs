@@ -174,7 +174,7 @@ impl<'n> Held<'n> {
     pub(crate) fn largest_turn(&self) -> f64 {
         let nodes = &self.motion().nodes;
         match self.network().tubes() {
-            Some(tubes) => tubes.largest_turn(self.network(), self.motion()),
+            Some(tubes) => tubes.largest_turn(self.network().positions(), self.motion()),
             None => nodes
                 .iter()
                 .map(|motion| motion[1].norm())

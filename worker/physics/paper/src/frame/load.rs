@@ -53,7 +53,7 @@ impl Network {
         Ok(Rest {
             displacement_um: nodes.iter().map(|motion| motion[0].into()).collect(),
             rotation: nodes.iter().map(|motion| motion[1].into()).collect(),
-            jaw_force_mn: found.forces().at_jaws(self),
+            jaw_force_mn: found.forces().at_jaws(self.jaws()),
             energy_nj: found.forces().energy,
             residual: found.residual(),
             iterations: cost.iterations.max(cost.solutions),

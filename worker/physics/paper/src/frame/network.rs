@@ -228,6 +228,11 @@ impl Network {
         self.jaws[node]
     }
 
+    /// The jaw of every node.
+    pub(crate) fn jaws(&self) -> &[Option<Jaw>] {
+        &self.jaws
+    }
+
     /// What a node's cluster is held by before anything breaks.
     #[must_use]
     pub fn standing(&self, node: usize) -> Standing {

@@ -109,7 +109,7 @@ impl<'n> Pull<'n> {
 
     /// Force per elongation [mN/µm].
     fn stiffness(&self) -> f64 {
-        self.rest.forces().at_jaws(self.rest.network())[1]
+        self.rest.forces().at_jaws(self.rest.network().jaws())[1]
     }
 
     fn is_below_fraction(&self) -> bool {
@@ -237,7 +237,7 @@ impl Pulling for Pull<'_> {
     fn jaw_force_mn(&self) -> [f64; 2] {
         self.rest
             .forces()
-            .at_jaws(self.rest.network())
+            .at_jaws(self.rest.network().jaws())
             .map(|force| force * self.state.elongation_um)
     }
 

@@ -54,7 +54,9 @@ impl Cells {
 
     /// The finest cells over the nodes; `None` when there would be too few.
     fn finest(&self, assembly: &Assembly) -> Option<&Mesh> {
-        let finest = || Mesh::over(assembly, usize::MAX);
+        // corners would move nodes along axes in which they are held; no result depends on grids
+        let has_guides = !assembly.guided().is_empty();
+        let finest = || (!has_guides).then(|| Mesh::over(assembly, usize::MAX))?;
         self.finest.get_or_init(finest).as_ref()
     }
 

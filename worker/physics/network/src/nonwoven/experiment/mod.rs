@@ -19,7 +19,7 @@ use super::{
     state::{Event, Increment, Peak, Point, Retreat, Search, State},
 };
 use crate::{
-    assembly::Assembly,
+    boundary::{BOTTOM, TOP},
     configuration::Configuration,
     equilibrium::{Method, Settled, Workspace, work::Meter},
     rupture::{BreakingRule, Candidate, breaking, over_strength},
@@ -185,8 +185,10 @@ impl<'a> Experiment<'a> {
         self.judge(&settled, search.force_limit);
 
         let over = self.over_strength(&settled);
-        let jaw_forces = assembly_forces(&self.loaded.assembly, &settled);
-        let point = self.point(jaw_forces, settled.configuration.energy);
+        let forces = (settled.configuration).forces_on_sets(&self.loaded.assembly);
+        let [top, bottom] = [TOP, BOTTOM].map(|jaw| forces[usize::from(jaw)].y);
+        // tension is positive; a difference, because the negative of zero is written as -0
+        let point = self.point([0.0 - top, bottom], settled.configuration.energy);
         if self.is_first() {
             self.state.before_breaking = Some(point);
             let may_be_peak = self.snapshot_every() > 0 && point.force > self.state.max_force;
@@ -401,8 +403,4 @@ impl<'a> Experiment<'a> {
         let configuration = Configuration::of(&loaded.assembly, &peak.displacements, &self.team);
         (loaded, configuration)
     }
-}
-
-fn assembly_forces(assembly: &Assembly, settled: &Settled) -> [f64; 2] {
-    assembly.jaw_forces(&settled.configuration.resultants)
 }

@@ -321,7 +321,7 @@ impl Network {
                 .iter()
                 .map(|turn| turn.scaled_axis().into())
                 .collect(),
-            jaw_force_mn: forces.at_jaws(self),
+            jaw_force_mn: forces.at_jaws(self.jaws()),
             energy_nj: forces.energy,
             residual,
             iterations,

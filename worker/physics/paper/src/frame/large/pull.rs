@@ -167,7 +167,7 @@ impl<'n> LargePull<'n> {
     /// Forces of the left and the right jaw, positive when they pull [mN].
     #[must_use]
     pub fn jaw_force_mn(&self) -> [f64; 2] {
-        self.found.forces.at_jaws(self.newton.network)
+        self.found.forces.at_jaws(self.newton.network.jaws())
     }
 
     /// Elastic energy [nJ].

@@ -225,7 +225,7 @@ fn a_bond_gives_all_of_its_force_and_moment_to_the_rings() {
             let mut forces = [Vector3::zeros(); 2];
             let mut moments = [Vector3::zeros(); 2];
             let first_of_other = network.nodes_of(1).start as u32;
-            for (node, weight) in springs.felt(spring) {
+            for &(node, weight) in springs.spring(spring) {
                 let side = usize::from(node >= first_of_other);
                 let place = Vector3::from(network.position_um(node as usize));
                 forces[side] += weight;
@@ -273,7 +273,10 @@ fn a_rigid_motion_strains_nothing() {
         }
     }
     close(
-        network.tubes().unwrap().largest_turn(&network, &motion),
+        network
+            .tubes()
+            .unwrap()
+            .largest_turn(network.positions(), &motion),
         turn.norm(),
         1e-9,
     );

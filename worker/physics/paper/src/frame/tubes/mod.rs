@@ -8,7 +8,7 @@
 //! [`Joint`] spreads force and moment over their points and loses nothing of either.
 //!
 //! From the bottom up: [`PointSprings`] are springs over any points, [`hold`] is how a bond holds, and this
-//! file joins both. Knows no equilibrium; [`Network::of_tubes`] makes one of these.
+//! file joins both. Knows no equilibrium, and no network: [`Network::of_tubes`](super::Network::of_tubes) makes one of these.
 mod hold;
 mod point_springs;
 
@@ -21,7 +21,6 @@ pub(crate) use point_springs::{PointSpring, PointSprings};
 
 use super::balance::Motion;
 use super::element::{PARTS, TAUT, axes_along};
-use super::network::Network;
 use crate::fibre::{Sort, Tube};
 
 /// The tubes of a network.
@@ -67,9 +66,9 @@ impl Tubes {
     }
 
     /// Largest turn of a ring as a body [rad].
-    pub(crate) fn largest_turn(&self, network: &Network, motion: &Motion) -> f64 {
+    pub(crate) fn largest_turn(&self, positions: &[Vector3<f64>], motion: &Motion) -> f64 {
         let turns = (0..self.rings()).map(|ring| {
-            let ring = self.ring(network.positions(), ring as u32);
+            let ring = self.ring(positions, ring as u32);
             let moved = |point: usize| motion.nodes[ring.first as usize + point][0];
             let sum: Vector3<f64> = (0..self.points_on_ring)
                 .map(|point| ring.arms[point].cross(&moved(point)))

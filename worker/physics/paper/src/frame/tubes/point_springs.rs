@@ -1,13 +1,8 @@
 //! Springs over points, each of which feels a weighted sum of their displacements.
-use std::borrow::Cow;
-
 use nalgebra::{Matrix3, Vector3};
 
 use super::super::balance::{Forces, Motion};
 use super::super::element::{Matrix12, PARTS};
-use super::super::factor::Factor;
-use super::super::network::Network;
-use super::super::springs::SpringSum;
 
 /// Round-off of a spring, over what it is of an element of beams: it feels differences of near points, and what is
 /// left is the last bits of their displacements, 1e-14 of stiffness times displacement where that is 1e-11.
@@ -68,15 +63,10 @@ impl PointSprings {
         all
     }
 
-    fn spring(&self, spring: usize) -> &[(u32, Vector3<f64>)] {
+    /// Points that a spring feels, and what of their displacement.
+    pub(crate) fn spring(&self, spring: usize) -> &[(u32, Vector3<f64>)] {
         let start = spring.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.entries[start..self.ends[spring]]
-    }
-
-    /// Points that a spring feels, and what of their displacement.
-    #[cfg(test)]
-    pub(crate) fn felt(&self, spring: usize) -> impl Iterator<Item = (u32, Vector3<f64>)> + '_ {
-        self.spring(spring).iter().copied()
     }
 
     fn deformation(&self, spring: usize, motion: &Motion) -> f64 {
@@ -99,25 +89,19 @@ impl PointSprings {
             .take_while(|&other| points(other).eq(points(first)))
             .count()
     }
-}
 
-impl SpringSum for PointSprings {
-    /// Where nothing is left of the force some 1e-15 to 1e-14 of it are.
-    const NOTHING: f64 = 1e-7;
-
-    fn of(network: &Network) -> &[Self] {
-        network.tubes().map_or(&[], |tubes| tubes.parts.as_slice())
-    }
-
-    fn first_node(&self) -> u32 {
+    /// A node that they join.
+    pub(crate) fn first_node(&self) -> u32 {
         self.entries[0].0
     }
 
-    fn pairs(&self) -> impl Iterator<Item = [u32; 2]> + Clone {
+    /// Nodes that have a block of the matrix with one another.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = [u32; 2]> + Clone {
         self.pairs.iter().copied()
     }
 
-    fn matrices(&self, add: &mut dyn FnMut([u32; 2], &Matrix12)) {
+    /// Gives their matrix, by pairs of nodes.
+    pub(crate) fn matrices(&self, add: &mut dyn FnMut([u32; 2], &Matrix12)) {
         let mut first = 0;
         while first < self.stiffness.len() {
             let springs = first..first + self.alike(first);
@@ -149,28 +133,21 @@ impl SpringSum for PointSprings {
         }
     }
 
-    fn stiffness(&self) -> &[f64] {
+    /// c of every spring [mN/µm or mN µm].
+    pub(crate) fn stiffness(&self) -> &[f64] {
         &self.stiffness
     }
 
-    fn deformations(&self, motion: &Motion) -> Vec<f64> {
+    /// d of every spring.
+    pub(crate) fn deformations(&self, motion: &Motion) -> Vec<f64> {
         let springs = 0..self.stiffness.len();
         springs
             .map(|spring| self.deformation(spring, motion))
             .collect()
     }
 
-    fn column(&self, spring: usize, factor: &Factor) -> Vec<(u32, f64)> {
-        let free = self.spring(spring).iter();
-        let free = free.filter_map(|(point, weight)| Some((factor.unknown(*point)?, weight)));
-        free.flat_map(|(unknown, weight)| {
-            (0..3).map(move |axis| ((unknown + axis) as u32, weight[axis]))
-        })
-        .filter(|(_, value)| *value != 0.0)
-        .collect()
-    }
-
-    fn loads(&self, motion: &Motion) -> [f64; PARTS] {
+    /// Loads q of the part.
+    pub(crate) fn loads(&self, motion: &Motion) -> [f64; PARTS] {
         let mut loads = [0.0; PARTS];
         for spring in 0..self.stiffness.len() {
             let force = self.stiffness[spring] * self.deformation(spring, motion);
@@ -181,7 +158,8 @@ impl SpringSum for PointSprings {
         loads
     }
 
-    fn push(&self, motion: &Motion, _gyration: f64, forces: &mut Forces) -> [f64; PARTS] {
+    /// Adds what they do to their nodes; gives the loads q of the part.
+    pub(crate) fn push(&self, motion: &Motion, forces: &mut Forces) -> [f64; PARTS] {
         let mut loads = [0.0; PARTS];
         for spring in 0..self.stiffness.len() {
             let deformation = self.deformation(spring, motion);
@@ -200,22 +178,5 @@ impl SpringSum for PointSprings {
             }
         }
         loads
-    }
-
-    fn tears(network: &Network, element: usize) -> bool {
-        network
-            .tubes()
-            .is_some_and(|tubes| tubes.has_bonds.get(element) == Some(&true))
-    }
-
-    fn tear(network: &Network, is_whole: &[bool], elements: &mut Cow<'_, [Self]>) {
-        let Some(tubes) = network.tubes() else { return };
-        for (bond, joint) in tubes.joints.iter().enumerate() {
-            let holds_whole = joint.holds.map(|hold| is_whole[hold.segment as usize]);
-            if holds_whole != [true; 2] {
-                elements.to_mut()[network.segments() + bond] =
-                    joint.springs(network.positions(), tubes.points_on_ring, holds_whole);
-            }
-        }
     }
 }

@@ -44,7 +44,7 @@ impl Pulling for YieldingPull<'_> {
     }
 
     fn jaw_force_mn(&self) -> [f64; 2] {
-        self.strained.forces.at_jaws(self.strained.network)
+        self.strained.forces.at_jaws(self.strained.network.jaws())
     }
 
     fn displacement_um(&self, node: usize) -> [f64; 3] {
@@ -92,7 +92,7 @@ impl Pulling for YieldingPull<'_> {
         let unit = (1.0, [].as_slice());
         let elastic: Equilibrium<'_> =
             Equilibrium::new(network, Clusters::Spanning, unit, by, broken)?;
-        let stiffness = elastic.forces.at_jaws(network)[1];
+        let stiffness = elastic.forces.at_jaws(network.jaws())[1];
         let force = self.jaw_force_mn()[1];
         Ok(if stiffness > 0.0 {
             self.state.elongation_um - force / stiffness

@@ -85,7 +85,7 @@ impl<'n> YieldingPull<'n> {
         };
         if pull.state.is_new() && pull.state.yielding.is_none() {
             if pull.rate.is_active() {
-                let stiffness = pull.rate.forces.at_jaws(network)[1];
+                let stiffness = pull.rate.forces.at_jaws(network.jaws())[1];
                 pull.state.measures.initial_stiffness_mn = stiffness * network.model().length_um;
             } else {
                 pull.state.ended = Some(PullEnd::NoPath);
