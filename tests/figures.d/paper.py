@@ -1,7 +1,8 @@
-"""Tables of the paper tensile test: straight parts, trends over seeds, levels of the model."""
+"""Tables of the paper tensile test: straight parts, trends over seeds, levels of the model, large sheets."""
 
 import copy
 import csv
+import json
 import math
 import statistics
 from pathlib import Path
@@ -356,8 +357,124 @@ def result_of(quantity: dict, factor: float) -> str:
     return f"{value:.3g} ± {error:.2g}" if error else f"{value:.4g}"
 
 
+# ── tubes ───────────────────────────────────────────────────────────────────────────────────────────
+
+# Segments of tubes [µm]: the shortest of the window, and shorter ones with springs of the robust form.
+SEGMENTS = {"window": {}, "16 µm": {"segment_um": 16, "on_inadmissible": "robust"}, "12 µm": {"segment_um": 12, "on_inadmissible": "robust"}}
+# Distance of the bonds of a fibre that hangs on two others [µm]; its length from edge to edge is that and 300.
+APART = [15, 30, 60, 120, 240]
+TUBED = {f"{grammage} g/m²": {"specimen__sheet__grammage_g_per_m2": grammage} for grammage in (10, 20, 40)}
+TUBED_SEEDS = 6
+
+
+def explicit(fibres: list, bonds: list) -> dict:
+    """Straight fibres between jaws 400 µm apart, before anything breaks."""
+    body = softwood()
+    body["spec"].pop("accuracy")
+    body["spec"]["test"] = {"max_strain": 1e-6}
+    body["spec"]["pulp"][0]["shape_factor"] = 1
+    body["spec"]["specimen"] = {"explicit": {
+        "length_mm": 0.4, "width_mm": 0.4, "fibres": [{"pulp": "softwood", "centre_line_um": line} for line in fibres],
+        "bonds": [{"fibres": pair, "at_um": at, "area_um2": 784} for pair, at in bonds]}}
+    return body
+
+
+def hung(apart: float) -> dict:
+    """A fibre from either jaw, and one across both, which alone holds them together."""
+    lines = [[[0, 0, 0], [300, 0, 0]], [[100, apart, 0], [400, apart, 0]], [[200, -150, 6], [200, apart + 150, 6]]]
+    return explicit(lines, [([0, 2], [200, 150]), ([1, 2], [100, apart + 150])])
+
+
+def lapped() -> dict:
+    return explicit([[[0, 0, 0], [300, 0, 0]], [[100, 0, 6], [400, 0, 6]]], [([0, 1], [200, 100])])
+
+
+FEW = {"one fibre": lambda: explicit([[[0, 0, 0], [400, 0, 0]]], []), "two, one bond along both": lapped,
+       **{f"three, the middle one bent between bonds {apart} µm apart": lambda apart=apart: hung(apart) for apart in APART}}
+
+
+def tubed(changed: dict) -> dict:
+    return softwood(**{**changed, "test__max_strain": 1e-6, "test__repeats": TUBED_SEEDS, "accuracy": "standard"})
+
+
+def as_tubes(body: dict, segment: dict) -> dict:
+    body = levelled(body, "tube")
+    body["spec"]["model"].update(segment)
+    return body
+
+
+def measure_tubes(folder: Path) -> dict:
+    for number, body in enumerate([*(few() for few in FEW.values()), *(tubed(changed) for changed in TUBED.values())]):
+        outcome = run(body, folder / f"{number}_beam")
+        for place, segment in enumerate(SEGMENTS.values()):
+            run(as_tubes(body, segment), folder / f"{number}_{place}")
+    return {"commit": outcome["provenance"]["engine_commit"]}
+
+
+def tubes(folder: Path) -> list[list[str]]:
+    """Stiffness of tubes over that of beams on the same lines."""
+    rows = [["fibres", "points of bonds for each ring", *(f"segments {name}" if name != "window" else "segments of the window" for name in SEGMENTS)]]
+    for number, name in enumerate([*FEW, *(f"sheets of 0.6 mm x 0.4 mm, {name}" for name in TUBED)]):
+        is_sheet = number >= len(FEW)
+        read = lambda part: repeats(folder / f"{number}_{part}", "tensile_stiffness_index") if is_sheet else [
+            json.loads((folder / f"{number}_{part}" / "outcome.json").read_text())["summary"]["tensile_stiffness"]["value"]]
+        beams = read("beam")
+        cells = []
+        for place in range(len(SEGMENTS)):
+            shares = [tube / beam for tube, beam in zip(read(place), beams)]
+            cells.append(f"{statistics.mean(shares):.3f}" + (f" ± {statistics.stdev(shares):.3f}" if is_sheet else ""))
+        outcome = json.loads((folder / f"{number}_0" / "outcome.json").read_text())
+        work, bonds = outcome["cost"]["work"], outcome["summary"]["bonds"]["value"]
+        sheets = TUBED_SEEDS if is_sheet else 1
+        rings = work["points"] / POINTS_ON_RING / sheets
+        rows.append([name, f"{2 * bonds / rings:.2f}" if bonds else "", *cells])
+    return rows
+
+
+POINTS_ON_RING = 6
+
+# ── large sheets ────────────────────────────────────────────────────────────────────────────────────
+
+# Lengths of sheets half as wide [mm], of 1 000 to 8 000 fibres.
+LARGE = [2.6, 4.9, 9.5]
+SMALL_STRAIN = 1e-6
+
+
+def large(length: float) -> dict:
+    """Softwood of 2 mm at 60 g/m², bonds inside straight parts of four widths; pulled to its first equilibrium."""
+    body = example("paper_tensile_sheet")
+    spec = body["spec"]
+    spec["specimen"] = {"sheet": {"length_mm": length, "width_mm": length / 2, "grammage_g_per_m2": 60}}
+    spec["accuracy"] = {"segment_widths": 4, "bonds_at": "inside", "break_precision": 0.05}
+    spec["test"] = {"max_strain": SMALL_STRAIN}
+    spec["output"] = {"snapshot_every_steps": 0}
+    return body
+
+
+def measure_large(folder: Path) -> dict:
+    for length in LARGE:
+        outcome = run(large(length), folder / f"{round(1e3 * length)}_um")
+    return {"commit": outcome["provenance"]["engine_commit"]}
+
+
+def per_fibre(folder: Path) -> list[list[str]]:
+    rows = [["sheet", "fibres", "bonds", "unknowns", "iterations", "processor time", "memory", "time for each fibre", "memory for each fibre"]]
+    for length in LARGE:
+        outcome = run(large(length), folder / f"{round(1e3 * length)}_um")
+        cost, summary = outcome["cost"], outcome["summary"]
+        fibres = summary["fibres"]["value"]
+        grouped = lambda value: f"{value:,.0f}".replace(",", " ")
+        rows.append([
+            f"{length:g} mm x {length / 2:g} mm", grouped(fibres), grouped(summary["bonds"]["value"]), grouped(cost["work"]["unknowns"]),
+            str(cost["work"]["iterations"]), seconds(cost["cpu_s"]), f"{grouped(cost['peak_memory_mb'])} MB",
+            f"{digits(1e3 * cost['cpu_s'] / fibres)} ms", f"{digits(1e3 * cost['peak_memory_mb'] / fibres)} kB"])
+    return rows
+
+
 TABLES = {
     "paper_straight_parts": Table("2 min of processor time", measure_straight, straight_parts),
     "paper_trends": Table("2 min of processor time", measure_trends, trends),
     "paper_levels": Table("10 s of processor time", measure_levels, levels),
+    "paper_tubes": Table("1 min of processor time", measure_tubes, tubes),
+    "paper_large": Table("1 min of processor time", measure_large, per_fibre),
 }

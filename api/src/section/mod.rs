@@ -3,7 +3,8 @@
 //!
 //! [`material`] turns elastic constants into plane [`stiffness`]; [`fibre`] makes bands of fibres as
 //! [`polygon`]s and finds those that overlap; [`lines`] are those of particles, [`solving`]
-//! says by which way their equations are solved, [`error`] what is wrong.
+//! says by which way their equations are solved, [`contact`] how wide rollers press, [`error`] what is wrong.
+pub mod contact;
 pub mod error;
 pub mod fibre;
 pub mod lines;

@@ -19,28 +19,36 @@ const SOLUTION_POWER: f64 = 0.2;
 /// each sweep of a time step.
 const REST_PBD: f64 = 800.0;
 const REST_XPBD: f64 = 75.0;
-/// One particle in a time step.
+/// One particle in a time step on the way to rest, and of a motion that is watched.
 const STEP: f64 = 2.5;
+const STEP_OF_HISTORY: f64 = 5.2;
 /// Particles from which threads share the motion, and the share of the time that they divide (the guide's
 /// table `threads`).
 const SHARED_FROM: f64 = 20_000.0;
 const SHARED: f64 = 0.7;
 /// The automatic time step over the time a wave takes through a cell.
 const STEP_OVER_CROSSING: f64 = 0.5;
-/// Rounds of contact and of Newton's method in a step of the load.
-const CONTACT_ROUNDS: f64 = 5.0;
-const NEWTON_ROUNDS: f64 = 3.0;
+/// Rounds of contact in a step of the load, and where a first answer tells how wide contacts are.
+const CONTACT_ROUNDS: f64 = 3.0;
+const CONTACT_ROUNDS_GRADED: f64 = 5.0;
+/// Rounds of Newton's method at the first step of the load, more than at others, and at every step: between those of
+/// small loads and those of sections that turn by a right angle.
+const FIRST_ROUNDS: f64 = 2.4;
+const NEWTON_ROUNDS: f64 = 1.5;
 /// Solutions for each stride of rollers in large displacements, a quarter of their radius long, and strides
 /// where only a force is given.
 const ROLLING_ROUNDS: f64 = 20.0;
 const STRIDES: f64 = 20.0;
-/// One particle in an event of a test that breaks, with its coarser grids; events over the square root
-/// of the particles, for each step in which a crack opens. Of a section that cracks here and there; one
-/// that cracks everywhere has more.
-const EVENT: f64 = 80.0;
-const EVENTS: f64 = 0.9;
-/// Particles of a graded grid with rollers over those without.
-const AT_ROLLERS: f64 = 4.0;
+/// One particle in an event of a test that breaks, with its coarser grids; where rollers press on many small
+/// cells, whose contacts are found with it.
+const EVENT: f64 = 160.0;
+const EVENT_AT_ROLLERS: f64 = 850.0;
+/// Events over the square root of the particles, for each step in which a crack opens: of a section that
+/// cracks here and there, of plies that come apart along their whole length, and of plies that are pulled
+/// and crack everywhere.
+const EVENTS: f64 = 0.65;
+const EVENTS_BETWEEN_PLIES: f64 = 1.0;
+const EVENTS_OF_PULLED_PLIES: f64 = 7.0;
 /// Memory of the process itself and of a particle [MB], by a factor and without one.
 const PROCESS_MB: f64 = 20.0;
 const FACTORED_MB: f64 = 2.8e-3;
@@ -61,29 +69,27 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
                 let radius = test.loading_radius_mm.min(test.support_radius_mm);
                 let strides = test.displacement_mm.map(|way| 4.0 * way / radius);
                 ROLLING_ROUNDS * strides.unwrap_or(STRIDES).max(steps)
+            } else if laid.first().is_some_and(|laid| laid.is_graded) {
+                CONTACT_ROUNDS_GRADED * steps
             } else {
                 CONTACT_ROUNDS * steps
             }
         }
-        _ if knobs.geometry == Geometry::Large => NEWTON_ROUNDS * steps,
+        _ if knobs.geometry == Geometry::Large => FIRST_ROUNDS + NEWTON_ROUNDS * steps,
         _ => 1.0,
-    };
-    let particles_of = |laid: &Laid| {
-        let is_refined = is_bent && laid.is_graded;
-        laid.particles as f64 * if is_refined { AT_ROLLERS } else { 1.0 }
     };
     let on_grids: f64 = laid
         .iter()
         .map(|laid| {
-            let particles = particles_of(laid);
+            let particles = laid.particles as f64;
             let one = SOLUTION * (particles / 1e4).powf(SOLUTION_POWER);
             let moved = spec.test.history.as_ref().map_or(0.0, |history| {
-                STEP * history.duration_s / time_step_s(spec, laid)
+                STEP_OF_HISTORY * history.duration_s / time_step_s(spec, laid)
             });
             particles * (rounds * one + moved)
         })
         .sum();
-    let particles = laid.first().map_or(0.0, particles_of);
+    let particles = laid.first().map_or(0.0, |laid| laid.particles as f64);
     // a wave runs through the smallest cells no faster than through others
     let longer = spec.section.length_mm.max(spec.section.height_mm);
     let longest = laid.first().map_or(1.0, |laid| longer / laid.smallest_mm);
@@ -98,12 +104,21 @@ pub(super) fn estimate(spec: &CompositeBending, calibration: &Calibration) -> Es
         Solver::Xpbd => REST_XPBD * sweeps * longest,
     };
     let events = spec.test.breaking.as_ref().map_or(0.0, |breaking| {
-        let expected = EVENTS * f64::from(breaking.teeth) * particles.sqrt();
+        let each = if spec.ply_interface.is_some() {
+            EVENTS_BETWEEN_PLIES
+        } else if spec.test.tension.is_some() && spec.plies.len() > 1 {
+            EVENTS_OF_PULLED_PLIES
+        } else {
+            EVENTS
+        };
+        let expected = each * f64::from(breaking.teeth) * particles.sqrt();
         expected.min(breaking.max_events as f64)
     });
-    let work = on_grids + particles * (to_rest + EVENT * events);
+    let is_pressed = is_bent && laid.first().is_some_and(|laid| laid.is_graded);
+    let event = if is_pressed { EVENT_AT_ROLLERS } else { EVENT };
+    let work = on_grids + particles * (to_rest + event * events);
     let memory_of = |laid: &Laid| {
-        let particles = particles_of(laid);
+        let particles = laid.particles as f64;
         let is_stretched = is_bent && laid.is_graded;
         let stretch = if is_stretched {
             f64::INFINITY

@@ -1,4 +1,5 @@
 //! Lines of particles of a spec's grid, as far as the spec alone tells them.
+use super::rollers::beneath_rollers;
 use super::{Axis, CompositeBending, Grid, Grips, Lattice, Solver, Support, SupportWord, Way};
 use crate::section::fibre::{Band, Fibre};
 use crate::section::lines::{Fine, Towards, even_lines, fitted_lines, graded_lines, pass_through};
@@ -47,8 +48,8 @@ impl CompositeBending {
         [self.section.length_mm, self.section.height_mm]
     }
 
-    /// Particles of the lattice, those of a graded grid as far as they can be foreseen: without what
-    /// rollers add, and of very many fibres or plies those of even cells.
+    /// Particles of the lattice, those of a graded grid as far as they can be foreseen: what rollers add is
+    /// about that of a beam on them, and of very many fibres or plies there are those of even cells.
     pub fn particles(&self) -> u64 {
         self.laid_on(self.grid()).particles
     }
@@ -126,6 +127,8 @@ impl CompositeBending {
             } else {
                 Default::default()
             };
+            let beneath = beneath_rollers(self);
+            let fine = [0, 1].map(|axis| [&fine[axis][..], &beneath[axis]].concat());
             return [0, 1].map(|axis| {
                 let largest = sides[axis] / f64::from(grid.cells[axis]);
                 graded_lines(sides[axis], &fine[axis], largest, &corners[axis])

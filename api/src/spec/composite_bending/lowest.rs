@@ -44,7 +44,7 @@ pub(super) fn lowest_per_s(spec: &CompositeBending, any_density: f64) -> Option<
 }
 
 /// Mean stiffness [MPa] and density [kg/m³] of what a section holds, as if all of it lay in layers.
-fn average(spec: &CompositeBending, any_density: f64) -> Option<(Stiffness, f64)> {
+pub(super) fn average(spec: &CompositeBending, any_density: f64) -> Option<(Stiffness, f64)> {
     let state = spec.section.state.into();
     let area = spec.section.length_mm * spec.section.height_mm;
     let mut layers: Vec<(f64, Stiffness)> = Vec::new();

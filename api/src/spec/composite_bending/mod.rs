@@ -15,6 +15,7 @@ mod lines;
 mod lowest;
 mod material;
 mod results;
+mod rollers;
 mod study;
 mod test;
 

@@ -32,6 +32,7 @@ mod tests;
 mod watch;
 
 use loadframe_api::Report;
+use loadframe_api::section::contact::CONTACT_CELLS;
 use loadframe_api::spec::composite_bending::{Accuracy, CompositeBending, Knobs, Lattice, Solver};
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
@@ -42,10 +43,6 @@ use model::Model;
 use progress::Progress;
 use tested::Tested;
 use watch::{Checkpoint, Halt, Recorded, Unwatched, Watch};
-
-/// Cells through half the width of a roller's contact on the finest grid: Hertz's contact is then known
-/// to some per cent, and what it adds to a deflection far better.
-const CONTACT_CELLS: usize = 4;
 
 /// Runs the simulation of `spec`.
 ///

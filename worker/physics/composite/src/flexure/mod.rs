@@ -23,14 +23,14 @@ pub use deflected::{End, PointForce, deflected_line, line_on_supports};
 pub use loading::Loading;
 pub use reading::{BeamTest, Far, FlexureResult};
 
+use loadframe_api::section::contact::{CONTACT_REACH, hertz_half_width_mm};
 use places::middle;
 
 use crate::error::{CompositeError, positive};
 use crate::lattice::{Geometry, Lattice};
 use crate::section::{Refinement, Section};
 use crate::solve::{
-    PressedRoller, Roller, Rolling, StaticOptions, contact_equilibrium, hertz_half_width_mm,
-    pressed_equilibrium,
+    PressedRoller, Roller, Rolling, StaticOptions, contact_equilibrium, pressed_equilibrium,
 };
 use crate::supports::{Face, Supports};
 
@@ -175,8 +175,7 @@ impl Flexure {
                 hertz_half_width_mm(&stiffness, section.thickness_mm, roller.radius_mm, force);
             Ok::<_, CompositeError>(Refinement {
                 at_mm: [roller.at_mm + wander, y],
-                // Half as much again: on layers the contact may be wider than on a half-space.
-                half_width_mm: 1.5 * half_width,
+                half_width_mm: CONTACT_REACH * half_width,
                 cell_mm: half_width / across as f64,
             })
         };

@@ -10,7 +10,7 @@ mod order;
 
 pub use contact::{
     ContactEquilibrium, PressedRoller, Roller, RollerContact, Rolling, RollingState,
-    contact_equilibrium, hertz_half_width_mm, pressed_equilibrium,
+    contact_equilibrium, pressed_equilibrium,
 };
 pub(crate) use contact::{Point, points};
 pub(crate) use direct::NoFactor;

@@ -6,8 +6,9 @@ use super::sections::{isotropic, plain};
 use crate::lattice::Lattice;
 use crate::material::PlaneState;
 use crate::section::{Division, Refinement};
-use crate::solve::{ContactEquilibrium, StaticOptions, hertz_half_width_mm, pressed_equilibrium};
+use crate::solve::{ContactEquilibrium, StaticOptions, pressed_equilibrium};
 use crate::supports::{Face, FaceSupport, Supports};
+use loadframe_api::section::contact::hertz_half_width_mm;
 
 /// A block on a clamped base, pressed from above in the middle, with cells of a size there.
 fn indented(state: PlaneState, force_n: f64, cell_mm: f64) -> ContactEquilibrium {

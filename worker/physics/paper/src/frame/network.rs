@@ -204,6 +204,12 @@ impl Network {
         self.strengths.len()
     }
 
+    /// Number of rings, of a network of tubes.
+    #[must_use]
+    pub fn rings(&self) -> Option<usize> {
+        self.tubes.as_ref().map(Tubes::rings)
+    }
+
     /// Nodes of a fibre, in order of arc length.
     #[must_use]
     pub fn nodes_of(&self, fibre: usize) -> std::ops::Range<usize> {

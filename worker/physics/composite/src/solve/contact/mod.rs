@@ -21,6 +21,6 @@ mod settled;
 mod trial;
 
 pub(crate) use reach::{Point, points};
-pub use roller::{ContactEquilibrium, PressedRoller, Roller, RollerContact, hertz_half_width_mm};
+pub use roller::{ContactEquilibrium, PressedRoller, Roller, RollerContact};
 pub use rolling::{Rolling, RollingState};
 pub use settled::{contact_equilibrium, pressed_equilibrium};

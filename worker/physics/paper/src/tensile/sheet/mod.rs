@@ -4,13 +4,14 @@
 //! is given or laid, with [`bonds`] by their area; [`laid`] measures the latter, and [`theory`] tells what
 //! it could bear; [`course`] pulls it from break to break and keeps all that counts; [`tables`],
 //! [`pictures`], [`results`], [`report`] and [`warnings`] turn that into files and results, and
-//! [`straight_parts`] and [`bonds_inside`] say how wrong stiffness is, and [`together`] strength. This file
+//! [`straight_parts`], [`bonds_inside`] and [`bonds_between_rings`] say how wrong stiffness is, and [`together`] strength. This file
 //! holds the loop, which alone talks to the recorder. A job of repeats or of both directions is several such tests side by side
 //! ([`loadframe_harness::plan`]),
 //! their results joined.
 //!
 //! An interrupt is seen between breaks.
 mod bonds;
+mod bonds_between_rings;
 mod bonds_inside;
 mod course;
 mod laid;

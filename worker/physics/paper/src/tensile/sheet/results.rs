@@ -2,6 +2,7 @@
 use loadframe_api::spec::paper_tensile::PaperTensile;
 use loadframe_harness::ReportBuilder;
 
+use super::bonds_between_rings;
 use super::bonds_inside;
 use super::course::{Mode, Record};
 use super::laid::Laid;
@@ -53,12 +54,17 @@ fn strength(
     specimen: &Specimen,
     measures: &PullMeasures,
 ) {
-    // straight parts of fibres, and bonds inside them, make stiffness too large; of no other result was
+    // straight parts of fibres, and bonds inside them or between the rings of tubes, make stiffness too large; of no other result was
     // that measured
     let errors = |stiffness: f64| {
         let parts = straight_parts::error(spec, stiffness).into_iter();
         parts
             .chain(bonds_inside::error(spec, &specimen.network, stiffness))
+            .chain(bonds_between_rings::error(
+                spec,
+                &specimen.network,
+                stiffness,
+            ))
             .collect()
     };
     let (width, length) = (specimen.width_mm, specimen.length_mm);

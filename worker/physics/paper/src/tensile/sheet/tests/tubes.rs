@@ -64,6 +64,20 @@ fn a_sheet_of_tubes_breaks_beside_the_same_sheet_of_beams() {
     for same in ["grammage", "fibres", "bonds", "cox_stiffness_index"] {
         assert_eq!(value(&tubes, same), value(&beams, same), "{same}");
     }
+    // tubes are as much too stiff as they say, beams have nothing of it
+    let [told, beside] = [&tubes, &beams].map(|report| {
+        let error = report.summary["tensile_stiffness"].error.as_ref();
+        let mut parts = error.into_iter().flat_map(|error| &error.parts);
+        let part = parts.find(|part| part.source == "bonds_between_rings");
+        part.map(|part| part.value)
+    });
+    let apart = value(&tubes, "tensile_stiffness") - value(&beams, "tensile_stiffness");
+    let told = told.unwrap();
+    assert!(
+        apart > 0.0 && apart < 3.0 * told && told < 3.0 * apart,
+        "{apart} {told}"
+    );
+    assert_eq!(beside, None);
     // E A and G J are those of the beam, E I is less; nothing else differs but where bonds hold
     let share = value(&tubes, "bending_stiffness") / value(&tubes, "bending_stiffness_of_wall");
     assert!((0.7..1.0).contains(&share), "{share}");
