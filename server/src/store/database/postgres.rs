@@ -83,11 +83,14 @@ const NO_TEXT: [&str; 2] = ["22021", "22P05"];
 /// `disk_full`.
 const FULL: &str = "53100";
 
+/// Statements are many and short, and what they may cost at worst is far from what they do: compiling one takes
+/// a thousand times as long as carrying it out.
+const AS_IT_IS: (&str, &str) = ("jit", "off");
+
 /// A connection that writes.
 pub(super) async fn connect(database: &PgConnectOptions) -> sqlx::Result<PgConnection> {
-    let database = database
-        .clone()
-        .options([("idle_in_transaction_session_timeout", STANDSTILL)]);
+    let standstill = ("idle_in_transaction_session_timeout", STANDSTILL);
+    let database = database.clone().options([standstill, AS_IT_IS]);
     database.connect().await
 }
 
@@ -111,9 +114,8 @@ pub(super) fn kind(name: &str) -> Kind {
 
 /// Connections that cannot write.
 pub(super) async fn reading(database: &PgConnectOptions, connections: u32) -> sqlx::Result<PgPool> {
-    let read_only = database
-        .clone()
-        .options([("default_transaction_read_only", "on")]);
+    let read_only = ("default_transaction_read_only", "on");
+    let read_only = database.clone().options([read_only, AS_IT_IS]);
     PgPoolOptions::new()
         .max_connections(connections)
         .connect_with(read_only)
