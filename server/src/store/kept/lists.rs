@@ -168,13 +168,18 @@ impl KeptList<'_> {
         }
     }
 
+    /// More than few jobs are by now: so that the database knows it, which guesses far more.
+    fn at_most(&self) -> u32 {
+        self.looks.few.saturating_mul(2)
+    }
+
     /// The numbers of the few jobs, as `seq`.
     fn source(&self, few: Few, words: &Words, walk: JobWalk<'_>) -> Builder {
         let mut source = Builder::default();
         match few {
             Few::Seen => words.push_seen(&mut source),
             Few::Filtered => {
-                source = words.statement("SELECT j.seq FROM ", walk, None, self.looks.few);
+                source = words.statement("SELECT j.seq FROM ", walk, None, self.at_most());
             }
             Few::Found(place) => {
                 let (field, condition) = self.conditions[place];
@@ -202,6 +207,9 @@ impl KeptList<'_> {
             None => Builder::new("SELECT n.seq, NULL, NULL FROM (SELECT DISTINCT seq FROM ("),
         };
         query.append(source);
+        if !matches!(few, Few::Filtered) {
+            query.push(" LIMIT ").push_bind(self.at_most());
+        }
         query.push(") s) n CROSS JOIN jobs j");
         if let Some((field, _)) = self.order {
             query.push(" LEFT JOIN kept_values v ON v.job = n.seq AND v.field = ");
